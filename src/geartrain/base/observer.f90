@@ -1,0 +1,31 @@
+!> How long work reports and is stopped: the library itself is silent.
+module geartrain_base_observer
+   use geartrain_base_kinds, only: dp
+   implicit none (type, external)
+   private
+   public :: observer_type
+
+   !> Extend it and give `on_step` to be told of every point; pass none to be told nothing.
+   type, abstract :: observer_type
+   contains
+      procedure(on_step_interface), deferred :: on_step
+   end type observer_type
+
+   abstract interface
+      !> Called after each point of an analysis.
+      subroutine on_step_interface(self, analysis, done, frequency, keep_going)
+         import :: observer_type, dp
+         implicit none (type, external)
+         class(observer_type), intent(inout) :: self
+         !> Name of the analysis: 'response', 'integration', ...
+         character(*), intent(in) :: analysis
+         !> Points done so far.
+         integer, intent(in) :: done
+         !> Lambda of the latest point [1].
+         real(dp), intent(in) :: frequency
+         !> Set it to .false. to end the analysis; its points so far are kept.
+         logical, intent(inout) :: keep_going
+      end subroutine on_step_interface
+   end interface
+
+end module geartrain_base_observer

@@ -1,0 +1,61 @@
+!> A branch of periodic motions over frequency: what continuation gives, point by point, through the folds.
+module geartrain_branch_branch
+   use geartrain_base_kinds, only: dp
+   use geartrain_motion_motion, only: motion_type
+   implicit none (type, external)
+   private
+   public :: branch_type, response_settings_type, special_point_type
+
+   !> The variables of &response; from and to are `start` and `stop`.
+   type :: response_settings_type
+      real(dp) :: start = 0, stop = 0
+      !> Harmonics of Lambda/subharmonic; 0 lets the program choose for `tolerance`.
+      integer :: harmonics = 6
+      integer :: subharmonic = 1
+      logical :: stability = .true.
+      !> Largest rms over characteristic length; negative: 12 with backlash, none for a linear train.
+      real(dp) :: amplitude_limit = -1
+      !> 'exact' or 'sampled' (the paper's DFT, with `samples` points a period; 0: chosen).
+      character(16) :: coefficients = 'exact'
+      integer :: samples = 0
+      !> 'arclength' or 'local' (the paper's switching of the control parameter, equation (11)).
+      character(16) :: control = 'arclength'
+      !> Relative error of the waveform aimed at where harmonics = 0.
+      real(dp) :: tolerance = 1e-4_dp
+      !> Largest step along the branch, in Lambda and mesh displacement together.
+      real(dp) :: step = 0.05_dp
+      integer :: max_points = 20000
+   end type response_settings_type
+
+   !> A place on the branch that a reader looks for.
+   type :: special_point_type
+      !> 'fold', 'period doubling', 'torus' (a pair of multipliers leaves the unit circle) or 'symmetry' (+1 without fold).
+      character(16) :: kind = ''
+      real(dp) :: frequency = 0
+      !> Index of the point before it.
+      integer :: point = 0
+      real(dp), allocatable :: rms(:)
+   end type special_point_type
+
+   type :: branch_type
+      integer :: points = 0, meshes = 0, states = 0, harmonics = 0, subharmonic = 1
+      !> Lambda, (point).
+      real(dp), allocatable :: frequency(:)
+      !> (1 + 2*harmonics, mesh, point), see motion_type.
+      real(dp), allocatable :: coefficients(:, :, :)
+      !> (mesh, point), see motion_type.
+      real(dp), allocatable :: rms(:, :), mean(:, :), minimum(:, :), maximum(:, :)
+      !> (state, point) and (point); not allocated when stability was not asked for.
+      complex(dp), allocatable :: multipliers(:, :)
+      logical, allocatable :: stable(:)
+      !> Relative error of the waveform as estimated, (point).
+      real(dp), allocatable :: error_estimate(:)
+      !> 1 for the points traced from `start`, 2 for those traced from `stop`; (point).
+      integer, allocatable :: part(:)
+      type(special_point_type), allocatable :: special_points(:)
+      !> Why it ended, in words; complete is .true. where it got to the other end or closed.
+      character(:), allocatable :: ended
+      logical :: complete = .false., closed = .false.
+   end type branch_type
+
+end module geartrain_branch_branch

@@ -1,0 +1,20 @@
+!> A torsional shaft in SI units.
+module geartrain_model_shaft
+   use geartrain_base_kinds, only: dp
+   implicit none (type, external)
+   private
+   public :: shaft_type
+
+   type :: shaft_type
+      !> Torsional stiffness [N m/rad]; not used when rigid.
+      real(dp) :: stiffness = 0
+      !> Damping ratio [1], c/(2 sqrt(k m_eq)), m_eq = 1/(1/I_a + 1/I_b); or `damping`, whichever is given.
+      real(dp) :: damping_ratio = 0
+      !> Damping coefficient [N m s/rad], in force when `damping_given`.
+      real(dp) :: damping = 0
+      logical :: damping_given = .false.
+      !> The inertias at its ends move as one.
+      logical :: rigid = .false.
+   end type shaft_type
+
+end module geartrain_model_shaft

@@ -1,0 +1,24 @@
+!> A gear train as the user gives it, in SI units: M shafts in a chain and the M-1 gear pairs between them.
+module geartrain_model_train
+   use geartrain_base_kinds, only: dp
+   use geartrain_model_mesh, only: mesh_type
+   use geartrain_model_shaft, only: shaft_type
+   implicit none (type, external)
+   private
+   public :: train_type
+
+   type :: train_type
+      character(:), allocatable :: title
+      !> Mean input torque [N m]; the output torque balances it by itself.
+      real(dp) :: input_torque = 0
+      !> Harmonics 1.. of the input torque [N m], orders of Lambda, equation (7c).
+      real(dp), allocatable :: torque_cos(:), torque_sin(:)
+      !> Inertias at the two ends [kg m^2]; 0 is allowed on a rigid shaft.
+      real(dp) :: prime_mover_inertia = 0, load_inertia = 0
+      !> Unit of mesh displacement, b_c [m], and of frequency, omega_c [rad/s], equation (4).
+      real(dp) :: characteristic_length = 0, characteristic_frequency = 0
+      type(shaft_type), allocatable :: shafts(:)
+      type(mesh_type), allocatable :: meshes(:)
+   end type train_type
+
+end module geartrain_model_train

@@ -1,0 +1,30 @@
+!> A periodic motion of a train: what every method (balance, integration, shooting) gives.
+module geartrain_motion_motion
+   use geartrain_base_kinds, only: dp
+   implicit none (type, external)
+   private
+   public :: motion_type
+
+   type :: motion_type
+      !> Lambda [1].
+      real(dp) :: frequency = 0
+      !> Period in fundamental mesh periods (the sub-harmonic index eta); 0 where none was found.
+      integer :: period = 1
+      !> Mesh displacement over characteristic length, (1 + 2*harmonics, mesh): mean, cos 1, sin 1, cos 2, ...
+      !> of the fundamental frequency Lambda/period, equation (7d).
+      real(dp), allocatable :: coefficients(:, :)
+      !> Per mesh, over characteristic length: the paper's rms (square root of the sum of squared harmonic
+      !> amplitudes, which is sqrt(2) times the true AC rms), mean, minimum and maximum.
+      real(dp), allocatable :: rms(:), mean(:), minimum(:), maximum(:)
+      !> State at time 0: displacement of every element, then its velocity; allocated where integration gave it.
+      real(dp), allocatable :: state(:)
+      !> Floquet multipliers over one period of the motion; allocated where they were asked for.
+      complex(dp), allocatable :: multipliers(:)
+      logical :: stable = .false.
+      !> Relative error of the waveform, as estimated; negative where there is no estimate.
+      real(dp) :: error_estimate = -1
+      !> Share of random starts that settled on this motion; negative where it was not counted.
+      real(dp) :: share = -1
+   end type motion_type
+
+end module geartrain_motion_motion
