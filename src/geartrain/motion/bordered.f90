@@ -46,6 +46,7 @@ contains
 
       n = self%block
       info = 0
+      if (self%blocks == 0) return
       do j = 1, self%blocks - 1
          associate (d => self%diagonal(:, :, j), pivot => self%pivot(:, j))
             call dgetrf(n, n, d, n, pivot, info)
@@ -73,6 +74,10 @@ contains
       real(dp), intent(inout) :: x(:, :), y
       integer :: j, n, status
 
+      if (self%blocks == 0) then
+         y = y/self%corner
+         return
+      end if
       n = self%block
       do j = 1, self%blocks - 1
          call dgetrs('N', n, 1, self%diagonal(:, :, j), n, self%pivot(:, j), x(:, j), n, status)
