@@ -83,49 +83,35 @@ contains
       real(dp), intent(in) :: omega, d_omega
       logical, intent(in) :: unknown(:)
       type(receptance_type), intent(inout) :: r
-      complex(dp) :: pivot, d_pivot, z, ratio, d_ratio, to_before, to_after, d_before, d_after
-      integer :: before, after
+      complex(dp) :: pivot, d_pivot, z
+      integer :: before
 
       z = cmplx(1, omega*system%damping(system%mesh_element(j)), dp)
       pivot = 1/z + r%h(2, j)
       d_pivot = r%dh(2, j) - cmplx(0, d_omega*system%damping(system%mesh_element(j)), dp)/z**2
-      after = j + 1
       do before = j - 1, 1, -1
          if (unknown(before)) exit
       end do
-      to_before = r%h(1, j)
-      d_before = r%dh(1, j)
-      to_after = r%h(3, j)
-      d_after = r%dh(3, j)
-      if (before >= 1) then
-         ratio = r%h(3, before)/pivot
-         d_ratio = (r%dh(3, before) - ratio*d_pivot)/pivot
-         call subtract(before)
-         r%h(3, before) = -ratio*to_after
-         r%dh(3, before) = -d_ratio*to_after - ratio*d_after
-         r%h(2, before) = r%h(2, before) - ratio*to_before
-         r%dh(2, before) = r%dh(2, before) - d_ratio*to_before - ratio*d_before
-      end if
-      if (after <= system%meshes) then
-         ratio = r%h(1, after)/pivot
-         d_ratio = (r%dh(1, after) - ratio*d_pivot)/pivot
-         call subtract(after)
-         r%h(1, after) = -ratio*to_before
-         r%dh(1, after) = -d_ratio*to_before - ratio*d_before
-         r%h(2, after) = r%h(2, after) - ratio*to_after
-         r%dh(2, after) = r%dh(2, after) - d_ratio*to_after - ratio*d_after
-      end if
-
-   contains
-
-      pure subroutine subtract(row)
-         integer, intent(in) :: row
-
-         r%a(row) = r%a(row) - ratio*r%a(j)
-         r%da(row) = r%da(row) - d_ratio*r%a(j) - ratio*r%da(j)
-      end subroutine subtract
-
+      if (before >= 1) call eliminate_from(r, before, 3, j, pivot, d_pivot)
+      if (j < system%meshes) call eliminate_from(r, j + 1, 1, j, pivot, d_pivot)
    end subroutine eliminate
+
+   !> Eliminates mesh j from `row`, where its receptance stands in `column`; the far neighbour of j takes its place.
+   pure subroutine eliminate_from(r, row, column, j, pivot, d_pivot)
+      type(receptance_type), intent(inout) :: r
+      integer, intent(in) :: row, column, j
+      complex(dp), intent(in) :: pivot, d_pivot
+      complex(dp) :: ratio, d_ratio
+
+      ratio = r%h(column, row)/pivot
+      d_ratio = (r%dh(column, row) - ratio*d_pivot)/pivot
+      r%a(row) = r%a(row) - ratio*r%a(j)
+      r%da(row) = r%da(row) - d_ratio*r%a(j) - ratio*r%da(j)
+      r%h(column, row) = -ratio*r%h(column, j)
+      r%dh(column, row) = -d_ratio*r%h(column, j) - ratio*r%dh(column, j)
+      r%h(2, row) = r%h(2, row) - ratio*r%h(4 - column, j)
+      r%dh(2, row) = r%dh(2, row) - d_ratio*r%h(4 - column, j) - ratio*r%dh(4 - column, j)
+   end subroutine eliminate_from
 
    !> Given the forces phi (mesh) of the unknown meshes at one harmonic, fills in those of the eliminated ones and their
    !> displacements p = phi/z. Back substitution: the last eliminated first.

@@ -237,11 +237,11 @@ contains
    end subroutine full_coefficients
 
    !> Relative error of the waveform: the residual at harmonics highest+1 .. 2 highest is minus the missing tail; its
-   !> first-order effect on the kept harmonics costs one solve with `matrix`, factored at this solution with the border
-   !> column dS/dLambda and a border row that holds Lambda.
-   subroutine error_estimate(self, u, frequency, matrix, estimate)
+   !> first-order effect on the kept harmonics, at constant Lambda, costs one solve with `matrix`, factored at this solution
+   !> with any border row; the tangent (and its Lambda part) takes out what that row lets Lambda move.
+   subroutine error_estimate(self, u, frequency, tangent, tangent_frequency, matrix, estimate)
       class(balance_type), intent(in) :: self
-      real(dp), intent(in) :: u(:, :), frequency
+      real(dp), intent(in) :: u(:, :), frequency, tangent(:, :), tangent_frequency
       type(bordered_type), intent(inout) :: matrix
       real(dp), intent(out) :: estimate
       complex(dp) :: tail(self%highest, self%unknowns), phi(self%highest, self%unknowns), sum_
@@ -298,6 +298,7 @@ contains
       end do
       y = 0
       call matrix%solve(correction, y)
+      correction = correction - y/sign(max(abs(tangent_frequency), 1e-6_dp), tangent_frequency)*tangent
       estimate = sqrt((sum(abs(tail)**2) + 2*sum(correction(1, :)**2) + sum(correction(2:, :)**2)) &
                       /max(sum(u(2:, :)**2), tiny(1.0_dp)))
    end subroutine error_estimate

@@ -14,6 +14,8 @@ module geartrain_motion_bordered
       !> Border column and row, (block, blocks), and their corner.
       real(dp), allocatable :: column(:, :), row(:, :)
       real(dp) :: corner = 0
+      !> Sign of the determinant, set by `factor`: constant along a smooth branch that keeps its sense.
+      integer :: orientation = 1
       real(dp), allocatable, private :: last(:, :), joint(:)
       integer, allocatable, private :: pivot(:, :), last_pivot(:)
    contains
@@ -46,11 +48,13 @@ contains
 
       n = self%block
       info = 0
+      self%orientation = 1
       if (self%blocks == 0) return
       do j = 1, self%blocks - 1
          associate (d => self%diagonal(:, :, j), pivot => self%pivot(:, j))
             call dgetrf(n, n, d, n, pivot, info)
             if (info /= 0) return
+            self%orientation = self%orientation*determinant_sign(d, pivot)
             call dgetrs('N', n, n, d, n, pivot, self%upper(:, :, j), n, status)
             call dgetrs('N', n, 1, d, n, pivot, self%column(:, j), n, status)
          end associate
@@ -66,7 +70,20 @@ contains
       self%last(n + 1, :n) = self%row(:, j)
       self%last(n + 1, n + 1) = self%corner
       call dgetrf(n + 1, n + 1, self%last, n + 1, self%last_pivot, info)
+      self%orientation = self%orientation*determinant_sign(self%last, self%last_pivot)
    end subroutine factor
+
+   !> Sign of the determinant of a matrix factored by dgetrf.
+   pure integer function determinant_sign(a, pivot)
+      real(dp), intent(in) :: a(:, :)
+      integer, intent(in) :: pivot(:)
+      integer :: i
+
+      determinant_sign = 1
+      do i = 1, size(pivot)
+         if ((pivot(i) /= i) .neqv. (a(i, i) < 0)) determinant_sign = -determinant_sign
+      end do
+   end function determinant_sign
 
    !> Solves in place for the right-hand side x (block, blocks) and y of the border row.
    subroutine solve(self, x, y)
