@@ -31,6 +31,7 @@ module geartrain_branch_path
    contains
       procedure :: setup
       procedure :: solve_at
+      procedure :: correct
       procedure :: orient
       procedure :: advance
       procedure, private :: newton
@@ -58,6 +59,16 @@ contains
       row = 0
       call self%newton(place, row, 1.0_dp, huge(1.0_dp), success)
    end subroutine solve_at
+
+   !> Solves a place that is nearly a solution, across its tangent; renews the tangent.
+   subroutine correct(self, place, success)
+      class(path_type), intent(inout) :: self
+      type(place_type), intent(inout) :: place
+      logical, intent(out) :: success
+
+      call self%newton(place, weighted(place%tangent), place%tangent_frequency, huge(1.0_dp), success)
+      if (success) call self%find_tangent(place)
+   end subroutine correct
 
    !> Tangent at a solved place (after `solve_at`), Lambda growing or falling with `direction` = +1 or -1.
    subroutine orient(self, place, direction)

@@ -75,6 +75,7 @@ contains
       type(place_type), intent(out) :: place
       logical, intent(out) :: success
       type(motion_type) :: motion
+      type(place_type) :: start
       real(dp) :: weight, chord
       integer :: attempt
 
@@ -89,9 +90,8 @@ contains
          if (.not. success) cycle
          ! The solution between two neighbours is no further from either than twice their distance.
          motion%coefficients = branch%coefficients(:, :, i)
-         associate (start => place_of(tracer, motion))
-            success = sqrt(inner(place%u - start%u, place%u - start%u)) <= 2*chord + 1e-9_dp
-         end associate
+         start = place_of(tracer, motion)
+         success = sqrt(inner(place%u - start%u, place%u - start%u)) <= 2*chord + 1e-9_dp
          if (success) return
       end do
    end subroutine solve_between

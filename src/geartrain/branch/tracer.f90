@@ -89,7 +89,7 @@ contains
                                             self%path%matrix, self%estimate)
    end subroutine estimate_error
 
-   !> Follows the branch from `start` (solved, oriented, the latest point of the branch) within [low, high]. Of the two bounds
+   !> Follows the branch from `start` (solved, oriented, already a point of the branch) within [low, high]. Of the two bounds
    !> `target` is the end and the other one a return.
    subroutine trace(self, start, low, high, target, branch, outcome, reason, observer)
       class(tracer_type), intent(inout) :: self
@@ -102,8 +102,9 @@ contains
       type(place_type) :: here, next, origin
       real(dp) :: h, gap
       integer :: steps, mesh
-      logical :: success, keep_going
+      logical :: success, keep_going, begins_at_latest
 
+      begins_at_latest = abs(branch%frequency(branch%points) - start%frequency) <= 0
       here = start
       next = start
       origin = start
@@ -132,10 +133,11 @@ contains
             return
          end if
 
-         if (here%tangent_frequency*next%tangent_frequency < 0) call self%add_fold(here, next, h, branch)
+         if (turns(here, next)) call self%add_fold(here, next, h, branch)
          call self%record(next, branch)
-         if (self%recorder%stability) call self%add_stability_change(here, next, h, branch)
          steps = steps + 1
+         if (self%recorder%stability .and. (steps > 1 .or. begins_at_latest)) &
+            call self%add_stability_change(here, next, h, branch)
 
          if (present(observer)) then
             keep_going = .true.
@@ -185,6 +187,15 @@ contains
       acceptable = acceptable .and. (here%orientation == next%orientation .or. here%orientation == 0 .or. h < jump_step)
    end function acceptable
 
+   !> Whether Lambda turns between two points. Where a branch leaves vertically (a period-2 branch does, until contact is lost)
+   !> the sign of the tangent's Lambda part is rounding: that is no fold.
+   pure logical function turns(here, next)
+      type(place_type), intent(in) :: here, next
+
+      turns = here%tangent_frequency*next%tangent_frequency < 0 &
+              .and. max(abs(here%tangent_frequency), abs(next%tangent_frequency)) > 1e-6_dp
+   end function turns
+
    !> Of the angle between two tangents.
    pure real(dp) function cosine(here, next)
       type(place_type), intent(in) :: here, next
@@ -206,7 +217,7 @@ contains
    end function next_step
 
    !> Whether `origin` lies ahead, within the next step and close to the tangent; `gap` is the way there.
-   pure logical function closes(here, origin, h, gap)
+   logical function closes(here, origin, h, gap)
       type(place_type), intent(in) :: here, origin
       real(dp), intent(in) :: h
       real(dp), intent(out) :: gap
@@ -270,7 +281,7 @@ contains
       logical :: success, fold
 
       n = branch%points
-      fold = here%tangent_frequency*next%tangent_frequency < 0
+      fold = turns(here, next)
       before = n - 1
       if (fold) before = n - 2
       if (before < 1) return
@@ -305,7 +316,7 @@ contains
       call self%prepare(new)
       call self%refit(here)
       call self%refit(origin)
-      call self%path%solve_at(here, success)
+      call self%path%correct(here, success)
    end subroutine adapt
 
    !> Cuts or pads the coefficients of a place to the present number of harmonics.

@@ -11,6 +11,10 @@ module geartrain_motion_balance
    private
    public :: balance_type
 
+   !> Near a fold, where the Lambda part of the tangent falls below this, the error at constant Lambda grows without bound and
+   !> says nothing of the distance between the curves: it is no longer scaled up.
+   real(dp), parameter :: fold_slope = 0.05_dp
+
    type :: balance_type
       type(system_type) :: system
       !> Sub-harmonic index; harmonics of Lambda/eta that are carried; coefficients of a mesh, 1 + 2*size(harmonic).
@@ -298,7 +302,7 @@ contains
       end do
       y = 0
       call matrix%solve(correction, y)
-      correction = correction - y/sign(max(abs(tangent_frequency), 1e-6_dp), tangent_frequency)*tangent
+      correction = correction - y/sign(max(abs(tangent_frequency), fold_slope), tangent_frequency)*tangent
       estimate = sqrt((sum(abs(tail)**2) + 2*sum(correction(1, :)**2) + sum(correction(2:, :)**2)) &
                       /max(sum(u(2:, :)**2), tiny(1.0_dp)))
    end subroutine error_estimate

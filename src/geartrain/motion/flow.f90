@@ -66,7 +66,7 @@ contains
       self%tolerance = tolerance
       if (allocated(self%x)) deallocate (self%x, self%p, self%v, self%phi, self%kappa, self%excitation, self%contact)
       associate (n => system%elements)
-         allocate (self%x(columns, 2*n), self%p(columns, n, 0:order), self%v(columns, n, 0:order), self%phi(columns, n), &
+         allocate (self%x(columns, 2*n), self%p(columns, n, 0:order), self%v(columns, n, 0:order), self%phi(columns, 0:n + 1), &
                    self%kappa(0:order, system%meshes), self%excitation(0:order, n), self%contact(system%meshes))
       end associate
       self%contact = 1
@@ -80,6 +80,7 @@ contains
 
       self%frequency = frequency
       self%time = time
+      self%length = 0
       self%event_mesh = 0
       self%stuck = 0
       self%events = 0
@@ -172,51 +173,93 @@ contains
    !> Taylor coefficients of all columns at the present time.
    subroutine expand(self)
       class(flow_type), intent(inout) :: self
-      integer :: k, l, n, j
+      real(dp) :: spring(self%system%elements), reach
+      integer :: j, n, terms(self%system%meshes)
 
-      associate (system => self%system, p => self%p, v => self%v, phi => self%phi)
+      associate (system => self%system)
          n = system%elements
-         p(:, :, 0) = self%x(:, :n)
-         v(:, :, 0) = self%x(:, n + 1:)
+         self%p(:, :, 0) = self%x(:, :n)
+         self%v(:, :, 0) = self%x(:, n + 1:)
+         spring = 1
+         terms = -1
+         ! Terms of kappa beyond this reach do not show at the length that the step is going to have.
+         reach = 2*self%length
+         if (.not. reach > 0) reach = huge(1.0_dp)
          do j = 1, system%meshes
-            if (self%contact(j) == 0) cycle
+            n = system%mesh_element(j)
+            if (self%contact(j) == 0) spring(n) = 0
+            if (self%contact(j) == 0 .or. size(system%mesh_stiffness(j)%amplitude) == 0) cycle
+            spring(n) = 0
             self%kappa(:, j) = 0
             self%kappa(0, j) = 1
             call add_series(system%mesh_stiffness(j), self%frequency, self%time, 1.0_dp, self%kappa(:, j))
+            terms(j) = last_term(self%kappa(:, j), reach, 0.01_dp*self%tolerance)
          end do
          if (self%has_state) call expand_excitation(self)
-         do k = 0, self%order - 1
-            do n = 1, system%elements
-               j = system%element_mesh(n)
-               phi(:, n) = system%damping(n)*v(:, n, k)
-               if (j == 0) then
-                  phi(:, n) = phi(:, n) + p(:, n, k)
-               else if (self%contact(j) /= 0) then
-                  if (size(system%mesh_stiffness(j)%amplitude) == 0) then
-                     phi(:, n) = phi(:, n) + p(:, n, k)
-                  else
-                     do l = 0, k
-                        phi(:, n) = phi(:, n) + self%kappa(l, j)*p(:, n, k - l)
-                     end do
-                  end if
-                  if (self%has_state) then
-                     if (size(system%mesh_stiffness(j)%amplitude) > 0 .or. k == 0) phi(1, n) = phi(1, n) &
-                        - self%contact(j)*system%backlash(j)*self%kappa(k, j)
-                  end if
-               end if
-               if (self%has_state .and. k == 0 .and. j > 0) phi(1, n) = phi(1, n) - system%load(n)
-            end do
-            do n = 1, system%elements
-               p(:, n, k + 1) = v(:, n, k)/(k + 1)
-               v(:, n, k + 1) = system%coupling(2, n)*phi(:, n)
-               if (n > 1) v(:, n, k + 1) = v(:, n, k + 1) + system%coupling(1, n)*phi(:, n - 1)
-               if (n < system%elements) v(:, n, k + 1) = v(:, n, k + 1) + system%coupling(3, n)*phi(:, n + 1)
-               v(:, n, k + 1) = -v(:, n, k + 1)/(k + 1)
-               if (self%has_state) v(1, n, k + 1) = v(1, n, k + 1) + self%excitation(k, n)/(k + 1)
-            end do
-         end do
+         call recur(self%columns, system%elements, system%meshes, self%order, spring, terms, self%kappa, system, &
+                    self%contact, self%has_state, self%excitation, self%phi, self%p, self%v)
       end associate
    end subroutine expand
+
+   !> Index of the last coefficient that matters within `reach`.
+   pure integer function last_term(coefficient, reach, tolerance)
+      real(dp), intent(in) :: coefficient(0:), reach, tolerance
+      real(dp) :: power
+
+      last_term = ubound(coefficient, 1)
+      if (.not. reach < 1e10_dp) return
+      power = reach**last_term
+      do while (last_term > 1)
+         if (abs(coefficient(last_term))*power + abs(coefficient(last_term - 1))*power/reach > tolerance) exit
+         last_term = last_term - 1
+         power = power/reach
+      end do
+   end function last_term
+
+   !> The recurrence: p(k+1) = v(k)/(k+1), v(k+1) = (-W phi(k) + s(k))/(k+1) with phi = kappa g + gamma v. Columns of
+   !> neighbouring elements lie next to each other, so each line is one long loop.
+   pure subroutine recur(columns, elements, meshes, order, spring, terms, kappa, system, contact, has_state, excitation, &
+                         phi, p, v)
+      integer, intent(in) :: columns, elements, meshes, order, terms(meshes), contact(meshes)
+      real(dp), intent(in) :: spring(elements), kappa(0:order, meshes), excitation(0:order, elements)
+      type(system_type), intent(in) :: system
+      logical, intent(in) :: has_state
+      !> One element of zeros before the first and after the last.
+      real(dp), intent(inout) :: phi(columns, 0:elements + 1), p(columns, elements, 0:order), v(columns, elements, 0:order)
+      real(dp) :: w(columns, elements, 3), gamma(columns, elements), k_spring(columns, elements), inverse
+      integer :: n, j, k, l
+
+      do n = 1, elements
+         w(:, n, 1) = -system%coupling(1, n)
+         w(:, n, 2) = -system%coupling(2, n)
+         w(:, n, 3) = -system%coupling(3, n)
+         gamma(:, n) = system%damping(n)
+         k_spring(:, n) = spring(n)
+      end do
+      phi(:, 0) = 0
+      phi(:, elements + 1) = 0
+      do k = 0, order - 1
+         phi(:, 1:elements) = gamma*v(:, :, k) + k_spring*p(:, :, k)
+         do j = 1, meshes
+            n = system%mesh_element(j)
+            do l = 0, min(k, terms(j))
+               phi(:, n) = phi(:, n) + kappa(l, j)*p(:, n, k - l)
+            end do
+            if (.not. has_state) cycle
+            if (terms(j) >= 0) then
+               phi(1, n) = phi(1, n) - contact(j)*system%backlash(j)*kappa(k, j)
+            else if (k == 0) then
+               phi(1, n) = phi(1, n) - contact(j)*system%backlash(j)
+            end if
+            if (k == 0) phi(1, n) = phi(1, n) - system%load(n)
+         end do
+         inverse = 1.0_dp/(k + 1)
+         p(:, :, k + 1) = inverse*v(:, :, k)
+         v(:, :, k + 1) = inverse*(w(:, :, 1)*phi(:, 0:elements - 1) + w(:, :, 2)*phi(:, 1:elements) &
+                                   + w(:, :, 3)*phi(:, 2:elements + 1))
+         if (has_state) v(1, :, k + 1) = v(1, :, k + 1) + inverse*excitation(k, :)
+      end do
+   end subroutine recur
 
    !> Torque harmonics and second derivative of the transmission errors as accelerations.
    subroutine expand_excitation(self)

@@ -10,9 +10,10 @@ module geartrain_stability_monodromy
    private
    public :: monodromy_type, eigenvalues, is_stable
 
-   !> Relative error of a step and the order of the series: multipliers to about 1e-9.
-   real(dp), parameter :: tolerance = 1e-11_dp
-   integer, parameter :: order = 16
+   !> Relative error of a step and the order of the series: multipliers to about 1e-9. A high order is cheap, because the
+   !> recurrence costs the same for every term.
+   real(dp), parameter :: tolerance = 1e-10_dp
+   integer, parameter :: order = 28
    !> A piece is cut where its determinant falls below exp(-6): a smaller one drowns in rounding and checks nothing.
    real(dp), parameter :: largest_decay = 6
 
