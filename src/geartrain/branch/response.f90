@@ -139,7 +139,6 @@ contains
    subroutine settle_harmonics(tracer, place)
       type(tracer_type), intent(inout) :: tracer
       type(place_type), intent(inout) :: place
-      type(branch_type) :: scratch
       type(place_type) :: same
       integer :: i, before
       logical :: success, stability
