@@ -5,6 +5,11 @@ export PATH="$PWD/.venv/bin:$PATH" PIP_DISABLE_PIP_VERSION_CHECK=1 MPLBACKEND=Ag
 exec </dev/null
 mkdir -p build/log
 
+# log_of TITLE: where the log of a step or a test part goes.
+log_of() {
+   echo "build/log/$(tr -cs 'a-z0-9' '-' <<<"${1,,}" | sed 's/-*$//').log"
+}
+
 # show_tail LOG: the end of a log, set off from what the scripts say themselves.
 show_tail() {
    echo "--- the end of $1:"
@@ -14,7 +19,7 @@ show_tail() {
 # step MESSAGE COMMAND...: one line when the command works, also the tail of its log when it does not.
 step() {
    local message=$1 start=$SECONDS log status=0
-   log=build/log/$(tr -cs 'a-zA-Z0-9\n' '-' <<<"${message,,}").log
+   log=$(log_of "$message")
    shift
    printf '%-58s ' "$message"
    "$@" >"$log" 2>&1 || status=$?
