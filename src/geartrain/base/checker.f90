@@ -72,21 +72,21 @@ contains
 
       if (.not. allocated(value)) return
       bad = findloc(variable%allows(value), .false., dim=1)
-      if (bad > 0) call self%complain(variable%name, 'value '//integer_text(bad)//' is '//real_text(value(bad)), &
-                                      variable%expectation())
+      if (bad > 0) call self%complain(variable%name, real_text(value(bad)), variable%expectation(), bad)
    end subroutine check_list
 
    !> Adds 'name = value: expectation' unless the variable has its problem already.
-   subroutine complain(self, name, value, expectation)
+   subroutine complain(self, name, value, expectation, place)
       class(checker_type), intent(inout) :: self
       character(*), intent(in) :: name, value, expectation
+      !> Which value of a list it is.
+      integer, intent(in), optional :: place
+      character(:), allocatable :: text
 
       if (self%problems%reported(self%group, self%index, name)) return
-      if (index(value, 'value ') == 1) then
-         call self%problems%add(trim(name)//': '//value//': '//expectation, self%group, self%index, name)
-      else
-         call self%problems%add(trim(name)//' = '//value//': '//expectation, self%group, self%index, name)
-      end if
+      text = trim(name)
+      if (present(place)) text = text//' harmonic '//integer_text(place)
+      call self%problems%add(text//' = '//value//': '//expectation, self%group, self%index, name, place=place)
    end subroutine complain
 
    !> Adds 'lacks name (range)' unless the variable has its problem already.

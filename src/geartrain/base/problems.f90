@@ -11,6 +11,8 @@ module geartrain_base_problems
       character(16) :: group = ''
       integer :: index = 0
       character(64) :: name = ''
+      !> Which of its values, in a list; 0: all of them.
+      integer :: place = 0
       !> Place in the file; 0 where it has none.
       integer :: line = 0, column = 0
       !> The text names its group by itself.
@@ -20,20 +22,21 @@ module geartrain_base_problems
 
    type :: problems_type
       integer :: count = 0
-      type(problem_type), allocatable, private :: list(:)
+      type(problem_type), allocatable :: list(:)
    contains
       procedure :: add
       procedure :: reported
+      procedure :: in_group
       procedure :: raise
    end type problems_type
 
 contains
 
-   subroutine add(self, text, group, index, name, line, column, names_group)
+   subroutine add(self, text, group, index, name, line, column, names_group, place)
       class(problems_type), intent(inout) :: self
       character(*), intent(in) :: text
       character(*), intent(in), optional :: group, name
-      integer, intent(in), optional :: index, line, column
+      integer, intent(in), optional :: index, line, column, place
       logical, intent(in), optional :: names_group
       type(problem_type), allocatable :: longer(:)
       integer :: i
@@ -55,6 +58,7 @@ contains
          if (present(line)) problem%line = line
          if (present(column)) problem%column = column
          if (present(names_group)) problem%names_group = names_group
+         if (present(place)) problem%place = place
       end associate
    end subroutine add
 
@@ -71,6 +75,15 @@ contains
          if (reported) return
       end do
    end function reported
+
+   !> There is a problem with a group of this name already.
+   pure logical function in_group(self, group)
+      class(problems_type), intent(in) :: self
+      character(*), intent(in) :: group
+      integer :: i
+
+      in_group = any([(self%list(i)%group == group, i = 1, self%count)])
+   end function in_group
 
    !> Makes the error that tells all problems, one a line; none, no error.
    subroutine raise(self, file, error)

@@ -28,7 +28,7 @@ module geartrain_base_variable
    contains
       procedure :: allows
       procedure :: allows_text
-      procedure :: range
+      procedure :: range => range_text
       procedure :: expectation
    end type variable_type
 
@@ -126,7 +126,7 @@ contains
    end function allows_text
 
    !> What is allowed, short: '> 0', '>= 1, or 0', "'up', 'down' or 'both'"; '' where anything is.
-   pure function range(self) result(text)
+   pure function range_text(self) result(text)
       class(variable_type), intent(in) :: self
       character(:), allocatable :: text
 
@@ -142,7 +142,7 @@ contains
          text = text//'<= '//short(self%most)
       end if
       if (self%automatic < huge(1.0_dp)) text = text//', or '//short(self%automatic)
-   end function range
+   end function range_text
 
    !> What is allowed, as a message says it: 'must be > 0 N/m', 'must be >= 1, or 0 to leave the choice to the program'.
    pure function expectation(self) result(text)

@@ -3,11 +3,11 @@ module geartrain_case_reader
    use geartrain_base_error, only: error_type, fatal
    use geartrain_base_numbers, only: integer_text
    use geartrain_base_problems, only: problems_type
+   use geartrain_case_assigner, only: assigner_type
    use geartrain_case_case, only: case_type
-   use geartrain_case_collector, only: reader_type
    use geartrain_case_order, only: check_order
    use geartrain_case_scanner, only: group_type, scan_text
-   use geartrain_case_table, only: row_type, unknown_variable, variable_table
+   use geartrain_case_table, only: list_variables, row_type, unknown_variable
    use geartrain_case_variables, only: check_integration, check_response, groups, visit_integration, visit_modes, &
       visit_output, visit_response
    use geartrain_model_check, only: check_consistency
@@ -39,7 +39,7 @@ contains
       character(*), intent(in) :: name
       type(case_type), intent(out) :: case
       type(error_type), allocatable, intent(out) :: error
-      type(reader_type) :: reader
+      type(assigner_type) :: reader
       type(case_type) :: found
       type(row_type), allocatable :: rows(:)
       integer :: i, in_order
@@ -51,7 +51,7 @@ contains
       end if
       call check_order(reader%groups, reader%problems)
       in_order = reader%problems%count
-      rows = variable_table()
+      call list_variables(rows)
       do i = 1, size(reader%groups)
          call check_names(reader%groups(i), rows, reader%problems)
       end do
@@ -95,7 +95,7 @@ contains
    !> Leads the reader over the groups of the file, each with the part of the case that it fills.
    subroutine read_groups(case, reader)
       type(case_type), intent(inout) :: case
-      type(reader_type), intent(inout) :: reader
+      type(assigner_type), intent(inout) :: reader
       integer :: i
 
       allocate (case%train%shafts(reader%count_of('shaft')), case%train%meshes(reader%count_of('mesh')))
@@ -129,16 +129,16 @@ contains
 
    subroutine check_analyses(case, reader)
       type(case_type), intent(in) :: case
-      type(reader_type), intent(inout) :: reader
+      type(assigner_type), intent(inout) :: reader
       character(:), allocatable :: name, text
 
       if (allocated(case%response)) then
          call check_response(case%response, name, text)
-         if (text /= '' .and. .not. reader%any_reported('response')) call reader%problems%add(text, 'response', 1, name)
+         if (text /= '' .and. .not. reader%problems%in_group('response')) call reader%problems%add(text, 'response', 1, name)
       end if
       if (allocated(case%integration)) then
          call check_integration(case%integration, name, text)
-         if (text /= '' .and. .not. reader%any_reported('integration')) &
+         if (text /= '' .and. .not. reader%problems%in_group('integration')) &
             call reader%problems%add(text, 'integration', 1, name)
       end if
    end subroutine check_analyses

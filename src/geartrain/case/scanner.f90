@@ -34,6 +34,8 @@ module geartrain_case_scanner
       type(assignment_type), allocatable :: assignments(:)
    end type group_type
 
+   !> UTF-8's, EF BB BF, which some editors put first.
+   character(*), parameter :: byte_order_mark = char(239)//char(187)//char(191)
    integer, parameter :: most_values = 1000
 
 contains
@@ -46,7 +48,7 @@ contains
 
       allocate (groups(0))
       cursor%text = text//newline
-      if (index(text, achar(239)//achar(187)//achar(191)) == 1) cursor%at = 4
+      if (index(text, byte_order_mark) == 1) cursor%at = 4
       if (index(text, achar(0)) > 0) then
          call problems%add('this is a binary file, not a namelist')
          return

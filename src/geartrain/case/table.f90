@@ -1,4 +1,4 @@
-!> The table of input variables as rows: which there are, their kinds and defaults; and the nearest name to a misspelt one.
+!> The table of input variables as rows: which there are, their kinds and defaults; and the closest name to a misspelt one.
 module geartrain_case_table
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
@@ -7,10 +7,10 @@ module geartrain_case_table
    use geartrain_case_variables, only: groups, visit_case
    implicit none (type, external)
    private
-   public :: row_type, variable_table, unknown_group, unknown_variable
+   public :: row_type, list_variables, unknown_group, unknown_variable
 
    type :: row_type
-      character(12) :: group = ''
+      character(16) :: group = ''
       !> 'real', 'integer', 'logical', 'text' or 'reals' (a list).
       character(12) :: kind = ''
       !> As a case file would give it; blank: none.
@@ -33,15 +33,15 @@ module geartrain_case_table
 contains
 
    !> Every variable of every group, in the order of a case file.
-   function variable_table() result(rows)
-      type(row_type), allocatable :: rows(:)
+   subroutine list_variables(rows)
+      type(row_type), allocatable, intent(out) :: rows(:)
       type(collector_type) :: collector
       type(case_type) :: case
 
       allocate (collector%rows(0), case%train%shafts(1), case%train%meshes(1), case%response, case%integration)
       call visit_case(case, collector)
-      rows = collector%rows
-   end function variable_table
+      call move_alloc(collector%rows, rows)
+   end subroutine list_variables
 
    subroutine collect(self, variable, kind, default)
       class(collector_type), intent(inout) :: self
@@ -111,7 +111,7 @@ contains
       character(:), allocatable :: text
       integer :: i, best
 
-      best = nearest(name, [(groups(i)%name, i = 1, size(groups))])
+      best = closest(name, [(groups(i)%name, i = 1, size(groups))])
       text = 'unknown group &'//name
       if (best > 0) then
          text = text//' (did you mean &'//trim(groups(best)%name)//'?)'
@@ -135,7 +135,7 @@ contains
       names = pack([(rows(i)%variable%name, i = 1, size(rows))], [(rows(i)%group == group, i = 1, size(rows))])
       text = 'unknown variable "'//name//'" in &'//group
       meant = ''
-      best = nearest(name, names)
+      best = closest(name, names)
       if (name == 'start') best = findloc(names, 'from', dim=1)
       if (name == 'stop') best = findloc(names, 'to', dim=1)
       if (best > 0) then
@@ -162,20 +162,20 @@ contains
    end subroutine unknown_variable
 
    !> The candidate that is least different from `name`, at most one letter in three; 0: none.
-   pure integer function nearest(name, candidates)
+   pure integer function closest(name, candidates)
       character(*), intent(in) :: name, candidates(:)
       integer :: i, distance, least
 
-      nearest = 0
+      closest = 0
       least = max(1, len(name)/3) + 1
       do i = 1, size(candidates)
          distance = edits(name, trim(candidates(i)))
          if (distance < least) then
             least = distance
-            nearest = i
+            closest = i
          end if
       end do
-   end function nearest
+   end function closest
 
    !> Letters to change, insert, delete or swap with the next (optimal string alignment).
    pure integer function edits(a, b)
@@ -187,8 +187,10 @@ contains
       do j = 1, len(b)
          do i = 1, len(a)
             table(i, j) = min(table(i - 1, j) + 1, table(i, j - 1) + 1, table(i - 1, j - 1) + merge(0, 1, a(i:i) == b(j:j)))
-            if (i == 1 .or. j == 1) cycle
-            if (a(i:i) == b(j - 1:j - 1) .and. a(i - 1:i - 1) == b(j:j)) table(i, j) = min(table(i, j), table(i - 2, j - 2) + 1)
+            if (i > 1 .and. j > 1) then
+               if (a(i:i) == b(j - 1:j - 1) .and. a(i - 1:i - 1) == b(j:j)) &
+                  table(i, j) = min(table(i, j), table(max(i - 2, 0), max(j - 2, 0)) + 1)
+            end if
          end do
       end do
       edits = table(len(a), len(b))

@@ -65,7 +65,8 @@ contains
       call v%on_logical(row('rigid', '', 'the inertias at the ends of the shaft move as one; it then has neither stiffness nor &
                             &damping'), shaft%rigid)
       elastic = .not. shaft%rigid
-      call v%on_real(row('stiffness', 'N m/rad', 'torsional stiffness; required unless rigid', above=zero), shaft%stiffness, elastic)
+      call v%on_real(row('stiffness', 'N m/rad', 'torsional stiffness; required unless rigid', above=zero), &
+                     shaft%stiffness, elastic)
       by_ratio = .not. shaft%rigid .and. .not. shaft%damping_given
       call v%on_real(row('damping_ratio', '', 'c/(2 sqrt(k m)) with 1/m = 1/I_a + 1/I_b of the inertias at the ends', &
                          least=zero), shaft%damping_ratio, by_ratio)
