@@ -1,6 +1,6 @@
 !> A row of the table of input variables, and the visitor that is led over the rows and the values that they name.
 !>
-!> The table itself is written as visits (`geartrain_model_variables`, `geartrain_case_variables`): one call a variable ties its
+!> The table itself is written as visits (the modules `geartrain_*_variables`): one call a variable ties its
 !> name, unit, range and description to the component that holds it. Reading, checking, writing and documenting are visitors.
 module geartrain_base_variable
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite

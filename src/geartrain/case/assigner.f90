@@ -40,11 +40,11 @@ contains
       if (.not. found) return
       call read_real(token, value, wrong)
       if (wrong == '' .and. .not. variable%allows(value)) wrong = variable%expectation()
-      if (wrong /= '') call self%complain(variable%name, token%text, wrong)
+      if (wrong /= '') call self%complain(variable%name, shown(token), wrong)
       if (present(in_force)) in_force = .true.
       if (variable%excludes == '') return
       call self%find(variable%excludes, group, other)
-      if (other > 0) call self%complain(variable%name, token%text, 'is given together with '//trim(variable%excludes)// &
+      if (other > 0) call self%complain(variable%name, shown(token), 'is given together with '//trim(variable%excludes)// &
                                         ': leave out one of the two')
    end subroutine assign_real
 
@@ -60,7 +60,7 @@ contains
       if (.not. found) return
       call read_integer(token, value, wrong)
       if (wrong == '' .and. .not. variable%allows(real(value, dp))) wrong = variable%expectation()
-      if (wrong /= '') call self%complain(variable%name, token%text, wrong)
+      if (wrong /= '') call self%complain(variable%name, shown(token), wrong)
    end subroutine assign_integer
 
    subroutine assign_logical(self, variable, value)
@@ -74,7 +74,7 @@ contains
       call self%find_one(variable, token, found)
       if (.not. found) return
       call read_logical(token, value, wrong)
-      if (wrong /= '') call self%complain(variable%name, token%text, wrong)
+      if (wrong /= '') call self%complain(variable%name, shown(token), wrong)
    end subroutine assign_logical
 
    subroutine assign_text(self, variable, value)
@@ -89,7 +89,7 @@ contains
       if (.not. found) return
       call read_text(token, value, wrong)
       if (wrong /= '') then
-         call self%complain(variable%name, token%text, wrong)
+         call self%complain(variable%name, shown(token), wrong)
       else
          call self%checker_type%on_text(variable, value)
       end if
@@ -112,7 +112,7 @@ contains
             call read_real(given%values(i), value(i), wrong)
             if (wrong == '' .and. .not. variable%allows(value(i))) wrong = variable%expectation()
             if (wrong == '') cycle
-            call self%complain(trim(variable%name), given%values(i)%text, wrong, i)
+            call self%complain(trim(variable%name), shown(given%values(i)), wrong, i)
             return
          end do
       end associate
@@ -138,9 +138,9 @@ contains
          found = size(given%values) == 1
          token = given%values(1)
          if (found) return
-         text = token%text
+         text = shown(token)
          do i = 2, min(size(given%values), 4)
-            text = text//', '//given%values(i)%text
+            text = text//', '//shown(given%values(i))
          end do
          if (size(given%values) > 4) text = text//', ...'
          call self%complain(variable%name, text, 'takes one value, not '//integer_text(size(given%values))// &
@@ -201,5 +201,15 @@ contains
       end do
       call self%leave()
    end subroutine locate
+
+   !> A value as messages show it: in its quotes, and not at great length.
+   pure function shown(token) result(text)
+      type(token_type), intent(in) :: token
+      character(:), allocatable :: text
+
+      text = token%text
+      if (len(text) > 60) text = text(:57)//'...'
+      if (token%quoted) text = "'"//text//"'"
+   end function shown
 
 end module geartrain_case_assigner

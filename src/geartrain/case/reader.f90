@@ -3,15 +3,16 @@ module geartrain_case_reader
    use geartrain_base_error, only: error_type, fatal
    use geartrain_base_numbers, only: integer_text
    use geartrain_base_problems, only: problems_type
+   use geartrain_branch_variables, only: check_response_consistency, visit_response
    use geartrain_case_assigner, only: assigner_type
    use geartrain_case_case, only: case_type
    use geartrain_case_order, only: check_order
    use geartrain_case_scanner, only: group_type, scan_text
    use geartrain_case_table, only: list_variables, row_type, unknown_variable
-   use geartrain_case_variables, only: check_integration, check_response, groups, visit_integration, visit_modes, &
-      visit_output, visit_response
+   use geartrain_case_variables, only: groups, visit_modes, visit_output
    use geartrain_model_check, only: check_consistency
    use geartrain_model_variables, only: visit_mesh, visit_shaft, visit_train
+   use geartrain_motion_variables, only: check_integration_consistency, visit_integration
    implicit none (type, external)
    private
    public :: read_case, read_case_text
@@ -57,7 +58,8 @@ contains
       end do
       call read_groups(found, reader)
       if (in_order == 0) call check_consistency(found%train, reader)
-      call check_analyses(found, reader)
+      if (allocated(found%response)) call check_response_consistency(found%response, reader)
+      if (allocated(found%integration)) call check_integration_consistency(found%integration, reader)
       call reader%locate()
       call reader%problems%raise(name, error)
       if (.not. allocated(error)) case = found
@@ -83,8 +85,8 @@ contains
             do j = 1, i - 1
                if (group%assignments(j)%name /= this%name) cycle
                call problems%add(this%name//' is given twice; the first is on line '// &
-                                 integer_text(group%assignments(j)%line), group%name, group%index, this%name, &
-                                 this%line, this%column)
+                                 integer_text(group%assignments(j)%line), group%name, group%index, &
+                                 line=this%line, column=this%column)
                this%bad = .true.
                exit
             end do
@@ -126,22 +128,6 @@ contains
          end associate
       end do
    end subroutine read_groups
-
-   subroutine check_analyses(case, reader)
-      type(case_type), intent(in) :: case
-      type(assigner_type), intent(inout) :: reader
-      character(:), allocatable :: name, text
-
-      if (allocated(case%response)) then
-         call check_response(case%response, name, text)
-         if (text /= '' .and. .not. reader%problems%in_group('response')) call reader%problems%add(text, 'response', 1, name)
-      end if
-      if (allocated(case%integration)) then
-         call check_integration(case%integration, name, text)
-         if (text /= '' .and. .not. reader%problems%in_group('integration')) &
-            call reader%problems%add(text, 'integration', 1, name)
-      end if
-   end subroutine check_analyses
 
    !> The whole file as text.
    subroutine load(path, text, error)

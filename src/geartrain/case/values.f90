@@ -30,6 +30,8 @@ contains
          if (status /= 0) return
          wrong = 'must be a finite number (it is too large)'
          if (.not. ieee_is_finite(number)) return
+         wrong = 'is too small to be represented: write 0.0'
+         if (abs(number) <= 0 .and. scan(token%text(:scan(token%text//'e', 'eEdD') - 1), '123456789') > 0) return
          wrong = ''
          value = number
       end if

@@ -1,4 +1,4 @@
-!> The table of input variables, first part: the train, its shafts and its meshes.
+!> The table of input variables, those of the train, its shafts and its meshes.
 !>
 !> Defaults are those of the types. A visitor is led over the values in the order in which a case file gives them.
 module geartrain_model_variables
