@@ -1,0 +1,71 @@
+!> Numbers as text: the shortest decimal that reads back to the same bits.
+module geartrain_base_numbers
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
+   use geartrain_base_kinds, only: dp
+   implicit none (type, external)
+   private
+   public :: real_text, integer_text
+
+contains
+
+   !> The shortest of 1 to 17 significant digits that reads back to the same bits: '0.05', '2.5e8', '-1.0'.
+   pure function real_text(value) result(text)
+      real(dp), intent(in) :: value
+      character(:), allocatable :: text
+      character(40) :: buffer
+      character(16) :: form
+      real(dp) :: again
+      integer :: digits
+
+      if (ieee_is_nan(value)) then
+         text = 'NaN'
+      else if (.not. ieee_is_finite(value)) then
+         text = 'Infinity'
+         if (value < 0) text = '-Infinity'
+      else
+         do digits = 1, 17
+            write (form, '(a, i0, a)') '(es36.', digits - 1, 'e3)'
+            write (buffer, form) value
+            read (buffer, *) again
+            if (abs(again - value) <= 0) exit
+         end do
+         text = plain(trim(adjustl(buffer)))
+      end if
+   end function real_text
+
+   !> Turns '2.50E+008' into '2.5e8' and '5.E-002' into '0.05': no exponent from 1e-4 to below 1e6.
+   pure function plain(scientific) result(text)
+      character(*), intent(in) :: scientific
+      character(:), allocatable :: text
+      character(:), allocatable :: digits, sign
+      integer :: at_exponent, exponent, i
+
+      sign = ''
+      if (scientific(1:1) == '-') sign = '-'
+      at_exponent = index(scientific, 'E')
+      read (scientific(at_exponent + 1:), *) exponent
+      digits = ''
+      do i = 1, at_exponent - 1
+         if (scan(scientific(i:i), '0123456789') == 1) digits = digits//scientific(i:i)
+      end do
+      if (exponent >= 6 .or. exponent < -4) then
+         if (len(digits) == 1) digits = digits//'0'
+         text = sign//digits(1:1)//'.'//digits(2:)//'e'//integer_text(exponent)
+      else if (exponent >= 0) then
+         if (len(digits) < exponent + 2) digits = digits//repeat('0', exponent + 2 - len(digits))
+         text = sign//digits(:exponent + 1)//'.'//digits(exponent + 2:)
+      else
+         text = sign//'0.'//repeat('0', -exponent - 1)//digits
+      end if
+   end function plain
+
+   pure function integer_text(value) result(text)
+      integer, intent(in) :: value
+      character(:), allocatable :: text
+      character(16) :: buffer
+
+      write (buffer, '(i0)') value
+      text = trim(buffer)
+   end function integer_text
+
+end module geartrain_base_numbers
