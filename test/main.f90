@@ -4,6 +4,8 @@ program main
    use test_contact, only: contact_tests
    use test_flow, only: flow_tests
    use test_paper_train, only: paper_train_tests
+   use test_results, only: results_tests
+   use test_results_run, only: results_run_tests
    use test_single_pair, only: single_pair_tests
    use test_whole_model, only: whole_model_tests
    use testing, only: tests_type
@@ -13,6 +15,8 @@ program main
    call contact_tests(tests)
    call balance_tests(tests)
    call flow_tests(tests)
+   call results_tests(tests)
+   call results_run_tests(tests)
    call paper_train_tests(tests)
    call single_pair_tests(tests)
    call whole_model_tests(tests)
