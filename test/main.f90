@@ -1,13 +1,13 @@
 !> Runs every test; the last line is `N passed, N failed`.
 program main
-   use test_balance, only: balance_tests
-   use test_contact, only: contact_tests
-   use test_flow, only: flow_tests
-   use test_paper_train, only: paper_train_tests
-   use test_results, only: results_tests
-   use test_results_run, only: results_run_tests
-   use test_single_pair, only: single_pair_tests
-   use test_whole_model, only: whole_model_tests
+   use unit_balance, only: balance_tests
+   use unit_contact, only: contact_tests
+   use unit_flow, only: flow_tests
+   use validation_paper_train, only: paper_train_tests
+   use unit_results, only: results_tests
+   use unit_results_run, only: results_run_tests
+   use validation_single_pair, only: single_pair_tests
+   use validation_whole_model, only: whole_model_tests
    use testing, only: tests_type
    implicit none (type, external)
    type(tests_type) :: tests

@@ -1,5 +1,5 @@
 !> The balance's Jacobians against central differences, and its linear part against other routes.
-module test_balance
+module unit_balance
    use fixtures, only: long_train, paper_train, single_pair
    use geartrain, only: dp, train_type
    use geartrain_model_receptance, only: find_receptance, receptance_type
@@ -158,4 +158,4 @@ contains
       end do
    end subroutine pseudo_random
 
-end module test_balance
+end module unit_balance

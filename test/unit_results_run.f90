@@ -1,5 +1,5 @@
 !> Running a case: what is computed, cancelled, kept while it runs and left at the end.
-module test_results_run
+module unit_results_run
    use geartrain_base_error, only: error_type, status_ended_early, status_file
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
@@ -167,4 +167,4 @@ contains
       close (unit, status='delete')
    end subroutine remove
 
-end module test_results_run
+end module unit_results_run

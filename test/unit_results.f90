@@ -1,5 +1,5 @@
 !> The results file: what is in it, read back with HDF5, and what is left behind when it cannot be written.
-module test_results
+module unit_results
    use hdf5, only: h5aclose_f, h5aopen_by_name_f, h5aread_f, h5dclose_f, h5dget_space_f, h5dopen_f, h5dread_f, h5fclose_f, &
       h5fget_obj_count_f, h5fopen_f, h5lexists_f, h5sclose_f, h5sget_simple_extent_dims_f, h5f_acc_rdonly_f, &
       h5f_obj_all_f, h5t_native_double, h5t_native_integer, hid_t, hsize_t, size_t
@@ -285,4 +285,4 @@ contains
       inquire (file=name, exist=there)
    end function there
 
-end module test_results
+end module unit_results
