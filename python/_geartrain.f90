@@ -404,7 +404,8 @@ subroutine reserve_motions(handle, motions)
 end subroutine reserve_motions
 
 ! The inverse of copy_motion; what has no size stays unallocated.
-subroutine put_motion(handle, place, period, stable, numbers, coefficients, values, state, multipliers, terms, meshes, states, roots)
+subroutine put_motion(handle, place, period, stable, numbers, coefficients, values, state, multipliers, &
+                      terms, meshes, states, roots)
    use geartrain_python_box, only: box_type, box_of
    implicit none
    integer(8), intent(in) :: handle

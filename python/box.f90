@@ -21,7 +21,7 @@ module geartrain_python_box
    !> Writes the progress where Python's waiting thread reads it, and stops when that thread asks for it.
    type, extends(observer_type) :: watch_type
       !> 1: Python sets it to stop the work; 2: points done; 3: Lambda of the latest point.
-      real(real64), pointer, volatile :: progress(:) => null()
+      real(real64), pointer :: progress(:) => null()
    contains
       procedure :: on_step
    end type watch_type
@@ -35,10 +35,13 @@ contains
       real(real64), intent(in) :: frequency
       logical, intent(inout) :: keep_going
 
+      real(real64), pointer, volatile :: progress(:)
+
       if (len(analysis) == 0) return
-      self%progress(2) = done
-      self%progress(3) = frequency
-      if (self%progress(1) > 0) keep_going = .false.
+      progress => self%progress
+      progress(2) = done
+      progress(3) = frequency
+      if (progress(1) > 0) keep_going = .false.
    end subroutine on_step
 
    !> The box as a number that Python can hold.
