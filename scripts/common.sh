@@ -1,0 +1,33 @@
+# Sourced by the other scripts: starts them in the clone, with the same surroundings everywhere.
+unset CDPATH PYTHONPATH PYTHONHOME
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+export PATH="$PWD/.venv/bin:$PATH" PIP_DISABLE_PIP_VERSION_CHECK=1 MPLBACKEND=Agg
+exec </dev/null
+mkdir -p build/log
+
+# log_of TITLE: where the log of a step or a test part goes.
+log_of() {
+   echo "build/log/$(tr -cs 'a-z0-9' '-' <<<"${1,,}" | sed 's/-*$//').log"
+}
+
+# show_tail LOG: the end of a log, set off from what the scripts say themselves.
+show_tail() {
+   echo "--- the end of $1:"
+   tail -n 40 "$1" | sed 's/^/    /'
+}
+
+# step MESSAGE COMMAND...: one line when the command works, also the tail of its log when it does not.
+step() {
+   local message=$1 start=$SECONDS log status=0
+   log=$(log_of "$message")
+   shift
+   printf '%-58s ' "$message"
+   "$@" >"$log" 2>&1 || status=$?
+   if [ "$status" -eq 0 ]; then
+      echo "done, $((SECONDS - start)) s"
+   else
+      echo "FAILED (exit status $status)"
+      show_tail "$log"
+   fi
+   return "$status"
+}
