@@ -15,7 +15,8 @@ module unit_results_run
 
    character(*), parameter :: path = 'build/test-run.h5', newline = new_line('a')
    !> A single pair without backlash: quick.
-   character(*), parameter :: pair = '&train input_torque = 1.0, characteristic_length = 1.0, characteristic_frequency = 1.0 /' &
+   character(*), parameter :: pair = '&train input_torque = 1.0, prime_mover_inertia = 0.0, load_inertia = 0.0, characteristic_length = 1.0, &
+      &characteristic_frequency = 1.0 /' &
       //newline//'&shaft rigid = .true. /'//newline//'&mesh driving_radius = 1.0, driven_radius = 1.0, driving_inertia = 2.0, &
       &driven_inertia = 2.0, stiffness = 1.0, damping_ratio = 0.1, half_backlash = 0.0, stiffness_cos = 0.1 /'//newline// &
       '&shaft rigid = .true. /'//newline
