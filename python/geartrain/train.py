@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
+from itertools import zip_longest
 from typing import Any, Union
 
 import numpy as np
@@ -191,10 +192,11 @@ class Train:
             The variables of the group, ``from`` and ``to`` under the names ``start`` and ``stop``.
         """
         text = group("train", _TRAIN, {name: getattr(self, name) for name in _TRAIN})
-        for number, shaft in enumerate(self.shafts, 1):
-            text += group("shaft", _SHAFT, _values(shaft), f"&shaft {number}")
-        for number, mesh in enumerate(self.meshes, 1):
-            text += group("mesh", _MESH, _values(mesh), f"&mesh {number}")
+        for number, (shaft, mesh) in enumerate(zip_longest(self.shafts, self.meshes), 1):
+            if shaft is not None:
+                text += group("shaft", _SHAFT, _values(shaft), f"&shaft {number}")
+            if mesh is not None:
+                text += group("mesh", _MESH, _values(mesh), f"&mesh {number}")
         if modes:
             text += group("modes", {}, {})
         if response is not None:
