@@ -7,6 +7,9 @@ module geartrain
    use geartrain_branch_response, only: response
    use geartrain_branch_solutions, only: solutions_at
    use geartrain_case_case, only: case_type
+   use geartrain_case_reader, only: read_case, read_case_text
+   use geartrain_case_template, only: template_text
+   use geartrain_case_text, only: case_text
    use geartrain_model_check, only: check_train
    use geartrain_model_mesh, only: mesh_type
    use geartrain_model_modes, only: modes_type, natural_modes

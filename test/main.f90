@@ -1,6 +1,10 @@
 !> Runs every test; the last line is `N passed, N failed`.
 program main
    use test_balance, only: balance_tests
+   use test_branch_summary, only: branch_summary_tests
+   use test_case_reader, only: case_reader_tests
+   use test_case_text, only: case_text_tests
+   use test_check, only: check_tests
    use test_contact, only: contact_tests
    use test_flow, only: flow_tests
    use test_paper_train, only: paper_train_tests
@@ -11,6 +15,10 @@ program main
    type(tests_type) :: tests
 
    call contact_tests(tests)
+   call case_reader_tests(tests)
+   call case_text_tests(tests)
+   call check_tests(tests)
+   call branch_summary_tests(tests)
    call balance_tests(tests)
    call flow_tests(tests)
    call paper_train_tests(tests)
