@@ -1,0 +1,90 @@
+!> The short table at the end of a run.
+module report
+   use, intrinsic :: iso_fortran_env, only: output_unit
+   use geartrain, only: branch_type, dp, modes_type, sweep_type
+   use geartrain_branch_summary, only: band_type, bands_without_stability, jumps, peak_type, peaks
+   implicit none (type, external)
+   private
+   public :: report_modes, report_response, report_integration
+
+contains
+
+   subroutine report_modes(modes)
+      type(modes_type), intent(in) :: modes
+
+      write (output_unit, '(a)') 'Natural frequencies, Lambda'
+      write (output_unit, '(4x, 6f12.4)') modes%natural_frequency
+   end subroutine report_modes
+
+   subroutine report_response(branch, seconds)
+      type(branch_type), intent(in) :: branch
+      !> Time taken [s].
+      real(dp), intent(in) :: seconds
+      type(band_type), allocatable :: bands(:)
+      real(dp), allocatable :: folds(:)
+      integer :: mesh, i
+
+      write (output_unit, '(a, i0, a, f0.2, a)') 'Response: ', branch%points, ' points in ', seconds, ' s'
+      if (branch%points > 0) then
+         write (output_unit, '(a)') '    mesh  peak at Lambda         rms'
+         do mesh = 1, branch%meshes
+            call report_peaks(branch, mesh)
+         end do
+         folds = jumps(branch)
+         if (size(folds) > 0) write (output_unit, '(a, *(f10.4))') '    jumps (folds) at Lambda', folds
+         bands = bands_without_stability(branch)
+         do i = 1, size(bands)
+            write (output_unit, '(a, f10.4, a, f0.4)') '    no stable motion of it for Lambda', bands(i)%from, ' to ', bands(i)%to
+         end do
+      end if
+      if (allocated(branch%ended)) write (output_unit, '(2a)') '    ended: ', branch%ended
+   end subroutine report_response
+
+   !> All peaks of a mesh along the branch, and where a stable stretch ends at its highest.
+   subroutine report_peaks(branch, mesh)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: mesh
+      type(peak_type), allocatable :: all_peaks(:), stable_peaks(:)
+      integer :: i
+
+      all_peaks = peaks(branch, mesh, .false.)
+      stable_peaks = peaks(branch, mesh, .true.)
+      do i = 1, branch%points
+         if (any(all_peaks%point == i)) then
+            call report_peak(all_peaks(findloc(all_peaks%point, i, dim=1)), '')
+         else if (any(stable_peaks%point == i)) then
+            call report_peak(stable_peaks(findloc(stable_peaks%point, i, dim=1)), ', highest before the stability is lost')
+         end if
+      end do
+
+   contains
+
+      subroutine report_peak(peak, note)
+         type(peak_type), intent(in) :: peak
+         character(*), intent(in) :: note
+         character(:), allocatable :: stability
+
+         stability = ''
+         if (allocated(branch%stable)) stability = trim(merge('stable  ', 'unstable', peak%stable))//note
+         write (output_unit, '(i8, f16.4, f12.5, 2x, a)') mesh, peak%frequency, peak%rms, stability
+      end subroutine report_peak
+
+   end subroutine report_peaks
+
+   subroutine report_integration(sweep, seconds)
+      type(sweep_type), intent(in) :: sweep
+      !> Time taken [s].
+      real(dp), intent(in) :: seconds
+      integer :: settled, period
+
+      settled = count(sweep%motions%period > 0)
+      write (output_unit, '(a, i0, a, f0.2, a, i0, a, i0, a)') 'Integration: ', size(sweep%motions), ' points in ', seconds, &
+         ' s, ', settled, ' settled, ', size(sweep%motions) - settled, ' did not'
+      do period = 1, maxval([0, sweep%motions%period])
+         if (any(sweep%motions%period == period)) write (output_unit, '(a, i0, a, i0)') '    of period ', period, ': ', &
+            count(sweep%motions%period == period)
+      end do
+      if (allocated(sweep%ended)) write (output_unit, '(2a)') '    ended: ', sweep%ended
+   end subroutine report_integration
+
+end module report
