@@ -1,10 +1,16 @@
-!> Numbers as text: the shortest decimal that reads back to the same bits.
+!> Numbers as text: the shortest decimal that reads back to the same bits, or a rounded one for messages.
 module geartrain_base_numbers
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
    private
-   public :: real_text, integer_text
+   public :: real_text, integer_text, text
+
+   !> A number in a message: an integer, or a real to six digits.
+   interface text
+      module procedure :: short_text
+      module procedure :: integer_text
+   end interface text
 
 contains
 
@@ -58,6 +64,33 @@ contains
          text = sign//'0.'//repeat('0', -exponent - 1)//digits
       end if
    end function plain
+
+   !> Up to six significant digits, no padding: 0.6356, 1e-09, 12.
+   pure function short_text(x) result(text)
+      real(dp), intent(in) :: x
+      character(:), allocatable :: text
+      character(24) :: buffer
+      integer :: mark
+
+      if (abs(x) >= 1e-3_dp .and. abs(x) < 1e6_dp) then
+         write (buffer, '(f0.6)') x
+         mark = len_trim(buffer)
+         do while (buffer(mark:mark) == '0')
+            mark = mark - 1
+         end do
+         if (buffer(mark:mark) == '.') mark = mark - 1
+         text = buffer(:mark)
+         if (text(1:1) == '.') text = '0'//text
+         if (len(text) > 1) then
+            if (text(1:2) == '-.') text = '-0'//text(2:)
+         end if
+      else if (abs(x) > 0) then
+         write (buffer, '(es12.4)') x
+         text = trim(adjustl(buffer))
+      else
+         text = '0'
+      end if
+   end function short_text
 
    pure function integer_text(value) result(text)
       integer, intent(in) :: value

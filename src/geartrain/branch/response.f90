@@ -1,13 +1,14 @@
 !> The frequency response: one branch of periodic motions from `start` to `stop`, through its folds; traced from the other end
 !> as well when it does not get there; from a seed, in both directions, as a closed curve if it is an island.
 module geartrain_branch_response
-   use geartrain_base_error, only: error_type, fatal, status_ended_early
+   use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
-   use geartrain_base_text, only: text
+   use geartrain_base_numbers, only: text
    use geartrain_branch_branch, only: branch_type, response_settings_type, special_point_type
    use geartrain_branch_path, only: place_type
    use geartrain_branch_tracer, only: cancelled, closed_loop, left_by_amplitude, reached_end, tracer_type
+   use geartrain_branch_variables, only: check_response
    use geartrain_model_check, only: check_train
    use geartrain_model_system, only: build_system
    use geartrain_model_train, only: train_type
@@ -39,7 +40,7 @@ contains
 
       branch = empty
       call check_train(train, error)
-      if (.not. allocated(error)) call check_settings(settings, error)
+      if (.not. allocated(error)) call check_response(settings, error)
       if (allocated(error)) return
       call begin_trace(train, settings, tracer)
       call tracer%recorder%setup(tracer%path%balance, settings%stability, branch)
@@ -58,28 +59,6 @@ contains
       end if
       call tracer%recorder%finish(branch)
    end subroutine response
-
-   subroutine check_settings(settings, error)
-      type(response_settings_type), intent(in) :: settings
-      type(error_type), allocatable, intent(inout) :: error
-
-      if (.not. settings%start > 0) call fatal(error, '&response: from = '//text(settings%start)//': must be > 0')
-      if (.not. settings%stop > 0) call fatal(error, '&response: to = '//text(settings%stop)//': must be > 0')
-      if (abs(settings%start - settings%stop) <= 0) call fatal(error, '&response: from and to are both ' &
-         //text(settings%start)//': a branch needs a range')
-      if (settings%harmonics < 0) call fatal(error, '&response: harmonics = '//text(settings%harmonics)//': must be >= 0')
-      if (settings%subharmonic < 1) call fatal(error, '&response: subharmonic = '//text(settings%subharmonic)//': must be >= 1')
-      if (.not. settings%step > 0) call fatal(error, '&response: step = '//text(settings%step)//': must be > 0')
-      if (.not. settings%tolerance > 0) call fatal(error, '&response: tolerance = '//text(settings%tolerance)//': must be > 0')
-      if (settings%max_points < 2) call fatal(error, '&response: max_points = '//text(settings%max_points)//': must be >= 2')
-      if (all(settings%coefficients /= ['exact           ', 'sampled         '])) call fatal(error, '&response: coefficients = "' &
-         //trim(settings%coefficients)//'": must be "exact" or "sampled"')
-      if (all(settings%control /= ['arclength       ', 'local           '])) call fatal(error, '&response: control = "' &
-         //trim(settings%control)//'": must be "arclength" or "local"')
-      if (settings%coefficients == 'sampled' .and. settings%samples /= 0 .and. settings%samples < 6*settings%harmonics + 2) &
-         call fatal(error, '&response: samples = '//text(settings%samples)//': must be at least 6 harmonics + 2 = ' &
-                    //text(6*settings%harmonics + 2)//', or 0')
-   end subroutine check_settings
 
    !> A tracer for the train with the settings in force.
    subroutine begin_trace(train, settings, tracer)

@@ -2,7 +2,7 @@
 module geartrain_branch_solutions
    use geartrain_base_error, only: error_type, fatal
    use geartrain_base_kinds, only: dp
-   use geartrain_base_text, only: text
+   use geartrain_base_numbers, only: text
    use geartrain_branch_branch, only: branch_type, response_settings_type
    use geartrain_branch_path, only: inner, place_type
    use geartrain_branch_response, only: begin_trace, place_of

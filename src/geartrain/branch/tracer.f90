@@ -3,7 +3,7 @@
 module geartrain_branch_tracer
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
-   use geartrain_base_text, only: text
+   use geartrain_base_numbers, only: text
    use geartrain_branch_branch, only: branch_type, response_settings_type
    use geartrain_branch_path, only: inner, path_type, place_type
    use geartrain_branch_recorder, only: recorder_type

@@ -4,11 +4,11 @@ module geartrain_motion_attractors
    use geartrain_base_error, only: error_type, fatal
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
-   use geartrain_base_text, only: text
+   use geartrain_base_numbers, only: text
    use geartrain_model_check, only: check_train
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
-   use geartrain_motion_integration, only: check_integration_settings, settle
+   use geartrain_motion_integration, only: check_single, settle
    use geartrain_motion_integration_settings, only: integration_settings_type
    use geartrain_motion_motion, only: motion_type
    use geartrain_motion_start_state, only: resting_state
@@ -43,8 +43,7 @@ contains
       allocate (motions(0))
       call check_train(train, error)
       if (allocated(error)) return
-      call check_integration_settings(settings, error)
-      if (.not. frequency > 0) call fatal(error, 'attractors: frequency = '//text(frequency)//': must be > 0')
+      call check_single(settings, frequency, error)
       if (starts < 1) call fatal(error, 'attractors: starts = '//text(starts)//': must be >= 1')
       if (allocated(error)) return
       call build_system(train, system)

@@ -3,7 +3,7 @@ module geartrain_motion_integration
    use geartrain_base_error, only: error_type, fatal
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_observer, only: observer_type
-   use geartrain_base_text, only: text
+   use geartrain_base_numbers, only: text
    use geartrain_model_check, only: check_train
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
@@ -12,10 +12,11 @@ module geartrain_motion_integration
    use geartrain_motion_motion, only: motion_type
    use geartrain_motion_orbit, only: flow_order, flow_tolerance, measure, propagate
    use geartrain_motion_start_state, only: resting_state, state_of
+   use geartrain_motion_variables, only: check_integration
    use geartrain_stability_monodromy, only: eigenvalues, is_stable
    implicit none (type, external)
    private
-   public :: integrate, settle, check_integration_settings
+   public :: integrate, settle, check_single
 
    !> Longest period looked for, in mesh periods.
    integer, parameter :: longest_period = 16
@@ -40,9 +41,7 @@ contains
 
       call check_train(train, error)
       if (allocated(error)) return
-      call check_integration_settings(settings, error)
-      if (.not. (frequency > 0 .and. frequency <= huge(1.0_dp))) &
-         call fatal(error, 'frequency = '//text(frequency)//': must be > 0')
+      call check_single(settings, frequency, error)
       if (allocated(error)) return
       call build_system(train, system)
       allocate (state(2*system%elements))
@@ -55,18 +54,23 @@ contains
       call settle(system, frequency, settings, state, motion, observer)
    end subroutine integrate
 
-   subroutine check_integration_settings(settings, error)
+   !> Settings for a single frequency, which takes the place of the range.
+   subroutine check_single(settings, frequency, error)
       type(integration_settings_type), intent(in) :: settings
+      real(dp), intent(in) :: frequency
       type(error_type), allocatable, intent(inout) :: error
+      type(integration_settings_type) :: single
 
-      if (settings%harmonics < 1) call fatal(error, '&integration: harmonics = '//text(settings%harmonics)//': must be >= 1')
-      if (settings%harmonics > 500) call fatal(error, '&integration: harmonics = '//text(settings%harmonics) &
-                                               //': must be <= 500')
-      if (settings%max_periods < 1) call fatal(error, '&integration: max_periods = '//text(settings%max_periods) &
-                                               //': must be >= 1')
-      if (.not. (settings%tolerance > 0 .and. settings%tolerance < 1)) &
-         call fatal(error, '&integration: tolerance = '//text(settings%tolerance)//': must be > 0 and < 1')
-   end subroutine check_integration_settings
+      if (.not. (frequency > 0 .and. frequency <= huge(1.0_dp))) then
+         call fatal(error, 'frequency = '//text(frequency)//': must be > 0')
+         return
+      end if
+      single = settings
+      single%start = frequency
+      single%stop = frequency
+      single%points = 1
+      call check_integration(single, error)
+   end subroutine check_single
 
    subroutine check_start(system, start, error)
       type(system_type), intent(in) :: system

@@ -4,7 +4,7 @@ module geartrain_motion_shooting
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_kinds, only: dp
    use geartrain_base_lapack, only: dgetrf, dgetrs
-   use geartrain_base_text, only: text
+   use geartrain_base_numbers, only: text
    use geartrain_model_check, only: check_train
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type

@@ -1,15 +1,16 @@
 !> Time integration over a range of frequencies, each begun with the state that the last one ended in.
 module geartrain_motion_sweep
-   use geartrain_base_error, only: error_type, fatal
+   use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
-   use geartrain_base_text, only: text
+   use geartrain_base_numbers, only: text
    use geartrain_model_check, only: check_train
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
-   use geartrain_motion_integration, only: check_integration_settings, settle
+   use geartrain_motion_integration, only: settle
    use geartrain_motion_integration_settings, only: integration_settings_type, sweep_type
    use geartrain_motion_start_state, only: resting_state
+   use geartrain_motion_variables, only: check_integration
    implicit none (type, external)
    private
    public :: sweep
@@ -34,8 +35,7 @@ contains
       result = empty
       call check_train(train, error)
       if (allocated(error)) return
-      call check_integration_settings(settings, error)
-      call check_range(settings, error)
+      call check_integration(settings, error)
       if (allocated(error)) return
       call build_system(train, system)
       allocate (state(2*system%elements))
@@ -69,16 +69,5 @@ contains
       result%motions = result%motions(:done)
       result%direction = result%direction(:done)
    end subroutine sweep
-
-   subroutine check_range(settings, error)
-      type(integration_settings_type), intent(in) :: settings
-      type(error_type), allocatable, intent(inout) :: error
-
-      if (.not. settings%start > 0) call fatal(error, '&integration: from = '//text(settings%start)//': must be > 0')
-      if (.not. settings%stop > 0) call fatal(error, '&integration: to = '//text(settings%stop)//': must be > 0')
-      if (settings%points < 1) call fatal(error, '&integration: points = '//text(settings%points)//': must be >= 1')
-      if (all(settings%direction /= ['up  ', 'down', 'both'])) call fatal(error, '&integration: direction = "' &
-         //trim(settings%direction)//'": must be "up", "down" or "both"')
-   end subroutine check_range
 
 end module geartrain_motion_sweep

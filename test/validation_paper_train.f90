@@ -1,5 +1,5 @@
 !> The paper's train, Table 1: figures measured independently by time integration (all digits given hold).
-module test_paper_train
+module validation_paper_train
    use fixtures, only: closest, paper_train, settings_of
    use geartrain, only: branch_type, dp, error_type, integrate, integration_settings_type, modes_type, motion_type, &
                         natural_modes, refine, response, response_settings_type, solutions_at, train_type
@@ -237,4 +237,4 @@ contains
       call tests%is_close(motion%rms(2), 1.40266149_dp, 1e-8_dp, 'linear, integrated rms of mesh 2 at 0.9')
    end subroutine without_backlash
 
-end module test_paper_train
+end module validation_paper_train

@@ -1,5 +1,5 @@
 !> Case files, good and bad: what is read, and the messages word for word.
-module test_case_reader
+module unit_case_reader
    use geartrain_base_error, only: error_type, status_input
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text
@@ -240,4 +240,4 @@ contains
       if (allocated(error)) call tests%is_text(error%message, message, 'message')
    end subroutine refused
 
-end module test_case_reader
+end module unit_case_reader

@@ -1,5 +1,5 @@
 !> Trains and settings that a Fortran caller fills: what is refused, word for word.
-module test_check
+module unit_check
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
@@ -98,4 +98,4 @@ contains
       if (allocated(error)) call tests%is_text(error%message, '&integration: points = 0: must be >= 1', 'message')
    end subroutine bad_settings
 
-end module test_check
+end module unit_check

@@ -1,5 +1,5 @@
 !> Peaks, jumps and bands of branches made by hand.
-module test_branch_summary
+module unit_branch_summary
    use geartrain_base_kinds, only: dp
    use geartrain_branch_branch, only: branch_type, special_point_type
    use geartrain_branch_summary, only: band_type, bands_without_stability, jumps, peak_type, peaks
@@ -108,4 +108,4 @@ contains
       allocate (branch%part(size(frequency)), source=1)
    end function branch_of
 
-end module test_branch_summary
+end module unit_branch_summary

@@ -1,5 +1,5 @@
 !> A case as text: what is written reads back to the same bits; the template and the reference page agree with the table.
-module test_case_text
+module unit_case_text
    use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
@@ -126,4 +126,4 @@ contains
       call tests%is_true(index(page, reference_text()) > 0, 'docs/reference.md holds what geartrain --reference prints')
    end subroutine reference
 
-end module test_case_text
+end module unit_case_text

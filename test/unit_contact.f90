@@ -1,5 +1,5 @@
 !> Contact events and the spectra that follow from them, against numerical quadrature.
-module test_contact
+module unit_contact
    use geartrain, only: dp
    use geartrain_base_kinds, only: pi
    use geartrain_model_system, only: series_type, series_value
@@ -102,4 +102,4 @@ contains
       call tests%is_close(contact%instant(1), 0.05_dp + acos(1/50.0_dp), 1e-13_dp, 'both walls: first instant')
    end subroutine crossing_both_walls
 
-end module test_contact
+end module unit_contact

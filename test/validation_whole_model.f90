@@ -1,5 +1,5 @@
 !> Everything that the model has at once: the balance agrees with time integration as harmonics are added.
-module test_whole_model
+module validation_whole_model
    use fixtures, only: long_train, paper_train, settings_of
    use geartrain, only: branch_type, dp, error_type, integrate, integration_settings_type, motion_type, refine, response, &
                         train_type
@@ -103,4 +103,4 @@ contains
       call tests%is_close(monodromy%liouville_defect, 0.0_dp, 1e-7_dp, 'determinant of the monodromy matrix')
    end subroutine liouville
 
-end module test_whole_model
+end module validation_whole_model

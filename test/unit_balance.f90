@@ -1,5 +1,5 @@
 !> The balance's Jacobians against central differences, and its linear part against other routes.
-module test_balance
+module unit_balance
    use fixtures, only: long_train, paper_train, single_pair
    use geartrain, only: dp, train_type
    use geartrain_model_receptance, only: find_receptance, receptance_type
@@ -54,7 +54,8 @@ contains
       if (spread < 0.1_dp) u(1, :) = u(1, :) + 3
       call balance%evaluate(u, frequency)
       call balance%jacobian(matrix)
-      if (spread > 1) call tests%is_true(samples > 0 .or. all(balance%contact(:)%events > 0 .or. system%backlash(balance%mesh) <= 0), &
+      if (spread > 1) call tests%is_true(samples > 0 .or. &
+         all(balance%contact(:)%events > 0 .or. system%backlash(balance%mesh) <= 0), &
                                          name//': the state has contact events')
       largest = maxval(abs(matrix%diagonal))
       worst = 0
@@ -158,4 +159,4 @@ contains
       end do
    end subroutine pseudo_random
 
-end module test_balance
+end module unit_balance

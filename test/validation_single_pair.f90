@@ -1,5 +1,5 @@
 !> The single gear pair x'' + 2 zeta x' + (1 + kappa cos Lambda t) g(x) = f, b = 1.
-module test_single_pair
+module validation_single_pair
    use fixtures, only: closest, settings_of, single_pair
    use geartrain, only: attractors, branch_type, dp, error_type, integration_settings_type, motion_type, refine, response, &
                         response_settings_type, solutions_at, train_type
@@ -94,4 +94,4 @@ contains
       call tests%is_close(abs(branch%multipliers(1, n)), exp(-0.1_dp*2*pi/1.5_dp), 1e-10_dp, 'multiplier of the oscillator')
    end subroutine linear_constant
 
-end module test_single_pair
+end module validation_single_pair

@@ -1,5 +1,5 @@
 !> The Taylor flow against closed forms.
-module test_flow
+module unit_flow
    use fixtures, only: long_train, paper_train, single_pair
    use geartrain, only: dp
    use geartrain_base_kinds, only: pi
@@ -76,4 +76,4 @@ contains
       call tests%is_close(worst/maxval(abs(monodromy)), 0.0_dp, 1e-4_dp, 'monodromy against differences')
    end subroutine tangents
 
-end module test_flow
+end module unit_flow
