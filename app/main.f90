@@ -53,8 +53,8 @@ contains
       character(:), allocatable :: path
 
       path = output_path(case)
-      if (path == asked%case_file) then
-         write (error_unit, '(2a)') path, ': error: the results would overwrite the case: name another file with --output'
+      if (path == asked%case_file .or. index(path//' ', '.nml ') > 0) then
+         write (error_unit, '(2a)') path, ': error: the results would overwrite a case: name another file with --output'
          status = status_input
          return
       end if
@@ -63,24 +63,16 @@ contains
       call progress%clear()
       status = 0
       if (allocated(results%modes)) call report_modes(results%modes)
-      if (allocated(results%response)) then
-         call report_response(results%response, progress%response_seconds)
-         if (.not. results%response%complete) status = status_ended_early
-      end if
-      if (allocated(results%integration)) then
-         call report_integration(results%integration, progress%integration_seconds)
-         if (.not. results%integration%complete) status = status_ended_early
-      end if
+      if (allocated(results%response)) call report_response(results%response, progress%response_seconds)
+      if (allocated(results%integration)) call report_integration(results%integration, progress%integration_seconds)
       if (.not. (case%modes .or. allocated(case%response) .or. allocated(case%integration))) &
          write (output_unit, '(a)') 'Nothing to compute: the case has no &modes, &response or &integration'
+      if (allocated(error)) status = error%status
+      if (status == 0 .or. status == status_ended_early) write (output_unit, '(2a)') 'Written: ', path
       flush (output_unit)
-      if (allocated(error)) then
-         write (error_unit, '(2a)') 'geartrain: error: ', error%message
-         status = error%status
-         return
-      end if
-      if (status /= 0) write (error_unit, '(a)') 'geartrain: an analysis ended early; what was computed is written'
-      write (output_unit, '(2a)') 'Written: ', path
+      if (.not. allocated(error)) return
+      if (index(error%message, ': error: ') == 0) error%message = 'geartrain: error: '//error%message
+      write (error_unit, '(a)') error%message
    end subroutine run
 
    !> --output, else &output, else the name of the case with .h5, in the working directory.

@@ -24,7 +24,7 @@ contains
       real(dp), allocatable :: folds(:)
       integer :: mesh, i
 
-      write (output_unit, '(a, i0, 3a)') 'Response: ', branch%points, ' points in ', in_seconds(seconds), ' s'
+      write (output_unit, '(a, i0, 3a)') 'Response: ', branch%points, ' points in ', fixed(seconds, 2), ' s'
       if (branch%points > 0) then
          write (output_unit, '(a)') '    mesh  peak at Lambda         rms'
          do mesh = 1, branch%meshes
@@ -34,7 +34,8 @@ contains
          if (size(folds) > 0) write (output_unit, '(a, *(f10.4))') '    jumps (folds) at Lambda', folds
          bands = bands_without_stability(branch)
          do i = 1, size(bands)
-            write (output_unit, '(a, f10.4, a, f6.4)') '    without a stable motion for Lambda', bands(i)%from, ' to ', bands(i)%to
+            write (output_unit, '(4a)') '    without a stable motion for Lambda ', &
+               fixed(bands(i)%from, 4), ' to ', fixed(bands(i)%to, 4)
          end do
       end if
       if (allocated(branch%ended)) write (output_unit, '(2a)') '    ended: ', branch%ended
@@ -62,8 +63,8 @@ contains
       integer :: settled, period
 
       settled = count(sweep%motions%period > 0)
-      write (output_unit, '(a, i0, 3a, i0, a, i0, a)') 'Integration: ', size(sweep%motions), ' points in ', in_seconds(seconds), &
-         ' s, ', settled, ' settled, ', size(sweep%motions) - settled, ' did not'
+      write (output_unit, '(a, i0, 3a, i0, a, i0, a)') 'Integration: ', size(sweep%motions), ' points in ', &
+         fixed(seconds, 2), ' s, ', settled, ' settled, ', size(sweep%motions) - settled, ' did not'
       do period = 1, maxval([0, sweep%motions%period])
          if (any(sweep%motions%period == period)) write (output_unit, '(a, i0, a, i0)') '    of period ', period, ': ', &
             count(sweep%motions%period == period)
@@ -71,14 +72,17 @@ contains
       if (allocated(sweep%ended)) write (output_unit, '(2a)') '    ended: ', sweep%ended
    end subroutine report_integration
 
-   !> To the hundredth, with the zero before the point.
-   function in_seconds(seconds) result(text)
-      real(dp), intent(in) :: seconds
+   !> A number with a zero before the point, which f0.d leaves out.
+   function fixed(value, decimals) result(text)
+      real(dp), intent(in) :: value
+      integer, intent(in) :: decimals
       character(:), allocatable :: text
-      character(16) :: buffer
+      character(32) :: buffer
+      character(8) :: form
 
-      write (buffer, '(f16.2)') seconds
+      write (form, '(a, i0, a)') '(f24.', decimals, ')'
+      write (buffer, form) value
       text = trim(adjustl(buffer))
-   end function in_seconds
+   end function fixed
 
 end module report

@@ -66,7 +66,8 @@ def draw_figure(folder: Path) -> Path:
             Line2D([], [], color=_GREY, lw=1.0, ls=(0, (3, 1.5)), label="unstable"),
         ]
         if marks is not None:
-            legend.append(Line2D([], [], **_MARKS, label="time integration"))
+            legend.append(Line2D([], [], **_MARKS, label="time integration, period 1"))
+            legend.append(Line2D([], [], **_OTHER_MARKS, label="other periods"))
         figure.legend(handles=legend, loc="outside upper center", ncols=3, frameon=False)
         picture = folder / "fig03.png"
         figure.savefig(picture, dpi=160)
@@ -75,6 +76,7 @@ def draw_figure(folder: Path) -> Path:
 
 
 _MARKS: dict[str, Any] = {"ls": "none", "marker": "s", "ms": 4.0, "mfc": "none", "mec": _RED, "mew": 0.9}
+_OTHER_MARKS: dict[str, Any] = {**_MARKS, "marker": "D", "ms": 3.2, "mec": "#d98a1f"}
 
 
 def _draw_panel(
@@ -83,7 +85,8 @@ def _draw_panel(
     for data, style in ((linear, {"color": _GREY, "lw": 1.0}), (curve, {"color": _BLUE, "lw": 2.2})):
         draw_curve(ax, data["frequency"], data["rms"][:, mesh], data["stable"], data["part"], **style)
     if marks is not None:
-        ax.plot(marks["frequency"], marks["rms"][:, mesh], **_MARKS)
+        for chosen, style in ((marks["period"] == 1, _MARKS), (marks["period"] > 1, _OTHER_MARKS)):
+            ax.plot(marks["frequency"][chosen], marks["rms"][chosen, mesh], **style)
     top = curve["rms"][:, mesh].max() if marks is None else max(curve["rms"][:, mesh].max(), marks["rms"][:, mesh].max())
     ax.set_xlim(0.2, 2.6)
     ax.set_ylim(0.0, 1.12 * top)
@@ -93,7 +96,7 @@ def _draw_panel(
 
 def _read(group: Any) -> dict[str, Any]:
     """The arrays that are drawn; None for those that the group lacks."""
-    return {name: np.asarray(group[name]) if name in group else None for name in ("frequency", "rms", "stable", "part")}
+    return {name: np.asarray(group[name]) if name in group else None for name in ("frequency", "rms", "stable", "part", "period")}
 
 
 def main(arguments: list[str]) -> int:

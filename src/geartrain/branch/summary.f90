@@ -41,10 +41,13 @@ contains
    pure function jumps(branch) result(frequency)
       type(branch_type), intent(in) :: branch
       real(dp), allocatable :: frequency(:)
+      integer :: i
 
       allocate (frequency(0))
       if (.not. allocated(branch%special_points)) return
-      frequency = pack(branch%special_points%frequency, branch%special_points%kind == 'fold')
+      do i = 1, size(branch%special_points)
+         if (branch%special_points(i)%kind == 'fold') frequency = [frequency, branch%special_points(i)%frequency]
+      end do
       call sort(frequency)
    end function jumps
 
@@ -92,8 +95,9 @@ contains
 
       change = (branch%frequency(i) + branch%frequency(i + 1))/2
       if (.not. allocated(branch%special_points)) return
-      j = findloc(branch%special_points%point, i, dim=1)
-      if (j > 0) change = branch%special_points(j)%frequency
+      do j = 1, size(branch%special_points)
+         if (branch%special_points(j)%point == i) change = branch%special_points(j)%frequency
+      end do
    end function change
 
    !> Points i and i + 1 follow one another on the branch: they are of one part.
