@@ -1,12 +1,15 @@
 """The paper's train and the executable."""
 
+import os
 import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
 
-import geartrain as gt
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # a threaded BLAS only gets in the way of threads, see docs/python.md
+
+import geartrain as gt  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
 

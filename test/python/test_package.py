@@ -18,9 +18,10 @@ MODULES = ["geartrain", *(f"geartrain.{module.name}" for module in pkgutil.iter_
 
 
 @pytest.mark.parametrize("name", [name for name in MODULES if not name.endswith("._geartrain")])
-def test_examples_in_docstrings(name):
-    result = doctest.testmod(importlib.import_module(name), optionflags=doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS)
-    assert result.failed == 0
+def test_examples_in_docstrings(name, train, branch, monkeypatch):
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    names = {"gt": gt, "train": train, "branch": branch}
+    assert doctest.testmod(importlib.import_module(name), extraglobs=names).failed == 0
 
 
 def test_public_calls_have_examples():
