@@ -54,15 +54,13 @@ contains
       call system_clock(now)
       seconds = real(now - self%step, dp)/real(self%rate, dp)
       self%step = now
-      if (analysis == 'response') then
-         self%response_seconds = self%response_seconds + seconds
-      else
-         self%integration_seconds = self%integration_seconds + seconds
-      end if
-      if (.not. self%shown .or. .not. keep_going .or. analysis == 'settling') return
+      if (analysis == 'response') self%response_seconds = self%response_seconds + seconds
+      if (analysis == 'integration' .or. analysis == 'settling') self%integration_seconds = self%integration_seconds + seconds
+      if (.not. self%shown .or. .not. keep_going) return
       if (now - self%last < self%pause) return
       self%last = now
-      write (error_unit, '(3a, i0, a, f8.4)', advance='no') to_line_start, analysis, ': ', done, ' points, Lambda =', frequency
+      write (error_unit, '(3a, i0, a, f8.4)', advance='no') to_line_start, analysis, ': ', done, &
+         trim(merge(' mesh periods', ' points      ', analysis == 'settling'))//', Lambda =', frequency
       flush (error_unit)
    end subroutine on_step
 

@@ -24,7 +24,7 @@ contains
       real(dp), allocatable :: folds(:)
       integer :: mesh, i
 
-      write (output_unit, '(a, i0, 3a)') 'Response: ', branch%points, ' points in ', fixed(seconds, 2), ' s'
+      write (output_unit, '(a, i0, 3a)') 'Response: ', branch%points, ' points in ', in_seconds(seconds), ' s'
       if (branch%points > 0) then
          write (output_unit, '(a)') '    mesh  peak at Lambda         rms'
          do mesh = 1, branch%meshes
@@ -34,42 +34,25 @@ contains
          if (size(folds) > 0) write (output_unit, '(a, *(f10.4))') '    jumps (folds) at Lambda', folds
          bands = bands_without_stability(branch)
          do i = 1, size(bands)
-            write (output_unit, '(4a)') '    no stable motion of it for Lambda ', &
-               fixed(bands(i)%from, 4), ' to ', fixed(bands(i)%to, 4)
+            write (output_unit, '(a, 2(f10.4, a))') '    without a stable motion for Lambda', bands(i)%from, ' to', bands(i)%to
          end do
       end if
       if (allocated(branch%ended)) write (output_unit, '(2a)') '    ended: ', branch%ended
    end subroutine report_response
 
-   !> All peaks of a mesh along the branch, and where a stable stretch ends at its highest.
    subroutine report_peaks(branch, mesh)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: mesh
-      type(peak_type), allocatable :: all_peaks(:), stable_peaks(:)
+      type(peak_type), allocatable :: found(:)
       integer :: i
 
-      all_peaks = peaks(branch, mesh, .false.)
-      stable_peaks = peaks(branch, mesh, .true.)
-      do i = 1, branch%points
-         if (any(all_peaks%point == i)) then
-            call report_peak(all_peaks(findloc(all_peaks%point, i, dim=1)), '')
-         else if (any(stable_peaks%point == i)) then
-            call report_peak(stable_peaks(findloc(stable_peaks%point, i, dim=1)), ', highest before the stability is lost')
-         end if
+      found = peaks(branch, mesh)
+      do i = 1, size(found)
+         write (output_unit, '(i8, f16.4, f12.5)', advance='no') mesh, found(i)%frequency, found(i)%rms
+         if (allocated(branch%stable)) write (output_unit, '(2x, a)', advance='no') trim(merge('stable  ', 'unstable', &
+                                                                                               found(i)%stable))
+         write (output_unit, '()')
       end do
-
-   contains
-
-      subroutine report_peak(peak, note)
-         type(peak_type), intent(in) :: peak
-         character(*), intent(in) :: note
-         character(:), allocatable :: stability
-
-         stability = ''
-         if (allocated(branch%stable)) stability = trim(merge('stable  ', 'unstable', peak%stable))//note
-         write (output_unit, '(i8, f16.4, f12.5, 2x, a)') mesh, peak%frequency, peak%rms, stability
-      end subroutine report_peak
-
    end subroutine report_peaks
 
    subroutine report_integration(sweep, seconds)
@@ -79,8 +62,8 @@ contains
       integer :: settled, period
 
       settled = count(sweep%motions%period > 0)
-      write (output_unit, '(a, i0, 3a, i0, a, i0, a)') 'Integration: ', size(sweep%motions), ' points in ', &
-         fixed(seconds, 2), ' s, ', settled, ' settled, ', size(sweep%motions) - settled, ' did not'
+      write (output_unit, '(a, i0, 3a, i0, a, i0, a)') 'Integration: ', size(sweep%motions), ' points in ', in_seconds(seconds), &
+         ' s, ', settled, ' settled, ', size(sweep%motions) - settled, ' did not'
       do period = 1, maxval([0, sweep%motions%period])
          if (any(sweep%motions%period == period)) write (output_unit, '(a, i0, a, i0)') '    of period ', period, ': ', &
             count(sweep%motions%period == period)
@@ -88,17 +71,14 @@ contains
       if (allocated(sweep%ended)) write (output_unit, '(2a)') '    ended: ', sweep%ended
    end subroutine report_integration
 
-   !> A number with a zero before the point, which f0.d leaves out.
-   function fixed(value, decimals) result(text)
-      real(dp), intent(in) :: value
-      integer, intent(in) :: decimals
+   !> To the hundredth, with the zero before the point.
+   function in_seconds(seconds) result(text)
+      real(dp), intent(in) :: seconds
       character(:), allocatable :: text
-      character(32) :: buffer
-      character(8) :: form
+      character(16) :: buffer
 
-      write (form, '(a, i0, a)') '(f24.', decimals, ')'
-      write (buffer, form) value
+      write (buffer, '(f16.2)') seconds
       text = trim(adjustl(buffer))
-   end function fixed
+   end function in_seconds
 
 end module report

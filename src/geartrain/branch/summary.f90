@@ -22,35 +22,17 @@ module geartrain_branch_summary
 
 contains
 
-   !> Peaks of the rms of `mesh`, in the order of the branch: higher than the neighbours that count, at least one of which there is.
-   !>
-   !> With `stable_only` only stable points count: a stable stretch then may peak at its end, where the motion jumps away.
-   pure function peaks(branch, mesh, stable_only) result(found)
+   !> Local maxima of the rms of `mesh`, in the order of the branch.
+   pure function peaks(branch, mesh) result(found)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: mesh
-      logical, intent(in) :: stable_only
       type(peak_type), allocatable :: found(:)
-      logical :: counts(0:branch%points + 1), before, after
       integer :: i
 
       allocate (found(0))
-      counts = .false.
-      counts(1:branch%points) = .true.
-      if (stable_only) then
-         if (.not. allocated(branch%stable)) return
-         counts(1:branch%points) = branch%stable(:branch%points)
-      end if
       do i = 2, branch%points - 1
-         if (.not. counts(i) .or. .not. joined(branch, i - 1) .or. .not. joined(branch, i)) cycle
-         before = counts(i - 1)
-         after = counts(i + 1)
-         if (.not. (before .or. after)) cycle
-         if (before) then
-            if (branch%rms(mesh, i - 1) >= branch%rms(mesh, i)) cycle
-         end if
-         if (after) then
-            if (branch%rms(mesh, i + 1) > branch%rms(mesh, i)) cycle
-         end if
+         if (.not. joined(branch, i - 1) .or. .not. joined(branch, i)) cycle
+         if (branch%rms(mesh, i - 1) >= branch%rms(mesh, i) .or. branch%rms(mesh, i + 1) > branch%rms(mesh, i)) cycle
          found = [found, peak_type(branch%frequency(i), branch%rms(mesh, i), i, is_stable(branch, i))]
       end do
    end function peaks
