@@ -8,7 +8,7 @@ module geartrain_results_store
       h5lexists_f, h5oclose_f, h5oopen_f, h5open_f, h5pclose_f, h5pcreate_f, h5pset_fapl_core_f, h5sclose_f, h5screate_f, &
       h5screate_simple_f, h5tclose_f, h5tcopy_f, h5tset_cset_f, h5tset_size_f, &
       h5f_acc_trunc_f, h5f_scope_global_f, h5p_file_access_f, h5s_scalar_f, h5t_c_s1, h5t_cset_utf8_f, h5t_native_double, &
-      h5t_native_integer, h5t_std_i8le, h5t_variable_f, hid_t, hsize_t, size_t
+      h5t_native_integer, h5t_std_i8le, hid_t, hsize_t, size_t
    use geartrain_base_error, only: error_type, fatal, status_file
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
@@ -34,6 +34,9 @@ module geartrain_results_store
       procedure, private :: put_text, put_logical, put_integer, put_real_1, put_real_2, put_real_3, put_any, attach_axes
       procedure, private :: note
    end type store_type
+
+   !> H5T_VARIABLE of the C library, which the Fortran module lacks.
+   integer(size_t), parameter :: variable_length = -1
 
    !> Dimension scales of HDF5's C library (the Fortran module for them has no fixed place among the systems).
    interface
@@ -326,7 +329,7 @@ contains
       integer :: status
 
       call h5tcopy_f(h5t_c_s1, kind, status)
-      call h5tset_size_f(kind, h5t_variable_f, status)
+      call h5tset_size_f(kind, variable_length, status)
       call h5tset_cset_f(kind, h5t_cset_utf8_f, status)
    end subroutine text_kind
 
