@@ -8,6 +8,8 @@ module geartrain
    use geartrain_branch_solutions, only: solutions_at
    use geartrain_case_case, only: case_type
    use geartrain_case_reader, only: read_case, read_case_text
+   use geartrain_case_run, only: run_case
+   use geartrain_case_template, only: template_text
    use geartrain_case_text, only: case_text
    use geartrain_model_check, only: check_train
    use geartrain_model_mesh, only: mesh_type
@@ -21,6 +23,7 @@ module geartrain
    use geartrain_motion_shooting, only: refine
    use geartrain_motion_sweep, only: sweep
    use geartrain_motion_waveform, only: waveform
+   use geartrain_results_results, only: results_type, write_results
    implicit none (type, external)
    public
 end module geartrain

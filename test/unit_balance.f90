@@ -54,7 +54,8 @@ contains
       if (spread < 0.1_dp) u(1, :) = u(1, :) + 3
       call balance%evaluate(u, frequency)
       call balance%jacobian(matrix)
-      if (spread > 1) call tests%is_true(samples > 0 .or. all(balance%contact(:)%events > 0 .or. system%backlash(balance%mesh) <= 0), &
+      if (spread > 1) call tests%is_true(samples > 0 .or. &
+         all(balance%contact(:)%events > 0 .or. system%backlash(balance%mesh) <= 0), &
                                          name//': the state has contact events')
       largest = maxval(abs(matrix%diagonal))
       worst = 0

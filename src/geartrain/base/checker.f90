@@ -48,6 +48,8 @@ contains
       type(variable_type), intent(in) :: variable
       logical, intent(inout) :: value
 
+      associate (unused_self => self, unused_variable => variable, unused_value => value)
+      end associate
    end subroutine check_logical
 
    subroutine check_text(self, variable, value)

@@ -109,7 +109,9 @@ contains
       class(variable_type), intent(in) :: self
       real(dp), intent(in) :: value
 
-      allows = ieee_is_finite(value) .and. value > self%above .and. value >= self%least .and. value <= self%most
+      allows = ieee_is_finite(value)
+      if (.not. allows) return
+      allows = value > self%above .and. value >= self%least .and. value <= self%most
       if (self%automatic < huge(1.0_dp)) allows = allows .or. abs(value - self%automatic) <= 0
    end function allows
 

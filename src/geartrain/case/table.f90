@@ -61,12 +61,12 @@ contains
       type(variable_type), intent(in) :: variable
       real(dp), intent(inout) :: value
       logical, intent(inout), optional :: in_force
+      character(:), allocatable :: default
 
-      if (variable%allows(value)) then
-         call self%collect(variable, 'real', real_text(value))
-      else
-         call self%collect(variable, 'real', '')
-      end if
+      default = ''
+      if (variable%allows(value)) default = real_text(value)
+      if (present(in_force) .and. variable%excludes /= '') default = ''
+      call self%collect(variable, 'real', default)
    end subroutine on_real
 
    subroutine on_integer(self, variable, value)
@@ -102,6 +102,8 @@ contains
       type(variable_type), intent(in) :: variable
       real(dp), allocatable, intent(inout) :: value(:)
 
+      associate (unused => value)
+      end associate
       call self%collect(variable, 'reals', 'none')
    end subroutine on_list
 

@@ -67,7 +67,8 @@ contains
                      about_coefficients)
       call store%put(home//'/error_estimate', branch%error_estimate(:n), ['point'], '1', &
                      'estimated relative error of the waveform')
-      call store%put(home//'/part', branch%part(:n), ['point'], '1', '1 = traced from the end `from`, 2 = from the end `to`')
+      call store%put(home//'/part', branch%part(:n), ['point'], '1', &
+                     '1 = traced from the first end (from), 2 = from the other (to)')
    end subroutine write_points
 
    subroutine write_stability(store, branch, n)

@@ -15,6 +15,9 @@ module geartrain_results_store
    private
    public :: store_type
 
+   !> H5T_VARIABLE of the C library, which its Fortran module does not name.
+   integer(size_t), parameter :: variable_length = -1_size_t
+
    !> A file in the making. Paths are absolute ('/response/rms'); the dimensions of a dataset are named in the order in which
    !> the file has them, the last one varying fastest (Fortran's order reversed), by axes of its group or of the one above.
    !> One at a time: HDF5 knows no threads.
@@ -34,9 +37,6 @@ module geartrain_results_store
       procedure, private :: put_text, put_logical, put_integer, put_real_1, put_real_2, put_real_3, put_any, attach_axes
       procedure, private :: note
    end type store_type
-
-   !> H5T_VARIABLE of the C library, which the Fortran module lacks.
-   integer(size_t), parameter :: variable_length = -1
 
    !> Dimension scales of HDF5's C library (the Fortran module for them has no fixed place among the systems).
    interface
