@@ -64,7 +64,7 @@ contains
       class(tests_type), intent(inout) :: self
 
       write (output_unit, '(i0, a, i0, a)') self%passed, ' passed, ', self%failed, ' failed'
-      if (self%failed > 0 .or. self%passed == 0) error stop 1, quiet=.true.
+      if (self%failed > 0 .or. self%passed == 0) stop 1, quiet=.true.
    end subroutine finish
 
 end module testing

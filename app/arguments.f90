@@ -1,0 +1,90 @@
+!> The command line: what is asked for.
+module arguments
+   implicit none (type, external)
+   private
+   public :: arguments_type, read_arguments, help_text
+
+   type :: arguments_type
+      !> 'run', 'check', 'template', 'reference', 'version' or 'help'.
+      character(:), allocatable :: action
+      character(:), allocatable :: case_file
+      !> As given by --output; '' where it was not.
+      character(:), allocatable :: output_file
+      !> What is wrong with the command line; '' where all is well.
+      character(:), allocatable :: wrong
+   end type arguments_type
+
+   character(*), parameter :: newline = new_line('a')
+
+   character(*), parameter :: help_text = &
+      'Nonlinear torsional dynamics of gear trains.'//newline// &
+      newline// &
+      'Usage:'//newline// &
+      '   geartrain CASE.nml [--output FILE.h5]   run a case; the results go to FILE.h5'//newline// &
+      '   geartrain --check CASE.nml              say what is wrong with a case, compute nothing'//newline// &
+      '   geartrain --template > CASE.nml         a complete case, every variable explained'//newline// &
+      '   geartrain --reference                   the tables of input variables, as Markdown'//newline// &
+      '   geartrain --version'//newline// &
+      '   geartrain --help'//newline// &
+      newline// &
+      'Without --output the results go to the file that &output names, or else to the name of the case with .h5,'//newline// &
+      'in the working directory.'//newline// &
+      newline// &
+      'Exit status: 0 done; 2 bad input, nothing written; 3 an analysis ended early, what was computed is written;'//newline// &
+      '4 the file system failed.'
+
+contains
+
+   subroutine read_arguments(arguments)
+      type(arguments_type), intent(out) :: arguments
+      character(:), allocatable :: word
+      integer :: i
+
+      arguments%action = 'run'
+      arguments%case_file = ''
+      arguments%output_file = ''
+      arguments%wrong = ''
+      i = 0
+      do while (i < command_argument_count() .and. arguments%wrong == '')
+         i = i + 1
+         word = argument(i)
+         select case (word)
+         case ('--help', '-h', '--version', '--template', '--reference')
+            arguments%action = word(3:)
+            if (word == '-h') arguments%action = 'help'
+            return
+         case ('--check')
+            arguments%action = 'check'
+         case ('--output', '-o')
+            i = i + 1
+            if (i <= command_argument_count()) arguments%output_file = argument(i)
+            if (arguments%output_file == '') arguments%wrong = word//' needs the name of a file'
+         case default
+            if (index(word, '--output=') == 1) then
+               arguments%output_file = word(10:)
+               if (arguments%output_file == '') arguments%wrong = '--output needs the name of a file'
+            else if (index(word, '-') == 1) then
+               arguments%wrong = 'unknown option '//word
+            else if (arguments%case_file /= '') then
+               arguments%wrong = 'one case at a time: got '//arguments%case_file//' and '//word
+            else
+               arguments%case_file = word
+            end if
+         end select
+      end do
+      if (arguments%wrong == '' .and. arguments%case_file == '') arguments%wrong = 'no case file given'
+      if (arguments%wrong == '' .and. arguments%action == 'check' .and. arguments%output_file /= '') &
+         arguments%wrong = '--check writes nothing: leave out --output'
+   end subroutine read_arguments
+
+   function argument(i) result(word)
+      integer, intent(in) :: i
+      character(:), allocatable :: word
+      integer :: length
+
+      call get_command_argument(i, length=length)
+      allocate (character(length) :: word)
+      if (length > 0) call get_command_argument(i, word)
+   end function argument
+
+end module arguments

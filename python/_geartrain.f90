@@ -1,0 +1,582 @@
+! The border between Fortran and Python: flat subroutines with explicit shapes, which f2py turns into an extension.
+!
+! Every call works on a box (python/box.f90) by its handle; `status` is 0 or the exit status of the error whose message
+! the box then holds. Nothing here computes: it calls the library and copies. Complex numbers travel as pairs
+! (real, imaginary); `threadsafe` releases Python's global lock, which no call needs, since none calls back.
+
+subroutine open_box(handle)
+   use geartrain_python_box, only: box_type, handle_of
+   implicit none
+   integer(8), intent(out) :: handle
+   type(box_type), pointer :: box
+
+   allocate (box)
+   handle = handle_of(box)
+end subroutine open_box
+
+subroutine close_box(handle)
+   use geartrain_python_box, only: box_type, box_of
+   implicit none
+   integer(8), intent(in) :: handle
+   type(box_type), pointer :: box
+
+   box => box_of(handle)
+   deallocate (box)
+end subroutine close_box
+
+! Reads a case from namelist text that a Python call wrote.
+subroutine read_text(handle, text, status)
+   use geartrain, only: error_type, read_case_text
+   use geartrain_python_box, only: box_type, box_of, close_with
+   implicit none
+   integer(8), intent(in) :: handle
+   character(*), intent(in) :: text
+   integer, intent(out) :: status
+   type(box_type), pointer :: box
+   type(error_type), allocatable :: error
+
+   box => box_of(handle)
+   call read_case_text(text, '', box%case, error)
+   status = close_with(box, error)
+end subroutine read_text
+
+! Reads a case from a file.
+subroutine read_path(handle, path, status)
+   use geartrain, only: error_type, read_case
+   use geartrain_python_box, only: box_type, box_of, close_with
+   implicit none
+   integer(8), intent(in) :: handle
+   character(*), intent(in) :: path
+   integer, intent(out) :: status
+   type(box_type), pointer :: box
+   type(error_type), allocatable :: error
+
+   box => box_of(handle)
+   call read_case(path, box%case, error)
+   status = close_with(box, error)
+end subroutine read_path
+
+! ---------------------------------------------------------------------------------------------------- the analyses
+
+subroutine find_modes(handle, status)
+   use geartrain, only: error_type, natural_modes
+   use geartrain_python_box, only: box_type, box_of, close_with
+   implicit none
+   integer(8), intent(in) :: handle
+   integer, intent(out) :: status
+   type(box_type), pointer :: box
+   type(error_type), allocatable :: error
+
+   box => box_of(handle)
+   allocate (box%results%modes)
+   call natural_modes(box%case%train, box%results%modes, error)
+   status = close_with(box, error)
+end subroutine find_modes
+
+! The seed is the box's first motion, if it has one.
+subroutine follow_response(handle, progress, status)
+   use geartrain, only: error_type, motion_type, response
+   use geartrain_python_box, only: box_type, box_of, close_with, motion_list, watch_type
+   implicit none
+   integer(8), intent(in) :: handle
+   double precision, intent(inout), target :: progress(3)
+   integer, intent(out) :: status
+   type(box_type), pointer :: box
+   type(error_type), allocatable :: error
+   type(motion_type), pointer :: motions(:), seed
+   type(watch_type) :: watch
+   !f2py threadsafe
+
+   box => box_of(handle)
+   watch%progress => progress
+   motions => motion_list(box)
+   nullify (seed)
+   if (associated(motions)) seed => motions(1)
+   allocate (box%results%response)
+   call response(box%case%train, box%case%response, box%results%response, error, seed, watch)
+   status = close_with(box, error)
+end subroutine follow_response
+
+! Every solution of the box's branch at exactly `frequency`; they become the box's motions.
+subroutine solve_at(handle, frequency, status)
+   use geartrain, only: error_type, solutions_at
+   use geartrain_python_box, only: box_type, box_of, close_with
+   implicit none
+   integer(8), intent(in) :: handle
+   double precision, intent(in) :: frequency
+   integer, intent(out) :: status
+   type(box_type), pointer :: box
+   type(error_type), allocatable :: error
+   !f2py threadsafe
+
+   box => box_of(handle)
+   call solutions_at(box%case%train, box%case%response, box%results%response, frequency, box%motions, error)
+   status = close_with(box, error)
+end subroutine solve_at
+
+! Starts from the box's first motion, if it has one; the result takes its place.
+subroutine integrate_at(handle, frequency, progress, status)
+   use geartrain, only: error_type, integrate, motion_type
+   use geartrain_python_box, only: box_type, box_of, close_with, motion_list, watch_type
+   implicit none
+   integer(8), intent(in) :: handle
+   double precision, intent(in) :: frequency
+   double precision, intent(inout), target :: progress(3)
+   integer, intent(out) :: status
+   type(box_type), pointer :: box
+   type(error_type), allocatable :: error
+   type(motion_type), pointer :: motions(:), start
+   type(motion_type) :: motion
+   type(watch_type) :: watch
+   !f2py threadsafe
+
+   box => box_of(handle)
+   watch%progress => progress
+   motions => motion_list(box)
+   nullify (start)
+   if (associated(motions)) start => motions(1)
+   call integrate(box%case%train, frequency, box%case%integration, motion, error, start, watch)
+   if (.not. allocated(error)) box%motions = [motion]
+   status = close_with(box, error)
+end subroutine integrate_at
+
+subroutine sweep_range(handle, progress, status)
+   use geartrain, only: error_type, sweep
+   use geartrain_python_box, only: box_type, box_of, close_with, watch_type
+   implicit none
+   integer(8), intent(in) :: handle
+   double precision, intent(inout), target :: progress(3)
+   integer, intent(out) :: status
+   type(box_type), pointer :: box
+   type(error_type), allocatable :: error
+   type(watch_type) :: watch
+   !f2py threadsafe
+
+   box => box_of(handle)
+   watch%progress => progress
+   allocate (box%results%integration)
+   call sweep(box%case%train, box%case%integration, box%results%integration, error, watch)
+   status = close_with(box, error)
+end subroutine sweep_range
+
+subroutine find_attractors(handle, frequency, starts, random_seed, progress, status)
+   use geartrain, only: attractors, error_type
+   use geartrain_python_box, only: box_type, box_of, close_with, watch_type
+   implicit none
+   integer(8), intent(in) :: handle
+   double precision, intent(in) :: frequency
+   integer, intent(in) :: starts, random_seed
+   double precision, intent(inout), target :: progress(3)
+   integer, intent(out) :: status
+   type(box_type), pointer :: box
+   type(error_type), allocatable :: error
+   type(watch_type) :: watch
+   !f2py threadsafe
+
+   box => box_of(handle)
+   watch%progress => progress
+   call attractors(box%case%train, frequency, starts, random_seed, box%case%integration, box%motions, error, watch)
+   status = close_with(box, error)
+end subroutine find_attractors
+
+! Refines the box's first motion.
+subroutine refine_motion(handle, status)
+   use geartrain, only: error_type, refine
+   use geartrain_python_box, only: box_type, box_of, close_with
+   implicit none
+   integer(8), intent(in) :: handle
+   integer, intent(out) :: status
+   type(box_type), pointer :: box
+   type(error_type), allocatable :: error
+   !f2py threadsafe
+
+   box => box_of(handle)
+   call refine(box%case%train, box%motions(1), error)
+   status = close_with(box, error)
+end subroutine refine_motion
+
+! One period of the box's first motion.
+subroutine sample_waveform(handle, samples, meshes, time, displacement)
+   use geartrain, only: waveform
+   use geartrain_python_box, only: box_type, box_of
+   implicit none
+   integer(8), intent(in) :: handle
+   integer, intent(in) :: samples, meshes
+   double precision, intent(out) :: time(samples), displacement(samples, meshes)
+   type(box_type), pointer :: box
+
+   box => box_of(handle)
+   call waveform(box%case%train, box%motions(1), samples, time, displacement)
+end subroutine sample_waveform
+
+! Everything that the case asks for; `path` is where the results go, '' nowhere.
+subroutine run_all(handle, path, progress, status)
+   use geartrain, only: error_type, run_case
+   use geartrain_python_box, only: box_type, box_of, close_with, watch_type
+   implicit none
+   integer(8), intent(in) :: handle
+   character(*), intent(in) :: path
+   double precision, intent(inout), target :: progress(3)
+   integer, intent(out) :: status
+   type(box_type), pointer :: box
+   type(error_type), allocatable :: error
+   type(watch_type) :: watch
+   !f2py threadsafe
+
+   box => box_of(handle)
+   watch%progress => progress
+   call run_case(box%case, path, box%results, error, watch)
+   status = close_with(box, error)
+end subroutine run_all
+
+! Writes the box's results.
+subroutine write_path(handle, path, status)
+   use geartrain, only: error_type, write_results
+   use geartrain_python_box, only: box_type, box_of, close_with
+   implicit none
+   integer(8), intent(in) :: handle
+   character(*), intent(in) :: path
+   integer, intent(out) :: status
+   type(box_type), pointer :: box
+   type(error_type), allocatable :: error
+
+   box => box_of(handle)
+   call write_results(path, box%case, box%results, error)
+   status = close_with(box, error)
+end subroutine write_path
+
+! ------------------------------------------------------------------------------------------------------------- text
+
+! Number of bytes of a text of the box: 'message', 'case' (the resolved namelist), 'elements', 'response',
+! 'integration' (why each ended), 'directions', 'version'. Lists have one item a line.
+subroutine text_size(handle, name, bytes)
+   use geartrain_python_box, only: box_of, box_text
+   implicit none
+   integer(8), intent(in) :: handle
+   character(*), intent(in) :: name
+   integer, intent(out) :: bytes
+
+   bytes = len(box_text(box_of(handle), name))
+end subroutine text_size
+
+subroutine copy_text(handle, name, bytes, text)
+   use geartrain_python_box, only: box_of, box_text
+   implicit none
+   integer(8), intent(in) :: handle
+   character(*), intent(in) :: name
+   integer, intent(in) :: bytes
+   integer(1), intent(out) :: text(bytes)
+
+   text = transfer(box_text(box_of(handle), name), text)
+end subroutine copy_text
+
+! ------------------------------------------------------------------------------------------------------------ modes
+
+! elements, modes
+subroutine modes_sizes(handle, sizes)
+   use geartrain_python_box, only: box_type, box_of
+   implicit none
+   integer(8), intent(in) :: handle
+   integer, intent(out) :: sizes(2)
+   type(box_type), pointer :: box
+
+   box => box_of(handle)
+   sizes = 0
+   if (allocated(box%results%modes)) sizes = shape(box%results%modes%shape)
+end subroutine modes_sizes
+
+! values: undamped frequency, damped frequency, damping ratio.
+subroutine copy_modes(handle, elements, modes, values, shapes)
+   use geartrain_python_box, only: box_type, box_of
+   implicit none
+   integer(8), intent(in) :: handle
+   integer, intent(in) :: elements, modes
+   double precision, intent(out) :: values(modes, 3), shapes(elements, modes)
+   type(box_type), pointer :: box
+
+   box => box_of(handle)
+   values(:, 1) = box%results%modes%natural_frequency
+   values(:, 2) = box%results%modes%damped_frequency
+   values(:, 3) = box%results%modes%damping_ratio
+   shapes = box%results%modes%shape
+end subroutine copy_modes
+
+! names: 16 characters an element.
+subroutine put_modes(handle, names, values, shapes, elements, modes)
+   use geartrain_python_box, only: box_type, box_of
+   implicit none
+   integer(8), intent(in) :: handle
+   integer, intent(in) :: elements, modes
+   character(*), intent(in) :: names
+   double precision, intent(in) :: values(modes, 3), shapes(elements, modes)
+   type(box_type), pointer :: box
+   integer :: i
+
+   box => box_of(handle)
+   allocate (box%results%modes)
+   box%results%modes%natural_frequency = values(:, 1)
+   box%results%modes%damped_frequency = values(:, 2)
+   box%results%modes%damping_ratio = values(:, 3)
+   box%results%modes%shape = shapes
+   allocate (box%results%modes%element(elements))
+   do i = 1, elements
+      box%results%modes%element(i) = names(16*(i - 1) + 1:16*i)
+   end do
+end subroutine put_modes
+
+! ---------------------------------------------------------------------------------------------------------- motions
+
+! How many motions the box holds; complete: 1 for a sweep that reached its end.
+subroutine motions_sizes(handle, sizes)
+   use geartrain, only: motion_type
+   use geartrain_python_box, only: box_type, box_of, motion_list
+   implicit none
+   integer(8), intent(in) :: handle
+   integer, intent(out) :: sizes(2)
+   type(box_type), pointer :: box
+   type(motion_type), pointer :: motions(:)
+
+   box => box_of(handle)
+   sizes = 0
+   motions => motion_list(box)
+   if (associated(motions)) sizes(1) = size(motions)
+   if (allocated(box%results%integration)) sizes(2) = merge(1, 0, box%results%integration%complete)
+end subroutine motions_sizes
+
+! terms (1 + 2*harmonics), meshes, states, multipliers, period, stable; 0 where not allocated. Places count from 1.
+subroutine motion_sizes(handle, place, sizes)
+   use geartrain, only: motion_type
+   use geartrain_python_box, only: box_of, motion_list
+   implicit none
+   integer(8), intent(in) :: handle
+   integer, intent(in) :: place
+   integer, intent(out) :: sizes(6)
+   type(motion_type), pointer :: motions(:)
+
+   motions => motion_list(box_of(handle))
+   sizes = 0
+   if (allocated(motions(place)%coefficients)) sizes(1) = size(motions(place)%coefficients, 1)
+   if (allocated(motions(place)%rms)) sizes(2) = size(motions(place)%rms)
+   if (allocated(motions(place)%state)) sizes(3) = size(motions(place)%state)
+   if (allocated(motions(place)%multipliers)) sizes(4) = size(motions(place)%multipliers)
+   sizes(5:6) = [motions(place)%period, merge(1, 0, motions(place)%stable)]
+end subroutine motion_sizes
+
+! numbers: frequency, error estimate, share; values: rms, mean, minimum, maximum.
+subroutine copy_motion(handle, place, terms, meshes, states, roots, numbers, coefficients, values, state, multipliers)
+   use geartrain, only: motion_type
+   use geartrain_python_box, only: box_of, motion_list
+   implicit none
+   integer(8), intent(in) :: handle
+   integer, intent(in) :: place, terms, meshes, states, roots
+   double precision, intent(out) :: numbers(3), coefficients(terms, meshes), values(meshes, 4), state(states)
+   double precision, intent(out) :: multipliers(2, roots)
+   type(motion_type), pointer :: motions(:)
+
+   motions => motion_list(box_of(handle))
+   associate (motion => motions(place))
+      numbers = [motion%frequency, motion%error_estimate, motion%share]
+      if (terms > 0) coefficients = motion%coefficients
+      if (meshes > 0) then
+         values(:, 1) = motion%rms
+         values(:, 2) = motion%mean
+         values(:, 3) = motion%minimum
+         values(:, 4) = motion%maximum
+      end if
+      if (states > 0) state = motion%state
+      if (roots > 0) then
+         multipliers(1, :) = real(motion%multipliers)
+         multipliers(2, :) = aimag(motion%multipliers)
+      end if
+   end associate
+end subroutine copy_motion
+
+! Room for the motions that are put next.
+subroutine reserve_motions(handle, motions)
+   use geartrain_python_box, only: box_type, box_of
+   implicit none
+   integer(8), intent(in) :: handle
+   integer, intent(in) :: motions
+   type(box_type), pointer :: box
+
+   box => box_of(handle)
+   allocate (box%motions(motions))
+end subroutine reserve_motions
+
+! The inverse of copy_motion; what has no size stays unallocated.
+subroutine put_motion(handle, place, period, stable, numbers, coefficients, values, state, multipliers, &
+                      terms, meshes, states, roots)
+   use geartrain_python_box, only: box_type, box_of
+   implicit none
+   integer(8), intent(in) :: handle
+   integer, intent(in) :: place, period, stable, terms, meshes, states, roots
+   double precision, intent(in) :: numbers(3), coefficients(terms, meshes), values(meshes, 4), state(states)
+   double precision, intent(in) :: multipliers(2, roots)
+   type(box_type), pointer :: box
+
+   box => box_of(handle)
+   associate (motion => box%motions(place))
+      motion%period = period
+      motion%stable = stable == 1
+      motion%frequency = numbers(1)
+      motion%error_estimate = numbers(2)
+      motion%share = numbers(3)
+      if (terms > 0) motion%coefficients = coefficients
+      if (meshes > 0) then
+         motion%rms = values(:, 1)
+         motion%mean = values(:, 2)
+         motion%minimum = values(:, 3)
+         motion%maximum = values(:, 4)
+      end if
+      if (states > 0) motion%state = state
+      if (roots > 0) motion%multipliers = cmplx(multipliers(1, :), multipliers(2, :), kind(0d0))
+   end associate
+end subroutine put_motion
+
+! Makes the box's motions a sweep; directions: 4 characters a motion.
+subroutine put_sweep(handle, directions, ended, complete)
+   use geartrain_python_box, only: box_type, box_of
+   implicit none
+   integer(8), intent(in) :: handle
+   character(*), intent(in) :: directions, ended
+   integer, intent(in) :: complete
+   type(box_type), pointer :: box
+   integer :: i
+
+   box => box_of(handle)
+   allocate (box%results%integration)
+   associate (sweep => box%results%integration)
+      call move_alloc(box%motions, sweep%motions)
+      allocate (sweep%direction(size(sweep%motions)))
+      do i = 1, size(sweep%motions)
+         sweep%direction(i) = directions(4*(i - 1) + 1:4*i)
+      end do
+      sweep%ended = ended
+      sweep%complete = complete == 1
+   end associate
+end subroutine put_sweep
+
+! ----------------------------------------------------------------------------------------------------------- branch
+
+! points, meshes, states (0: no stability), terms (1 + 2*harmonics), special points, subharmonic, complete, closed.
+subroutine branch_sizes(handle, sizes)
+   use geartrain_python_box, only: box_type, box_of
+   implicit none
+   integer(8), intent(in) :: handle
+   integer, intent(out) :: sizes(8)
+   type(box_type), pointer :: box
+
+   box => box_of(handle)
+   sizes = 0
+   if (.not. allocated(box%results%response)) return
+   associate (branch => box%results%response)
+      sizes(1:2) = [branch%points, branch%meshes]
+      if (allocated(branch%multipliers)) sizes(3) = size(branch%multipliers, 1)
+      if (allocated(branch%coefficients)) sizes(4) = size(branch%coefficients, 1)
+      if (allocated(branch%special_points)) sizes(5) = size(branch%special_points)
+      sizes(6:8) = [branch%subharmonic, merge(1, 0, branch%complete), merge(1, 0, branch%closed)]
+   end associate
+end subroutine branch_sizes
+
+! numbers: frequency, error estimate; values: rms, mean, minimum, maximum; marks: part, stable.
+subroutine copy_branch(handle, points, meshes, states, terms, numbers, coefficients, values, marks, multipliers)
+   use geartrain_python_box, only: box_type, box_of
+   implicit none
+   integer(8), intent(in) :: handle
+   integer, intent(in) :: points, meshes, states, terms
+   double precision, intent(out) :: numbers(points, 2), coefficients(terms, meshes, points), values(meshes, points, 4)
+   integer, intent(out) :: marks(points, 2)
+   double precision, intent(out) :: multipliers(2, states, points)
+   type(box_type), pointer :: box
+
+   box => box_of(handle)
+   if (points == 0) return
+   associate (branch => box%results%response)
+      numbers(:, 1) = branch%frequency(:points)
+      numbers(:, 2) = branch%error_estimate(:points)
+      coefficients = branch%coefficients(:, :, :points)
+      values(:, :, 1) = branch%rms(:, :points)
+      values(:, :, 2) = branch%mean(:, :points)
+      values(:, :, 3) = branch%minimum(:, :points)
+      values(:, :, 4) = branch%maximum(:, :points)
+      marks(:, 1) = branch%part(:points)
+      marks(:, 2) = 0
+      if (states == 0) return
+      marks(:, 2) = merge(1, 0, branch%stable(:points))
+      multipliers(1, :, :) = real(branch%multipliers(:, :points))
+      multipliers(2, :, :) = aimag(branch%multipliers(:, :points))
+   end associate
+end subroutine copy_branch
+
+! The inverse of copy_branch; flags: subharmonic, complete, closed, number of special points.
+subroutine put_branch(handle, ended, flags, numbers, coefficients, values, marks, multipliers, points, meshes, states, terms)
+   use geartrain_python_box, only: box_type, box_of
+   implicit none
+   integer(8), intent(in) :: handle
+   character(*), intent(in) :: ended
+   integer, intent(in) :: points, meshes, states, terms, flags(4), marks(points, 2)
+   double precision, intent(in) :: numbers(points, 2), coefficients(terms, meshes, points), values(meshes, points, 4)
+   double precision, intent(in) :: multipliers(2, states, points)
+   type(box_type), pointer :: box
+
+   box => box_of(handle)
+   allocate (box%results%response)
+   associate (branch => box%results%response)
+      branch%points = points
+      branch%meshes = meshes
+      branch%states = states
+      branch%harmonics = (terms - 1)/2
+      branch%ended = ended
+      branch%subharmonic = flags(1)
+      branch%complete = flags(2) == 1
+      branch%closed = flags(3) == 1
+      allocate (branch%special_points(flags(4)))
+      branch%frequency = numbers(:, 1)
+      branch%error_estimate = numbers(:, 2)
+      branch%coefficients = coefficients
+      branch%rms = values(:, :, 1)
+      branch%mean = values(:, :, 2)
+      branch%minimum = values(:, :, 3)
+      branch%maximum = values(:, :, 4)
+      branch%part = marks(:, 1)
+      if (states == 0) return
+      branch%stable = marks(:, 2) == 1
+      branch%multipliers = cmplx(multipliers(1, :, :), multipliers(2, :, :), kind(0d0))
+   end associate
+end subroutine put_branch
+
+! point counts from 1, as in Fortran; the kinds are the text 'special points'.
+subroutine copy_special(handle, place, meshes, frequency, point, rms)
+   use geartrain_python_box, only: box_type, box_of
+   implicit none
+   integer(8), intent(in) :: handle
+   integer, intent(in) :: place, meshes
+   double precision, intent(out) :: frequency, rms(meshes)
+   integer, intent(out) :: point
+   type(box_type), pointer :: box
+
+   box => box_of(handle)
+   associate (special => box%results%response%special_points(place))
+      frequency = special%frequency
+      point = special%point
+      rms = special%rms
+   end associate
+end subroutine copy_special
+
+subroutine put_special(handle, place, kind, frequency, point, rms, meshes)
+   use geartrain_python_box, only: box_type, box_of
+   implicit none
+   integer(8), intent(in) :: handle
+   character(*), intent(in) :: kind
+   integer, intent(in) :: place, point, meshes
+   double precision, intent(in) :: frequency, rms(meshes)
+   type(box_type), pointer :: box
+
+   box => box_of(handle)
+   associate (special => box%results%response%special_points(place))
+      special%kind = kind
+      special%frequency = frequency
+      special%point = point
+      special%rms = rms
+   end associate
+end subroutine put_special

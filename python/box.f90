@@ -1,0 +1,126 @@
+!> What a Python call carries over the border: a case and motions in, results out, and the watch on long work.
+module geartrain_python_box
+   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_ptr
+   use, intrinsic :: iso_fortran_env, only: int64, real64
+   use geartrain, only: case_text, case_type, error_type, motion_type, observer_type, results_type, version
+   implicit none (type, external)
+   private
+   public :: box_type, watch_type, handle_of, box_of, box_text, close_with, motion_list
+
+   !> One call's data; Python knows it by a handle and frees it before the call returns.
+   type :: box_type
+      type(case_type) :: case
+      !> What was computed, or what is to be written; `results%response` is also the branch of `solve_at`.
+      type(results_type) :: results
+      !> Motions in (seed, start, the motion to refine) or out (attractors, solutions at a frequency).
+      type(motion_type), allocatable :: motions(:)
+      !> Message of the last error.
+      character(:), allocatable :: message
+   end type box_type
+
+   !> Writes the progress where Python's waiting thread reads it, and stops when that thread asks for it.
+   type, extends(observer_type) :: watch_type
+      !> 1: Python sets it to stop the work; 2: points done; 3: Lambda of the latest point.
+      real(real64), pointer :: progress(:) => null()
+   contains
+      procedure :: on_step
+   end type watch_type
+
+contains
+
+   subroutine on_step(self, analysis, done, frequency, keep_going)
+      class(watch_type), intent(inout) :: self
+      character(*), intent(in) :: analysis
+      integer, intent(in) :: done
+      real(real64), intent(in) :: frequency
+      logical, intent(inout) :: keep_going
+
+      real(real64), pointer, volatile :: progress(:)
+
+      if (len(analysis) == 0) return
+      progress => self%progress
+      progress(2) = done
+      progress(3) = frequency
+      if (progress(1) > 0) keep_going = .false.
+   end subroutine on_step
+
+   !> The box as a number that Python can hold.
+   integer(int64) function handle_of(box) result(handle)
+      type(box_type), pointer, intent(in) :: box
+
+      handle = transfer(c_loc(box), handle)
+   end function handle_of
+
+   !> The box of a handle.
+   function box_of(handle) result(box)
+      integer(int64), intent(in) :: handle
+      type(box_type), pointer :: box
+
+      call c_f_pointer(transfer(handle, c_null_ptr), box)
+   end function box_of
+
+   !> Exit status of `error`, 0 where there is none; its message stays in the box.
+   integer function close_with(box, error) result(status)
+      type(box_type), intent(inout) :: box
+      type(error_type), allocatable, intent(in) :: error
+
+      status = 0
+      if (.not. allocated(error)) return
+      status = error%status
+      box%message = error%message
+   end function close_with
+
+   !> The motions that the box holds: those of a sweep, or else the loose ones; null where there are none.
+   function motion_list(box) result(motions)
+      type(box_type), target, intent(in) :: box
+      type(motion_type), pointer :: motions(:)
+
+      nullify (motions)
+      if (allocated(box%motions)) motions => box%motions
+      if (.not. allocated(box%results%integration)) return
+      if (allocated(box%results%integration%motions)) motions => box%results%integration%motions
+   end function motion_list
+
+   !> A text of the box by its name, see `text_size`; lists have one item a line.
+   function box_text(box, name) result(text)
+      type(box_type), intent(in) :: box
+      character(*), intent(in) :: name
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      select case (name)
+      case ('version')
+         text = version
+      case ('message')
+         if (allocated(box%message)) text = box%message
+      case ('case')
+         text = case_text(box%case)
+      case ('elements')
+         text = lines(box%results%modes%element)
+      case ('directions')
+         text = lines(box%results%integration%direction)
+      case ('integration')
+         text = box%results%integration%ended
+      case ('response')
+         text = box%results%response%ended
+      case ('special points')
+         associate (special_points => box%results%response%special_points)
+            text = lines([(special_points(i)%kind, i=1, size(special_points))])
+         end associate
+      end select
+   end function box_text
+
+   !> The items, one a line.
+   pure function lines(items) result(text)
+      character(*), intent(in) :: items(:)
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(items)
+         text = text//trim(items(i))//new_line('a')
+      end do
+   end function lines
+
+end module geartrain_python_box

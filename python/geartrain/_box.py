@@ -1,0 +1,198 @@
+"""Calls into Fortran: a box holds a case and motions in, results out, and is freed before the call returns."""
+
+from __future__ import annotations
+
+import os
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _geartrain as fortran
+from .errors import InputError, SolverError
+
+if TYPE_CHECKING:
+    from .branch import Branch
+    from .modes import Modes
+    from .motion import Motion, Sweep
+
+__all__ = ["Box", "file_name", "fortran"]
+
+Array = NDArray[np.float64]
+
+_INPUT, _ENDED_EARLY, _FILE = 2, 3, 4
+
+
+class Box:
+    """One call's data on the Fortran side; use it in a ``with`` statement.
+
+    Parameters
+    ----------
+    text : str, optional
+        Namelist text of the case.
+    """
+
+    def __init__(self, text: str | None = None) -> None:
+        self.handle: int = fortran.open_box()
+        if text is None:
+            return
+        try:
+            self.check(fortran.read_text(self.handle, text.encode()))
+        except BaseException:
+            fortran.close_box(self.handle)
+            raise
+
+    def __enter__(self) -> Box:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        fortran.close_box(self.handle)
+
+    def check(self, status: int, whole: bool = True) -> None:
+        """Raise the error that the status stands for; work that ended early passes unless the whole is needed."""
+        if status == 0 or (status == _ENDED_EARLY and not whole):
+            return
+        kinds = {_INPUT: InputError, _ENDED_EARLY: SolverError, _FILE: OSError}
+        raise kinds.get(status, RuntimeError)(self.text("message"))
+
+    def text(self, name: str) -> str:
+        """A text of the box, see ``text_size`` in _geartrain.f90."""
+        size = fortran.text_size(self.handle, name)
+        return fortran.copy_text(self.handle, name, size).tobytes().decode() if size else ""
+
+    # ------------------------------------------------------------------------------------------------- out
+
+    def modes(self) -> dict[str, Any] | None:
+        elements, modes = map(int, fortran.modes_sizes(self.handle))
+        if not modes:
+            return None
+        values, shapes = fortran.copy_modes(self.handle, elements, modes)
+        return {
+            "natural_frequency": values[:, 0],
+            "damped_frequency": values[:, 1],
+            "damping_ratio": values[:, 2],
+            "shape": shapes.T,
+            "element": tuple(self.text("elements").splitlines()),
+        }
+
+    def motions(self) -> list[dict[str, Any]]:
+        return [self._motion(place) for place in range(1, fortran.motions_sizes(self.handle)[0] + 1)]
+
+    def _motion(self, place: int) -> dict[str, Any]:
+        terms, meshes, states, roots, period, stable = map(int, fortran.motion_sizes(self.handle, place))
+        numbers, coefficients, values, state, multipliers = fortran.copy_motion(
+            self.handle, place, terms, meshes, states, roots
+        )
+        return {
+            "frequency": float(numbers[0]),
+            "period": period,
+            "coefficients": coefficients.T,
+            **dict(zip(("rms", "mean", "minimum", "maximum"), values.T)),
+            "stable": bool(stable) if roots else None,
+            "multipliers": _complex(multipliers.T) if roots else None,
+            "state": state if states else None,
+            "error_estimate": _known(numbers[1]),
+            "share": _known(numbers[2]),
+        }
+
+    def sweep(self) -> dict[str, Any]:
+        return {
+            "direction": tuple(self.text("directions").splitlines()),
+            "ended": self.text("integration"),
+            "complete": bool(fortran.motions_sizes(self.handle)[1]),
+        }
+
+    def branch(self) -> dict[str, Any] | None:
+        sizes = map(int, fortran.branch_sizes(self.handle))
+        points, meshes, states, terms, specials, subharmonic, complete, closed = sizes
+        if not points:
+            return None
+        numbers, coefficients, values, marks, multipliers = fortran.copy_branch(
+            self.handle, points, meshes, states, terms
+        )
+        kinds = self.text("special points").splitlines()
+        return {
+            "frequency": numbers[:, 0],
+            **dict(zip(("rms", "mean", "minimum", "maximum"), values.T)),
+            "stable": marks[:, 1] == 1 if states else None,
+            "multipliers": _complex(multipliers.T) if states else None,
+            "coefficients": coefficients.T,
+            "error_estimate": np.where(numbers[:, 1] < 0, np.nan, numbers[:, 1]),
+            "part": marks[:, 0],
+            "special_points": [
+                (kind, *fortran.copy_special(self.handle, place, meshes)) for place, kind in enumerate(kinds, 1)
+            ],
+            "subharmonic": subharmonic,
+            "ended": self.text("response"),
+            "complete": bool(complete),
+            "closed": bool(closed),
+        }
+
+    # -------------------------------------------------------------------------------------------------- in
+
+    def put_modes(self, modes: Modes) -> None:
+        values = np.stack([modes.natural_frequency, modes.damped_frequency, modes.damping_ratio], axis=1)
+        fortran.put_modes(self.handle, _columns(modes.element, 16), values, modes.shape.T)
+
+    def put_motions(self, *motions: Motion) -> None:
+        fortran.reserve_motions(self.handle, len(motions))
+        for place, motion in enumerate(motions, 1):
+            fortran.put_motion(
+                self.handle,
+                place,
+                motion.period,
+                int(bool(motion.stable)),
+                [motion.frequency, *np.nan_to_num([motion.error_estimate, motion.share], nan=-1.0)],
+                motion.coefficients.T,
+                np.stack([motion.rms, motion.mean, motion.minimum, motion.maximum]).T,
+                np.zeros(0) if motion.state is None else motion.state,
+                np.zeros((2, 0)) if motion.multipliers is None else _pairs(motion.multipliers),
+            )
+
+    def put_sweep(self, sweep: Sweep) -> None:
+        self.put_motions(*sweep)
+        fortran.put_sweep(self.handle, _columns(sweep.direction, 4), sweep.ended.encode(), int(sweep.complete))
+
+    def put_branch(self, branch: Branch) -> None:
+        stable = np.zeros(len(branch), bool) if branch.stable is None else branch.stable
+        fortran.put_branch(
+            self.handle,
+            branch.ended.encode(),
+            [branch.subharmonic, branch.complete, branch.closed, len(branch.special_points)],
+            np.stack([branch.frequency, np.nan_to_num(branch.error_estimate, nan=-1.0)], axis=1),
+            branch.coefficients.T,
+            np.stack([branch.rms, branch.mean, branch.minimum, branch.maximum]).T,
+            np.stack([branch.part, stable], axis=1),
+            np.zeros((2, 0, len(branch))) if branch.multipliers is None else _pairs(branch.multipliers),
+        )
+        for place, special in enumerate(branch.special_points, 1):
+            fortran.put_special(
+                self.handle, place, special.kind.encode(), special.frequency, special.point + 1, special.rms
+            )
+
+
+def file_name(path: str | os.PathLike[str]) -> bytes:
+    """The path as Fortran wants it."""
+    return os.fsencode(path)
+
+
+def _complex(pairs: Array) -> NDArray[np.complex128]:
+    """From (..., 2), real and imaginary part."""
+    return np.ascontiguousarray(pairs).view(np.complex128)[..., 0]
+
+
+def _pairs(values: NDArray[np.complex128]) -> Array:
+    """The inverse of ``_complex``, in Fortran's order of dimensions."""
+    return np.ascontiguousarray(values)[..., np.newaxis].view(np.float64).T
+
+
+def _known(value: float) -> float:
+    """NaN for the negative number that stands for "not known" in Fortran."""
+    return float(value) if value >= 0 else float("nan")
+
+
+def _columns(items: tuple[str, ...], width: int) -> bytes:
+    return "".join(item.ljust(width) for item in items).encode()

@@ -1,0 +1,54 @@
+"""Response curves: stable solid, unstable dashed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["draw_curve", "label_axes", "runs"]
+
+
+def runs(stable: ArrayLike | None, part: ArrayLike) -> Iterator[tuple[slice, bool]]:
+    """Pieces of one stability, each up to the first point of the next piece of the same part."""
+    part = np.asarray(part)
+    verdict = np.ones(part.shape, bool) if stable is None else np.asarray(stable, bool)
+    new_part = np.flatnonzero(np.diff(part)) + 1
+    cuts = np.union1d(new_part, np.flatnonzero(np.diff(verdict)) + 1)
+    for first, last in zip([0, *cuts], [*cuts, len(part)]):
+        joined = last < len(part) and last not in new_part
+        yield slice(int(first), int(last) + joined), bool(verdict[first])
+
+
+def draw_curve(
+    ax: Axes,
+    frequency: ArrayLike,
+    values: ArrayLike,
+    stable: ArrayLike | None,
+    part: ArrayLike | None = None,
+    label: str | None = None,
+    **style: Any,
+) -> None:
+    """Draw a curve; ``label`` names its first stable piece, or its first."""
+    frequency, values = np.asarray(frequency), np.asarray(values)
+    pieces = list(runs(stable, np.ones(frequency.shape) if part is None else part))
+    named = next((i for i, piece in enumerate(pieces) if piece[1]), 0)
+    color = style.pop("color", None) or ax._get_lines.get_next_color()  # type: ignore[attr-defined]
+    for i, (piece, is_stable) in enumerate(pieces):
+        ax.plot(
+            frequency[piece],
+            values[piece],
+            **{"linestyle": "-" if is_stable else (0, (3, 1.5)), "color": color, **style},
+            label=label if i == named else None,
+        )
+
+
+def label_axes(ax: Axes) -> None:
+    """Names of the paper's axes."""
+    ax.set_xlabel(r"mesh frequency  $\Lambda$")
+    ax.set_ylabel(r"mesh displacement  rms $/\, b_c$")

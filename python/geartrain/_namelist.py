@@ -1,0 +1,124 @@
+"""Namelist text from Python values and back, so that Fortran checks a Python call as it checks a case file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from numbers import Integral, Real
+from typing import Any
+
+from .errors import InputError
+
+__all__ = ["group", "parse"]
+
+Value = Any
+Kinds = Mapping[str, str]
+
+_WANTED = {
+    "number": "a number",
+    "integer": "a whole number",
+    "flag": "True or False",
+    "text": "a string",
+    "series": "a number or a list of numbers",
+}
+
+
+def group(name: str, kinds: Kinds, values: Mapping[str, Value], place: str = "") -> str:
+    """One namelist group.
+
+    Parameters
+    ----------
+    name : str
+        The group, without ``&``.
+    kinds : mapping of str to str
+        ``number``, ``integer``, ``flag``, ``text`` or ``series`` for each variable.
+    values : mapping
+        The variables; those that are None are left out, so that Fortran's default holds.
+    place : str
+        What messages call the group, ``&name`` unless told.
+    """
+    lines = [f"&{name}"]
+    problems = []
+    for key, value in values.items():
+        if value is None:
+            continue
+        try:
+            text = _FORMATS[kinds[key]](value)
+        except (TypeError, ValueError, OverflowError):
+            problems.append(f"{place or '&' + name}: {key} = {value!r}: must be {_WANTED[kinds[key]]}")
+            continue
+        if text:
+            lines.append(f"   {key} = {text}")
+    if problems:
+        raise InputError("\n".join(problems))
+    return "\n".join([*lines, "/", ""])
+
+
+def _number(value: Value) -> str:
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise TypeError
+    return repr(float(value))
+
+
+def _integer(value: Value) -> str:
+    if isinstance(value, bool) or not isinstance(value, Integral):
+        raise TypeError
+    return str(int(value))
+
+
+def _flag(value: Value) -> str:
+    if value is True or value is False or type(value).__name__ in ("bool_", "bool"):
+        return ".true." if value else ".false."
+    raise TypeError
+
+
+def _text(value: Value) -> str:
+    if not isinstance(value, str) or not value.isprintable():
+        raise TypeError
+    return "'" + value.replace("'", "''") + "'"
+
+
+def _series(value: Value) -> str:
+    if isinstance(value, Real):
+        return _number(value)
+    if isinstance(value, (str, bytes, Mapping)) or not isinstance(value, Iterable):
+        raise TypeError
+    return ", ".join(_number(item) for item in value)
+
+
+_FORMATS = {"number": _number, "integer": _integer, "flag": _flag, "text": _text, "series": _series}
+
+_TOKEN = re.compile(
+    r"""(?P<text>'(?:[^']|'')*')|(?P<comment>![^\n]*)|&(?P<group>\w+)|(?P<end>/)
+        |(?P<key>[a-z]\w*)\s*=|(?P<value>[^\s,/!'=]+)""",
+    re.VERBOSE,
+)
+
+
+def parse(text: str) -> list[tuple[str, dict[str, Value]]]:
+    """The groups of a resolved namelist, as Fortran's ``case_text`` writes it, in their order.
+
+    A variable with several values, or of one in a series, comes as a list where it has more than one.
+    """
+    groups: list[tuple[str, dict[str, Value]]] = []
+    values: list[Value] = []
+    for token in _TOKEN.finditer(text):
+        kind, word = token.lastgroup, token[token.lastgroup or 0]
+        if kind == "group":
+            groups.append((word, {}))
+        elif kind == "key":
+            values = groups[-1][1].setdefault(word, [])
+        elif kind in ("text", "value"):
+            values.append(_value(word))
+    return [(name, {key: item[0] if len(item) == 1 else item for key, item in found.items()}) for name, found in groups]
+
+
+def _value(word: str) -> Value:
+    if word.startswith("'"):
+        return word[1:-1].replace("''", "'")
+    if word in (".true.", ".false."):
+        return word == ".true."
+    try:
+        return int(word)
+    except ValueError:
+        return float(word)

@@ -1,0 +1,92 @@
+"""Long work in a thread of its own, with a progress bar and Ctrl-C."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import Interrupted
+
+__all__ = ["watched"]
+
+Result = TypeVar("Result")
+
+_PATIENCE = 1.0  # s of silence before the bar appears
+_TICK = 0.05  # s between looks at the progress
+
+
+def watched(work: Callable[[NDArray[np.float64]], Result], name: str, total: int | None = None) -> Result:
+    """Do long work that Ctrl-C can stop.
+
+    Parameters
+    ----------
+    work : callable
+        Called in another thread with the progress: ``progress[0] > 0`` tells it to stop; it keeps the number of
+        points done in ``progress[1]`` and Lambda of the latest in ``progress[2]``. It must release the global lock.
+    name : str
+        What the bar is called.
+    total : int, optional
+        Number of points, where known.
+
+    Raises
+    ------
+    Interrupted
+        On Ctrl-C, once the work has stopped; its ``result`` is what the work returned.
+    """
+    progress = np.zeros(3)
+    done = threading.Event()
+    outcome: dict[str, Any] = {}
+
+    def run() -> None:
+        try:
+            outcome["result"] = work(progress)
+        except BaseException as error:  # noqa: BLE001: the waiting thread raises it again
+            outcome["error"] = error
+        finally:
+            done.set()
+
+    thread = threading.Thread(target=run, name=f"geartrain {name}", daemon=True)
+    interrupted = False
+    started = False
+    bar = None
+    begin = time.monotonic()
+    while not done.is_set():
+        try:
+            if not started:
+                started = True
+                thread.start()
+            done.wait(_TICK)
+            if bar is None and time.monotonic() - begin > _PATIENCE:
+                bar = _bar(name, total, begin)
+            if bar is not None and not done.is_set():
+                bar.n = int(progress[1])
+                bar.set_postfix_str(f"Lambda = {progress[2]:.4f}")
+        except KeyboardInterrupt:
+            interrupted = True
+            progress[0] = 1.0
+    if bar is not None:
+        bar.n = int(progress[1])
+        bar.close()
+    if interrupted:
+        points = int(progress[1])
+        raise Interrupted(
+            f"{name} stopped by Ctrl-C at Lambda = {progress[2]:.6g} after {points} points; they are in .result",
+            outcome.get("result"),
+        ) from outcome.get("error")
+    if "error" in outcome:
+        raise outcome["error"]
+    return outcome["result"]
+
+
+def _bar(name: str, total: int | None, begin: float) -> Any:
+    """A bar on a terminal or in a notebook, nothing elsewhere."""
+    from tqdm.auto import tqdm
+
+    bar = tqdm(desc=name, total=total, unit=" points", disable=None, leave=False)
+    bar.start_t = time.time() - (time.monotonic() - begin)
+    return bar

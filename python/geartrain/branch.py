@@ -1,0 +1,170 @@
+"""Branches of periodic motions over frequency."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._box import Box, fortran
+from ._draw import draw_curve, label_axes
+from .errors import InputError
+from .motion import Motion
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from .train import Train
+
+__all__ = ["Branch", "SpecialPoint"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class SpecialPoint:
+    """A place on a branch that a reader looks for.
+
+    Attributes
+    ----------
+    kind : str
+        ``'fold'``, ``'period doubling'``, ``'torus'`` or ``'symmetry'``.
+    frequency : float
+        Lambda.
+    point : int
+        Index of the branch's point before it.
+    rms : ndarray, (meshes,)
+    """
+
+    kind: str
+    frequency: float
+    point: int
+    rms: Array
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Branch:
+    """Periodic motions along a branch, through its folds. Displacements are over the characteristic length.
+
+    Attributes
+    ----------
+    frequency : ndarray, (points,)
+        Lambda.
+    rms, mean, minimum, maximum : ndarray, (points, meshes)
+        As in `Motion`.
+    stable : ndarray of bool, (points,), or None
+        None where stability was not asked for.
+    multipliers : ndarray of complex, (points, states), or None
+        Floquet multipliers over one period of the motion.
+    coefficients : ndarray, (points, meshes, 1 + 2*harmonics)
+        Mean, cos 1, sin 1, cos 2, ... of the frequency Lambda/subharmonic.
+    error_estimate : ndarray, (points,)
+        Relative error of the waveform as estimated.
+    part : ndarray of int, (points,)
+        1 for the points traced from ``start``, 2 for those traced from ``stop``.
+    special_points : list of SpecialPoint
+    subharmonic : int
+        Period of the motions in fundamental mesh periods.
+    ended : str
+        Why it ended, in words.
+    complete, closed : bool
+        Whether it got to its other end; whether it came back to where it began.
+    settings : mapping
+        What it was asked for, the names of ``&response``.
+    train : Train
+    """
+
+    frequency: Array
+    rms: Array
+    mean: Array
+    minimum: Array
+    maximum: Array
+    stable: NDArray[np.bool_] | None
+    multipliers: NDArray[np.complex128] | None
+    coefficients: Array
+    error_estimate: Array
+    part: NDArray[np.intc]
+    special_points: list[SpecialPoint]
+    subharmonic: int
+    ended: str
+    complete: bool
+    closed: bool
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    train: Train | None = None
+
+    def __len__(self) -> int:
+        return len(self.frequency)
+
+    def __repr__(self) -> str:
+        return f"<Branch of {len(self)} points: {self.ended}>"
+
+    def at(self, frequency: float) -> list[Motion]:
+        """Every solution of this branch at exactly that frequency.
+
+        Parameters
+        ----------
+        frequency : float
+            Lambda.
+
+        Returns
+        -------
+        list of Motion
+            In their order along the branch; empty where the branch does not pass that frequency.
+        """
+        if self.train is None:
+            raise ValueError("this branch has no train")
+        try:
+            frequency = float(frequency)
+        except (TypeError, ValueError):
+            raise InputError(f"frequency = {frequency!r}: must be a number") from None
+        with Box(self.train.namelist(response=self.settings)) as box:
+            box.put_branch(self)
+            box.check(fortran.solve_at(box.handle, frequency))
+            return [Motion(train=self.train, **fields) for fields in box.motions()]
+
+    def plot(self, mesh: int | None = None, ax: Axes | None = None, **style: Any) -> Axes:
+        """Draw rms over Lambda: stable solid, unstable dashed, special points left to the caller.
+
+        Parameters
+        ----------
+        mesh : int, optional
+            Which mesh, counted from 1; all of them unless told.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure unless told.
+        **style
+            For matplotlib's ``plot``.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        meshes = self.rms.shape[1]
+        if mesh is not None and mesh not in range(1, meshes + 1):
+            raise InputError(f"mesh = {mesh!r}: must be 1 to {meshes}")
+        if ax is None:
+            import matplotlib.pyplot as plt
+
+            ax = plt.subplots()[1]
+        chosen = range(1, meshes + 1) if mesh is None else [mesh]
+        label = style.pop("label", None)
+        for number in chosen:
+            name = label or f"mesh {number}"
+            draw_curve(ax, self.frequency, self.rms[:, number - 1], self.stable, self.part, name, **style)
+        label_axes(ax)
+        if len(chosen) > 1:
+            ax.legend()
+        return ax
+
+    @classmethod
+    def _from(cls, box: Box, train: Train, settings: Mapping[str, Any]) -> Branch | None:
+        fields = box.branch()
+        if fields is None:
+            return None
+        specials = [
+            SpecialPoint(kind, float(frequency), int(point) - 1, rms)
+            for kind, frequency, point, rms in fields.pop("special_points")
+        ]
+        return cls(**fields, special_points=specials, settings=dict(settings), train=train)

@@ -1,0 +1,156 @@
+"""Case files: the same input and the same results as the executable's."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._box import Box, file_name, fortran
+from ._namelist import parse
+from ._watch import watched
+from .branch import Branch
+from .modes import Modes
+from .motion import Sweep
+from .train import Mesh, Shaft, Train
+
+__all__ = ["Case", "Results", "read_case"]
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """What a case's run gave; None for what it did not ask for.
+
+    Attributes
+    ----------
+    modes : Modes or None
+    response : Branch or None
+    integration : Sweep or None
+    ended : str
+        Why it ended early, in words; empty where it did not.
+    text : str
+        The resolved case.
+    """
+
+    modes: Modes | None
+    response: Branch | None
+    integration: Sweep | None
+    ended: str = ""
+    text: str = field(default="", repr=False)
+
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Write the HDF5 file that the executable writes.
+
+        Parameters
+        ----------
+        path : path-like
+
+        Raises
+        ------
+        OSError
+        """
+        with Box(self.text) as box:
+            if self.modes is not None:
+                box.put_modes(self.modes)
+            if self.response is not None:
+                box.put_branch(self.response)
+            if self.integration is not None:
+                box.put_sweep(self.integration)
+            box.check(fortran.write_path(box.handle, file_name(path)))
+
+
+@dataclass(frozen=True)
+class Case:
+    """A train and the analyses wanted of it, as read from a file by `read_case`.
+
+    Attributes
+    ----------
+    train : Train
+    modes : bool
+        Whether they are wanted.
+    response, integration : mapping or None
+        The group's variables, as keywords of `Train.response` and `Train.sweep`; None where it is absent.
+    output : str or None
+        The output file named in ``&output``.
+    text : str
+        The resolved case: every variable, defaults included.
+    """
+
+    train: Train
+    modes: bool
+    response: Mapping[str, Any] | None
+    integration: Mapping[str, Any] | None
+    output: str | None
+    text: str = field(repr=False)
+
+    def run(self) -> Results:
+        """Compute everything that the case asks for.
+
+        Returns
+        -------
+        Results
+            Equal to what the executable writes.
+
+        Raises
+        ------
+        Interrupted
+            On Ctrl-C, with the results so far.
+        """
+
+        def work(progress: NDArray[np.float64]) -> Results:
+            with Box(self.text) as box:
+                status = fortran.run_all(box.handle, b"", progress)
+                modes = box.modes()
+                results = Results(
+                    modes=Modes(**modes) if modes else None,
+                    response=Branch._from(box, self.train, self.response or {}),
+                    integration=Sweep._from(box, self.train) if box.motions() else None,
+                    ended=box.text("message"),
+                    text=self.text,
+                )
+                box.check(status, whole=False)
+                return results
+
+        return watched(work, "run")
+
+
+def read_case(path: str | os.PathLike[str]) -> Case:
+    """Read a case file.
+
+    Parameters
+    ----------
+    path : path-like
+
+    Returns
+    -------
+    Case
+
+    Raises
+    ------
+    InputError
+        With the executable's message: every problem with its line and column.
+    """
+    with Box() as box:
+        box.check(fortran.read_path(box.handle, file_name(path)))
+        text = box.text("case")
+    groups = parse(text)
+    one = dict(groups)
+    shafts = [Shaft(**values) for name, values in groups if name == "shaft"]
+    meshes = [Mesh(**values) for name, values in groups if name == "mesh"]
+    return Case(
+        train=Train(**one["train"], shafts=shafts, meshes=meshes),
+        modes="modes" in one,
+        response=_keywords(one.get("response")),
+        integration=_keywords(one.get("integration")),
+        output=one.get("output", {}).get("file"),
+        text=text,
+    )
+
+
+def _keywords(values: dict[str, Any] | None) -> dict[str, Any] | None:
+    names = {"from": "start", "to": "stop"}
+    return None if values is None else {names.get(name, name): value for name, value in values.items()}

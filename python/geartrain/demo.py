@@ -1,0 +1,116 @@
+"""Draws the paper's figure 3 from the executable's results: ``python -m geartrain.demo RESULTS_FOLDER``.
+
+Reads ``fig03.h5`` and ``fig03_linear.h5`` (the same train without backlash) and writes ``fig03.png`` beside them.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import h5py
+import numpy as np
+
+from ._draw import draw_curve
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["draw_figure", "main"]
+
+_BLUE, _GREY, _RED = "#1f4e9c", "0.55", "#c8391e"
+_STYLE = {
+    "font.size": 11,
+    "axes.labelsize": 12,
+    "legend.fontsize": 10,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "0.92",
+    "axes.axisbelow": True,
+}
+
+
+def draw_figure(folder: Path) -> Path:
+    """Draw ``fig03.png`` from the results in a folder.
+
+    Parameters
+    ----------
+    folder : path
+
+    Returns
+    -------
+    path
+        Of the picture.
+    """
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    from matplotlib.lines import Line2D
+
+    with h5py.File(folder / "fig03.h5") as file, h5py.File(folder / "fig03_linear.h5") as linear_file:
+        curve = _read(file["response"])
+        marks = _read(file["integration"]) if "integration" in file else None
+        linear = _read(linear_file["response"])
+    with plt.rc_context(_STYLE):
+        figure, axes = plt.subplots(2, 1, figsize=(8.0, 7.6), sharex=True, layout="constrained")
+        for mesh, ax in enumerate(axes):
+            _draw_panel(ax, mesh, curve, linear, marks)
+        axes[-1].set_xlabel(r"mesh frequency  $\Lambda = \omega / \omega_c$")
+        legend = [
+            Line2D([], [], color=_BLUE, lw=2.2, label="harmonic balance, stable"),
+            Line2D([], [], color=_BLUE, lw=2.2, ls=(0, (3, 1.5)), label="unstable"),
+            Line2D([], [], color=_GREY, lw=1.0, label="without backlash, stable"),
+            Line2D([], [], color=_GREY, lw=1.0, ls=(0, (3, 1.5)), label="unstable"),
+        ]
+        if marks is not None:
+            legend.append(Line2D([], [], **_MARKS, label="time integration, period 1"))
+            legend.append(Line2D([], [], **_OTHER_MARKS, label="other periods"))
+        figure.legend(handles=legend, loc="outside upper center", ncols=3, frameon=False)
+        picture = folder / "fig03.png"
+        figure.savefig(picture, dpi=160)
+        plt.close(figure)
+    return picture
+
+
+_MARKS: dict[str, Any] = {"ls": "none", "marker": "s", "ms": 4.0, "mfc": "none", "mec": _RED, "mew": 0.9}
+_OTHER_MARKS: dict[str, Any] = {**_MARKS, "marker": "D", "ms": 3.2, "mec": "#d98a1f"}
+
+
+def _draw_panel(
+    ax: Axes, mesh: int, curve: dict[str, Any], linear: dict[str, Any], marks: dict[str, Any] | None
+) -> None:
+    for data, style in ((linear, {"color": _GREY, "lw": 1.0}), (curve, {"color": _BLUE, "lw": 2.2})):
+        draw_curve(ax, data["frequency"], data["rms"][:, mesh], data["stable"], data["part"], **style)
+    if marks is not None:
+        for chosen, style in ((marks["period"] == 1, _MARKS), (marks["period"] > 1, _OTHER_MARKS)):
+            ax.plot(marks["frequency"][chosen], marks["rms"][chosen, mesh], **style)
+    top = curve["rms"][:, mesh].max() if marks is None else max(curve["rms"][:, mesh].max(), marks["rms"][:, mesh].max())
+    ax.set_xlim(0.2, 2.6)
+    ax.set_ylim(0.0, 1.12 * top)
+    ax.set_ylabel(rf"rms of $p_{2 * (mesh + 1)} / b_c$")
+    ax.set_title(f"mesh {mesh + 1}", loc="left", fontsize=12, fontweight="bold")
+
+
+def _read(group: Any) -> dict[str, Any]:
+    """The arrays that are drawn; None for those that the group lacks."""
+    return {name: np.asarray(group[name]) if name in group else None for name in ("frequency", "rms", "stable", "part", "period")}
+
+
+def main(arguments: list[str]) -> int:
+    """Run the module as a program; the exit status."""
+    if len(arguments) != 1:
+        print("usage: python -m geartrain.demo RESULTS_FOLDER", file=sys.stderr)
+        return 2
+    try:
+        print(draw_figure(Path(arguments[0])))
+    except (OSError, KeyError) as error:
+        print(f"geartrain.demo: {error}", file=sys.stderr)
+        return 4
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,32 @@
+"""What can go wrong, as exceptions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+__all__ = ["InputError", "Interrupted", "SolverError"]
+
+
+class InputError(ValueError):
+    """Bad input; the message is the executable's own, one problem a line."""
+
+
+class SolverError(RuntimeError):
+    """A computation that cannot give what was asked for; the message says why."""
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C during long work.
+
+    Attributes
+    ----------
+    result : Branch, Sweep, Results, list of Motion, or None
+        What was computed before.
+    """
+
+    def __init__(self, message: str, result: Any = None) -> None:
+        super().__init__(message)
+        self.result = result
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.args[0], self.result)

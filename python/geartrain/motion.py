@@ -1,0 +1,161 @@
+"""Periodic motions, one by one and in a sweep over frequency."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._box import Box, fortran
+
+if TYPE_CHECKING:
+    from .train import Train
+
+__all__ = ["Motion", "Sweep"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A steady motion of a train, whichever method found it. Displacements are over the characteristic length.
+
+    Attributes
+    ----------
+    frequency : float
+        Lambda, the fundamental mesh frequency over the characteristic frequency.
+    period : int
+        In fundamental mesh periods; 0 where none was found.
+    rms : ndarray, (meshes,)
+        The paper's: square root of the sum of squared harmonic amplitudes, sqrt(2) times the true AC rms.
+    mean, minimum, maximum : ndarray, (meshes,)
+        Of the mesh displacement.
+    coefficients : ndarray, (meshes, 1 + 2*harmonics)
+        Mean, cos 1, sin 1, cos 2, ... of the frequency Lambda/period.
+    stable : bool or None
+        None where no multipliers were asked for; ``refine`` finds them.
+    multipliers : ndarray of complex, (states,), or None
+        Floquet multipliers over one period of the motion.
+    state : ndarray, (2*elements,), or None
+        Displacement of every elastic element at time 0, then its velocity, where integration gave the motion.
+    error_estimate : float
+        Relative error of the waveform as estimated; nan where there is no estimate.
+    share : float
+        Share of the random starts that settled here (`Train.attractors`); nan where none were counted.
+    train : Train
+        The train that moves so.
+    """
+
+    frequency: float
+    period: int
+    rms: Array
+    mean: Array
+    minimum: Array
+    maximum: Array
+    coefficients: Array = field(repr=False)
+    stable: bool | None = None
+    multipliers: NDArray[np.complex128] | None = field(default=None, repr=False)
+    state: Array | None = field(default=None, repr=False)
+    error_estimate: float = float("nan")
+    share: float = float("nan")
+    train: Train | None = field(default=None, repr=False)
+
+    @property
+    def time(self) -> Array:
+        """Times of ``displacement``, in units of 1/characteristic_frequency, (samples,)."""
+        return self._period[0]
+
+    @property
+    def displacement(self) -> Array:
+        """Mesh displacement over one period, (samples, meshes)."""
+        return self._period[1]
+
+    @cached_property
+    def _period(self) -> tuple[Array, Array]:
+        harmonics = (self.coefficients.shape[-1] - 1) // 2
+        return self.waveform(max(256 * max(self.period, 1), 16 * harmonics))
+
+    def waveform(self, samples: int) -> tuple[Array, Array]:
+        """Sample one period.
+
+        Parameters
+        ----------
+        samples : int
+            Evenly spaced, the first at time 0.
+
+        Returns
+        -------
+        time : ndarray, (samples,)
+            In units of 1/characteristic_frequency.
+        displacement : ndarray, (samples, meshes)
+        """
+        with self._box() as box:
+            return fortran.sample_waveform(box.handle, samples, len(self.rms))
+
+    def refine(self) -> Motion:
+        """The same orbit to integration accuracy (about 1e-11), by shooting with exact contact events.
+
+        Returns
+        -------
+        Motion
+            With its multipliers.
+
+        Raises
+        ------
+        SolverError
+            Where shooting does not converge.
+        """
+        with self._box() as box:
+            box.check(fortran.refine_motion(box.handle))
+            return Motion(train=self.train, **box.motions()[0])
+
+    def _box(self) -> Box:
+        if self.train is None:
+            raise ValueError("this motion has no train")
+        box = Box(self.train.namelist())
+        box.put_motions(self)
+        return box
+
+
+class Sweep(list[Motion]):
+    """Motions over frequency, in the order in which they were visited: a list of `Motion`.
+
+    Attributes
+    ----------
+    direction : tuple of str
+        ``'up'`` or ``'down'``, one a motion.
+    ended : str
+        Why it ended, in words.
+    complete : bool
+        Whether it got to its end.
+    """
+
+    def __init__(
+        self, motions: Iterable[Motion], direction: tuple[str, ...] = (), ended: str = "", complete: bool = False
+    ) -> None:
+        super().__init__(motions)
+        self.direction = direction
+        self.ended = ended
+        self.complete = complete
+
+    @property
+    def frequency(self) -> Array:
+        """Lambda, (motions,)."""
+        return np.array([motion.frequency for motion in self])
+
+    @property
+    def rms(self) -> Array:
+        """(motions, meshes)."""
+        return np.array([motion.rms for motion in self])
+
+    def __repr__(self) -> str:
+        return f"<Sweep of {len(self)} motions: {self.ended}>"
+
+    @classmethod
+    def _from(cls, box: Box, train: Train) -> Sweep:
+        motions: list[dict[str, Any]] = box.motions()
+        return cls([Motion(train=train, **fields) for fields in motions], **box.sweep())

@@ -1,0 +1,497 @@
+"""A gear train and what can be asked of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from itertools import zip_longest
+from typing import Any, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._box import Box, fortran
+from ._namelist import group
+from ._watch import watched
+from .branch import Branch
+from .errors import InputError, SolverError
+from .modes import Modes
+from .motion import Motion, Sweep
+
+__all__ = ["Mesh", "Shaft", "Train"]
+
+Series = Union[float, Sequence[float]]
+
+_ELEMENT = dict.fromkeys(("stiffness", "damping_ratio", "damping"), "number")
+_SHAFT = {**_ELEMENT, "rigid": "flag"}
+_MESH = {
+    **_ELEMENT,
+    **dict.fromkeys(("driving_radius", "driven_radius", "driving_inertia", "driven_inertia"), "number"),
+    **dict.fromkeys(("stiffness_cos", "stiffness_sin", "error_cos", "error_sin"), "series"),
+    "half_backlash": "number",
+    "order": "integer",
+}
+_TRAIN = {
+    **dict.fromkeys(("input_torque", "prime_mover_inertia", "load_inertia"), "number"),
+    **dict.fromkeys(("characteristic_length", "characteristic_frequency"), "number"),
+    **dict.fromkeys(("torque_cos", "torque_sin"), "series"),
+    "title": "text",
+}
+_RESPONSE = {
+    **dict.fromkeys(("from", "to", "amplitude_limit", "tolerance", "step"), "number"),
+    **dict.fromkeys(("harmonics", "subharmonic", "samples", "max_points"), "integer"),
+    **dict.fromkeys(("coefficients", "control"), "text"),
+    "stability": "flag",
+}
+_INTEGRATION = {
+    **dict.fromkeys(("from", "to", "tolerance"), "number"),
+    **dict.fromkeys(("points", "harmonics", "max_periods"), "integer"),
+    "direction": "text",
+    "stability": "flag",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shaft:
+    """A torsional shaft.
+
+    Parameters
+    ----------
+    stiffness : float
+        [N m/rad]; not for a rigid shaft.
+    damping_ratio : float, optional
+        c/(2 sqrt(k m)) with m = 1/(1/I_a + 1/I_b) of the inertias at its ends; or ``damping``.
+    damping : float, optional
+        [N m s/rad]
+    rigid : bool, optional
+        The inertias at its ends move as one.
+    """
+
+    stiffness: float | None = None
+    damping_ratio: float | None = None
+    damping: float | None = None
+    rigid: bool | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mesh:
+    """A gear pair.
+
+    Parameters
+    ----------
+    driving_radius, driven_radius : float
+        Base circle radii [m].
+    driving_inertia, driven_inertia : float
+        [kg m^2]
+    stiffness : float
+        Mean mesh stiffness [N/m].
+    damping_ratio : float, optional
+        c/(2 sqrt(k m)) with m = I_a I_b/(r_a^2 I_b + r_b^2 I_a); or ``damping``.
+    damping : float, optional
+        [N s/m]
+    half_backlash : float, optional
+        [m]; 0 makes the mesh linear.
+    stiffness_cos, stiffness_sin : float or sequence of float, optional
+        Harmonics 1.. of the stiffness over its mean.
+    error_cos, error_sin : float or sequence of float, optional
+        Harmonics 1.. of the static transmission error [m].
+    order : int, optional
+        This mesh's frequency as a multiple of the fundamental.
+    """
+
+    driving_radius: float | None = None
+    driven_radius: float | None = None
+    driving_inertia: float | None = None
+    driven_inertia: float | None = None
+    stiffness: float | None = None
+    damping_ratio: float | None = None
+    damping: float | None = None
+    half_backlash: float | None = None
+    stiffness_cos: Series | None = None
+    stiffness_sin: Series | None = None
+    error_cos: Series | None = None
+    error_sin: Series | None = None
+    order: int | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Train:
+    """A gear train: M shafts in a chain, M-1 meshes between them, an inertia at either end. All input is SI.
+
+    Every name is that of the case file, where its unit and range are told. What is not given takes the case file's
+    default. A train cannot be changed; ``dataclasses.replace`` makes a changed one.
+
+    Parameters
+    ----------
+    input_torque : float
+        Mean input torque [N m]; the output torque balances it by itself.
+    prime_mover_inertia, load_inertia : float
+        Inertias at the two ends [kg m^2]; 0 is allowed on a rigid shaft.
+    characteristic_length : float
+        Unit of mesh displacement [m].
+    characteristic_frequency : float
+        Unit of frequency [rad/s].
+    shafts : sequence of Shaft
+    meshes : sequence of Mesh
+    torque_cos, torque_sin : float or sequence of float, optional
+        Harmonics 1.. of the input torque [N m].
+    title : str, optional
+
+    Raises
+    ------
+    InputError
+        Where a value is not allowed; the message tells every problem.
+
+    Examples
+    --------
+    The single pair x'' + 0.1 x' + (1 + 0.3 cos Lambda t) g(x) = 0.4:
+
+    >>> import geartrain as gt
+    >>> pair = gt.Train(
+    ...     input_torque=0.8, prime_mover_inertia=0.0, load_inertia=0.0,
+    ...     characteristic_length=1.0, characteristic_frequency=1.0,
+    ...     shafts=[gt.Shaft(rigid=True), gt.Shaft(rigid=True)],
+    ...     meshes=[gt.Mesh(driving_radius=1.0, driven_radius=1.0, driving_inertia=2.0, driven_inertia=2.0,
+    ...                     stiffness=1.0, damping_ratio=0.05, half_backlash=1.0, stiffness_cos=[0.3])])
+    >>> pair.natural_frequencies()
+    array([1.])
+    """
+
+    input_torque: float | None = None
+    prime_mover_inertia: float | None = None
+    load_inertia: float | None = None
+    characteristic_length: float | None = None
+    characteristic_frequency: float | None = None
+    shafts: Sequence[Shaft] = ()
+    meshes: Sequence[Mesh] = ()
+    torque_cos: Series | None = None
+    torque_sin: Series | None = None
+    title: str | None = None
+
+    def __post_init__(self) -> None:
+        for name, kind in (("shafts", Shaft), ("meshes", Mesh)):
+            parts = getattr(self, name)
+            if not isinstance(parts, Sequence) or not all(isinstance(part, kind) for part in parts):
+                raise InputError(f"{name} = {parts!r}: must be a list of gt.{kind.__name__}")
+            object.__setattr__(self, name, tuple(parts))
+        with Box(self.namelist()):
+            pass
+
+    def namelist(
+        self,
+        modes: bool = False,
+        response: Mapping[str, Any] | None = None,
+        integration: Mapping[str, Any] | None = None,
+    ) -> str:
+        """The train, and the analyses wanted, as a case file's text.
+
+        Parameters
+        ----------
+        modes : bool
+        response, integration : mapping, optional
+            The variables of the group, ``from`` and ``to`` under the names ``start`` and ``stop``.
+        """
+        text = group("train", _TRAIN, {name: getattr(self, name) for name in _TRAIN})
+        for number, (shaft, mesh) in enumerate(zip_longest(self.shafts, self.meshes), 1):
+            if shaft is not None:
+                text += group("shaft", _SHAFT, _values(shaft), f"&shaft {number}")
+            if mesh is not None:
+                text += group("mesh", _MESH, _values(mesh), f"&mesh {number}")
+        if modes:
+            text += group("modes", {}, {})
+        if response is not None:
+            text += group("response", _RESPONSE, _range(response))
+        if integration is not None:
+            text += group("integration", _INTEGRATION, _range(integration))
+        return text
+
+    def natural_frequencies(self) -> NDArray[np.float64]:
+        """Undamped natural frequencies of the mean system, over the characteristic frequency, ascending.
+
+        Returns
+        -------
+        ndarray, (modes,)
+            The elastic modes; a rigid-body mode is left out.
+        """
+        return self.modes().natural_frequency
+
+    def modes(self) -> Modes:
+        """Natural frequencies, damping ratios and mode shapes of the mean system.
+
+        Returns
+        -------
+        Modes
+        """
+        with Box(self.namelist()) as box:
+            box.check(fortran.find_modes(box.handle))
+            return Modes(**(box.modes() or {}))
+
+    def response(
+        self,
+        *,
+        start: float,
+        stop: float,
+        harmonics: int = 6,
+        subharmonic: int = 1,
+        stability: bool = True,
+        seed: Motion | None = None,
+        amplitude_limit: float | None = None,
+        coefficients: str | None = None,
+        samples: int | None = None,
+        control: str | None = None,
+        tolerance: float | None = None,
+        step: float | None = None,
+        max_points: int | None = None,
+    ) -> Branch:
+        """Follow the periodic motions by harmonic balance and continuation, through the folds.
+
+        Parameters
+        ----------
+        start, stop : float
+            Lambda; the branch is followed downwards where ``start`` is above ``stop``.
+        harmonics : int
+            Of Lambda/subharmonic; 0 lets the program choose them for ``tolerance``.
+        subharmonic : int
+            Period of the motions in fundamental mesh periods.
+        stability : bool
+            Floquet multipliers of every point.
+        seed : Motion, optional
+            A motion of the branch wanted, to start from in place of ``start``.
+        amplitude_limit : float, optional
+            Largest rms over characteristic length; 12 unless told for a train with backlash, none for a linear one.
+        coefficients : {'exact', 'sampled'}, optional
+            How the force's Fourier coefficients are found; ``samples`` a period where sampled.
+        samples : int, optional
+        control : {'arclength', 'local'}, optional
+        tolerance : float, optional
+            Relative error of the waveform to aim at where ``harmonics`` is 0.
+        step : float, optional
+            Largest step along the branch.
+        max_points : int, optional
+
+        Returns
+        -------
+        Branch
+            Its ``ended`` tells why it ended.
+
+        Raises
+        ------
+        InputError
+        Interrupted
+            On Ctrl-C, with the branch so far.
+        """
+        settings = {
+            "start": start,
+            "stop": stop,
+            "harmonics": harmonics,
+            "subharmonic": subharmonic,
+            "stability": stability,
+            "amplitude_limit": amplitude_limit,
+            "coefficients": coefficients,
+            "samples": samples,
+            "control": control,
+            "tolerance": tolerance,
+            "step": step,
+            "max_points": max_points,
+        }
+        text = self.namelist(response=settings)
+        if seed is not None and not isinstance(seed, Motion):
+            raise InputError(f"seed = {seed!r}: must be a gt.Motion")
+
+        def work(progress: NDArray[np.float64]) -> Branch:
+            with Box(text) as box:
+                if seed is not None:
+                    box.put_motions(seed)
+                status = fortran.follow_response(box.handle, progress)
+                branch = Branch._from(box, self, settings)
+                box.check(status, whole=branch is None)
+                if branch is None:
+                    raise SolverError(box.text("response") or "no point found")
+                return branch
+
+        return watched(work, "response")
+
+    def integrate(
+        self,
+        frequency: float,
+        *,
+        start: Motion | ArrayLike | None = None,
+        stability: bool = True,
+        harmonics: int | None = None,
+        max_periods: int | None = None,
+        tolerance: float | None = None,
+    ) -> Motion:
+        """Integrate over time until the motion is steady.
+
+        Parameters
+        ----------
+        frequency : float
+            Lambda.
+        start : Motion or array_like, optional
+            Where to start: a motion, or displacement and then velocity of every elastic element, (2*elements,).
+        stability : bool
+            Floquet multipliers of the motion.
+        harmonics : int, optional
+            Of Lambda/period, to store.
+        max_periods : int, optional
+            Mesh periods after which an unsettled motion is given up.
+        tolerance : float, optional
+            Relative change over a period at which the motion counts as steady.
+
+        Returns
+        -------
+        Motion
+            Its ``period`` is 0 where none was found.
+        """
+        text = self._at(frequency, stability, harmonics, max_periods, tolerance)
+        first = start if start is None or isinstance(start, Motion) else _from_state(start, len(self.meshes))
+
+        def work(progress: NDArray[np.float64]) -> Motion:
+            with Box(text) as box:
+                if first is not None:
+                    box.put_motions(first)
+                box.check(fortran.integrate_at(box.handle, frequency, progress))
+                return Motion(train=self, **box.motions()[0])
+
+        return watched(work, "integration")
+
+    def sweep(
+        self,
+        *,
+        start: float,
+        stop: float,
+        points: int = 121,
+        direction: str = "up",
+        stability: bool | None = None,
+        harmonics: int | None = None,
+        max_periods: int | None = None,
+        tolerance: float | None = None,
+    ) -> Sweep:
+        """Integrate at one frequency after another, each from where the one before settled.
+
+        Parameters
+        ----------
+        start, stop : float
+            The range of Lambda.
+        points : int
+        direction : {'up', 'down', 'both'}
+        stability, harmonics, max_periods, tolerance
+            As in `integrate`.
+
+        Returns
+        -------
+        Sweep
+            A list of `Motion` that also knows its ``direction``.
+        """
+        settings = {
+            "start": start,
+            "stop": stop,
+            "points": points,
+            "direction": direction,
+            "stability": stability,
+            "harmonics": harmonics,
+            "max_periods": max_periods,
+            "tolerance": tolerance,
+        }
+        text = self.namelist(integration=settings)
+
+        def work(progress: NDArray[np.float64]) -> Sweep:
+            with Box(text) as box:
+                status = fortran.sweep_range(box.handle, progress)
+                motions = Sweep._from(box, self)
+                box.check(status, whole=not motions)
+                return motions
+
+        return watched(work, "integration", points * (1 + (direction == "both")))
+
+    def attractors(
+        self,
+        frequency: float,
+        *,
+        starts: int = 200,
+        random_seed: int = 0,
+        stability: bool = True,
+        harmonics: int | None = None,
+        max_periods: int | None = None,
+        tolerance: float | None = None,
+    ) -> list[Motion]:
+        """The steady motions on which random starts settle.
+
+        Parameters
+        ----------
+        frequency : float
+            Lambda.
+        starts : int
+            How many.
+        random_seed : int
+            The same seed gives the same starts.
+        stability, harmonics, max_periods, tolerance
+            As in `integrate`.
+
+        Returns
+        -------
+        list of Motion
+            Each with its ``share`` of the starts.
+        """
+        text = self._at(frequency, stability, harmonics, max_periods, tolerance)
+        group("attractors", {"starts": "integer", "random_seed": "integer"},
+              {"starts": starts, "random_seed": random_seed}, "attractors")
+
+        def work(progress: NDArray[np.float64]) -> list[Motion]:
+            with Box(text) as box:
+                status = fortran.find_attractors(box.handle, frequency, starts, random_seed, progress)
+                motions = [Motion(train=self, **found) for found in box.motions()]
+                box.check(status, whole=not motions)
+                return motions
+
+        return watched(work, "attractors", starts)
+
+    def _at(
+        self,
+        frequency: float,
+        stability: bool | None,
+        harmonics: int | None,
+        max_periods: int | None,
+        tolerance: float | None,
+    ) -> str:
+        """The case's text for integration at one frequency."""
+        settings = {
+            "start": frequency,
+            "stop": frequency,
+            "points": 1,
+            "stability": stability,
+            "harmonics": harmonics,
+            "max_periods": max_periods,
+            "tolerance": tolerance,
+        }
+        return self.namelist(integration=settings)
+
+
+def _values(part: Shaft | Mesh) -> dict[str, Any]:
+    return {item.name: getattr(part, item.name) for item in fields(part)}
+
+
+def _range(settings: Mapping[str, Any]) -> dict[str, Any]:
+    names = {"start": "from", "stop": "to"}
+    return {names.get(name, name): value for name, value in settings.items()}
+
+
+def _from_state(state: ArrayLike, meshes: int) -> Motion:
+    """A motion of which only the state is known."""
+    try:
+        values = np.array(state, float)
+    except (TypeError, ValueError):
+        raise InputError(f"start = {state!r}: must be a gt.Motion or a list of numbers") from None
+    if values.ndim != 1 or not np.isfinite(values).all():
+        raise InputError(f"start: must be a gt.Motion or finite numbers of shape (2*elements,), is {values.shape}")
+    nothing = np.zeros(meshes)
+    return Motion(
+        frequency=0.0,
+        period=1,
+        rms=nothing,
+        mean=nothing,
+        minimum=nothing,
+        maximum=nothing,
+        coefficients=np.zeros((meshes, 0)),
+        state=values,
+    )

@@ -1,0 +1,29 @@
+!> The public module of geartrain: everything that a Fortran caller needs, re-exported.
+module geartrain
+   use geartrain_base_error, only: error_type, status_ended_early, status_file, status_input
+   use geartrain_base_kinds, only: dp, version
+   use geartrain_base_observer, only: observer_type
+   use geartrain_branch_branch, only: branch_type, response_settings_type, special_point_type
+   use geartrain_branch_response, only: response
+   use geartrain_branch_solutions, only: solutions_at
+   use geartrain_case_case, only: case_type
+   use geartrain_case_reader, only: read_case, read_case_text
+   use geartrain_case_run, only: run_case
+   use geartrain_case_template, only: template_text
+   use geartrain_case_text, only: case_text
+   use geartrain_model_check, only: check_train
+   use geartrain_model_mesh, only: mesh_type
+   use geartrain_model_modes, only: modes_type, natural_modes
+   use geartrain_model_shaft, only: shaft_type
+   use geartrain_model_train, only: train_type
+   use geartrain_motion_attractors, only: attractors
+   use geartrain_motion_integration, only: integrate
+   use geartrain_motion_integration_settings, only: integration_settings_type, sweep_type
+   use geartrain_motion_motion, only: motion_type
+   use geartrain_motion_shooting, only: refine
+   use geartrain_motion_sweep, only: sweep
+   use geartrain_motion_waveform, only: waveform
+   use geartrain_results_results, only: results_type, write_results
+   implicit none (type, external)
+   public
+end module geartrain

@@ -1,0 +1,111 @@
+!> The visitor that holds every value against the range of its variable.
+module geartrain_base_checker
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: integer_text, real_text
+   use geartrain_base_problems, only: problems_type
+   use geartrain_base_variable, only: variable_type, visitor_type
+   implicit none (type, external)
+   private
+   public :: checker_type
+
+   type, extends(visitor_type) :: checker_type
+      type(problems_type) :: problems
+   contains
+      procedure :: on_real => check_real
+      procedure :: on_integer => check_integer
+      procedure :: on_logical => check_logical
+      procedure :: on_text => check_text
+      procedure :: on_list => check_list
+      procedure :: complain
+      procedure :: lacks
+   end type checker_type
+
+contains
+
+   subroutine check_real(self, variable, value, in_force)
+      class(checker_type), intent(inout) :: self
+      type(variable_type), intent(in) :: variable
+      real(dp), intent(inout) :: value
+      logical, intent(inout), optional :: in_force
+
+      if (present(in_force)) then
+         if (.not. in_force) return
+      end if
+      if (.not. variable%allows(value)) call self%complain(variable%name, real_text(value), variable%expectation())
+   end subroutine check_real
+
+   subroutine check_integer(self, variable, value)
+      class(checker_type), intent(inout) :: self
+      type(variable_type), intent(in) :: variable
+      integer, intent(inout) :: value
+
+      if (.not. variable%allows(real(value, dp))) call self%complain(variable%name, integer_text(value), variable%expectation())
+   end subroutine check_integer
+
+   !> Either value is allowed.
+   subroutine check_logical(self, variable, value)
+      class(checker_type), intent(inout) :: self
+      type(variable_type), intent(in) :: variable
+      logical, intent(inout) :: value
+
+      associate (unused_self => self, unused_variable => variable, unused_value => value)
+      end associate
+   end subroutine check_logical
+
+   subroutine check_text(self, variable, value)
+      class(checker_type), intent(inout) :: self
+      type(variable_type), intent(in) :: variable
+      character(:), allocatable, intent(inout) :: value
+
+      if (.not. allocated(value)) return
+      if (variable%allows_text(value)) return
+      if (variable%choices == '') then
+         call self%complain(variable%name, "'...'", 'must be one line of text without control characters')
+      else
+         call self%complain(variable%name, "'"//value//"'", variable%expectation())
+      end if
+   end subroutine check_text
+
+   subroutine check_list(self, variable, value)
+      class(checker_type), intent(inout) :: self
+      type(variable_type), intent(in) :: variable
+      real(dp), allocatable, intent(inout) :: value(:)
+      integer :: bad
+
+      if (.not. allocated(value)) return
+      bad = findloc(variable%allows(value), .false., dim=1)
+      if (bad > 0) call self%complain(variable%name, real_text(value(bad)), variable%expectation(), bad)
+   end subroutine check_list
+
+   !> Adds 'name = value: expectation' unless the variable has its problem already.
+   subroutine complain(self, name, value, expectation, place)
+      class(checker_type), intent(inout) :: self
+      character(*), intent(in) :: name, value, expectation
+      !> Which value of a list it is.
+      integer, intent(in), optional :: place
+      character(:), allocatable :: text
+
+      if (self%problems%reported(self%group, self%index, name)) return
+      text = trim(name)
+      if (present(place)) text = text//' harmonic '//integer_text(place)
+      call self%problems%add(text//' = '//value//': '//expectation, self%group, self%index, name, place=place)
+   end subroutine complain
+
+   !> Adds 'lacks name (range)' unless the variable has its problem already.
+   subroutine lacks(self, name, range, instead)
+      class(checker_type), intent(inout) :: self
+      character(*), intent(in) :: name
+      !> What it must be, with the unit; blank: anything.
+      character(*), intent(in) :: range
+      !> What may stand in its place, such as ' or rigid = .true.'.
+      character(*), intent(in), optional :: instead
+      character(:), allocatable :: text
+
+      if (self%problems%reported(self%group, self%index, name)) return
+      text = 'lacks '//trim(name)
+      if (range /= '') text = text//' ('//trim(adjustl(range))//')'
+      if (present(instead)) text = text//instead
+      call self%problems%add(text, self%group, self%index, name)
+   end subroutine lacks
+
+end module geartrain_base_checker

@@ -1,0 +1,104 @@
+!> Numbers as text: the shortest decimal that reads back to the same bits, or a rounded one for messages.
+module geartrain_base_numbers
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
+   use geartrain_base_kinds, only: dp
+   implicit none (type, external)
+   private
+   public :: real_text, integer_text, text
+
+   !> A number in a message: an integer, or a real to six digits.
+   interface text
+      module procedure :: short_text
+      module procedure :: integer_text
+   end interface text
+
+contains
+
+   !> The shortest of 1 to 17 significant digits that reads back to the same bits: '0.05', '2.5e8', '-1.0'.
+   pure function real_text(value) result(text)
+      real(dp), intent(in) :: value
+      character(:), allocatable :: text
+      character(40) :: buffer
+      character(16) :: form
+      real(dp) :: again
+      integer :: digits
+
+      if (ieee_is_nan(value)) then
+         text = 'NaN'
+      else if (.not. ieee_is_finite(value)) then
+         text = 'Infinity'
+         if (value < 0) text = '-Infinity'
+      else
+         do digits = 1, 17
+            write (form, '(a, i0, a)') '(es36.', digits - 1, 'e3)'
+            write (buffer, form) value
+            read (buffer, *) again
+            if (abs(again - value) <= 0) exit
+         end do
+         text = plain(trim(adjustl(buffer)))
+      end if
+   end function real_text
+
+   !> Turns '2.50E+008' into '2.5e8' and '5.E-002' into '0.05': no exponent from 1e-4 to below 1e6.
+   pure function plain(scientific) result(text)
+      character(*), intent(in) :: scientific
+      character(:), allocatable :: text
+      character(:), allocatable :: digits, sign
+      integer :: at_exponent, exponent, i
+
+      sign = ''
+      if (scientific(1:1) == '-') sign = '-'
+      at_exponent = index(scientific, 'E')
+      read (scientific(at_exponent + 1:), *) exponent
+      digits = ''
+      do i = 1, at_exponent - 1
+         if (scan(scientific(i:i), '0123456789') == 1) digits = digits//scientific(i:i)
+      end do
+      if (exponent >= 6 .or. exponent < -4) then
+         if (len(digits) == 1) digits = digits//'0'
+         text = sign//digits(1:1)//'.'//digits(2:)//'e'//integer_text(exponent)
+      else if (exponent >= 0) then
+         if (len(digits) < exponent + 2) digits = digits//repeat('0', exponent + 2 - len(digits))
+         text = sign//digits(:exponent + 1)//'.'//digits(exponent + 2:)
+      else
+         text = sign//'0.'//repeat('0', -exponent - 1)//digits
+      end if
+   end function plain
+
+   !> Up to six significant digits, no padding: 0.6356, 1e-09, 12.
+   pure function short_text(x) result(text)
+      real(dp), intent(in) :: x
+      character(:), allocatable :: text
+      character(24) :: buffer
+      integer :: mark
+
+      if (abs(x) >= 1e-3_dp .and. abs(x) < 1e6_dp) then
+         write (buffer, '(f0.6)') x
+         mark = len_trim(buffer)
+         do while (buffer(mark:mark) == '0')
+            mark = mark - 1
+         end do
+         if (buffer(mark:mark) == '.') mark = mark - 1
+         text = buffer(:mark)
+         if (text(1:1) == '.') text = '0'//text
+         if (len(text) > 1) then
+            if (text(1:2) == '-.') text = '-0'//text(2:)
+         end if
+      else if (abs(x) > 0) then
+         write (buffer, '(es12.4)') x
+         text = trim(adjustl(buffer))
+      else
+         text = '0'
+      end if
+   end function short_text
+
+   pure function integer_text(value) result(text)
+      integer, intent(in) :: value
+      character(:), allocatable :: text
+      character(16) :: buffer
+
+      write (buffer, '(i0)') value
+      text = trim(buffer)
+   end function integer_text
+
+end module geartrain_base_numbers

@@ -1,0 +1,188 @@
+!> One step along a branch: predictor along the tangent, Newton corrector on the balance with one more equation, in a metric
+!> of mesh displacements (mean squared plus half of each squared amplitude) and Lambda.
+module geartrain_branch_path
+   use geartrain_base_kinds, only: dp
+   use geartrain_motion_balance, only: balance_type
+   use geartrain_motion_bordered, only: bordered_type
+   implicit none (type, external)
+   private
+   public :: path_type, place_type, inner
+
+   integer, parameter :: max_iterations = 10
+   real(dp), parameter :: converged = 1e-10_dp
+
+   !> A point of the branch and the unit tangent there: coefficients of the unknown meshes (block, unknowns) and Lambda.
+   type :: place_type
+      real(dp), allocatable :: u(:, :), tangent(:, :)
+      real(dp) :: frequency = 0, tangent_frequency = 0
+      !> Sign of the bordered determinant: it changes along a branch only at another branch or by a jump.
+      integer :: orientation = 0
+   end type place_type
+
+   type :: path_type
+      type(balance_type) :: balance
+      type(bordered_type) :: matrix
+      !> Equation (11): the unknown that changes fastest is prescribed, instead of the arclength.
+      logical :: local_control = .false.
+      !> Of the latest corrector: first Newton step over predictor step, iterations.
+      real(dp) :: correction = 0
+      integer :: iterations = 0
+      real(dp), allocatable, private :: step(:, :)
+   contains
+      procedure :: setup
+      procedure :: solve_at
+      procedure :: correct
+      procedure :: orient
+      procedure :: advance
+      procedure, private :: newton
+      procedure, private :: find_tangent
+   end type path_type
+
+contains
+
+   !> To be called after each `balance%setup`.
+   subroutine setup(self)
+      class(path_type), intent(inout) :: self
+
+      call self%matrix%resize(self%balance%block, self%balance%unknowns)
+      if (allocated(self%step)) deallocate (self%step)
+      allocate (self%step(self%balance%block, self%balance%unknowns))
+   end subroutine setup
+
+   !> Solves at exactly the frequency of `place`, from its coefficients.
+   subroutine solve_at(self, place, success)
+      class(path_type), intent(inout) :: self
+      type(place_type), intent(inout) :: place
+      logical, intent(out) :: success
+      real(dp) :: row(self%balance%block, self%balance%unknowns)
+
+      row = 0
+      call self%newton(place, row, 1.0_dp, huge(1.0_dp), success)
+   end subroutine solve_at
+
+   !> Solves a place that is nearly a solution, across its tangent; renews the tangent.
+   subroutine correct(self, place, success)
+      class(path_type), intent(inout) :: self
+      type(place_type), intent(inout) :: place
+      logical, intent(out) :: success
+
+      call self%newton(place, weighted(place%tangent), place%tangent_frequency, huge(1.0_dp), success)
+      if (success) call self%find_tangent(place)
+   end subroutine correct
+
+   !> Tangent at a solved place (after `solve_at`), Lambda growing or falling with `direction` = +1 or -1.
+   subroutine orient(self, place, direction)
+      class(path_type), intent(inout) :: self
+      type(place_type), intent(inout) :: place
+      integer, intent(in) :: direction
+
+      if (.not. allocated(place%tangent)) allocate (place%tangent, mold=place%u)
+      place%tangent = 0
+      place%tangent_frequency = direction
+      call self%find_tangent(place)
+   end subroutine orient
+
+   !> From `from` a distance h along its tangent to `to`, tangent included.
+   subroutine advance(self, from, h, to, success)
+      class(path_type), intent(inout) :: self
+      type(place_type), intent(in) :: from
+      real(dp), intent(in) :: h
+      type(place_type), intent(inout) :: to
+      logical, intent(out) :: success
+      real(dp) :: row(self%balance%block, self%balance%unknowns), row_frequency
+      integer :: largest(2)
+
+      to%u = from%u + h*from%tangent
+      to%frequency = from%frequency + h*from%tangent_frequency
+      if (self%local_control) then
+         row = 0
+         row_frequency = 0
+         largest = 1
+         if (size(row) > 0) largest = maxloc(abs(from%tangent))
+         if (size(row) == 0 .or. abs(from%tangent_frequency) > maxval(abs(from%tangent))) then
+            row_frequency = 1
+         else
+            row(largest(1), largest(2)) = 1
+         end if
+      else
+         row = weighted(from%tangent)
+         row_frequency = from%tangent_frequency
+      end if
+      call self%newton(to, row, row_frequency, h, success)
+      if (.not. success) return
+      to%tangent = from%tangent
+      to%tangent_frequency = from%tangent_frequency
+      call self%find_tangent(to)
+   end subroutine advance
+
+   !> Newton on S = 0 with row . (U - U_predicted) = 0. It fails when it stops contracting, needs too many iterations, or
+   !> when the first correction is longer than `longest` (then the solution may lie on another branch).
+   subroutine newton(self, place, row, row_frequency, longest, success)
+      class(path_type), intent(inout) :: self
+      type(place_type), intent(inout) :: place
+      real(dp), intent(in) :: row(:, :), row_frequency, longest
+      logical, intent(out) :: success
+      real(dp) :: y, length, before, scale
+      integer :: info, iteration
+
+      success = .false.
+      before = huge(1.0_dp)
+      do iteration = 1, max_iterations
+         self%iterations = iteration
+         call self%balance%evaluate(place%u, place%frequency)
+         call self%balance%jacobian(self%matrix)
+         self%matrix%row = row
+         self%matrix%corner = row_frequency
+         call self%matrix%factor(info)
+         if (info /= 0) return
+         self%step = -self%balance%residual
+         y = 0
+         call self%matrix%solve(self%step, y)
+         length = sqrt(inner(self%step, self%step) + y**2)
+         if (.not. length <= longest) return
+         if (iteration == 1) self%correction = length/longest
+         if (length > 0.7_dp*before .and. iteration > 2) return
+         place%u = place%u + self%step
+         place%frequency = place%frequency + y
+         scale = 1 + sqrt(inner(place%u, place%u))
+         success = length < converged*scale .and. place%frequency > 0
+         if (success) return
+         before = length
+      end do
+   end subroutine newton
+
+   !> Unit tangent with the factors of the last Newton step, keeping the sense of the tangent that `place` holds.
+   subroutine find_tangent(self, place)
+      class(path_type), intent(inout) :: self
+      type(place_type), intent(inout) :: place
+      real(dp) :: y, length
+
+      self%step = 0
+      y = 1
+      call self%matrix%solve(self%step, y)
+      length = sqrt(inner(self%step, self%step) + y**2)
+      if (inner(self%step, place%tangent) + y*place%tangent_frequency < 0) length = -length
+      place%tangent = self%step/length
+      place%orientation = self%matrix%orientation
+      if (length < 0) place%orientation = -place%orientation
+      place%tangent_frequency = y/length
+   end subroutine find_tangent
+
+   !> The metric's inner product of two sets of coefficients.
+   pure real(dp) function inner(a, b)
+      real(dp), intent(in) :: a(:, :), b(:, :)
+
+      inner = 0
+      if (size(a) > 0) inner = 0.5_dp*(sum(a*b) + sum(a(1, :)*b(1, :)))
+   end function inner
+
+   !> Covector of the metric.
+   pure function weighted(a)
+      real(dp), intent(in) :: a(:, :)
+      real(dp) :: weighted(size(a, 1), size(a, 2))
+
+      weighted = 0.5_dp*a
+      if (size(a) > 0) weighted(1, :) = a(1, :)
+   end function weighted
+
+end module geartrain_branch_path

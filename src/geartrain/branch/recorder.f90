@@ -1,0 +1,139 @@
+!> Writes points into a branch: room that grows, what is derived from the coefficients, stability where it was asked for.
+module geartrain_branch_recorder
+   use geartrain_base_fftw, only: transform_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_branch_branch, only: branch_type
+   use geartrain_branch_path, only: place_type
+   use geartrain_motion_balance, only: balance_type
+   use geartrain_motion_trigonometric, only: extremes, fine_samples, rms
+   use geartrain_stability_monodromy, only: is_stable, monodromy_type
+   implicit none (type, external)
+   private
+   public :: recorder_type
+
+   type :: recorder_type
+      logical :: stability = .false.
+      type(monodromy_type) :: monodromy
+      complex(dp), allocatable :: multipliers(:)
+      type(transform_type), private :: transform
+      integer, allocatable, private :: harmonic(:)
+   contains
+      procedure :: setup
+      procedure :: add
+      procedure :: finish
+   end type recorder_type
+
+contains
+
+   !> Empties the branch and prepares it for points of this balance.
+   subroutine setup(self, balance, stability, branch)
+      class(recorder_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+      logical, intent(in) :: stability
+      type(branch_type), intent(inout) :: branch
+
+      self%stability = stability
+      branch%points = 0
+      branch%meshes = balance%system%meshes
+      branch%states = 2*balance%system%elements
+      branch%subharmonic = balance%eta
+      branch%harmonics = balance%highest
+      allocate (branch%special_points(0))
+      if (stability) then
+         call self%monodromy%setup(balance%system)
+         allocate (self%multipliers(branch%states))
+      end if
+      call resize(branch, 256, balance%highest, stability)
+   end subroutine setup
+
+   !> Adds the place at which the balance was last evaluated.
+   subroutine add(self, balance, place, error_estimate, part, branch)
+      class(recorder_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+      type(place_type), intent(in) :: place
+      real(dp), intent(in) :: error_estimate
+      integer, intent(in) :: part
+      type(branch_type), intent(inout) :: branch
+      real(dp) :: coefficients(1 + 2*balance%highest, balance%system%meshes)
+      integer :: j, k, n
+
+      if (branch%points == size(branch%frequency) .or. balance%highest > branch%harmonics) then
+         n = size(branch%frequency)
+         if (branch%points == n) n = 2*n
+         call resize(branch, n, max(balance%highest, branch%harmonics), self%stability)
+      end if
+      call balance%full_coefficients(place%u, place%frequency, coefficients)
+      n = branch%points + 1
+      if (.not. allocated(self%harmonic)) allocate (self%harmonic(0))
+      if (size(self%harmonic) /= balance%highest) self%harmonic = [(k, k=1, balance%highest)]
+      call self%transform%plan(fine_samples(balance%highest))
+      branch%frequency(n) = place%frequency
+      branch%coefficients(:, :, n) = 0
+      branch%coefficients(:size(coefficients, 1), :, n) = coefficients
+      branch%error_estimate(n) = error_estimate
+      branch%part(n) = part
+      do j = 1, branch%meshes
+         branch%rms(j, n) = rms(coefficients(:, j))
+         branch%mean(j, n) = coefficients(1, j)
+         call extremes(coefficients(:, j), self%harmonic, self%transform, branch%minimum(j, n), branch%maximum(j, n))
+      end do
+      if (self%stability) then
+         call self%monodromy%integrate(balance, place%frequency)
+         call self%monodromy%multipliers(self%multipliers)
+         branch%multipliers(:, n) = self%multipliers
+         branch%stable(n) = is_stable(self%multipliers)
+      end if
+      branch%points = n
+   end subroutine add
+
+   !> Gives spare room back.
+   subroutine finish(self, branch)
+      class(recorder_type), intent(in) :: self
+      type(branch_type), intent(inout) :: branch
+
+      call resize(branch, branch%points, branch%harmonics, self%stability)
+   end subroutine finish
+
+   !> Room for `points` points with `harmonics` harmonics, keeping those that are there.
+   subroutine resize(branch, points, harmonics, stability)
+      type(branch_type), intent(inout) :: branch
+      integer, intent(in) :: points, harmonics
+      logical, intent(in) :: stability
+      type(branch_type) :: old
+      integer :: n, c
+
+      n = branch%points
+      call move_alloc(branch%frequency, old%frequency)
+      call move_alloc(branch%coefficients, old%coefficients)
+      call move_alloc(branch%rms, old%rms)
+      call move_alloc(branch%mean, old%mean)
+      call move_alloc(branch%minimum, old%minimum)
+      call move_alloc(branch%maximum, old%maximum)
+      call move_alloc(branch%multipliers, old%multipliers)
+      call move_alloc(branch%stable, old%stable)
+      call move_alloc(branch%error_estimate, old%error_estimate)
+      call move_alloc(branch%part, old%part)
+      associate (m => branch%meshes)
+         allocate (branch%frequency(points), branch%coefficients(1 + 2*harmonics, m, points), branch%rms(m, points), &
+                   branch%mean(m, points), branch%minimum(m, points), branch%maximum(m, points), &
+                   branch%error_estimate(points), branch%part(points))
+         if (stability) allocate (branch%multipliers(branch%states, points), branch%stable(points))
+      end associate
+      branch%harmonics = harmonics
+      if (.not. allocated(old%frequency)) return
+      c = size(old%coefficients, 1)
+      branch%frequency(:n) = old%frequency(:n)
+      branch%coefficients(:, :, :n) = 0
+      branch%coefficients(:c, :, :n) = old%coefficients(:, :, :n)
+      branch%rms(:, :n) = old%rms(:, :n)
+      branch%mean(:, :n) = old%mean(:, :n)
+      branch%minimum(:, :n) = old%minimum(:, :n)
+      branch%maximum(:, :n) = old%maximum(:, :n)
+      branch%error_estimate(:n) = old%error_estimate(:n)
+      branch%part(:n) = old%part(:n)
+      if (.not. stability) return
+      branch%multipliers(:, :n) = old%multipliers(:, :n)
+      branch%stable(:n) = old%stable(:n)
+   end subroutine resize
+
+end module geartrain_branch_recorder

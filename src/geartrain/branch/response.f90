@@ -1,0 +1,248 @@
+!> The frequency response: one branch of periodic motions from `start` to `stop`, through its folds; traced from the other end
+!> as well when it does not get there; from a seed, in both directions, as a closed curve if it is an island.
+module geartrain_branch_response
+   use geartrain_base_error, only: error_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_observer, only: observer_type
+   use geartrain_base_numbers, only: text
+   use geartrain_branch_branch, only: branch_type, response_settings_type, special_point_type
+   use geartrain_branch_path, only: place_type
+   use geartrain_branch_tracer, only: cancelled, closed_loop, left_by_amplitude, reached_end, tracer_type
+   use geartrain_branch_variables, only: check_response
+   use geartrain_model_check, only: check_train
+   use geartrain_model_system, only: build_system
+   use geartrain_model_train, only: train_type
+   use geartrain_motion_integration, only: integrate
+   use geartrain_motion_integration_settings, only: integration_settings_type
+   use geartrain_motion_motion, only: motion_type
+   implicit none (type, external)
+   private
+   public :: response, begin_trace, place_of
+
+   !> Amplitude limit of a train with backlash, rms over characteristic length, where none is given.
+   real(dp), parameter :: default_amplitude_limit = 12
+
+contains
+
+   !> Traces the response of a train. Fails on bad input only: a branch that ends early says why in branch%ended.
+   subroutine response(train, settings, branch, error, seed, observer)
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      type(branch_type), intent(inout) :: branch
+      type(error_type), allocatable, intent(out) :: error
+      !> A motion to start from; its coefficients are used.
+      type(motion_type), intent(in), optional :: seed
+      class(observer_type), intent(inout), optional :: observer
+      type(tracer_type) :: tracer
+      type(branch_type) :: empty
+      integer :: first_outcome, outcome
+      character(:), allocatable :: reason
+
+      branch = empty
+      call check_train(train, error)
+      if (.not. allocated(error)) call check_response(settings, error)
+      if (allocated(error)) return
+      call begin_trace(train, settings, tracer)
+      call tracer%recorder%setup(tracer%path%balance, settings%stability, branch)
+      if (present(seed)) then
+         call trace_from_seed(tracer, seed, branch, observer)
+      else
+         call trace_part(train, tracer, 1, settings%start, settings%stop, branch, first_outcome, branch%ended, observer)
+         branch%complete = first_outcome == reached_end
+         if (first_outcome /= reached_end .and. first_outcome /= cancelled) then
+            call trace_part(train, tracer, 2, settings%stop, settings%start, branch, outcome, reason, observer)
+            branch%complete = outcome == reached_end &
+                              .or. (first_outcome == left_by_amplitude .and. outcome == left_by_amplitude)
+            branch%ended = 'from Lambda = '//text(settings%start)//': '//branch%ended//'; from Lambda = ' &
+                           //text(settings%stop)//': '//reason
+         end if
+      end if
+      call tracer%recorder%finish(branch)
+   end subroutine response
+
+   !> A tracer for the train with the settings in force.
+   subroutine begin_trace(train, settings, tracer)
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      type(tracer_type), intent(inout) :: tracer
+
+      tracer%settings = settings
+      call build_system(train, tracer%system)
+      if (settings%amplitude_limit > 0) then
+         tracer%amplitude_limit = settings%amplitude_limit
+      else if (any(tracer%system%backlash > 0)) then
+         tracer%amplitude_limit = default_amplitude_limit
+      end if
+      call tracer%prepare(merge(settings%harmonics, 6*settings%subharmonic, settings%harmonics > 0))
+   end subroutine begin_trace
+
+   !> From one end of the range towards the other.
+   subroutine trace_part(train, tracer, part, from, to, branch, outcome, reason, observer)
+      type(train_type), intent(in) :: train
+      type(tracer_type), intent(inout) :: tracer
+      integer, intent(in) :: part
+      real(dp), intent(in) :: from, to
+      type(branch_type), intent(inout) :: branch
+      integer, intent(out) :: outcome
+      character(:), allocatable, intent(out) :: reason
+      class(observer_type), intent(inout), optional :: observer
+      type(place_type) :: place
+      type(motion_type) :: motion
+      type(integration_settings_type) :: integration
+      type(error_type), allocatable :: error
+      logical :: success
+
+      tracer%part = part
+      outcome = 0
+      place = resting(tracer, from)
+      call tracer%path%solve_at(place, success)
+      if (.not. success) then
+         ! Newton does not get there from rest: let time integration find a motion.
+         call integrate(train, from, integration, motion, error)
+         if (motion%period > 0 .and. mod(tracer%settings%subharmonic, max(1, motion%period)) == 0) then
+            place = place_of(tracer, motion)
+            call tracer%path%solve_at(place, success)
+         end if
+      end if
+      if (.not. success) then
+         reason = 'no motion of period '//text(tracer%settings%subharmonic)//' found to start from'
+         return
+      end if
+      call tracer%path%orient(place, merge(1, -1, to > from))
+      call settle_harmonics(tracer, place)
+      call tracer%record(place, branch)
+      call tracer%trace(place, min(from, to), max(from, to), to, branch, outcome, reason, observer)
+   end subroutine trace_part
+
+   !> Chooses the harmonics of the first point where they are left to the program.
+   subroutine settle_harmonics(tracer, place)
+      type(tracer_type), intent(inout) :: tracer
+      type(place_type), intent(inout) :: place
+      type(place_type) :: same
+      integer :: i, before
+      logical :: success, stability
+
+      if (tracer%settings%harmonics > 0) return
+      stability = tracer%recorder%stability
+      tracer%recorder%stability = .false.
+      do i = 1, 12
+         before = tracer%path%balance%highest
+         call tracer%estimate_error(place)
+         same = place
+         call tracer%adapt(place, same, success)
+         if (tracer%path%balance%highest == before) exit
+         call tracer%path%orient(place, merge(1, -1, same%tangent_frequency > 0))
+      end do
+      tracer%recorder%stability = stability
+   end subroutine settle_harmonics
+
+   !> Both ways from a seed; the backward part is put in front, so that the branch is one curve.
+   subroutine trace_from_seed(tracer, seed, branch, observer)
+      type(tracer_type), intent(inout) :: tracer
+      type(motion_type), intent(in) :: seed
+      type(branch_type), intent(inout) :: branch
+      class(observer_type), intent(inout), optional :: observer
+      type(place_type) :: place, backward
+      integer :: outcome, forward
+      character(:), allocatable :: reason
+      real(dp) :: low, high, target
+      logical :: success
+
+      low = min(tracer%settings%start, tracer%settings%stop)
+      high = max(tracer%settings%start, tracer%settings%stop)
+      if (seed%period < 1 .or. mod(tracer%settings%subharmonic, max(1, seed%period)) /= 0) then
+         branch%ended = 'the seed has period '//text(seed%period)//', which does not divide subharmonic = ' &
+                        //text(tracer%settings%subharmonic)
+         return
+      end if
+      if (seed%frequency < low .or. seed%frequency > high) then
+         branch%ended = 'the seed at Lambda = '//text(seed%frequency)//' lies outside '//text(low)//' to '//text(high)
+         return
+      end if
+      place = place_of(tracer, seed)
+      call tracer%path%solve_at(place, success)
+      if (.not. success) then
+         branch%ended = 'Newton does not converge from the seed at Lambda = '//text(seed%frequency)
+         return
+      end if
+      call tracer%path%orient(place, merge(1, -1, tracer%settings%stop > tracer%settings%start))
+      call settle_harmonics(tracer, place)
+      call tracer%record(place, branch)
+      target = tracer%settings%stop
+      call tracer%trace(place, low, high, target, branch, outcome, branch%ended, observer)
+      branch%closed = outcome == closed_loop
+      branch%complete = branch%closed
+      if (branch%closed .or. outcome == cancelled) return
+      forward = branch%points
+      backward = place
+      if (size(backward%u, 1) /= tracer%path%balance%block) call tracer%refit(backward)
+      call tracer%path%solve_at(backward, success)
+      call tracer%path%orient(backward, merge(-1, 1, tracer%settings%stop > tracer%settings%start))
+      call tracer%trace(backward, low, high, target, branch, outcome, reason, observer)
+      call put_in_front(branch, forward)
+      branch%complete = any(outcome == [reached_end, left_by_amplitude]) .or. outcome == 2
+      branch%ended = 'forwards from the seed: '//branch%ended//'; backwards: '//reason
+   end subroutine trace_from_seed
+
+   !> Reverses the points after `forward` and puts them before the others.
+   subroutine put_in_front(branch, forward)
+      type(branch_type), intent(inout) :: branch
+      integer, intent(in) :: forward
+      integer :: order(branch%points), i, n, place(branch%points)
+
+      n = branch%points
+      order = [(i, i=n, forward + 1, -1), (i, i=1, forward)]
+      branch%frequency(:n) = branch%frequency(order)
+      branch%coefficients(:, :, :n) = branch%coefficients(:, :, order)
+      branch%rms(:, :n) = branch%rms(:, order)
+      branch%mean(:, :n) = branch%mean(:, order)
+      branch%minimum(:, :n) = branch%minimum(:, order)
+      branch%maximum(:, :n) = branch%maximum(:, order)
+      branch%error_estimate(:n) = branch%error_estimate(order)
+      if (allocated(branch%stable)) then
+         branch%multipliers(:, :n) = branch%multipliers(:, order)
+         branch%stable(:n) = branch%stable(order)
+      end if
+      place(order) = [(i, i=1, n)]
+      do i = 1, size(branch%special_points)
+         branch%special_points(i)%point = place(branch%special_points(i)%point)
+      end do
+   end subroutine put_in_front
+
+   !> The train at rest under its mean load, every mesh on its drive flank.
+   function resting(tracer, frequency) result(place)
+      type(tracer_type), intent(in) :: tracer
+      real(dp), intent(in) :: frequency
+      type(place_type) :: place
+
+      associate (balance => tracer%path%balance, system => tracer%system)
+         allocate (place%u(balance%block, balance%unknowns), source=0.0_dp)
+         place%frequency = frequency
+         place%u(1, :) = system%load(system%mesh_element(balance%mesh))
+         place%u(1, :) = place%u(1, :) + sign(system%backlash(balance%mesh), place%u(1, :))
+      end associate
+   end function resting
+
+   !> The coefficients of a motion on the harmonics of the balance; the motion's period divides the sub-harmonic index.
+   function place_of(tracer, motion) result(place)
+      type(tracer_type), intent(in) :: tracer
+      type(motion_type), intent(in) :: motion
+      type(place_type) :: place
+      integer :: i, k, r, ratio
+
+      associate (balance => tracer%path%balance)
+         allocate (place%u(balance%block, balance%unknowns), source=0.0_dp)
+         place%frequency = motion%frequency
+         ratio = tracer%settings%subharmonic/motion%period
+         do i = 1, balance%unknowns
+            place%u(1, i) = motion%coefficients(1, balance%mesh(i))
+            do k = 1, size(balance%harmonic)
+               r = balance%harmonic(k)/ratio
+               if (r*ratio /= balance%harmonic(k) .or. 2*r + 1 > size(motion%coefficients, 1)) cycle
+               place%u(2*k:2*k + 1, i) = motion%coefficients(2*r:2*r + 1, balance%mesh(i))
+            end do
+         end do
+      end associate
+   end function place_of
+
+end module geartrain_branch_response

@@ -1,0 +1,123 @@
+!> Every solution of a branch at exactly one frequency.
+module geartrain_branch_solutions
+   use geartrain_base_error, only: error_type, fatal
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: text
+   use geartrain_branch_branch, only: branch_type, response_settings_type
+   use geartrain_branch_path, only: inner, place_type
+   use geartrain_branch_response, only: begin_trace, place_of
+   use geartrain_branch_tracer, only: tracer_type
+   use geartrain_model_check, only: check_train
+   use geartrain_model_train, only: train_type
+   use geartrain_motion_motion, only: motion_type
+   implicit none (type, external)
+   private
+   public :: solutions_at
+
+contains
+
+   !> Solves again where the branch crosses `frequency`, from the points on either side (the folds are points of the branch, so
+   !> no crossing hides between two points). Empty where the branch does not reach that frequency.
+   subroutine solutions_at(train, settings, branch, frequency, motions, error)
+      type(train_type), intent(in) :: train
+      !> The settings that the branch was traced with.
+      type(response_settings_type), intent(in) :: settings
+      type(branch_type), intent(in) :: branch
+      real(dp), intent(in) :: frequency
+      type(motion_type), allocatable, intent(out) :: motions(:)
+      type(error_type), allocatable, intent(out) :: error
+      type(tracer_type) :: tracer
+      type(branch_type) :: found
+      type(place_type) :: place
+      real(dp) :: share
+      integer :: i
+      logical :: success
+
+      allocate (motions(0))
+      call check_train(train, error)
+      if (allocated(error)) return
+      if (.not. frequency > 0) then
+         call fatal(error, 'at: frequency = '//text(frequency)//': must be > 0')
+         return
+      end if
+      call begin_trace(train, settings, tracer)
+      if (settings%harmonics == 0) call tracer%prepare(branch%harmonics)
+      call tracer%recorder%setup(tracer%path%balance, settings%stability, found)
+      do i = 1, branch%points - 1
+         if (branch%part(i) /= branch%part(i + 1)) cycle
+         if (.not. crosses(branch%frequency(i), branch%frequency(i + 1), frequency, i == branch%points - 1)) cycle
+         share = 0
+         if (abs(branch%frequency(i + 1) - branch%frequency(i)) > 0) &
+            share = (frequency - branch%frequency(i))/(branch%frequency(i + 1) - branch%frequency(i))
+         call solve_between(tracer, branch, i, share, frequency, place, success)
+         if (.not. success) cycle
+         call tracer%path%orient(place, 1)
+         call tracer%record(place, found)
+      end do
+      call gather(found, settings, motions)
+   end subroutine solutions_at
+
+   !> A half-open interval, so that a point exactly at the frequency counts once; the last one is closed.
+   pure logical function crosses(a, b, frequency, last)
+      real(dp), intent(in) :: a, b, frequency
+      logical, intent(in) :: last
+
+      crosses = (a <= frequency .and. frequency < b) .or. (b < frequency .and. frequency <= a)
+      if (last) crosses = crosses .or. abs(frequency - b) <= 0
+   end function crosses
+
+   !> Newton from the interpolated coefficients, from either neighbour if that fails.
+   subroutine solve_between(tracer, branch, i, share, frequency, place, success)
+      type(tracer_type), intent(inout) :: tracer
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: i
+      real(dp), intent(in) :: share, frequency
+      type(place_type), intent(out) :: place
+      logical, intent(out) :: success
+      type(motion_type) :: motion
+      type(place_type) :: start
+      real(dp) :: weight, chord
+      integer :: attempt
+
+      motion%frequency = frequency
+      motion%period = branch%subharmonic
+      chord = norm2(branch%coefficients(:, :, i + 1) - branch%coefficients(:, :, i))
+      do attempt = 1, 3
+         weight = merge(share, real(attempt - 2, dp), attempt == 1)
+         motion%coefficients = (1 - weight)*branch%coefficients(:, :, i) + weight*branch%coefficients(:, :, i + 1)
+         place = place_of(tracer, motion)
+         call tracer%path%solve_at(place, success)
+         if (.not. success) cycle
+         ! The solution between two neighbours is no further from either than twice their distance.
+         motion%coefficients = branch%coefficients(:, :, i)
+         start = place_of(tracer, motion)
+         success = sqrt(inner(place%u - start%u, place%u - start%u)) <= 2*chord + 1e-9_dp
+         if (success) return
+      end do
+   end subroutine solve_between
+
+   subroutine gather(found, settings, motions)
+      type(branch_type), intent(in) :: found
+      type(response_settings_type), intent(in) :: settings
+      type(motion_type), allocatable, intent(out) :: motions(:)
+      integer :: i
+
+      allocate (motions(found%points))
+      do i = 1, found%points
+         associate (motion => motions(i))
+            motion%frequency = found%frequency(i)
+            motion%period = settings%subharmonic
+            motion%coefficients = found%coefficients(:, :, i)
+            motion%rms = found%rms(:, i)
+            motion%mean = found%mean(:, i)
+            motion%minimum = found%minimum(:, i)
+            motion%maximum = found%maximum(:, i)
+            motion%error_estimate = found%error_estimate(i)
+            if (.not. settings%stability) cycle
+            motion%multipliers = found%multipliers(:, i)
+            motion%stable = found%stable(i)
+         end associate
+      end do
+   end subroutine gather
+
+end module geartrain_branch_solutions

@@ -1,0 +1,136 @@
+!> What a reader looks for on a branch: its peaks, its jumps, and where no stable motion of it exists.
+module geartrain_branch_summary
+   use geartrain_base_kinds, only: dp
+   use geartrain_branch_branch, only: branch_type
+   implicit none (type, external)
+   private
+   public :: peak_type, band_type, peaks, jumps, bands_without_stability
+
+   !> A local maximum of a mesh's rms along the branch.
+   type :: peak_type
+      !> Lambda and rms over characteristic length [1], of the computed point, not interpolated.
+      real(dp) :: frequency = 0, rms = 0
+      !> Index of the point.
+      integer :: point = 0
+      logical :: stable = .false.
+   end type peak_type
+
+   !> A range of Lambda.
+   type :: band_type
+      real(dp) :: from = 0, to = 0
+   end type band_type
+
+contains
+
+   !> Local maxima of the rms of `mesh`, in the order of the branch.
+   pure function peaks(branch, mesh) result(found)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: mesh
+      type(peak_type), allocatable :: found(:)
+      integer :: i
+
+      allocate (found(0))
+      do i = 2, branch%points - 1
+         if (.not. joined(branch, i - 1) .or. .not. joined(branch, i)) cycle
+         if (branch%rms(mesh, i - 1) >= branch%rms(mesh, i) .or. branch%rms(mesh, i + 1) > branch%rms(mesh, i)) cycle
+         found = [found, peak_type(branch%frequency(i), branch%rms(mesh, i), i, is_stable(branch, i))]
+      end do
+   end function peaks
+
+   !> Lambda of the folds, where the motion jumps, ascending.
+   pure function jumps(branch) result(frequency)
+      type(branch_type), intent(in) :: branch
+      real(dp), allocatable :: frequency(:)
+      integer :: i
+
+      allocate (frequency(0))
+      if (.not. allocated(branch%special_points)) return
+      do i = 1, size(branch%special_points)
+         if (branch%special_points(i)%kind == 'fold') frequency = [frequency, branch%special_points(i)%frequency]
+      end do
+      call sort(frequency)
+   end function jumps
+
+   !> Ranges of Lambda that the branch spans without a stable point at any of its levels, ascending.
+   !>
+   !> Stability changes where a special point says so, and halfway between two points where none does.
+   pure function bands_without_stability(branch) result(bands)
+      type(branch_type), intent(in) :: branch
+      type(band_type), allocatable :: bands(:)
+      real(dp), allocatable :: low(:), high(:)
+      real(dp) :: reached, last, edge, other, slack
+      integer :: i, lowest
+
+      allocate (bands(0))
+      if (.not. allocated(branch%stable) .or. branch%points < 2) return
+      allocate (low(0), high(0))
+      do i = 1, branch%points - 1
+         if (.not. joined(branch, i)) cycle
+         if (.not. (branch%stable(i) .or. branch%stable(i + 1))) cycle
+         edge = branch%frequency(i + 1)
+         if (branch%stable(i) .neqv. branch%stable(i + 1)) edge = change(branch, i)
+         other = branch%frequency(i)
+         if (.not. branch%stable(i)) other = branch%frequency(i + 1)
+         low = [low, min(edge, other)]
+         high = [high, max(edge, other)]
+      end do
+      reached = minval(branch%frequency(:branch%points))
+      last = maxval(branch%frequency(:branch%points))
+      slack = 1e-9_dp*(last - reached)
+      do while (size(low) > 0)
+         lowest = minloc(low, dim=1)
+         if (low(lowest) > reached + slack) bands = [bands, band_type(reached, low(lowest))]
+         reached = max(reached, high(lowest))
+         low = [low(:lowest - 1), low(lowest + 1:)]
+         high = [high(:lowest - 1), high(lowest + 1:)]
+      end do
+      if (last > reached + slack) bands = [bands, band_type(reached, last)]
+   end function bands_without_stability
+
+   !> Lambda at which stability changes between points i and i + 1.
+   pure real(dp) function change(branch, i)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: i
+      integer :: j
+
+      change = (branch%frequency(i) + branch%frequency(i + 1))/2
+      if (.not. allocated(branch%special_points)) return
+      do j = 1, size(branch%special_points)
+         if (branch%special_points(j)%point == i) change = branch%special_points(j)%frequency
+      end do
+   end function change
+
+   !> Points i and i + 1 follow one another on the branch: they are of one part.
+   pure logical function joined(branch, i)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: i
+
+      joined = .true.
+      if (allocated(branch%part)) joined = branch%part(i) == branch%part(i + 1)
+   end function joined
+
+   pure logical function is_stable(branch, i)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: i
+
+      is_stable = .false.
+      if (allocated(branch%stable)) is_stable = branch%stable(i)
+   end function is_stable
+
+   !> Ascending, by insertion: there are a few.
+   pure subroutine sort(values)
+      real(dp), intent(inout) :: values(:)
+      real(dp) :: moving
+      integer :: i, j
+
+      do i = 2, size(values)
+         moving = values(i)
+         do j = i - 1, 1, -1
+            if (values(j) <= moving) exit
+            values(j + 1) = values(j)
+         end do
+         values(j + 1) = moving
+      end do
+   end subroutine sort
+
+end module geartrain_branch_summary

@@ -1,0 +1,88 @@
+!> The table of input variables: those of &response.
+module geartrain_branch_variables
+   use geartrain_base_checker, only: checker_type
+   use geartrain_base_error, only: error_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: integer_text, real_text
+   use geartrain_base_variable, only: row => variable_type, visitor_type
+   use geartrain_branch_branch, only: response_settings_type
+   implicit none (type, external)
+   private
+   public :: visit_response, check_response, check_response_consistency
+
+   real(dp), parameter :: zero = 0, one = 1
+
+contains
+
+   subroutine visit_response(settings, v)
+      type(response_settings_type), intent(inout) :: settings
+      class(visitor_type), intent(inout) :: v
+      character(:), allocatable :: word
+
+      call v%enter('response', 1)
+      call v%on_real(row('from', '', 'Lambda at which the branch begins (start in a call)', required=.true., above=zero), &
+                     settings%start)
+      call v%on_real(row('to', '', 'Lambda at which it ends, above or below (stop in a call)', required=.true., above=zero), &
+                     settings%stop)
+      call v%on_integer(row('harmonics', '', 'harmonics R of Lambda/subharmonic; 0: as many as tolerance needs', least=one, &
+                            automatic=zero), settings%harmonics)
+      call v%on_integer(row('subharmonic', '', 'period of the motion in fundamental mesh periods, eta', least=one), &
+                        settings%subharmonic)
+      call v%on_logical(row('stability', '', 'Floquet multipliers of every point'), settings%stability)
+      call v%on_real(row('amplitude_limit', '', 'rms over characteristic length at which the branch is given up; -1: 12 with &
+                         &backlash, none for a linear train', above=zero, automatic=-one), settings%amplitude_limit)
+      word = trim(settings%coefficients)
+      call v%on_text(row('coefficients', '', 'Fourier coefficients of the mesh force: exact from the contact events, or sampled &
+                         &(the discrete transform of the paper)', choices='exact sampled'), word)
+      settings%coefficients = word
+      call v%on_integer(row('samples', '', 'points a period for sampled coefficients; 0: chosen by the program', least=one, &
+                            automatic=zero), settings%samples)
+      word = trim(settings%control)
+      call v%on_text(row('control', '', 'pseudo-arclength, or the local switching of the control parameter of the paper, &
+                         &equation (11)', choices='arclength local'), word)
+      settings%control = word
+      call v%on_real(row('tolerance', '', 'relative error of the waveform aimed at where harmonics = 0', above=zero, most=one), &
+                     settings%tolerance)
+      call v%on_real(row('step', '', 'largest step along the branch, in Lambda and mesh displacement together', above=zero), &
+                     settings%step)
+      call v%on_integer(row('max_points', '', 'points after which the branch is given up', least=2*one), settings%max_points)
+      call v%leave()
+   end subroutine visit_response
+
+   !> Checks settings however they were made; the error tells every problem, one a line.
+   subroutine check_response(settings, error)
+      type(response_settings_type), intent(in) :: settings
+      type(error_type), allocatable, intent(out) :: error
+      type(response_settings_type) :: copy
+      type(checker_type) :: checker
+
+      copy = settings
+      call visit_response(copy, checker)
+      call check_response_consistency(settings, checker)
+      call checker%problems%raise('', error)
+   end subroutine check_response
+
+   !> What single values cannot say; the problems are added to those of `checker`.
+   subroutine check_response_consistency(settings, checker)
+      type(response_settings_type), intent(in) :: settings
+      class(checker_type), intent(inout) :: checker
+      integer :: fewest
+
+      if (checker%problems%in_group('response')) return
+      call checker%enter('response', 1)
+      if (abs(settings%start - settings%stop) <= 0) then
+         call checker%complain('to', real_text(settings%stop), 'must differ from from: a branch needs a range')
+      end if
+      if (settings%harmonics > 0 .and. settings%harmonics < settings%subharmonic) then
+         call checker%complain('harmonics', integer_text(settings%harmonics), 'must be >= subharmonic = '// &
+                               integer_text(settings%subharmonic)//': the mesh frequency itself would be left out')
+      end if
+      fewest = 6*settings%harmonics + 2
+      if (settings%samples > 0 .and. settings%samples < fewest) then
+         call checker%complain('samples', integer_text(settings%samples), 'must be >= 6 harmonics + 2 = '// &
+                               integer_text(fewest)//', or 0 to leave the choice to the program')
+      end if
+      call checker%leave()
+   end subroutine check_response_consistency
+
+end module geartrain_branch_variables

@@ -1,0 +1,150 @@
+!> A place in the text of a case file, and the steps over it.
+module geartrain_case_cursor
+   implicit none (type, external)
+   private
+   public :: cursor_type, lower, blanks, digits, letters, newline
+
+   character(*), parameter :: newline = achar(10), blanks = ' '//achar(9)//achar(13)
+   character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ', digits = '0123456789'
+   character(*), parameter :: in_names = letters//digits//'_'
+   !> What ends a value that is not in quotes.
+   character(*), parameter :: delimiters = blanks//newline//',/!&='//"'"//'"'
+
+   type :: cursor_type
+      !> The text, closed by a new line.
+      character(:), allocatable :: text
+      integer :: at = 1, line = 1, column = 1
+   contains
+      procedure :: ended
+      procedure :: peek
+      procedure :: advance
+      procedure :: skip_space
+      procedure :: skip_to_group
+      procedure :: take_name
+      procedure :: take_bare
+      procedure :: take_quoted
+   end type cursor_type
+
+contains
+
+   !> Over blanks, new lines and comments.
+   subroutine skip_space(self)
+      class(cursor_type), intent(inout) :: self
+
+      do while (.not. self%ended())
+         if (self%peek() == '!') then
+            do while (self%peek() /= newline)
+               call self%advance()
+            end do
+         end if
+         if (scan(self%peek(), blanks//newline) == 0) exit
+         call self%advance()
+      end do
+   end subroutine skip_space
+
+   !> To the next & that is the first on its line.
+   subroutine skip_to_group(self)
+      class(cursor_type), intent(inout) :: self
+
+      do while (.not. self%ended())
+         do while (self%peek() /= newline)
+            call self%advance()
+         end do
+         call self%skip_space()
+         if (self%peek() == '&') exit
+      end do
+   end subroutine skip_to_group
+
+   function take_name(self) result(name)
+      class(cursor_type), intent(inout) :: self
+      character(:), allocatable :: name
+      integer :: length
+
+      length = verify(self%text(self%at:), in_names) - 1
+      name = self%text(self%at:self%at + length - 1)
+      call self%advance(length)
+   end function take_name
+
+   function take_bare(self) result(text)
+      class(cursor_type), intent(inout) :: self
+      character(:), allocatable :: text
+      integer :: length
+
+      length = scan(self%text(self%at:), delimiters) - 1
+      text = self%text(self%at:self%at + length - 1)
+      call self%advance(length)
+   end function take_bare
+
+   !> A quote inside the text is doubled; `status` is not 0 where the line ends before the closing quote.
+   subroutine take_quoted(self, text, status)
+      class(cursor_type), intent(inout) :: self
+      character(:), allocatable, intent(out) :: text
+      integer, intent(out) :: status
+      character(1) :: quote
+
+      quote = self%peek()
+      text = ''
+      status = 0
+      call self%advance()
+      do
+         if (self%peek() == newline) then
+            status = 1
+            return
+         end if
+         if (self%peek() == quote) then
+            call self%advance()
+            if (self%peek() /= quote) return
+         end if
+         text = text//self%peek()
+         call self%advance()
+      end do
+   end subroutine take_quoted
+
+   pure logical function ended(self)
+      class(cursor_type), intent(in) :: self
+
+      ended = self%at > len(self%text)
+   end function ended
+
+   !> The character under the cursor; a new line beyond the end.
+   pure character(1) function peek(self)
+      class(cursor_type), intent(in) :: self
+
+      peek = newline
+      if (self%at <= len(self%text)) peek = self%text(self%at:self%at)
+   end function peek
+
+   !> Columns count characters as an editor shows them: the later bytes of a UTF-8 character count nothing.
+   subroutine advance(self, steps)
+      class(cursor_type), intent(inout) :: self
+      integer, intent(in), optional :: steps
+      integer :: i, last
+
+      last = 1
+      if (present(steps)) last = steps
+      do i = 1, last
+         if (self%ended()) return
+         if (self%peek() == newline) then
+            self%line = self%line + 1
+            self%column = 1
+         else if (self%at == len(self%text)) then
+            continue
+         else if (iand(iachar(self%text(self%at + 1:self%at + 1)), 192) /= 128) then
+            self%column = self%column + 1
+         end if
+         self%at = self%at + 1
+      end do
+   end subroutine advance
+
+   pure function lower(text) result(lowered)
+      character(*), intent(in) :: text
+      character(len(text)) :: lowered
+      integer :: i
+
+      lowered = text
+      do i = 1, len(text)
+         if (text(i:i) >= 'A' .and. text(i:i) <= 'Z') lowered(i:i) = achar(iachar(text(i:i)) + 32)
+      end do
+   end function lower
+
+end module geartrain_case_cursor

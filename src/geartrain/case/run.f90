@@ -1,0 +1,93 @@
+!> Computes what a case asks for and writes it.
+module geartrain_case_run
+   use geartrain_base_error, only: error_type, fatal, status_ended_early
+   use geartrain_base_observer, only: observer_type
+   use geartrain_branch_response, only: response
+   use geartrain_case_case, only: case_type
+   use geartrain_case_checkpoint, only: checkpoint_type
+   use geartrain_model_modes, only: natural_modes
+   use geartrain_motion_sweep, only: sweep
+   use geartrain_results_file, only: check_place, remove_file
+   use geartrain_results_results, only: results_type, write_results
+   implicit none (type, external)
+   private
+   public :: run_case
+
+contains
+
+   !> Runs the analyses of the case in the order modes, response, integration, and writes `path`. Meanwhile path.partial holds
+   !> what there is so far, every 5 s or so. An analysis that ends early is told by an error of status_ended_early after
+   !> everything has been written; bad input and a place that cannot be written to are told before anything is computed.
+   subroutine run_case(case, path, results, error, observer)
+      type(case_type), intent(in), target :: case
+      !> The HDF5 file; empty: write nothing.
+      character(*), intent(in) :: path
+      type(results_type), intent(out), target :: results
+      type(error_type), allocatable, intent(out) :: error
+      class(observer_type), intent(inout), target, optional :: observer
+      type(checkpoint_type) :: checkpoint
+      type(error_type), allocatable :: early
+
+      if (path /= '') call check_place(path, error)
+      if (allocated(error)) return
+      if (present(observer)) checkpoint%observer => observer
+      checkpoint%case => case
+      checkpoint%results => results
+      checkpoint%path = ''
+      if (path /= '') checkpoint%path = path//'.partial'
+      call compute(case, results, early, error, checkpoint)
+      if (allocated(error)) return
+      if (path /= '') call write_results(path, case, results, error)
+      if (path /= '' .and. .not. allocated(error)) call remove_file(path//'.partial')
+      if (allocated(early)) call fatal(error, early%message, early%status)
+   end subroutine run_case
+
+   !> `early` tells which analyses ended early and why, `error` that the input is bad.
+   subroutine compute(case, results, early, error, checkpoint)
+      type(case_type), intent(in) :: case
+      type(results_type), intent(inout), target :: results
+      type(error_type), allocatable, intent(inout) :: early, error
+      type(checkpoint_type), intent(inout) :: checkpoint
+
+      if (case%modes) then
+         allocate (results%modes)
+         call natural_modes(case%train, results%modes, error)
+         if (ended_early(error)) deallocate (results%modes)
+         call set_aside(error, early)
+         if (allocated(error)) return
+      end if
+      if (allocated(case%response)) then
+         allocate (results%response)
+         call response(case%train, case%response, results%response, error, observer=checkpoint)
+         call set_aside(error, early)
+         if (allocated(error)) return
+         if (.not. results%response%complete) &
+            call fatal(early, 'response ended early: '//results%response%ended, status_ended_early)
+      end if
+      if (allocated(case%integration) .and. .not. checkpoint%cancelled) then
+         allocate (results%integration)
+         call sweep(case%train, case%integration, results%integration, error, checkpoint)
+         call set_aside(error, early)
+         if (allocated(error)) return
+         if (.not. results%integration%complete) &
+            call fatal(early, 'integration ended early: '//results%integration%ended, status_ended_early)
+      end if
+   end subroutine compute
+
+   logical function ended_early(error)
+      type(error_type), allocatable, intent(in) :: error
+
+      ended_early = .false.
+      if (allocated(error)) ended_early = error%status == status_ended_early
+   end function ended_early
+
+   !> An analysis that could not go on does not keep the next from running.
+   subroutine set_aside(error, early)
+      type(error_type), allocatable, intent(inout) :: error, early
+
+      if (.not. ended_early(error)) return
+      call fatal(early, error%message, status_ended_early)
+      deallocate (error)
+   end subroutine set_aside
+
+end module geartrain_case_run

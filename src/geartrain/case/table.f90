@@ -1,0 +1,201 @@
+!> The table of input variables as rows: which there are, their kinds and defaults; and the closest name to a misspelt one.
+module geartrain_case_table
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: integer_text, real_text
+   use geartrain_base_variable, only: variable_type, visitor_type
+   use geartrain_case_case, only: case_type
+   use geartrain_case_variables, only: groups, visit_case
+   implicit none (type, external)
+   private
+   public :: row_type, list_variables, unknown_group, unknown_variable
+
+   type :: row_type
+      character(16) :: group = ''
+      !> 'real', 'integer', 'logical', 'text' or 'reals' (a list).
+      character(12) :: kind = ''
+      !> As a case file would give it; blank: none.
+      character(24) :: default = ''
+      type(variable_type) :: variable
+   end type row_type
+
+   !> Writes down every row that it is led over.
+   type, extends(visitor_type) :: collector_type
+      type(row_type), allocatable :: rows(:)
+   contains
+      procedure :: on_real
+      procedure :: on_integer
+      procedure :: on_logical
+      procedure :: on_text
+      procedure :: on_list
+      procedure :: collect
+   end type collector_type
+
+contains
+
+   !> Every variable of every group, in the order of a case file.
+   subroutine list_variables(rows)
+      type(row_type), allocatable, intent(out) :: rows(:)
+      type(collector_type) :: collector
+      type(case_type) :: case
+
+      allocate (collector%rows(0), case%train%shafts(1), case%train%meshes(1), case%response, case%integration)
+      call visit_case(case, collector)
+      call move_alloc(collector%rows, rows)
+   end subroutine list_variables
+
+   subroutine collect(self, variable, kind, default)
+      class(collector_type), intent(inout) :: self
+      type(variable_type), intent(in) :: variable
+      character(*), intent(in) :: kind, default
+      type(row_type) :: row
+
+      row%group = self%group
+      row%kind = kind
+      if (.not. variable%required) row%default = default
+      row%variable = variable
+      self%rows = [self%rows, row]
+   end subroutine collect
+
+   subroutine on_real(self, variable, value, in_force)
+      class(collector_type), intent(inout) :: self
+      type(variable_type), intent(in) :: variable
+      real(dp), intent(inout) :: value
+      logical, intent(inout), optional :: in_force
+      character(:), allocatable :: default
+
+      default = ''
+      if (variable%allows(value)) default = real_text(value)
+      if (present(in_force) .and. variable%excludes /= '') default = ''
+      call self%collect(variable, 'real', default)
+   end subroutine on_real
+
+   subroutine on_integer(self, variable, value)
+      class(collector_type), intent(inout) :: self
+      type(variable_type), intent(in) :: variable
+      integer, intent(inout) :: value
+
+      call self%collect(variable, 'integer', integer_text(value))
+   end subroutine on_integer
+
+   subroutine on_logical(self, variable, value)
+      class(collector_type), intent(inout) :: self
+      type(variable_type), intent(in) :: variable
+      logical, intent(inout) :: value
+
+      call self%collect(variable, 'logical', trim(merge('.true. ', '.false.', value)))
+   end subroutine on_logical
+
+   subroutine on_text(self, variable, value)
+      class(collector_type), intent(inout) :: self
+      type(variable_type), intent(in) :: variable
+      character(:), allocatable, intent(inout) :: value
+
+      if (allocated(value)) then
+         call self%collect(variable, 'text', "'"//value//"'")
+      else
+         call self%collect(variable, 'text', "''")
+      end if
+   end subroutine on_text
+
+   subroutine on_list(self, variable, value)
+      class(collector_type), intent(inout) :: self
+      type(variable_type), intent(in) :: variable
+      real(dp), allocatable, intent(inout) :: value(:)
+
+      associate (unused => value)
+      end associate
+      call self%collect(variable, 'reals', 'none')
+   end subroutine on_list
+
+   !> The message about a group that there is not.
+   function unknown_group(name) result(text)
+      character(*), intent(in) :: name
+      character(:), allocatable :: text
+      integer :: i, best
+
+      best = closest(name, [(groups(i)%name, i = 1, size(groups))])
+      text = 'unknown group &'//name
+      if (best > 0) then
+         text = text//' (did you mean &'//trim(groups(best)%name)//'?)'
+      else
+         text = text//' (there are'
+         do i = 1, size(groups)
+            text = text//' &'//trim(groups(i)%name)
+         end do
+         text = text//')'
+      end if
+   end function unknown_group
+
+   !> The message about a variable that a group does not have; `meant` is the one that was probably meant, or ''.
+   subroutine unknown_variable(name, group, rows, text, meant)
+      character(*), intent(in) :: name, group
+      type(row_type), intent(in) :: rows(:)
+      character(:), allocatable, intent(out) :: text, meant
+      character(24), allocatable :: names(:)
+      integer :: i, best
+
+      names = pack([(rows(i)%variable%name, i = 1, size(rows))], [(rows(i)%group == group, i = 1, size(rows))])
+      text = 'unknown variable "'//name//'" in &'//group
+      meant = ''
+      best = closest(name, names)
+      if (name == 'start') best = findloc(names, 'from', dim=1)
+      if (name == 'stop') best = findloc(names, 'to', dim=1)
+      if (best > 0) then
+         meant = trim(names(best))
+         text = text//' (did you mean "'//meant//'"?)'
+         return
+      end if
+      do i = 1, size(rows)
+         if (rows(i)%variable%name == name) then
+            text = text//' (it belongs to &'//trim(rows(i)%group)//')'
+            return
+         end if
+      end do
+      if (size(names) == 0) then
+         text = text//' (the group has no variables)'
+         return
+      end if
+      text = text//' (there are '
+      do i = 1, size(names)
+         if (i > 1) text = text//', '
+         text = text//trim(names(i))
+      end do
+      text = text//')'
+   end subroutine unknown_variable
+
+   !> The candidate that is least different from `name`, at most one letter in three; 0: none.
+   pure integer function closest(name, candidates)
+      character(*), intent(in) :: name, candidates(:)
+      integer :: i, distance, least
+
+      closest = 0
+      least = max(1, len(name)/3) + 1
+      do i = 1, size(candidates)
+         distance = edits(name, trim(candidates(i)))
+         if (distance < least) then
+            least = distance
+            closest = i
+         end if
+      end do
+   end function closest
+
+   !> Letters to change, insert, delete or swap with the next (optimal string alignment).
+   pure integer function edits(a, b)
+      character(*), intent(in) :: a, b
+      integer :: table(0:len(a), 0:len(b)), i, j
+
+      table(:, 0) = [(i, i = 0, len(a))]
+      table(0, :) = [(j, j = 0, len(b))]
+      do j = 1, len(b)
+         do i = 1, len(a)
+            table(i, j) = min(table(i - 1, j) + 1, table(i, j - 1) + 1, table(i - 1, j - 1) + merge(0, 1, a(i:i) == b(j:j)))
+            if (i > 1 .and. j > 1) then
+               if (a(i:i) == b(j - 1:j - 1) .and. a(i - 1:i - 1) == b(j:j)) &
+                  table(i, j) = min(table(i, j), table(max(i - 2, 0), max(j - 2, 0)) + 1)
+            end if
+         end do
+      end do
+      edits = table(len(a), len(b))
+   end function edits
+
+end module geartrain_case_table

@@ -1,0 +1,86 @@
+!> Whether a train is one that can be computed: every value in its range, and the values in agreement with one another.
+module geartrain_model_check
+   use geartrain_base_checker, only: checker_type
+   use geartrain_base_error, only: error_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: integer_text, real_text
+   use geartrain_model_shaft, only: shaft_type
+   use geartrain_model_train, only: train_type
+   use geartrain_model_variables, only: visit_model
+   implicit none (type, external)
+   private
+   public :: check_train, check_consistency
+
+contains
+
+   !> Checks a train however it was made; the error tells every problem, one a line: '&mesh 2: stiffness = -1.0: must be > 0 N/m'.
+   subroutine check_train(train, error)
+      type(train_type), intent(in) :: train
+      type(error_type), allocatable, intent(out) :: error
+      type(train_type) :: copy
+      type(checker_type) :: checker
+
+      copy = train
+      call visit_model(copy, checker)
+      call check_consistency(train, checker)
+      call checker%problems%raise('', error)
+   end subroutine check_train
+
+   !> What single values cannot say; the problems are added to those of `checker`.
+   subroutine check_consistency(train, checker)
+      type(train_type), intent(in) :: train
+      class(checker_type), intent(inout) :: checker
+      integer :: shafts, meshes, i
+
+      shafts = 0
+      meshes = 0
+      if (allocated(train%shafts)) shafts = size(train%shafts)
+      if (allocated(train%meshes)) meshes = size(train%meshes)
+      if (shafts < 2 .or. meshes /= shafts - 1) then
+         call checker%problems%add('the train has '//integer_text(shafts)//' &shaft and '//integer_text(meshes)// &
+                                   ' &mesh: a train is shaft, mesh, shaft, ..., shaft, at least 2 shafts and one mesh less &
+                                   &than shafts', 'train', 1, names_group=.true.)
+      end if
+      do i = 1, shafts
+         call checker%enter('shaft', i)
+         call check_shaft(train%shafts(i), checker)
+         call checker%leave()
+      end do
+      if (shafts == 0) return
+      call checker%enter('train', 1)
+      call check_end(train%prime_mover_inertia, 'prime_mover_inertia', 'first', train%shafts(1))
+      call check_end(train%load_inertia, 'load_inertia', 'last', train%shafts(shafts))
+      call checker%leave()
+
+   contains
+
+      !> An elastic shaft with nothing at its end has no equation of motion there.
+      subroutine check_end(inertia, name, which, shaft)
+         real(dp), intent(in) :: inertia
+         character(*), intent(in) :: name, which
+         type(shaft_type), intent(in) :: shaft
+
+         if (inertia > 0 .or. shaft%rigid) return
+         call checker%complain(name, real_text(inertia), 'must be > 0 kg m^2, or the '//which// &
+                               ' shaft must have rigid = .true.')
+      end subroutine check_end
+
+   end subroutine check_consistency
+
+   !> A rigid shaft has neither stiffness nor damping; an elastic one has stiffness.
+   subroutine check_shaft(shaft, checker)
+      type(shaft_type), intent(in) :: shaft
+      class(checker_type), intent(inout) :: checker
+      character(*), parameter :: cure = 'contradicts rigid = .true.: leave out one of the two'
+
+      if (shaft%rigid) then
+         if (abs(shaft%stiffness) > 0) call checker%complain('stiffness', real_text(shaft%stiffness), cure)
+         if (abs(shaft%damping_ratio) > 0) call checker%complain('damping_ratio', real_text(shaft%damping_ratio), cure)
+         if (shaft%damping_given .or. abs(shaft%damping) > 0) &
+            call checker%complain('damping', real_text(shaft%damping), cure)
+      else if (.not. shaft%stiffness > 0) then
+         call checker%lacks('stiffness', '> 0 N m/rad', ' or rigid = .true.')
+      end if
+   end subroutine check_shaft
+
+end module geartrain_model_check

@@ -1,0 +1,104 @@
+!> Natural frequencies and mode shapes of the mean linear system (contact everywhere, mean mesh stiffness).
+module geartrain_model_modes
+   use geartrain_base_error, only: error_type, fatal, status_ended_early
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_lapack, only: dgeev, dsteqr
+   use geartrain_model_check, only: check_train
+   use geartrain_model_system, only: build_system, system_type
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: modes_type, natural_modes
+
+   type :: modes_type
+      !> Undamped, over characteristic frequency, ascending, the rigid-body mode left out, (mode).
+      real(dp), allocatable :: natural_frequency(:)
+      !> Imaginary part of the damped eigenvalue and its damping ratio [1], (mode); an overdamped mode has frequency 0.
+      real(dp), allocatable :: damped_frequency(:), damping_ratio(:)
+      !> Displacement of each element (mesh displacement, or shaft twist times base radius), largest 1, (element, mode).
+      real(dp), allocatable :: shape(:, :)
+      !> 'shaft 1', 'mesh 1', ...: the elastic elements in their order in the train, (element).
+      character(16), allocatable :: element(:)
+   end type modes_type
+
+contains
+
+   subroutine natural_modes(train, modes, error)
+      type(train_type), intent(in) :: train
+      type(modes_type), intent(out) :: modes
+      type(error_type), allocatable, intent(out) :: error
+      type(system_type) :: system
+      integer :: info, n, j
+
+      call check_train(train, error)
+      if (allocated(error)) return
+      call build_system(train, system)
+      call undamped(system, modes, info)
+      if (info == 0) call damped(system, modes, info)
+      if (info /= 0) call fatal(error, 'natural modes: LAPACK did not converge', status_ended_early)
+      allocate (modes%element(system%elements))
+      do n = 1, system%elements
+         if (system%element_mesh(n) > 0) write (modes%element(n), '(a, i0)') 'mesh ', system%element_mesh(n)
+      end do
+      do j = 1, size(system%body_element)
+         if (system%body_element(j) > 0) write (modes%element(system%body_element(j)), '(a, i0)') 'shaft ', j
+      end do
+   end subroutine natural_modes
+
+   !> W is tridiagonal and similar to a symmetric matrix by the square roots of the stiffnesses.
+   subroutine undamped(system, modes, info)
+      type(system_type), intent(in) :: system
+      type(modes_type), intent(inout) :: modes
+      integer, intent(out) :: info
+      real(dp), allocatable :: diagonal(:), off(:), vector(:, :), work(:)
+      integer :: n, i
+
+      n = system%elements
+      allocate (vector(n, n), work(max(1, 2*n - 2)))
+      vector = 0
+      do i = 1, n
+         vector(i, i) = 1
+      end do
+      diagonal = system%coupling(2, :)
+      off = -sqrt(system%coupling(3, :n - 1)*system%coupling(1, 2:))
+      call dsteqr('I', n, diagonal, off, vector, n, work, info)
+      if (info /= 0) return
+      modes%natural_frequency = sqrt(max(diagonal, 0.0_dp))
+      modes%shape = vector
+      do i = 1, n
+         modes%shape(:, i) = vector(:, i)/sqrt(system%stiffness)
+         modes%shape(:, i) = modes%shape(:, i)/modes%shape(maxloc(abs(modes%shape(:, i)), 1), i)
+      end do
+   end subroutine undamped
+
+   !> Eigenvalues of p'' + W Gamma p' + W p = 0, each given to the mode of the nearest magnitude.
+   subroutine damped(system, modes, info)
+      type(system_type), intent(in) :: system
+      type(modes_type), intent(inout) :: modes
+      integer, intent(out) :: info
+      real(dp), allocatable :: a(:, :), wr(:), wi(:), work(:), empty(:, :)
+      logical, allocatable :: taken(:)
+      integer :: n, i, j, best
+
+      n = system%elements
+      allocate (a(2*n, 2*n), wr(2*n), wi(2*n), work(16*n), empty(1, 1), taken(2*n))
+      a = 0
+      do i = 1, n
+         a(i, n + i) = 1
+         do j = max(1, i - 1), min(n, i + 1)
+            a(n + i, j) = -system%coupling(j - i + 2, i)
+            a(n + i, n + j) = -system%coupling(j - i + 2, i)*system%damping(j)
+         end do
+      end do
+      call dgeev('N', 'N', 2*n, a, 2*n, wr, wi, empty, 1, empty, 1, work, size(work), info)
+      allocate (modes%damped_frequency(n), modes%damping_ratio(n))
+      taken = wi < 0
+      do i = 1, n
+         best = minloc(abs(hypot(wr, wi) - modes%natural_frequency(i)), 1, .not. taken)
+         taken(best) = .true.
+         modes%damped_frequency(i) = abs(wi(best))
+         modes%damping_ratio(i) = -wr(best)/hypot(wr(best), wi(best))
+      end do
+   end subroutine damped
+
+end module geartrain_model_modes

@@ -1,0 +1,113 @@
+!> The table of input variables, those of the train, its shafts and its meshes.
+!>
+!> Defaults are those of the types. A visitor is led over the values in the order in which a case file gives them.
+module geartrain_model_variables
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_variable, only: row => variable_type, visitor_type
+   use geartrain_model_mesh, only: mesh_type
+   use geartrain_model_shaft, only: shaft_type
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: visit_model, visit_train, visit_shaft, visit_mesh
+
+   real(dp), parameter :: zero = 0, one = 1
+
+contains
+
+   !> The train, then shaft 1, mesh 1, shaft 2, ...
+   subroutine visit_model(train, visitor)
+      type(train_type), intent(inout) :: train
+      class(visitor_type), intent(inout) :: visitor
+      integer :: i, shafts, meshes
+
+      call visit_train(train, visitor)
+      shafts = 0
+      meshes = 0
+      if (allocated(train%shafts)) shafts = size(train%shafts)
+      if (allocated(train%meshes)) meshes = size(train%meshes)
+      do i = 1, max(shafts, meshes)
+         if (i <= shafts) call visit_shaft(train%shafts(i), i, visitor)
+         if (i <= meshes) call visit_mesh(train%meshes(i), i, visitor)
+      end do
+   end subroutine visit_model
+
+   subroutine visit_train(train, v)
+      type(train_type), intent(inout) :: train
+      class(visitor_type), intent(inout) :: v
+
+      call v%enter('train', 1)
+      call v%on_text(row('title', '', 'a line of text that goes with the results'), train%title)
+      call v%on_real(row('input_torque', 'N m', 'mean torque on the driving end; the load torque balances it by itself', &
+                         required=.true.), train%input_torque)
+      call v%on_list(row('torque_cos', 'N m', 'cosine amplitudes of the input torque, orders 1, 2, ... of Lambda'), &
+                     train%torque_cos)
+      call v%on_list(row('torque_sin', 'N m', 'sine amplitudes, likewise'), train%torque_sin)
+      call v%on_real(row('prime_mover_inertia', 'kg m^2', 'polar moment of inertia at the driving end; 0 only if the first &
+                         &shaft is rigid', required=.true., least=zero), train%prime_mover_inertia)
+      call v%on_real(row('load_inertia', 'kg m^2', 'polar moment of inertia at the driven end; 0 only if the last shaft is &
+                         &rigid', required=.true., least=zero), train%load_inertia)
+      call v%on_real(row('characteristic_length', 'm', 'unit in which mesh displacements are reported, b_c', &
+                         required=.true., above=zero), train%characteristic_length)
+      call v%on_real(row('characteristic_frequency', 'rad/s', 'unit in which frequencies are reported, omega_c; Lambda is the &
+                         &fundamental mesh frequency over it', required=.true., above=zero), train%characteristic_frequency)
+      call v%leave()
+   end subroutine visit_train
+
+   subroutine visit_shaft(shaft, index, v)
+      type(shaft_type), intent(inout) :: shaft
+      !> Number of the shaft in the train.
+      integer, intent(in) :: index
+      class(visitor_type), intent(inout) :: v
+      logical :: elastic, by_ratio
+
+      call v%enter('shaft', index)
+      call v%on_logical(row('rigid', '', 'the inertias at the ends of the shaft move as one; it then has neither stiffness nor &
+                            &damping'), shaft%rigid)
+      elastic = .not. shaft%rigid
+      call v%on_real(row('stiffness', 'N m/rad', 'torsional stiffness; required unless rigid', above=zero), &
+                     shaft%stiffness, elastic)
+      by_ratio = .not. shaft%rigid .and. .not. shaft%damping_given
+      call v%on_real(row('damping_ratio', '', 'c/(2 sqrt(k m)) with 1/m = 1/I_a + 1/I_b of the inertias at the ends', &
+                         least=zero), shaft%damping_ratio, by_ratio)
+      call v%on_real(row('damping', 'N m s/rad', 'damping coefficient, instead of damping_ratio', least=zero, &
+                         excludes='damping_ratio'), shaft%damping, shaft%damping_given)
+      call v%leave()
+   end subroutine visit_shaft
+
+   subroutine visit_mesh(mesh, index, v)
+      type(mesh_type), intent(inout) :: mesh
+      !> Number of the mesh in the train.
+      integer, intent(in) :: index
+      class(visitor_type), intent(inout) :: v
+      logical :: by_ratio
+
+      call v%enter('mesh', index)
+      call v%on_real(row('driving_radius', 'm', 'base circle radius of the driving gear', required=.true., above=zero), &
+                     mesh%driving_radius)
+      call v%on_real(row('driven_radius', 'm', 'base circle radius of the driven gear', required=.true., above=zero), &
+                     mesh%driven_radius)
+      call v%on_real(row('driving_inertia', 'kg m^2', 'polar moment of inertia of the driving gear', required=.true., &
+                         above=zero), mesh%driving_inertia)
+      call v%on_real(row('driven_inertia', 'kg m^2', 'polar moment of inertia of the driven gear', required=.true., &
+                         above=zero), mesh%driven_inertia)
+      call v%on_real(row('stiffness', 'N/m', 'mean mesh stiffness along the line of action', required=.true., above=zero), &
+                     mesh%stiffness)
+      by_ratio = .not. mesh%damping_given
+      call v%on_real(row('damping_ratio', '', 'c/(2 sqrt(k m)) with m = I_a I_b/(r_a^2 I_b + r_b^2 I_a)', least=zero), &
+                     mesh%damping_ratio, by_ratio)
+      call v%on_real(row('damping', 'N s/m', 'damping coefficient, instead of damping_ratio', least=zero, &
+                         excludes='damping_ratio'), mesh%damping, mesh%damping_given)
+      call v%on_real(row('half_backlash', 'm', 'half of the backlash, b; 0: no backlash, a linear mesh', least=zero), &
+                     mesh%half_backlash)
+      call v%on_list(row('stiffness_cos', '', 'cosine amplitudes, harmonics 1, 2, ... of kappa(t) = 1 + ..., the mesh stiffness &
+                         &over its mean'), mesh%stiffness_cos)
+      call v%on_list(row('stiffness_sin', '', 'sine amplitudes, likewise'), mesh%stiffness_sin)
+      call v%on_list(row('error_cos', 'm', 'cosine amplitudes of the static transmission error, harmonics 1, 2, ...; it adds to &
+                         &the mesh displacement'), mesh%error_cos)
+      call v%on_list(row('error_sin', 'm', 'sine amplitudes, likewise'), mesh%error_sin)
+      call v%on_integer(row('order', '', 'mesh frequency as a multiple of the fundamental, m_n', least=one), mesh%order)
+      call v%leave()
+   end subroutine visit_mesh
+
+end module geartrain_model_variables

@@ -1,0 +1,479 @@
+!> The flow of the equations of motion by Taylor series with located contact events.
+!>
+!> Between contact events the equations are linear with analytic coefficients, so the Taylor coefficients of the solution
+!> follow from a short recurrence, to any order; the series is its own dense output, in which the events are found. The
+!> force is continuous at an event, so tangents pass it unchanged (the saltation matrix is the identity).
+!>
+!> A state is the displacement of every element (a mesh: p; a shaft: its twist less the static twist), then the velocities.
+module geartrain_motion_flow
+   use geartrain_base_kinds, only: dp
+   use geartrain_model_system, only: series_type, system_type
+   implicit none (type, external)
+   private
+   public :: flow_type, contact_at
+
+   integer, parameter :: subdivisions = 8
+
+   type :: flow_type
+      type(system_type) :: system
+      real(dp) :: frequency = 1
+      !> Columns of `x`; with `has_state` the first is the state, the others are tangents to the flow.
+      integer :: columns = 1
+      logical :: has_state = .true.
+      !> Time [1] and columns, (column, 2*elements).
+      real(dp) :: time = 0
+      real(dp), allocatable :: x(:, :)
+      !> Present contact of each mesh: +1 drive flank, 0 separation, -1 back flank; 1 for a mesh without backlash.
+      integer, allocatable :: contact(:)
+      !> Events met in the latest `step` (0 or 1) and the smallest impact or release speed of all since `start`.
+      logical :: event = .false.
+      real(dp) :: slowest_event = huge(1.0_dp)
+      integer :: events = 0
+      !> Length of the latest step; its series p and velocity, (column, element, 0:order).
+      real(dp) :: length = 0
+      real(dp), allocatable :: p(:, :, :), v(:, :, :)
+      integer :: order = 20
+      real(dp) :: tolerance = 1e-15_dp
+      real(dp), allocatable, private :: phi(:, :), kappa(:, :), excitation(:, :)
+      integer, private :: event_mesh = 0, event_side = 0, stuck = 0
+   contains
+      procedure :: setup
+      procedure :: start
+      procedure :: step
+      procedure :: advance
+      procedure :: displacement
+      procedure, private :: expand
+      procedure, private :: step_length
+      procedure, private :: first_event
+   end type flow_type
+
+contains
+
+   !> Prepares for `columns` columns; a flow without state carries tangents along contacts that the caller sets.
+   subroutine setup(self, system, columns, has_state, order, tolerance)
+      class(flow_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: columns
+      logical, intent(in) :: has_state
+      integer, intent(in) :: order
+      !> Relative error of one step.
+      real(dp), intent(in) :: tolerance
+
+      self%system = system
+      self%columns = columns
+      self%has_state = has_state
+      self%order = order
+      self%tolerance = tolerance
+      if (allocated(self%x)) deallocate (self%x, self%p, self%v, self%phi, self%kappa, self%excitation, self%contact)
+      associate (n => system%elements)
+         allocate (self%x(columns, 2*n), self%p(columns, n, 0:order), self%v(columns, n, 0:order), self%phi(columns, 0:n + 1), &
+                   self%kappa(0:order, system%meshes), self%excitation(0:order, n), self%contact(system%meshes))
+      end associate
+      self%contact = 1
+   end subroutine setup
+
+   !> Begins at a time with `x` set by the caller; contacts follow from the state.
+   subroutine start(self, frequency, time)
+      class(flow_type), intent(inout) :: self
+      real(dp), intent(in) :: frequency, time
+      integer :: j, n
+
+      self%frequency = frequency
+      self%time = time
+      self%length = 0
+      self%event_mesh = 0
+      self%stuck = 0
+      self%events = 0
+      self%slowest_event = huge(1.0_dp)
+      if (.not. self%has_state) return
+      do j = 1, self%system%meshes
+         n = self%system%mesh_element(j)
+         self%contact(j) = contact_at(self%x(1, n), self%x(1, self%system%elements + n), self%system%backlash(j))
+      end do
+   end subroutine start
+
+   !> Contact of a mesh at displacement p with velocity v (which decides exactly on a wall); 1 without backlash.
+   pure integer function contact_at(p, v, backlash)
+      real(dp), intent(in) :: p, v, backlash
+
+      contact_at = 1
+      if (.not. backlash > 0) return
+      if (p > backlash) return
+      if (.not. p < backlash .and. v > 0) return
+      contact_at = -1
+      if (p < -backlash) return
+      if (.not. p > -backlash .and. v < 0) return
+      contact_at = 0
+   end function contact_at
+
+   !> Advances to `end_time`.
+   subroutine advance(self, end_time)
+      class(flow_type), intent(inout) :: self
+      real(dp), intent(in) :: end_time
+
+      do while (self%time < end_time)
+         call self%step(end_time)
+      end do
+   end subroutine advance
+
+   !> One step, at most to `end_time`, ending at the first contact event.
+   subroutine step(self, end_time)
+      class(flow_type), intent(inout) :: self
+      real(dp), intent(in) :: end_time
+      real(dp) :: h
+      integer :: n, k, mesh, side
+      logical :: reaches_end
+
+      call self%expand()
+      h = self%step_length()
+      reaches_end = h >= end_time - self%time
+      if (reaches_end) h = end_time - self%time
+      self%event = .false.
+      if (self%has_state) call self%first_event(h, self%event, mesh, side)
+      n = self%system%elements
+      self%x(:, :n) = self%p(:, :, self%order)
+      self%x(:, n + 1:) = self%v(:, :, self%order)
+      do k = self%order - 1, 0, -1
+         self%x(:, :n) = self%x(:, :n)*h + self%p(:, :, k)
+         self%x(:, n + 1:) = self%x(:, n + 1:)*h + self%v(:, :, k)
+      end do
+      self%length = h
+      if (self%event) then
+         self%time = self%time + h
+         call enter(self, mesh, side, h)
+      else
+         self%event_mesh = 0
+         self%stuck = 0
+         self%time = self%time + h
+         if (reaches_end) self%time = end_time
+      end if
+   end subroutine step
+
+   !> Changes the contact of `mesh` at the wall `side`.
+   subroutine enter(self, mesh, side, h)
+      class(flow_type), intent(inout) :: self
+      integer, intent(in) :: mesh, side
+      real(dp), intent(in) :: h
+
+      associate (n => self%system%mesh_element(mesh))
+         self%x(1, n) = side*self%system%backlash(mesh)
+         self%contact(mesh) = merge(0, side, self%contact(mesh) /= 0)
+         self%slowest_event = min(self%slowest_event, abs(self%x(1, self%system%elements + n)))
+      end associate
+      self%events = self%events + 1
+      self%event_mesh = mesh
+      self%event_side = side
+      if (h > 0) then
+         self%stuck = 0
+      else
+         self%stuck = self%stuck + 1
+      end if
+   end subroutine enter
+
+   !> Taylor coefficients of all columns at the present time.
+   subroutine expand(self)
+      class(flow_type), intent(inout) :: self
+      real(dp) :: spring(self%system%elements), reach
+      integer :: j, n, terms(self%system%meshes)
+
+      associate (system => self%system)
+         n = system%elements
+         self%p(:, :, 0) = self%x(:, :n)
+         self%v(:, :, 0) = self%x(:, n + 1:)
+         spring = 1
+         terms = -1
+         ! Terms of kappa beyond this reach do not show at the length that the step is going to have.
+         reach = 2*self%length
+         if (.not. reach > 0) reach = huge(1.0_dp)
+         do j = 1, system%meshes
+            n = system%mesh_element(j)
+            if (self%contact(j) == 0) spring(n) = 0
+            if (self%contact(j) == 0 .or. size(system%mesh_stiffness(j)%amplitude) == 0) cycle
+            spring(n) = 0
+            self%kappa(:, j) = 0
+            self%kappa(0, j) = 1
+            call add_series(system%mesh_stiffness(j), self%frequency, self%time, 1.0_dp, self%kappa(:, j))
+            terms(j) = last_term(self%kappa(:, j), reach, 0.01_dp*self%tolerance)
+         end do
+         if (self%has_state) call expand_excitation(self)
+         call recur(self%columns, system%elements, system%meshes, self%order, spring, terms, self%kappa, system, &
+                    self%contact, self%has_state, self%excitation, self%phi, self%p, self%v)
+      end associate
+   end subroutine expand
+
+   !> Index of the last coefficient that matters within `reach`.
+   pure integer function last_term(coefficient, reach, tolerance)
+      real(dp), intent(in) :: coefficient(0:), reach, tolerance
+      real(dp) :: power
+
+      last_term = ubound(coefficient, 1)
+      if (.not. reach < 1e10_dp) return
+      power = reach**last_term
+      do while (last_term > 1)
+         if (abs(coefficient(last_term))*power + abs(coefficient(last_term - 1))*power/reach > tolerance) exit
+         last_term = last_term - 1
+         power = power/reach
+      end do
+   end function last_term
+
+   !> The recurrence: p(k+1) = v(k)/(k+1), v(k+1) = (-W phi(k) + s(k))/(k+1) with phi = kappa g + gamma v. Columns of
+   !> neighbouring elements lie next to each other, so each line is one long loop.
+   pure subroutine recur(columns, elements, meshes, order, spring, terms, kappa, system, contact, has_state, excitation, &
+                         phi, p, v)
+      integer, intent(in) :: columns, elements, meshes, order, terms(meshes), contact(meshes)
+      real(dp), intent(in) :: spring(elements), kappa(0:order, meshes), excitation(0:order, elements)
+      type(system_type), intent(in) :: system
+      logical, intent(in) :: has_state
+      !> One element of zeros before the first and after the last.
+      real(dp), intent(inout) :: phi(columns, 0:elements + 1), p(columns, elements, 0:order), v(columns, elements, 0:order)
+      real(dp) :: w(columns, elements, 3), gamma(columns, elements), k_spring(columns, elements), inverse
+      integer :: n, j, k, l
+
+      do n = 1, elements
+         w(:, n, 1) = -system%coupling(1, n)
+         w(:, n, 2) = -system%coupling(2, n)
+         w(:, n, 3) = -system%coupling(3, n)
+         gamma(:, n) = system%damping(n)
+         k_spring(:, n) = spring(n)
+      end do
+      phi(:, 0) = 0
+      phi(:, elements + 1) = 0
+      do k = 0, order - 1
+         phi(:, 1:elements) = gamma*v(:, :, k) + k_spring*p(:, :, k)
+         do j = 1, meshes
+            n = system%mesh_element(j)
+            do l = 0, min(k, terms(j))
+               phi(:, n) = phi(:, n) + kappa(l, j)*p(:, n, k - l)
+            end do
+            if (.not. has_state) cycle
+            if (terms(j) >= 0) then
+               phi(1, n) = phi(1, n) - contact(j)*system%backlash(j)*kappa(k, j)
+            else if (k == 0) then
+               phi(1, n) = phi(1, n) - contact(j)*system%backlash(j)
+            end if
+            if (k == 0) phi(1, n) = phi(1, n) - system%load(n)
+         end do
+         inverse = 1.0_dp/(k + 1)
+         p(:, :, k + 1) = inverse*v(:, :, k)
+         v(:, :, k + 1) = inverse*(w(:, :, 1)*phi(:, 0:elements - 1) + w(:, :, 2)*phi(:, 1:elements) &
+                                   + w(:, :, 3)*phi(:, 2:elements + 1))
+         if (has_state) v(1, :, k + 1) = v(1, :, k + 1) + inverse*excitation(k, :)
+      end do
+   end subroutine recur
+
+   !> Torque harmonics and second derivative of the transmission errors as accelerations.
+   subroutine expand_excitation(self)
+      class(flow_type), intent(inout) :: self
+      type(series_type) :: second
+      integer :: j, h
+
+      self%excitation = 0
+      associate (system => self%system)
+         call add_series(system%torque, self%frequency, self%time, system%torque_gain, self%excitation(:, 1))
+         do j = 1, system%meshes
+            if (size(system%transmission_error(j)%amplitude) == 0) cycle
+            second = system%transmission_error(j)
+            do h = 1, size(second%amplitude)
+               second%amplitude(h) = -(h*second%order*self%frequency)**2*second%amplitude(h)
+            end do
+            call add_series(second, self%frequency, self%time, 1.0_dp, self%excitation(:, system%mesh_element(j)))
+         end do
+      end associate
+   end subroutine expand_excitation
+
+   !> Adds the Taylor coefficients in time of a series, times `factor`.
+   pure subroutine add_series(series, frequency, time, factor, coefficient)
+      type(series_type), intent(in) :: series
+      real(dp), intent(in) :: frequency, time, factor
+      real(dp), intent(inout) :: coefficient(0:)
+      complex(dp) :: term
+      real(dp) :: rate
+      integer :: h, k
+
+      do h = 1, size(series%amplitude)
+         rate = h*series%order*frequency
+         term = factor*series%amplitude(h)*exp(cmplx(0, rate*time, dp))
+         coefficient(0) = coefficient(0) + term%re
+         do k = 1, ubound(coefficient, 1)
+            term = cmplx(-term%im, term%re, dp)*(rate/k)
+            coefficient(k) = coefficient(k) + term%re
+         end do
+      end do
+   end subroutine add_series
+
+   !> Step at which the last two terms fall below the tolerance, for the state and for the tangents.
+   pure real(dp) function step_length(self) result(h)
+      class(flow_type), intent(in) :: self
+      integer :: first
+
+      h = huge(1.0_dp)
+      first = 1
+      if (self%has_state) then
+         call limit(1, 1)
+         first = 2
+      end if
+      if (self%columns >= first) call limit(first, self%columns)
+
+   contains
+
+      pure subroutine limit(from, to)
+         integer, intent(in) :: from, to
+         real(dp) :: size_, last
+         integer :: k
+
+         size_ = max(maxval(abs(self%x(from:to, :))), tiny(1.0_dp))
+         do k = self%order - 1, self%order
+            last = max(maxval(abs(self%p(from:to, :, k))), maxval(abs(self%v(from:to, :, k))))
+            if (last > 0) h = min(h, (self%tolerance*size_/last)**(1.0_dp/k))
+         end do
+      end subroutine limit
+
+   end function step_length
+
+   !> The first instant in (0, h] at which a mesh leaves its present contact; h is shortened to it.
+   subroutine first_event(self, h, found, mesh, side)
+      class(flow_type), intent(in) :: self
+      real(dp), intent(inout) :: h
+      logical, intent(out) :: found
+      integer, intent(out) :: mesh, side
+      real(dp) :: f(0:self%order), root
+      integer :: j, s, n
+      logical :: hit
+
+      found = .false.
+      mesh = 0
+      side = 0
+      if (self%stuck > 3) return
+      do j = 1, self%system%meshes
+         if (.not. self%system%backlash(j) > 0) cycle
+         n = self%system%mesh_element(j)
+         do s = -1, 1, 2
+            if (self%contact(j) == -s) cycle
+            ! Distance from the wall s b, positive while the present contact lasts.
+            f = self%p(1, n, :)
+            f(0) = f(0) - s*self%system%backlash(j)
+            if (self%contact(j) == 0) then
+               f = -s*f
+            else
+               f = s*f
+            end if
+            if (j == self%event_mesh .and. s == self%event_side) then
+               ! Just left this wall: divide the known root at 0 out.
+               f(0:self%order - 1) = f(1:self%order)
+               f(self%order) = 0
+            end if
+            call first_root(f, h, root, hit)
+            if (.not. hit) cycle
+            h = root
+            found = .true.
+            mesh = j
+            side = s
+         end do
+      end do
+   end subroutine first_event
+
+   !> The first root in [0, h] of a polynomial that is positive before it.
+   pure subroutine first_root(f, h, root, hit)
+      real(dp), intent(in) :: f(0:), h
+      real(dp), intent(out) :: root
+      logical, intent(out) :: hit
+      real(dp) :: a, b, fa, da, fb, db, t, ft, dt, span
+      integer :: i
+
+      root = 0
+      hit = .true.
+      if (f(0) < 0) return
+      hit = .false.
+      span = h/subdivisions
+      a = 0
+      fa = f(0)
+      da = f(1)
+      do i = 1, subdivisions
+         b = i*span
+         call polynomial(f, b, fb, db)
+         if (fb < 0) then
+            call bracketed(f, a, b, .false., root)
+            hit = .true.
+            return
+         end if
+         if (da < 0 .and. db > 0 .and. min(fa, fb) < span*max(-da, db)) then
+            call bracketed(f, a, b, .true., t)
+            call polynomial(f, t, ft, dt)
+            if (ft < 0) then
+               call bracketed(f, a, t, .false., root)
+               hit = .true.
+               return
+            end if
+         end if
+         a = b
+         fa = fb
+         da = db
+      end do
+   end subroutine first_root
+
+   !> Root in [left, right] of f, which falls through zero there, or of its slope, which rises through zero there.
+   pure subroutine bracketed(f, left, right, of_slope, root)
+      real(dp), intent(in) :: f(0:), left, right
+      logical, intent(in) :: of_slope
+      real(dp), intent(out) :: root
+      real(dp) :: a, b, value, slope, curvature, new
+      integer :: i
+
+      a = left
+      b = right
+      root = (a + b)/2
+      do i = 1, 60
+         if (of_slope) then
+            call polynomial(f, root, new, value, slope)
+            value = -value
+            slope = -slope
+         else
+            call polynomial(f, root, value, slope, curvature)
+         end if
+         if (value > 0) then
+            a = root
+         else
+            b = root
+         end if
+         new = (a + b)/2
+         if (slope < 0) new = root - value/slope
+         if (new < a .or. new > b) new = (a + b)/2
+         if (abs(new - root) <= 1e-16_dp + 2e-16_dp*abs(root)) exit
+         root = new
+      end do
+   end subroutine bracketed
+
+   !> Value, slope and curvature of a polynomial by Horner's rule.
+   pure subroutine polynomial(f, t, value, slope, curvature)
+      real(dp), intent(in) :: f(0:), t
+      real(dp), intent(out) :: value, slope
+      real(dp), intent(out), optional :: curvature
+      real(dp) :: second
+      integer :: k
+
+      value = f(ubound(f, 1))
+      slope = 0
+      second = 0
+      do k = ubound(f, 1) - 1, 0, -1
+         second = second*t + slope
+         slope = slope*t + value
+         value = value*t + f(k)
+      end do
+      if (present(curvature)) curvature = 2*second
+   end subroutine polynomial
+
+   !> Displacement of a mesh at time tau into the latest step (0 <= tau <= length).
+   pure real(dp) function displacement(self, mesh, tau)
+      class(flow_type), intent(in) :: self
+      integer, intent(in) :: mesh
+      real(dp), intent(in) :: tau
+      integer :: k, n
+
+      n = self%system%mesh_element(mesh)
+      displacement = self%p(1, n, self%order)
+      do k = self%order - 1, 0, -1
+         displacement = displacement*tau + self%p(1, n, k)
+      end do
+   end function displacement
+
+end module geartrain_motion_flow

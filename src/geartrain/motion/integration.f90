@@ -1,0 +1,184 @@
+!> Time integration to a steady motion, and its period: 1 to 16 mesh periods, else none found.
+module geartrain_motion_integration
+   use geartrain_base_error, only: error_type, fatal
+   use geartrain_base_kinds, only: dp, pi
+   use geartrain_base_observer, only: observer_type
+   use geartrain_base_numbers, only: text
+   use geartrain_model_check, only: check_train
+   use geartrain_model_system, only: build_system, system_type
+   use geartrain_model_train, only: train_type
+   use geartrain_motion_flow, only: flow_type
+   use geartrain_motion_integration_settings, only: integration_settings_type
+   use geartrain_motion_motion, only: motion_type
+   use geartrain_motion_orbit, only: flow_order, flow_tolerance, measure, propagate
+   use geartrain_motion_start_state, only: resting_state, state_of
+   use geartrain_motion_variables, only: check_integration
+   use geartrain_stability_monodromy, only: eigenvalues, is_stable
+   implicit none (type, external)
+   private
+   public :: integrate, settle, check_single
+
+   !> Longest period looked for, in mesh periods.
+   integer, parameter :: longest_period = 16
+   !> Sections that differ by less than this (relative) may still be the same motion converging slowly.
+   real(dp), parameter :: clearly_different = 1e-5_dp
+
+contains
+
+   !> Integrates from `start` (default: at rest under the mean load) until the motion is steady. motion%period is 0 where no
+   !> period was found within settings%max_periods, and its figures are then those of the last 16 mesh periods.
+   subroutine integrate(train, frequency, settings, motion, error, start, observer)
+      type(train_type), intent(in) :: train
+      !> Lambda [1], > 0.
+      real(dp), intent(in) :: frequency
+      type(integration_settings_type), intent(in) :: settings
+      type(motion_type), intent(out) :: motion
+      type(error_type), allocatable, intent(out) :: error
+      type(motion_type), intent(in), optional :: start
+      class(observer_type), intent(inout), optional :: observer
+      type(system_type) :: system
+      real(dp), allocatable :: state(:)
+
+      call check_train(train, error)
+      if (allocated(error)) return
+      call check_single(settings, frequency, error)
+      if (allocated(error)) return
+      call build_system(train, system)
+      allocate (state(2*system%elements))
+      state = resting_state(system)
+      if (present(start)) then
+         call check_start(system, start, error)
+         if (allocated(error)) return
+         call state_of(system, start, state)
+      end if
+      call settle(system, frequency, settings, state, motion, observer)
+   end subroutine integrate
+
+   !> Settings for a single frequency, which takes the place of the range.
+   subroutine check_single(settings, frequency, error)
+      type(integration_settings_type), intent(in) :: settings
+      real(dp), intent(in) :: frequency
+      type(error_type), allocatable, intent(inout) :: error
+      type(integration_settings_type) :: single
+
+      if (.not. (frequency > 0 .and. frequency <= huge(1.0_dp))) then
+         call fatal(error, 'frequency = '//text(frequency)//': must be > 0')
+         return
+      end if
+      single = settings
+      single%start = frequency
+      single%stop = frequency
+      single%points = 1
+      call check_integration(single, error)
+   end subroutine check_single
+
+   subroutine check_start(system, start, error)
+      type(system_type), intent(in) :: system
+      type(motion_type), intent(in) :: start
+      type(error_type), allocatable, intent(inout) :: error
+
+      if (allocated(start%state)) then
+         if (size(start%state) /= 2*system%elements) call fatal(error, 'start: a state of '//text(size(start%state)) &
+            //' values: must have '//text(2*system%elements)//' (displacement of each elastic element, then the velocities)')
+      else if (.not. allocated(start%coefficients)) then
+         call fatal(error, 'start: has neither a state nor coefficients')
+      else if (size(start%coefficients, 2) /= system%meshes) then
+         call fatal(error, 'start: a motion of '//text(size(start%coefficients, 2))//' meshes: the train has ' &
+                    //text(system%meshes))
+      else if (start%period < 1) then
+         call fatal(error, 'start: a motion of period '//text(start%period)//' without a state: must be >= 1')
+      end if
+   end subroutine check_start
+
+   !> Integrates mesh period by mesh period until the section at phase 0 repeats itself; `state` is carried along.
+   subroutine settle(system, frequency, settings, state, motion, observer)
+      type(system_type), intent(in) :: system
+      real(dp), intent(in) :: frequency
+      type(integration_settings_type), intent(in) :: settings
+      real(dp), intent(inout) :: state(:)
+      type(motion_type), intent(out) :: motion
+      class(observer_type), intent(inout), optional :: observer
+      type(flow_type) :: flow
+      real(dp) :: section(size(state), 0:2*longest_period)
+      integer :: k, period
+      logical :: keep_going
+
+      call flow%setup(system, 1, .true., flow_order, flow_tolerance)
+      flow%x(1, :) = state
+      section = huge(1.0_dp)
+      section(:, 0) = state
+      period = 0
+      do k = 1, settings%max_periods
+         call flow%start(frequency, 0.0_dp)
+         call flow%advance(2*pi/frequency)
+         section = eoshift(section, -1, dim=2)
+         section(:, 0) = flow%x(1, :)
+         if (.not. all(abs(section(:, 0)) < 1e100_dp)) exit
+         call find_period(section, k, settings%tolerance, period)
+         if (period > 0) exit
+         if (.not. present(observer) .or. mod(k, 32) /= 0) cycle
+         keep_going = .true.
+         call observer%on_step('settling', k, frequency, keep_going)
+         if (.not. keep_going) exit
+      end do
+      state = section(:, 0)
+      call describe(system, frequency, settings, state, period, motion)
+   end subroutine settle
+
+   !> The smallest period whose section repeats itself to `tolerance`, the remaining error being judged by the rate at
+   !> which the differences fall; 0 if there is none yet. A multiple of a period that still converges is not taken for one.
+   pure subroutine find_period(section, k, tolerance, period)
+      real(dp), intent(in) :: section(:, 0:), tolerance
+      integer, intent(in) :: k
+      integer, intent(out) :: period
+      real(dp) :: scale, now, before, rate, error, shorter
+      integer :: n, m
+
+      scale = maxval(abs(section(:, 0)))
+      shorter = huge(1.0_dp)
+      do n = 1, longest_period
+         period = 0
+         if (k < 2*n) return
+         now = maxval(abs(section(:, 0) - section(:, n)))/scale
+         before = maxval(abs(section(:, n) - section(:, 2*n)))/scale
+         error = now
+         if (now > 1e-13_dp) then
+            rate = now/before
+            if (rate >= 1) cycle
+            error = now/(1 - rate)
+         end if
+         if (error > tolerance) cycle
+         period = n
+         do m = 1, n - 1
+            if (mod(n, m) /= 0) cycle
+            if (maxval(abs(section(:, 0) - section(:, m)))/scale < clearly_different) period = 0
+         end do
+         return
+      end do
+      period = 0
+   end subroutine find_period
+
+   !> The motion that starts at `state`.
+   subroutine describe(system, frequency, settings, state, period, motion)
+      type(system_type), intent(in) :: system
+      real(dp), intent(in) :: frequency, state(:)
+      type(integration_settings_type), intent(in) :: settings
+      integer, intent(in) :: period
+      type(motion_type), intent(inout) :: motion
+      real(dp) :: final(size(state)), monodromy(size(state), size(state))
+
+      motion%frequency = frequency
+      motion%state = state
+      motion%period = merge(period, longest_period, period > 0)
+      if (all(abs(state) < 1e100_dp)) call measure(system, settings%harmonics, motion)
+      motion%period = period
+      if (period == 0) return
+      motion%error_estimate = settings%tolerance
+      if (.not. settings%stability) return
+      call propagate(system, frequency, period, state, final, monodromy)
+      allocate (motion%multipliers(size(state)))
+      call eigenvalues(monodromy, motion%multipliers)
+      motion%stable = is_stable(motion%multipliers)
+   end subroutine describe
+
+end module geartrain_motion_integration

@@ -1,0 +1,128 @@
+!> A known periodic orbit of the flow: its waveform and what is read off it, its monodromy matrix.
+module geartrain_motion_orbit
+   use geartrain_base_fftw, only: transform_type
+   use geartrain_base_kinds, only: dp, pi
+   use geartrain_model_system, only: system_type
+   use geartrain_motion_flow, only: flow_type
+   use geartrain_motion_motion, only: motion_type
+   implicit none (type, external)
+   private
+   public :: measure, sample_orbit, propagate, flow_order, flow_tolerance
+
+   !> Order and relative error of a step of the Taylor series, for states and shooting.
+   integer, parameter :: flow_order = 20
+   real(dp), parameter :: flow_tolerance = 1e-15_dp
+   !> Samples a mesh period: the coefficients of a motion with contact events fall as k^-4, so aliasing is near 1e-12.
+   integer, parameter :: samples_per_period = 1024
+
+contains
+
+   !> Carries a state and the identity over `period` mesh periods: the state reached and the monodromy matrix.
+   subroutine propagate(system, frequency, period, state, final, monodromy, slowest_event)
+      type(system_type), intent(in) :: system
+      real(dp), intent(in) :: frequency, state(:)
+      integer, intent(in) :: period
+      real(dp), intent(out) :: final(:), monodromy(:, :)
+      !> Smallest speed at a contact event: near 0 is grazing.
+      real(dp), intent(out), optional :: slowest_event
+      type(flow_type) :: flow
+      integer :: i, n
+
+      n = size(state)
+      call flow%setup(system, n + 1, .true., flow_order, flow_tolerance)
+      flow%x = 0
+      flow%x(1, :) = state
+      do i = 1, n
+         flow%x(i + 1, i) = 1
+      end do
+      if (present(slowest_event)) slowest_event = huge(1.0_dp)
+      do i = 1, period
+         call flow%start(frequency, 0.0_dp)
+         call flow%advance(2*pi/frequency)
+         if (present(slowest_event)) slowest_event = min(slowest_event, flow%slowest_event)
+      end do
+      final = flow%x(1, :)
+      monodromy = transpose(flow%x(2:, :))
+   end subroutine propagate
+
+   !> Mesh displacement at `samples` equidistant instants of one period of the orbit, (samples, mesh).
+   subroutine sample_orbit(system, frequency, period, state, displacement)
+      type(system_type), intent(in) :: system
+      real(dp), intent(in) :: frequency, state(:)
+      integer, intent(in) :: period
+      real(dp), intent(out) :: displacement(:, :)
+      type(flow_type) :: flow
+      real(dp) :: spacing, mesh_period, begun
+      integer :: i, j, q
+
+      call flow%setup(system, 1, .true., flow_order, flow_tolerance)
+      flow%x(1, :) = state
+      mesh_period = 2*pi/frequency
+      spacing = period*mesh_period/size(displacement, 1)
+      displacement(1, :) = state(system%mesh_element)
+      q = 2
+      do i = 1, period
+         call flow%start(frequency, 0.0_dp)
+         do while (flow%time < mesh_period)
+            begun = flow%time
+            call flow%step(mesh_period)
+            do while (q <= size(displacement, 1))
+               associate (t => (q - 1)*spacing - (i - 1)*mesh_period)
+                  if (t > flow%time) exit
+                  do j = 1, system%meshes
+                     displacement(q, j) = flow%displacement(j, t - begun)
+                  end do
+               end associate
+               q = q + 1
+            end do
+         end do
+      end do
+   end subroutine sample_orbit
+
+   !> Fills in a motion of given frequency, period and state: coefficients up to `harmonics` of Lambda (harmonics*period of
+   !> Lambda/period), rms over all harmonics, mean and extremes.
+   subroutine measure(system, harmonics, motion)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: harmonics
+      type(motion_type), intent(inout) :: motion
+      type(transform_type) :: transform
+      real(dp), allocatable :: p(:, :)
+      integer :: j, k, q
+
+      q = samples_per_period*motion%period
+      allocate (p(q, system%meshes))
+      call sample_orbit(system, motion%frequency, motion%period, motion%state, p)
+      call transform%plan(q)
+      if (allocated(motion%coefficients)) deallocate (motion%coefficients)
+      allocate (motion%coefficients(1 + 2*harmonics*motion%period, system%meshes))
+      motion%mean = sum(p, 1)/q
+      motion%rms = [(sqrt(2*sum((p(:, j) - motion%mean(j))**2)/q), j=1, system%meshes)]
+      motion%minimum = [(-peak(-p(:, j)), j=1, system%meshes)]
+      motion%maximum = [(peak(p(:, j)), j=1, system%meshes)]
+      do j = 1, system%meshes
+         transform%sample = p(:, j)
+         call transform%to_coefficients()
+         motion%coefficients(1, j) = motion%mean(j)
+         do k = 1, harmonics*motion%period
+            motion%coefficients(2*k, j) = 2*real(transform%coefficient(k + 1), dp)/q
+            motion%coefficients(2*k + 1, j) = -2*aimag(transform%coefficient(k + 1))/q
+         end do
+      end do
+   end subroutine measure
+
+   !> Largest value of a periodic sequence, a parabola through the largest sample and its neighbours.
+   pure real(dp) function peak(p)
+      real(dp), intent(in) :: p(:)
+      real(dp) :: left, right, curvature
+      integer :: i, n
+
+      n = size(p)
+      i = maxloc(p, 1)
+      left = p(merge(n, i - 1, i == 1))
+      right = p(merge(1, i + 1, i == n))
+      curvature = left - 2*p(i) + right
+      peak = p(i)
+      if (curvature < 0) peak = p(i) - (right - left)**2/(8*curvature)
+   end function peak
+
+end module geartrain_motion_orbit

@@ -1,0 +1,90 @@
+!> Shooting: a periodic orbit to integration accuracy by Newton on the flow over its period. The force is continuous at contact
+!> events, so the monodromy matrix that comes with the flow is the exact derivative.
+module geartrain_motion_shooting
+   use geartrain_base_error, only: error_type, fatal, status_ended_early
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_lapack, only: dgetrf, dgetrs
+   use geartrain_base_numbers, only: text
+   use geartrain_model_check, only: check_train
+   use geartrain_model_system, only: build_system, system_type
+   use geartrain_model_train, only: train_type
+   use geartrain_motion_motion, only: motion_type
+   use geartrain_motion_orbit, only: measure, propagate
+   use geartrain_motion_start_state, only: state_of
+   use geartrain_stability_monodromy, only: eigenvalues, is_stable
+   implicit none (type, external)
+   private
+   public :: refine
+
+   integer, parameter :: max_iterations = 25
+   !> Relative Newton step at which the orbit counts as found; rounding over a period leaves about 1e-13.
+   real(dp), parameter :: converged = 1e-11_dp
+   integer, parameter :: fewest_harmonics = 16
+
+contains
+
+   !> Polishes a motion: the same orbit to about 1e-11, its multipliers, its state at time 0. On failure the motion is left
+   !> as it was and the error says why.
+   subroutine refine(train, motion, error)
+      type(train_type), intent(in) :: train
+      type(motion_type), intent(inout) :: motion
+      type(error_type), allocatable, intent(out) :: error
+      type(system_type) :: system
+      type(motion_type) :: refined
+      real(dp), allocatable :: state(:), final(:), step(:), monodromy(:, :), matrix(:, :)
+      real(dp) :: length, before, scale
+      integer, allocatable :: pivot(:)
+      integer :: i, k, n, info
+
+      call check_train(train, error)
+      if (allocated(error)) return
+      if (motion%period < 1) then
+         call fatal(error, 'refine: no period was found for this motion, so there is no orbit to refine')
+         return
+      end if
+      call build_system(train, system)
+      n = 2*system%elements
+      allocate (state(n), final(n), step(n), monodromy(n, n), matrix(n, n), pivot(n))
+      call state_of(system, motion, state)
+      before = huge(1.0_dp)
+      do i = 1, max_iterations
+         call propagate(system, motion%frequency, motion%period, state, final, monodromy)
+         step = state - final
+         matrix = monodromy
+         do k = 1, n
+            matrix(k, k) = matrix(k, k) - 1
+         end do
+         call dgetrf(n, n, matrix, n, pivot, info)
+         if (info == 0) call dgetrs('N', n, 1, matrix, n, pivot, step, n, info)
+         scale = maxval(abs(state))
+         length = maxval(abs(step))/scale
+         if (info /= 0 .or. .not. length < 10) exit
+         state = state + step
+         if (length < converged .or. (length < 100*converged .and. length > 0.5_dp*before)) then
+            call finish()
+            return
+         end if
+         before = length
+      end do
+      call fatal(error, 'refine: shooting does not converge at Lambda = '//text(motion%frequency)//' (period ' &
+                 //text(motion%period)//', last relative step '//text(length)//')', status_ended_early)
+
+   contains
+
+      subroutine finish()
+
+         refined%frequency = motion%frequency
+         refined%period = motion%period
+         refined%share = motion%share
+         refined%state = state
+         refined%error_estimate = length
+         call measure(system, max(fewest_harmonics, ((size(motion%coefficients, 1) - 1)/2)/motion%period), refined)
+         allocate (refined%multipliers(n))
+         call eigenvalues(monodromy, refined%multipliers)
+         refined%stable = is_stable(refined%multipliers)
+         motion = refined
+      end subroutine finish
+
+   end subroutine refine
+
+end module geartrain_motion_shooting

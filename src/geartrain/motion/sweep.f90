@@ -1,0 +1,73 @@
+!> Time integration over a range of frequencies, each begun with the state that the last one ended in.
+module geartrain_motion_sweep
+   use geartrain_base_error, only: error_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_observer, only: observer_type
+   use geartrain_base_numbers, only: text
+   use geartrain_model_check, only: check_train
+   use geartrain_model_system, only: build_system, system_type
+   use geartrain_model_train, only: train_type
+   use geartrain_motion_integration, only: settle
+   use geartrain_motion_integration_settings, only: integration_settings_type, sweep_type
+   use geartrain_motion_start_state, only: resting_state
+   use geartrain_motion_variables, only: check_integration
+   implicit none (type, external)
+   private
+   public :: sweep
+
+contains
+
+   !> Visits settings%points frequencies between start and stop, upwards, downwards or both. A frequency without a steady
+   !> motion has period 0; the sweep goes on from the state reached.
+   subroutine sweep(train, settings, result, error, observer)
+      type(train_type), intent(in) :: train
+      type(integration_settings_type), intent(in) :: settings
+      type(sweep_type), intent(inout) :: result
+      type(error_type), allocatable, intent(out) :: error
+      class(observer_type), intent(inout), optional :: observer
+      type(sweep_type) :: empty
+      type(system_type) :: system
+      real(dp), allocatable :: state(:)
+      real(dp) :: low, high, frequency
+      integer :: i, n, done, total
+      logical :: keep_going
+
+      result = empty
+      call check_train(train, error)
+      if (allocated(error)) return
+      call check_integration(settings, error)
+      if (allocated(error)) return
+      call build_system(train, system)
+      allocate (state(2*system%elements))
+      state = resting_state(system)
+      low = min(settings%start, settings%stop)
+      high = max(settings%start, settings%stop)
+      n = settings%points
+      total = merge(2*n, n, settings%direction == 'both')
+      allocate (result%motions(total), result%direction(total))
+      result%direction = 'up'
+      if (settings%direction == 'down') result%direction = 'down'
+      if (settings%direction == 'both') result%direction(n + 1:) = 'down'
+      done = 0
+      do i = 1, total
+         frequency = low
+         if (n > 1) frequency = low + (high - low)*(mod(i - 1, n)/real(n - 1, dp))
+         if (mod(i, n) == 0 .and. n > 1) frequency = high
+         if (result%direction(i) == 'down') frequency = low + high - frequency
+         call settle(system, frequency, settings, state, result%motions(i), observer)
+         if (.not. all(abs(state) < 1e100_dp)) state = resting_state(system)
+         done = i
+         if (.not. present(observer)) cycle
+         keep_going = .true.
+         call observer%on_step('integration', i, frequency, keep_going)
+         if (.not. keep_going) exit
+      end do
+      result%complete = done == total
+      result%ended = 'all points done'
+      if (result%complete) return
+      result%ended = 'cancelled at Lambda = '//text(frequency)
+      result%motions = result%motions(:done)
+      result%direction = result%direction(:done)
+   end subroutine sweep
+
+end module geartrain_motion_sweep

@@ -1,0 +1,117 @@
+!> Trigonometric polynomials p(theta) = u(1) + sum over k of u(2k) cos(h_k theta) + u(2k+1) sin(h_k theta) on a list of
+!> harmonics h: values, samples by FFT, extremes.
+module geartrain_motion_trigonometric
+   use geartrain_base_fftw, only: transform_type
+   use geartrain_base_kinds, only: dp, pi
+   implicit none (type, external)
+   private
+   public :: evaluate, sample, extremes, rms, fine_samples
+
+contains
+
+   !> Power of two that resolves harmonics up to `highest` with at least eight samples a period of the highest.
+   pure integer function fine_samples(highest)
+      integer, intent(in) :: highest
+
+      fine_samples = 32
+      do while (fine_samples < 8*highest)
+         fine_samples = 2*fine_samples
+      end do
+   end function fine_samples
+
+   !> Value, slope and curvature with respect to theta.
+   pure subroutine evaluate(u, harmonic, theta, p, slope, curvature)
+      real(dp), intent(in) :: u(:), theta
+      integer, intent(in) :: harmonic(:)
+      real(dp), intent(out) :: p, slope, curvature
+      complex(dp) :: z, power, advance, term
+      integer :: k, step
+
+      z = exp(cmplx(0, theta, dp))
+      power = 1
+      step = 0
+      advance = 1
+      p = u(1)
+      slope = 0
+      curvature = 0
+      do k = 1, size(harmonic)
+         if (k == 1) then
+            step = harmonic(1)
+            advance = z**step
+         else if (harmonic(k) - harmonic(k - 1) /= step) then
+            step = harmonic(k) - harmonic(k - 1)
+            advance = z**step
+         end if
+         power = power*advance
+         term = cmplx(u(2*k), -u(2*k + 1), dp)*power
+         p = p + term%re
+         slope = slope - harmonic(k)*term%im
+         curvature = curvature - real(harmonic(k), dp)**2*term%re
+      end do
+   end subroutine evaluate
+
+   !> Values at theta = 2 pi (q-1)/samples of p, or of dp/dtheta with `derivative`, into transform%sample.
+   subroutine sample(u, harmonic, transform, derivative)
+      real(dp), intent(in) :: u(:)
+      integer, intent(in) :: harmonic(:)
+      type(transform_type), intent(inout) :: transform
+      logical, intent(in), optional :: derivative
+      integer :: k
+      logical :: slope
+
+      slope = .false.
+      if (present(derivative)) slope = derivative
+      transform%coefficient = 0
+      if (.not. slope) transform%coefficient(1) = u(1)
+      do k = 1, size(harmonic)
+         if (slope) then
+            transform%coefficient(harmonic(k) + 1) = 0.5_dp*harmonic(k)*cmplx(u(2*k + 1), u(2*k), dp)
+         else
+            transform%coefficient(harmonic(k) + 1) = 0.5_dp*cmplx(u(2*k), -u(2*k + 1), dp)
+         end if
+      end do
+      call transform%to_samples()
+   end subroutine sample
+
+   !> Smallest and largest value over a period: the best sample, then Newton on the slope. Destroys transform%sample.
+   subroutine extremes(u, harmonic, transform, smallest, largest)
+      real(dp), intent(in) :: u(:)
+      integer, intent(in) :: harmonic(:)
+      type(transform_type), intent(inout) :: transform
+      real(dp), intent(out) :: smallest, largest
+
+      call sample(u, harmonic, transform)
+      largest = polished(maxloc(transform%sample, 1), maxval(transform%sample), 1)
+      smallest = polished(minloc(transform%sample, 1), minval(transform%sample), -1)
+
+   contains
+
+      real(dp) function polished(index, start, sign)
+         integer, intent(in) :: index, sign
+         real(dp), intent(in) :: start
+         real(dp) :: theta, p, slope, curvature, spacing, correction
+         integer :: i
+
+         polished = start
+         spacing = 2*pi/transform%samples
+         theta = (index - 1)*spacing
+         do i = 1, 6
+            call evaluate(u, harmonic, theta, p, slope, curvature)
+            polished = sign*max(sign*polished, sign*p)
+            if (sign*curvature >= 0) exit
+            correction = -slope/curvature
+            theta = theta + max(-spacing, min(spacing, correction))
+            if (abs(correction) < 1e-9_dp) exit
+         end do
+      end function polished
+
+   end subroutine extremes
+
+   !> The paper's rms: square root of the sum of squared harmonic amplitudes, mean left out.
+   pure real(dp) function rms(u)
+      real(dp), intent(in) :: u(:)
+
+      rms = norm2(u(2:))
+   end function rms
+
+end module geartrain_motion_trigonometric

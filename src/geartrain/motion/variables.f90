@@ -1,0 +1,65 @@
+!> The table of input variables: those of &integration.
+module geartrain_motion_variables
+   use geartrain_base_checker, only: checker_type
+   use geartrain_base_error, only: error_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: integer_text
+   use geartrain_base_variable, only: row => variable_type, visitor_type
+   use geartrain_motion_integration_settings, only: integration_settings_type
+   implicit none (type, external)
+   private
+   public :: visit_integration, check_integration, check_integration_consistency
+
+   real(dp), parameter :: zero = 0, one = 1
+
+contains
+
+   subroutine visit_integration(settings, v)
+      type(integration_settings_type), intent(inout) :: settings
+      class(visitor_type), intent(inout) :: v
+      character(:), allocatable :: word
+
+      call v%enter('integration', 1)
+      call v%on_real(row('from', '', 'one end of the range of Lambda (start in a call)', required=.true., above=zero), &
+                     settings%start)
+      call v%on_real(row('to', '', 'its other end (stop in a call)', required=.true., above=zero), settings%stop)
+      call v%on_integer(row('points', '', 'frequencies in the range, both ends included', least=one), settings%points)
+      word = trim(settings%direction)
+      call v%on_text(row('direction', '', 'order in which the frequencies are visited, each starting from the motion before', &
+                         choices='up down both'), word)
+      settings%direction = word
+      call v%on_integer(row('harmonics', '', 'harmonics of the motion that are stored', least=one), settings%harmonics)
+      call v%on_integer(row('max_periods', '', 'mesh periods after which an unsettled motion is given up', least=one), &
+                        settings%max_periods)
+      call v%on_real(row('tolerance', '', 'relative change over a period of the motion at which it counts as settled', &
+                         above=zero, most=one), settings%tolerance)
+      call v%on_logical(row('stability', '', 'Floquet multipliers of every settled motion'), settings%stability)
+      call v%leave()
+   end subroutine visit_integration
+
+   !> Checks the settings of a sweep however they were made; the error tells every problem, one a line.
+   subroutine check_integration(settings, error)
+      type(integration_settings_type), intent(in) :: settings
+      type(error_type), allocatable, intent(out) :: error
+      type(integration_settings_type) :: copy
+      type(checker_type) :: checker
+
+      copy = settings
+      call visit_integration(copy, checker)
+      call check_integration_consistency(settings, checker)
+      call checker%problems%raise('', error)
+   end subroutine check_integration
+
+   !> What single values cannot say; the problems are added to those of `checker`.
+   subroutine check_integration_consistency(settings, checker)
+      type(integration_settings_type), intent(in) :: settings
+      class(checker_type), intent(inout) :: checker
+
+      if (checker%problems%in_group('integration')) return
+      if (abs(settings%start - settings%stop) > 0 .or. settings%points == 1) return
+      call checker%enter('integration', 1)
+      call checker%complain('points', integer_text(settings%points), 'must be 1 where from and to are equal')
+      call checker%leave()
+   end subroutine check_integration_consistency
+
+end module geartrain_motion_variables

@@ -1,0 +1,113 @@
+!> The group /integration of a results file: the motions of a sweep.
+module geartrain_results_integration
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use geartrain_base_kinds, only: dp
+   use geartrain_motion_integration_settings, only: sweep_type
+   use geartrain_motion_motion, only: motion_type
+   use geartrain_results_labels, only: about_coefficients, about_multipliers, about_rms, about_stable, about_true_ac_rms, &
+      as_parts, coefficient_labels, frequency_description
+   use geartrain_results_store, only: store_type
+   implicit none (type, external)
+   private
+   public :: write_integration
+
+   character(*), parameter :: home = '/integration'
+   character(5), parameter :: by_mesh(2) = ['point', 'mesh ']
+
+contains
+
+   !> Writes the motions done: those at the end without a frequency are still to come.
+   subroutine write_integration(store, sweep)
+      type(store_type), intent(inout) :: store
+      type(sweep_type), intent(in) :: sweep
+      integer :: n
+
+      n = 0
+      if (allocated(sweep%motions)) n = count(sweep%motions%frequency > 0)
+      call store%group(home)
+      call store%attribute(home, 'description', 'time integration to steady motion over a range of frequencies, each begun &
+         &with the state that the one before ended in')
+      if (n > 0) call store%attribute(home, 'coordinates', 'frequency direction')
+      if (allocated(sweep%ended)) then
+         call store%attribute(home, 'ended', sweep%ended)
+      else
+         call store%attribute(home, 'ended', 'not yet: these are the points so far')
+      end if
+      call store%attribute(home, 'complete', merge(1, 0, sweep%complete))
+      call store%axis(home//'/point', n, 'point, in the order visited')
+      if (n == 0) return
+      call write_motions(store, sweep%motions(:n))
+      call store%put(home//'/direction', sweep%direction(:n), ['point'], '', 'up or down: the way in which the sweep went')
+      if (any(has_multipliers(sweep%motions(:n)))) call write_stability(store, sweep%motions(:n))
+   end subroutine write_integration
+
+   subroutine write_motions(store, motions)
+      type(store_type), intent(inout) :: store
+      type(motion_type), intent(in) :: motions(:)
+      real(dp), allocatable :: values(:, :, :), coefficients(:, :, :)
+      integer :: i, n, meshes, length
+
+      n = size(motions)
+      meshes = 0
+      length = 0
+      do i = 1, n
+         if (.not. allocated(motions(i)%coefficients)) cycle
+         meshes = size(motions(i)%rms)
+         length = max(length, size(motions(i)%coefficients, 1))
+      end do
+      ! A motion that ran away has no figures.
+      allocate (values(meshes, n, 4), coefficients(length, meshes, n), source=ieee_value(1.0_dp, ieee_quiet_nan))
+      do i = 1, n
+         if (.not. allocated(motions(i)%coefficients)) cycle
+         values(:, i, 1) = motions(i)%rms
+         values(:, i, 2) = motions(i)%mean
+         values(:, i, 3) = motions(i)%minimum
+         values(:, i, 4) = motions(i)%maximum
+         coefficients(:size(motions(i)%coefficients, 1), :, i) = motions(i)%coefficients
+      end do
+      call store%axis(home//'/mesh', meshes, 'mesh, in the order of the train')
+      call store%axis(home//'/coefficient', coefficient_labels(length), &
+                      'order of the coefficient in multiples of Lambda/period')
+      call store%put(home//'/frequency', motions%frequency, ['point'], '1', frequency_description)
+      call store%put(home//'/period', motions%period, ['point'], '1', &
+                     'period of the motion in fundamental mesh periods; 0 = none found, the figures are then of the last &
+                     &16 mesh periods')
+      call store%put(home//'/rms', values(:, :, 1), by_mesh, '1', about_rms)
+      call store%put(home//'/true_ac_rms', values(:, :, 1)/sqrt(2.0_dp), by_mesh, '1', about_true_ac_rms)
+      call store%put(home//'/mean', values(:, :, 2), by_mesh, '1', 'mean mesh displacement / characteristic_length')
+      call store%put(home//'/minimum', values(:, :, 3), by_mesh, '1', 'smallest mesh displacement / characteristic_length')
+      call store%put(home//'/maximum', values(:, :, 4), by_mesh, '1', 'largest mesh displacement / characteristic_length')
+      call store%put(home//'/coefficients', coefficients, ['point      ', 'mesh       ', 'coefficient'], '1', &
+                     about_coefficients)
+   end subroutine write_motions
+
+   subroutine write_stability(store, motions)
+      type(store_type), intent(inout) :: store
+      type(motion_type), intent(in) :: motions(:)
+      complex(dp), allocatable :: multipliers(:, :)
+      real(dp) :: nan
+      integer :: i, states
+
+      states = 0
+      do i = 1, size(motions)
+         if (allocated(motions(i)%multipliers)) states = size(motions(i)%multipliers)
+      end do
+      nan = ieee_value(1.0_dp, ieee_quiet_nan)
+      allocate (multipliers(states, size(motions)), source=cmplx(nan, nan, dp))
+      do i = 1, size(motions)
+         if (allocated(motions(i)%multipliers)) multipliers(:, i) = motions(i)%multipliers
+      end do
+      call store%put(home//'/stable', motions%stable, ['point'], about_stable//'; 0 also where no period was found')
+      call store%axis(home//'/state', states, 'number of the multiplier, in no order that holds between points')
+      call store%axis(home//'/complex', ['real     ', 'imaginary'], 'part of a complex number')
+      call store%put(home//'/multipliers', as_parts(multipliers), ['point  ', 'state  ', 'complex'], '1', &
+                     about_multipliers//'; NaN where no period was found')
+   end subroutine write_stability
+
+   elemental logical function has_multipliers(motion)
+      type(motion_type), intent(in) :: motion
+
+      has_multipliers = allocated(motion%multipliers)
+   end function has_multipliers
+
+end module geartrain_results_integration

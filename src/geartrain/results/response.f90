@@ -1,0 +1,109 @@
+!> The group /response of a results file: a branch, point by point.
+module geartrain_results_response
+   use geartrain_base_kinds, only: dp
+   use geartrain_branch_branch, only: branch_type
+   use geartrain_results_labels, only: about_coefficients, about_multipliers, about_rms, about_stable, about_true_ac_rms, &
+      as_parts, coefficient_labels, frequency_description
+   use geartrain_results_store, only: store_type
+   implicit none (type, external)
+   private
+   public :: write_response
+
+   character(*), parameter :: home = '/response'
+   character(5), parameter :: by_mesh(2) = ['point', 'mesh ']
+
+contains
+
+   !> Writes the points 1:branch%points; the arrays may be longer, and `ended` may still be unknown.
+   subroutine write_response(store, branch)
+      type(store_type), intent(inout) :: store
+      type(branch_type), intent(in) :: branch
+
+      call store%group(home)
+      call write_attributes(store, branch)
+      call store%axis(home//'/point', branch%points, 'point, in the order along the branch')
+      call store%axis(home//'/mesh', branch%meshes, 'mesh, in the order of the train')
+      if (branch%points > 0) then
+         call write_points(store, branch, branch%points)
+         if (allocated(branch%stable)) call write_stability(store, branch, branch%points)
+      end if
+      if (.not. allocated(branch%special_points)) return
+      if (size(branch%special_points) > 0) call write_special_points(store, branch)
+   end subroutine write_response
+
+   subroutine write_attributes(store, branch)
+      type(store_type), intent(inout) :: store
+      type(branch_type), intent(in) :: branch
+
+      call store%attribute(home, 'description', 'frequency response: periodic motions along one branch, through its folds')
+      if (branch%points > 0) call store%attribute(home, 'coordinates', 'frequency')
+      if (allocated(branch%ended)) then
+         call store%attribute(home, 'ended', branch%ended)
+      else
+         call store%attribute(home, 'ended', 'not yet: these are the points so far')
+      end if
+      call store%attribute(home, 'complete', merge(1, 0, branch%complete))
+      call store%attribute(home, 'closed', merge(1, 0, branch%closed))
+      call store%attribute(home, 'harmonics', branch%harmonics)
+      call store%attribute(home, 'subharmonic', branch%subharmonic)
+   end subroutine write_attributes
+
+   subroutine write_points(store, branch, n)
+      type(store_type), intent(inout) :: store
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: n
+
+      call store%put(home//'/frequency', branch%frequency(:n), ['point'], '1', frequency_description)
+      call store%put(home//'/rms', branch%rms(:, :n), by_mesh, '1', about_rms)
+      call store%put(home//'/true_ac_rms', branch%rms(:, :n)/sqrt(2.0_dp), by_mesh, '1', about_true_ac_rms)
+      call store%put(home//'/mean', branch%mean(:, :n), by_mesh, '1', 'mean mesh displacement / characteristic_length')
+      call store%put(home//'/minimum', branch%minimum(:, :n), by_mesh, '1', &
+                     'smallest mesh displacement over the period / characteristic_length')
+      call store%put(home//'/maximum', branch%maximum(:, :n), by_mesh, '1', &
+                     'largest mesh displacement over the period / characteristic_length')
+      call store%axis(home//'/coefficient', coefficient_labels(size(branch%coefficients, 1)), &
+                      'order of the coefficient in multiples of Lambda/subharmonic')
+      call store%put(home//'/coefficients', branch%coefficients(:, :, :n), ['point      ', 'mesh       ', 'coefficient'], '1', &
+                     about_coefficients)
+      call store%put(home//'/error_estimate', branch%error_estimate(:n), ['point'], '1', &
+                     'estimated relative error of the waveform')
+      call store%put(home//'/part', branch%part(:n), ['point'], '1', &
+                     '1 = traced from the first end (from), 2 = from the other (to)')
+   end subroutine write_points
+
+   subroutine write_stability(store, branch, n)
+      type(store_type), intent(inout) :: store
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: n
+
+      call store%put(home//'/stable', branch%stable(:n), ['point'], about_stable)
+      call store%axis(home//'/state', branch%states, 'number of the multiplier, in no order that holds between points')
+      call store%axis(home//'/complex', ['real     ', 'imaginary'], 'part of a complex number')
+      call store%put(home//'/multipliers', as_parts(branch%multipliers(:, :n)), ['point  ', 'state  ', 'complex'], '1', &
+                     about_multipliers)
+   end subroutine write_stability
+
+   subroutine write_special_points(store, branch)
+      type(store_type), intent(inout) :: store
+      type(branch_type), intent(in) :: branch
+      character(*), parameter :: room = home//'/special_points'
+      real(dp) :: rms(branch%meshes, size(branch%special_points))
+      integer :: i
+
+      associate (special => branch%special_points)
+         do i = 1, size(special)
+            rms(:, i) = special(i)%rms
+         end do
+         call store%group(room)
+         call store%attribute(room, 'description', 'places on the branch that a reader looks for')
+         call store%attribute(room, 'coordinates', 'frequency kind')
+         call store%axis(room//'/special_point', size(special), 'special point, in the order found')
+         call store%put(room//'/kind', special%kind, ['special_point'], '', &
+                        'fold; period doubling; torus: a pair of multipliers leaves the unit circle; symmetry: +1 without a fold')
+         call store%put(room//'/frequency', special%frequency, ['special_point'], '1', frequency_description)
+         call store%put(room//'/after_point', special%point, ['special_point'], '1', 'the point of the branch before it')
+         call store%put(room//'/rms', rms, ['special_point', 'mesh         '], '1', about_rms)
+      end associate
+   end subroutine write_special_points
+
+end module geartrain_results_response

@@ -1,0 +1,32 @@
+!> Runs every test; the last line is `N passed, N failed`.
+program main
+   use testing, only: tests_type
+   use unit_balance, only: balance_tests
+   use unit_branch_summary, only: branch_summary_tests
+   use unit_case_reader, only: case_reader_tests
+   use unit_case_text, only: case_text_tests
+   use unit_check, only: check_tests
+   use unit_contact, only: contact_tests
+   use unit_flow, only: flow_tests
+   use unit_results, only: results_tests
+   use unit_results_run, only: results_run_tests
+   use validation_paper_train, only: paper_train_tests
+   use validation_single_pair, only: single_pair_tests
+   use validation_whole_model, only: whole_model_tests
+   implicit none (type, external)
+   type(tests_type) :: tests
+
+   call contact_tests(tests)
+   call case_reader_tests(tests)
+   call case_text_tests(tests)
+   call check_tests(tests)
+   call branch_summary_tests(tests)
+   call balance_tests(tests)
+   call flow_tests(tests)
+   call results_tests(tests)
+   call results_run_tests(tests)
+   call paper_train_tests(tests)
+   call single_pair_tests(tests)
+   call whole_model_tests(tests)
+   call tests%finish()
+end program main

@@ -1,0 +1,162 @@
+!> The balance's Jacobians against central differences, and its linear part against other routes.
+module unit_balance
+   use fixtures, only: long_train, paper_train, single_pair
+   use geartrain, only: dp, train_type
+   use geartrain_model_receptance, only: find_receptance, receptance_type
+   use geartrain_model_system, only: build_system, system_type
+   use geartrain_motion_balance, only: balance_type
+   use geartrain_motion_bordered, only: bordered_type
+   use testing, only: tests_type
+   implicit none (type, external)
+   private
+   public :: balance_tests
+
+contains
+
+   subroutine balance_tests(tests)
+      class(tests_type), intent(inout) :: tests
+
+      call tests%begin('balance')
+      call jacobian_at_random(tests, paper_train(), 6, 1, 0, 5.0_dp, 'exact, separation and back contact')
+      call jacobian_at_random(tests, paper_train(), 6, 1, 0, 0.05_dp, 'exact, in contact')
+      call jacobian_at_random(tests, paper_train(), 9, 3, 0, 5.0_dp, 'exact, sub-harmonic 3')
+      call jacobian_at_random(tests, paper_train(), 6, 1, 128, 5.0_dp, 'sampled')
+      call jacobian_at_random(tests, long_train(5), 8, 1, 0, 5.0_dp, 'everything, 5 shafts')
+      call jacobian_at_random(tests, long_train(3), 6, 2, 0, 5.0_dp, 'everything, 3 shafts')
+      call jacobian_at_random(tests, single_pair(0.05_dp, 0.3_dp, 0.4_dp), 12, 1, 0, 5.0_dp, 'single pair')
+      call condensed_linear_mesh(tests)
+      call receptance_derivative(tests)
+   end subroutine balance_tests
+
+   !> dS/du and dS/dLambda by central differences (step 1e-6, error about 1e-8 of the entries for a force whose second
+   !> derivative is bounded between events).
+   subroutine jacobian_at_random(tests, train, harmonics, eta, samples, spread, name)
+      class(tests_type), intent(inout) :: tests
+      type(train_type), intent(in) :: train
+      integer, intent(in) :: harmonics, eta, samples
+      real(dp), intent(in) :: spread
+      character(*), intent(in) :: name
+      type(system_type) :: system
+      type(balance_type) :: balance
+      type(bordered_type) :: matrix
+      real(dp), allocatable :: u(:, :), moved(:, :), difference(:, :)
+      real(dp), parameter :: h = 1e-6_dp, frequency = 0.73_dp
+      real(dp) :: worst, largest
+      integer :: i, k, n
+
+      call build_system(train, system)
+      call balance%setup(system, harmonics, eta, samples)
+      n = balance%unknowns
+      allocate (u(balance%block, n), moved(balance%block, n), difference(balance%block, n))
+      call pseudo_random(u)
+      u = spread*u
+      u(1, :) = u(1, :) + 0.1_dp*spread
+      if (spread < 0.1_dp) u(1, :) = u(1, :) + 3
+      call balance%evaluate(u, frequency)
+      call balance%jacobian(matrix)
+      if (spread > 1) call tests%is_true(samples > 0 .or. &
+         all(balance%contact(:)%events > 0 .or. system%backlash(balance%mesh) <= 0), &
+                                         name//': the state has contact events')
+      largest = maxval(abs(matrix%diagonal))
+      worst = 0
+      do i = 1, n
+         do k = 1, balance%block
+            moved = u
+            moved(k, i) = u(k, i) + h
+            call balance%evaluate(moved, frequency)
+            difference = balance%residual
+            moved(k, i) = u(k, i) - h
+            call balance%evaluate(moved, frequency)
+            difference = (difference - balance%residual)/(2*h)
+            worst = max(worst, maxval(abs(difference(:, i) - matrix%diagonal(:, k, i))))
+            if (i < n) worst = max(worst, maxval(abs(difference(:, i + 1) - matrix%lower(:, k, i + 1))))
+            if (i > 1) worst = max(worst, maxval(abs(difference(:, i - 1) - matrix%upper(:, k, i - 1))))
+         end do
+      end do
+      call tests%is_close(worst/largest, 0.0_dp, 1e-7_dp, name//': dS/du against differences')
+      call balance%evaluate(u, frequency + h)
+      difference = balance%residual
+      call balance%evaluate(u, frequency - h)
+      difference = (difference - balance%residual)/(2*h)
+      call tests%is_close(maxval(abs(difference - matrix%column))/maxval(abs(matrix%column)), 0.0_dp, 1e-7_dp, &
+                          name//': dS/dLambda against differences')
+   end subroutine jacobian_at_random
+
+   !> A linear mesh of constant stiffness is condensed; one with a stiffness harmonic of 1e-13 is an unknown. Their
+   !> displacements agree to that.
+   subroutine condensed_linear_mesh(tests)
+      class(tests_type), intent(inout) :: tests
+      type(train_type) :: train
+      real(dp), allocatable :: condensed(:, :), whole(:, :)
+
+      train = long_train(5)
+      call linear_solution(train, condensed)
+      train%meshes(2)%stiffness_cos = [1e-13_dp]
+      call linear_solution(train, whole)
+      call tests%is_close(maxval(abs(condensed - whole)), 0.0_dp, 1e-11_dp, 'a condensed mesh moves as an unknown one')
+   end subroutine condensed_linear_mesh
+
+   !> Newton from rest, all meshes in contact.
+   subroutine linear_solution(train, coefficients)
+      type(train_type), intent(in) :: train
+      real(dp), allocatable, intent(out) :: coefficients(:, :)
+      type(system_type) :: system
+      type(balance_type) :: balance
+      type(bordered_type) :: matrix
+      real(dp), allocatable :: u(:, :), step(:, :)
+      real(dp) :: y
+      integer :: i, info
+
+      call build_system(train, system)
+      call balance%setup(system, 6, 1, 0)
+      allocate (u(balance%block, balance%unknowns), source=0.0_dp)
+      u(1, :) = 10
+      do i = 1, 3
+         call balance%evaluate(u, 0.31_dp)
+         call balance%jacobian(matrix)
+         matrix%row = 0
+         matrix%corner = 1
+         call matrix%factor(info)
+         step = -balance%residual
+         y = 0
+         call matrix%solve(step, y)
+         u = u + step
+      end do
+      call balance%evaluate(u, 0.31_dp)
+      allocate (coefficients(13, system%meshes))
+      call balance%full_coefficients(u, 0.31_dp, coefficients)
+   end subroutine linear_solution
+
+   !> dH/dLambda and da/dLambda, elimination included, by central differences.
+   subroutine receptance_derivative(tests)
+      class(tests_type), intent(inout) :: tests
+      type(system_type) :: system
+      type(receptance_type) :: here, above, below
+      logical :: unknown(6)
+      real(dp), parameter :: h = 1e-6_dp
+
+      call build_system(long_train(7), system)
+      unknown = [.true., .false., .false., .true., .true., .false.]
+      call find_receptance(system, unknown, 0.8_dp, 1, 1, here)
+      call find_receptance(system, unknown, 0.8_dp + h, 1, 1, above)
+      call find_receptance(system, unknown, 0.8_dp - h, 1, 1, below)
+      call tests%is_close(maxval(abs((above%h - below%h)/(2*h) - here%dh))/maxval(abs(here%dh)), 0.0_dp, 1e-8_dp, &
+                          'dH/dLambda with eliminated meshes')
+      call tests%is_close(maxval(abs((above%a - below%a)/(2*h) - here%da))/maxval(abs(here%da)), 0.0_dp, 1e-8_dp, &
+                          'da/dLambda with eliminated meshes')
+   end subroutine receptance_derivative
+
+   !> The same numbers in every run, in (-0.5, 0.5), falling with the harmonic as real motions do.
+   subroutine pseudo_random(u)
+      real(dp), intent(out) :: u(:, :)
+      integer :: i, k
+
+      do i = 1, size(u, 2)
+         do k = 1, size(u, 1)
+            u(k, i) = sin(12.9898_dp*k + 78.233_dp*i)*43758.5453_dp
+            u(k, i) = (u(k, i) - floor(u(k, i)) - 0.5_dp)/(1 + 0.1_dp*k)*2
+         end do
+      end do
+   end subroutine pseudo_random
+
+end module unit_balance

@@ -1,0 +1,101 @@
+!> Trains and settings that a Fortran caller fills: what is refused, word for word.
+module unit_check
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use geartrain_base_error, only: error_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_branch_branch, only: response_settings_type
+   use geartrain_branch_variables, only: check_response
+   use geartrain_case_case, only: case_type
+   use geartrain_case_template, only: paper_case
+   use geartrain_model_check, only: check_train
+   use geartrain_model_train, only: train_type
+   use geartrain_motion_integration_settings, only: integration_settings_type
+   use geartrain_motion_variables, only: check_integration
+   use testing, only: tests_type
+   implicit none (type, external)
+   private
+   public :: check_tests
+
+contains
+
+   subroutine check_tests(tests)
+      class(tests_type), intent(inout) :: tests
+      type(error_type), allocatable :: error
+      type(case_type) :: case
+
+      call tests%begin('check')
+      case = paper_case()
+      call check_train(case%train, error)
+      call tests%is_true(.not. allocated(error), 'the train of the paper is sound')
+      case%train%input_torque = -1
+      call check_train(case%train, error)
+      call tests%is_true(.not. allocated(error), 'a negative torque is allowed')
+      case%train%shafts(1)%rigid = .true.
+      case%train%shafts(1)%stiffness = 0
+      case%train%shafts(1)%damping_ratio = 0
+      case%train%prime_mover_inertia = 0
+      call check_train(case%train, error)
+      call tests%is_true(.not. allocated(error), 'no inertia at the end of a rigid shaft')
+      call bad_trains(tests)
+      call bad_settings(tests)
+   end subroutine check_tests
+
+   subroutine bad_trains(tests)
+      class(tests_type), intent(inout) :: tests
+      type(train_type) :: empty
+      type(case_type) :: case
+
+      case = paper_case()
+      case%train%meshes(2)%stiffness = -1
+      case%train%meshes(1)%error_sin = [0.0_dp, ieee_value(1.0_dp, ieee_quiet_nan)]
+      call refused(tests, case%train, '&mesh 1: error_sin harmonic 2 = NaN: must be finite'//new_line('a')// &
+                   '&mesh 2: stiffness = -1.0: must be > 0 N/m')
+      case = paper_case()
+      case%train%load_inertia = 0
+      call refused(tests, case%train, '&train: load_inertia = 0.0: must be > 0 kg m^2, or the last shaft must have rigid = .true.')
+      case = paper_case()
+      case%train%shafts(2)%rigid = .true.
+      case%train%shafts(2)%damping_ratio = 0
+      call refused(tests, case%train, '&shaft 2: stiffness = 1.0e8: contradicts rigid = .true.: leave out one of the two')
+      case = paper_case()
+      case%train%shafts(3)%stiffness = 0
+      call refused(tests, case%train, '&shaft 3: stiffness = 0.0: must be > 0 N m/rad')
+      case = paper_case()
+      case%train%meshes = case%train%meshes(:1)
+      call refused(tests, case%train, 'the train has 3 &shaft and 1 &mesh: a train is shaft, mesh, shaft, ..., shaft, at least &
+                   &2 shafts and one mesh less than shafts')
+      empty%characteristic_length = 1
+      empty%characteristic_frequency = 1
+      call refused(tests, empty, 'the train has 0 &shaft and 0 &mesh: a train is shaft, mesh, shaft, ..., shaft, at least &
+                   &2 shafts and one mesh less than shafts')
+   end subroutine bad_trains
+
+   subroutine refused(tests, train, message)
+      class(tests_type), intent(inout) :: tests
+      type(train_type), intent(in) :: train
+      character(*), intent(in) :: message
+      type(error_type), allocatable :: error
+
+      call check_train(train, error)
+      call tests%is_true(allocated(error), 'refused: '//message)
+      if (allocated(error)) call tests%is_text(error%message, message, 'message')
+   end subroutine refused
+
+   subroutine bad_settings(tests)
+      class(tests_type), intent(inout) :: tests
+      type(error_type), allocatable :: error
+
+      call check_response(response_settings_type(start=0.2_dp, stop=2.6_dp), error)
+      call tests%is_true(.not. allocated(error), 'default settings of a response')
+      call check_response(response_settings_type(start=0.2_dp, stop=2.6_dp, control='x', step=0.0_dp), error)
+      call tests%is_true(allocated(error), 'bad settings of a response are refused')
+      if (allocated(error)) call tests%is_text(error%message, '&response: control = ''x'': must be ''arclength'' or ''local''' &
+                                               //new_line('a')//'&response: step = 0.0: must be > 0', 'message')
+      call check_integration(integration_settings_type(start=0.2_dp, stop=2.6_dp), error)
+      call tests%is_true(.not. allocated(error), 'default settings of a sweep')
+      call check_integration(integration_settings_type(start=0.2_dp, stop=2.6_dp, points=0), error)
+      call tests%is_true(allocated(error), 'bad settings of a sweep are refused')
+      if (allocated(error)) call tests%is_text(error%message, '&integration: points = 0: must be >= 1', 'message')
+   end subroutine bad_settings
+
+end module unit_check

@@ -1,0 +1,79 @@
+!> The Taylor flow against closed forms.
+module unit_flow
+   use fixtures, only: long_train, paper_train, single_pair
+   use geartrain, only: dp
+   use geartrain_base_kinds, only: pi
+   use geartrain_model_system, only: build_system, system_type
+   use geartrain_motion_flow, only: flow_type
+   use geartrain_motion_orbit, only: propagate
+   use testing, only: tests_type
+   implicit none (type, external)
+   private
+   public :: flow_tests
+
+contains
+
+   subroutine flow_tests(tests)
+      class(tests_type), intent(inout) :: tests
+
+      call tests%begin('flow')
+      call bouncing(tests)
+      call tangents(tests)
+   end subroutine flow_tests
+
+   !> x'' + g(x) = f without damping: from rest at x0 > b the mass leaves contact, flies through the gap under the constant
+   !> force f, and returns; phases are arcs and parabolas in closed form.
+   subroutine bouncing(tests)
+      class(tests_type), intent(inout) :: tests
+      type(system_type) :: system
+      type(flow_type) :: flow
+      real(dp), parameter :: f = 0.4_dp, amplitude = 0.7_dp
+      real(dp) :: leave, speed, flight
+
+      call build_system(single_pair(0.0_dp, 0.0_dp, f), system)
+      call flow%setup(system, 1, .true., 20, 1e-15_dp)
+      ! In contact x = 1 + f + amplitude cos t: it leaves at cos t = -f/amplitude with speed -amplitude sin t.
+      flow%x(1, :) = [1 + f + amplitude, 0.0_dp]
+      call flow%start(1.0_dp, 0.0_dp)
+      leave = acos(-f/amplitude)
+      speed = amplitude*sin(leave)
+      ! Free: x = 1 - speed t + f t^2/2 is back at the wall after 2 speed/f, then the arc repeats mirrored.
+      flight = 2*speed/f
+      call flow%advance(leave + flight/2)
+      call tests%is_close(flow%x(1, 1), 1 - speed**2/(2*f), 1e-13_dp, 'flight: deepest point')
+      call tests%is_close(flow%x(1, 2), 0.0_dp, 1e-13_dp, 'flight: at rest there')
+      call flow%advance(2*leave + flight)
+      call tests%is_close(flow%x(1, 1), 1 + f + amplitude, 2e-13_dp, 'back where it began')
+      call tests%is_close(flow%x(1, 2), 0.0_dp, 2e-13_dp, 'at rest')
+      call tests%is_true(flow%events == 2, 'two events')
+   end subroutine bouncing
+
+   !> The monodromy matrix through contact events against differences of the flow itself.
+   subroutine tangents(tests)
+      class(tests_type), intent(inout) :: tests
+      type(system_type) :: system
+      real(dp), allocatable :: state(:), final(:), up(:), down(:), monodromy(:, :), unused(:, :)
+      real(dp), parameter :: h = 1e-5_dp
+      real(dp) :: worst
+      integer :: i, n
+
+      call build_system(long_train(4), system)
+      n = 2*system%elements
+      allocate (state(n), final(n), up(n), down(n), monodromy(n, n), unused(n, n))
+      state = 0
+      state(system%mesh_element) = [1.5_dp, 0.3_dp, -0.2_dp]
+      call propagate(system, 0.8_dp, 1, state, final, monodromy)
+      worst = 0
+      do i = 1, n
+         state(i) = state(i) + h
+         call propagate(system, 0.8_dp, 1, state, up, unused)
+         state(i) = state(i) - 2*h
+         call propagate(system, 0.8_dp, 1, state, down, unused)
+         state(i) = state(i) + h
+         worst = max(worst, maxval(abs((up - down)/(2*h) - monodromy(:, i))))
+      end do
+      ! The flow is C^1: the difference quotient is right to O(h) times the jump of curvature at an event.
+      call tests%is_close(worst/maxval(abs(monodromy)), 0.0_dp, 1e-4_dp, 'monodromy against differences')
+   end subroutine tangents
+
+end module unit_flow

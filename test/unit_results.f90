@@ -1,0 +1,288 @@
+!> The results file: what is in it, read back with HDF5, and what is left behind when it cannot be written.
+module unit_results
+   use hdf5, only: h5aclose_f, h5aopen_by_name_f, h5aread_f, h5dclose_f, h5dget_space_f, h5dopen_f, h5dread_f, h5fclose_f, &
+      h5fget_obj_count_f, h5fopen_f, h5lexists_f, h5sclose_f, h5sget_simple_extent_dims_f, h5f_acc_rdonly_f, &
+      h5f_obj_all_f, h5t_native_double, h5t_native_integer, hid_t, hsize_t, size_t
+   use geartrain_base_error, only: error_type, status_file
+   use geartrain_base_kinds, only: dp
+   use geartrain_case_case, only: case_type
+   use geartrain_results_file, only: check_place
+   use geartrain_results_results, only: results_type, write_results
+   use testing, only: tests_type
+   implicit none (type, external)
+   private
+   public :: results_tests
+
+   character(*), parameter :: path = 'build/test-results.h5'
+
+contains
+
+   subroutine results_tests(tests)
+      class(tests_type), intent(inout) :: tests
+
+      call only_what_was_computed(tests)
+      call response_as_written(tests)
+      call integration_as_written(tests)
+      call failures(tests)
+      call clean()
+   end subroutine results_tests
+
+   subroutine only_what_was_computed(tests)
+      class(tests_type), intent(inout) :: tests
+      type(case_type) :: case
+      type(results_type) :: results
+      type(error_type), allocatable :: error
+      integer(hid_t) :: file
+      integer :: status
+
+      call tests%begin('results file, empty')
+      call make_case(case)
+      call write_results(path, case, results, error)
+      call tests%is_true(.not. allocated(error), 'is written')
+      call h5fopen_f(path, h5f_acc_rdonly_f, file, status)
+      call tests%is_true(status == 0, 'opens')
+      call tests%is_true(integer_attribute(file, '/', 'format_version') == 1, 'format_version is 1')
+      call tests%is_true(.not. exists(file, '/modes'), 'no modes asked for, no /modes')
+      call tests%is_true(.not. exists(file, '/response'), 'no response asked for, no /response')
+      call tests%is_true(.not. exists(file, '/integration'), 'no integration asked for, no /integration')
+      call h5fclose_f(file, status)
+   end subroutine only_what_was_computed
+
+   subroutine response_as_written(tests)
+      class(tests_type), intent(inout) :: tests
+      type(case_type) :: case
+      type(results_type) :: results
+      type(error_type), allocatable :: error
+      integer(hid_t) :: file
+      integer(size_t) :: handles
+      integer :: status
+      real(dp) :: rms(2, 3), multipliers(2, 4, 3)
+
+      call tests%begin('results file, response')
+      call make_case(case)
+      call make_response(results)
+      call write_results(path, case, results, error)
+      call tests%is_true(.not. allocated(error), 'is written')
+      call h5fget_obj_count_f(int(h5f_obj_all_f, hid_t), h5f_obj_all_f, handles, status)
+      call tests%is_true(status == 0 .and. handles == 0, 'HDF5 has nothing left open')
+
+      call h5fopen_f(path, h5f_acc_rdonly_f, file, status)
+      call tests%is_true(all(extents(file, '/response/frequency', 1) == [3]), 'frequency (point), the points in use only')
+      call tests%is_true(all(extents(file, '/response/rms', 2) == [2, 3]), 'rms (point, mesh)')
+      call tests%is_true(all(extents(file, '/response/coefficients', 3) == [5, 2, 3]), 'coefficients (point, mesh, coefficient)')
+      call tests%is_true(all(extents(file, '/response/multipliers', 3) == [2, 4, 3]), 'multipliers (point, state, complex)')
+      call read_real(file, '/response/rms', size(rms), rms)
+      call tests%is_close(rms(2, 3), 0.23_dp, 0.0_dp, 'rms of mesh 2 at point 3')
+      call read_real(file, '/response/multipliers', size(multipliers), multipliers)
+      call tests%is_close(multipliers(1, 4, 2), 4.0_dp, 0.0_dp, 'real part of multiplier 4 at point 2')
+      call tests%is_close(multipliers(2, 4, 2), -2.0_dp, 0.0_dp, 'its imaginary part')
+      call tests%is_true(integer_attribute(file, '/response', 'complete') == 0, 'a branch that ended early says so')
+      call tests%is_true(exists(file, '/response/special_points/kind'), 'special points')
+      call h5fclose_f(file, status)
+
+      deallocate (results%response%stable, results%response%multipliers, results%response%special_points)
+      call write_results(path, case, results, error)
+      call h5fopen_f(path, h5f_acc_rdonly_f, file, status)
+      call tests%is_true(.not. exists(file, '/response/stable'), 'no stability asked for, no stable')
+      call tests%is_true(.not. exists(file, '/response/multipliers'), 'no stability asked for, no multipliers')
+      call tests%is_true(.not. exists(file, '/response/special_points'), 'no special points, no group of them')
+      call h5fclose_f(file, status)
+
+      results%response%points = 0
+      call write_results(path, case, results, error)
+      call tests%is_true(.not. allocated(error), 'a branch without points is written')
+   end subroutine response_as_written
+
+   subroutine integration_as_written(tests)
+      class(tests_type), intent(inout) :: tests
+      type(case_type) :: case
+      type(results_type) :: results
+      type(error_type), allocatable :: error
+      integer(hid_t) :: file
+      integer :: status
+      real(dp) :: rms(1, 2)
+
+      call tests%begin('results file, integration')
+      call make_case(case)
+      allocate (results%integration)
+      associate (sweep => results%integration)
+         allocate (sweep%motions(4), sweep%direction(4))
+         sweep%direction = 'up'
+         sweep%motions(1)%frequency = 0.5_dp
+         sweep%motions(1)%coefficients = reshape([1.0_dp, 0.3_dp, 0.4_dp], [3, 1])
+         sweep%motions(1)%rms = [0.5_dp]
+         sweep%motions(1)%mean = [1.0_dp]
+         sweep%motions(1)%minimum = [0.5_dp]
+         sweep%motions(1)%maximum = [1.5_dp]
+         ! One that ran away; two are still to come.
+         sweep%motions(2)%frequency = 0.6_dp
+         sweep%motions(2)%period = 0
+      end associate
+      call write_results(path, case, results, error)
+      call tests%is_true(.not. allocated(error), 'half a sweep is written')
+      call h5fopen_f(path, h5f_acc_rdonly_f, file, status)
+      call tests%is_true(all(extents(file, '/integration/rms', 2) == [1, 2]), 'rms (point, mesh) of the motions done')
+      call read_real(file, '/integration/rms', size(rms), rms)
+      call tests%is_close(rms(1, 1), 0.5_dp, 0.0_dp, 'rms of the first motion')
+      call tests%is_true(rms(1, 2) /= rms(1, 2), 'a motion that ran away has no rms')
+      call tests%is_true(.not. exists(file, '/integration/stable'), 'no stability asked for, no stable')
+      call h5fclose_f(file, status)
+   end subroutine integration_as_written
+
+   subroutine failures(tests)
+      class(tests_type), intent(inout) :: tests
+      type(case_type) :: case
+      type(results_type) :: results
+      type(error_type), allocatable :: error
+      integer(hid_t) :: file
+      integer :: status
+
+      call tests%begin('results file, failures')
+      call make_case(case)
+      call write_results('build/no-such-folder/a.h5', case, results, error)
+      call expect(tests, error, 'build/no-such-folder/a.h5: error: cannot be written: there is no folder build/no-such-folder/', &
+                  'missing folder')
+      call write_results('build', case, results, error)
+      call expect(tests, error, 'build: error: cannot be written: it is a folder; give the name of a file', 'a folder')
+      call write_results('/dev/null', case, results, error)
+      call tests%is_true(allocated(error), 'a device is not replaced')
+      if (allocated(error)) deallocate (error)
+      call check_place('build/no-such-folder/a.h5', error)
+      call tests%is_true(allocated(error), 'a missing folder is known before anything is computed')
+
+      ! The temporary file's name is taken by a folder: the old file must survive.
+      call write_results(path, case, results, error)
+      call execute_command_line('mkdir '//path//'.tmp')
+      call make_response(results)
+      call write_results(path, case, results, error)
+      call tests%is_true(allocated(error), 'a temporary file that cannot be made is an error')
+      call h5fopen_f(path, h5f_acc_rdonly_f, file, status)
+      call tests%is_true(status == 0 .and. .not. exists(file, '/response'), 'the old file survives a failure')
+      call h5fclose_f(file, status)
+      call execute_command_line('rmdir '//path//'.tmp')
+      call write_results(path, case, results, error)
+      call tests%is_true(.not. allocated(error), 'after a failure writing works again')
+      call tests%is_true(.not. there(path//'.tmp'), 'no temporary file is left')
+      call check_place(path, error)
+      call tests%is_true(there(path) .and. .not. there(path//'.tmp'), 'asking whether it can be written leaves all as it was')
+   end subroutine failures
+
+   subroutine expect(tests, error, message, name)
+      class(tests_type), intent(inout) :: tests
+      type(error_type), allocatable, intent(in) :: error
+      character(*), intent(in) :: message, name
+
+      call tests%is_true(allocated(error), name//' is an error')
+      if (.not. allocated(error)) return
+      call tests%is_text(error%message, message, name)
+      call tests%is_true(error%status == status_file, name//' has the status of the file system')
+   end subroutine expect
+
+   subroutine clean()
+      integer :: unit
+
+      open (newunit=unit, file=path, status='old')
+      close (unit, status='delete')
+   end subroutine clean
+
+   subroutine make_case(case)
+      type(case_type), intent(out) :: case
+
+      case%train%title = 'Zahnräder'
+      allocate (case%train%shafts(2), case%train%meshes(1))
+      case%output_file = ''
+   end subroutine make_case
+
+   !> Three points in arrays with room for four.
+   subroutine make_response(results)
+      type(results_type), intent(inout) :: results
+      integer :: i, j
+
+      allocate (results%response)
+      associate (branch => results%response)
+         branch%points = 3
+         branch%meshes = 2
+         branch%states = 4
+         branch%harmonics = 2
+         branch%frequency = [0.1_dp, 0.2_dp, 0.3_dp, -1.0_dp]
+         allocate (branch%coefficients(5, 2, 4), source=1.0_dp)
+         branch%rms = reshape([((0.1_dp*i + 0.01_dp*j, i=1, 2), j=1, 4)], [2, 4])
+         branch%mean = branch%rms
+         branch%minimum = branch%rms
+         branch%maximum = branch%rms
+         branch%multipliers = reshape([((cmplx(i, -j, dp), i=1, 4), j=1, 4)], [4, 4])
+         branch%stable = [.true., .false., .true., .false.]
+         branch%error_estimate = [1e-3_dp, 1e-3_dp, 1e-3_dp, 0.0_dp]
+         branch%part = [1, 1, 2, 0]
+         branch%ended = 'step below 1e-9 at Lambda = 0.3'
+         allocate (branch%special_points(1))
+         branch%special_points(1)%kind = 'fold'
+         branch%special_points(1)%frequency = 0.25_dp
+         branch%special_points(1)%point = 2
+         branch%special_points(1)%rms = [0.1_dp, 0.2_dp]
+      end associate
+   end subroutine make_response
+
+   integer function integer_attribute(file, object, name) result(value)
+      integer(hid_t), intent(in) :: file
+      character(*), intent(in) :: object, name
+      integer(hid_t) :: id
+      integer(hsize_t) :: one(1)
+      integer :: status
+
+      one = 1
+      value = -1
+      call h5aopen_by_name_f(file, object, name, id, status)
+      call h5aread_f(id, h5t_native_integer, value, one, status)
+      call h5aclose_f(id, status)
+   end function integer_attribute
+
+   logical function exists(file, name)
+      integer(hid_t), intent(in) :: file
+      character(*), intent(in) :: name
+      integer :: status
+
+      call h5lexists_f(file, name, exists, status)
+      exists = exists .and. status == 0
+   end function exists
+
+   !> In Fortran's order, the reverse of the file's.
+   function extents(file, name, rank) result(values)
+      integer(hid_t), intent(in) :: file
+      character(*), intent(in) :: name
+      integer, intent(in) :: rank
+      integer :: values(rank)
+      integer(hsize_t) :: now(rank), most(rank)
+      integer(hid_t) :: id, space
+      integer :: status
+
+      call h5dopen_f(file, name, id, status)
+      call h5dget_space_f(id, space, status)
+      call h5sget_simple_extent_dims_f(space, now, most, status)
+      values = int(now)
+      call h5sclose_f(space, status)
+      call h5dclose_f(id, status)
+   end function extents
+
+   subroutine read_real(file, name, n, values)
+      integer(hid_t), intent(in) :: file
+      character(*), intent(in) :: name
+      integer, intent(in) :: n
+      real(dp), intent(out) :: values(n)
+      integer(hsize_t) :: extent(1)
+      integer(hid_t) :: id
+      integer :: status
+
+      extent = n
+      call h5dopen_f(file, name, id, status)
+      call h5dread_f(id, h5t_native_double, values, extent, status)
+      call h5dclose_f(id, status)
+   end subroutine read_real
+
+   logical function there(name)
+      character(*), intent(in) :: name
+
+      inquire (file=name, exist=there)
+   end function there
+
+end module unit_results

@@ -1,0 +1,171 @@
+!> Running a case: what is computed, cancelled, kept while it runs and left at the end.
+module unit_results_run
+   use geartrain_base_error, only: error_type, status_ended_early, status_file
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_observer, only: observer_type
+   use geartrain_case_case, only: case_type
+   use geartrain_case_checkpoint, only: checkpoint_type
+   use geartrain_case_reader, only: read_case_text
+   use geartrain_case_run, only: run_case
+   use geartrain_results_results, only: results_type
+   use testing, only: tests_type
+   implicit none (type, external)
+   private
+   public :: results_run_tests
+
+   character(*), parameter :: path = 'build/test-run.h5', newline = new_line('a')
+   !> A single pair without backlash: quick.
+   character(*), parameter :: pair = '&train input_torque = 1.0, prime_mover_inertia = 0.0, load_inertia = 0.0, ' &
+      //'characteristic_length = 1.0, characteristic_frequency = 1.0 /' &
+      //newline//'&shaft rigid = .true. /'//newline//'&mesh driving_radius = 1.0, driven_radius = 1.0, driving_inertia = 2.0, &
+      &driven_inertia = 2.0, stiffness = 1.0, damping_ratio = 0.1, half_backlash = 0.0, stiffness_cos = 0.1 /'//newline// &
+      '&shaft rigid = .true. /'//newline
+
+   !> Counts the steps; says no at one of them.
+   type, extends(observer_type) :: counter_type
+      integer :: steps = 0, no_at = -1
+      logical :: response = .false., integration = .false.
+   contains
+      procedure :: on_step
+   end type counter_type
+
+contains
+
+   subroutine results_run_tests(tests)
+      class(tests_type), intent(inout) :: tests
+
+      call whole(tests)
+      call cancelled(tests)
+      call nowhere_to_write(tests)
+      call checkpoints(tests)
+      call remove(path)
+      call remove(path//'.partial')
+   end subroutine results_run_tests
+
+   subroutine whole(tests)
+      class(tests_type), intent(inout) :: tests
+      type(case_type) :: case
+      type(results_type) :: results
+      type(error_type), allocatable :: error
+      type(counter_type) :: counter
+
+      call tests%begin('run of a case')
+      call read_case_text(pair//'&modes /'//newline//'&response from = 0.4, to = 0.5 /'//newline// &
+                          '&integration from = 0.4, to = 0.5, points = 2 /'//newline, '', case, error)
+      call tests%is_true(.not. allocated(error), 'the case is read')
+      if (allocated(error)) return
+      call run_case(case, path, results, error, counter)
+      call tests%is_true(.not. allocated(error), 'no error')
+      call tests%is_true(allocated(results%modes) .and. allocated(results%response) .and. allocated(results%integration), &
+                         'all three analyses are computed')
+      call tests%is_true(counter%response .and. counter%integration, 'the observer is told of both')
+      call tests%is_true(there(path), 'the file is there')
+      call tests%is_true(.not. there(path//'.partial') .and. .not. there(path//'.tmp'), 'and nothing beside it')
+      call remove(path)
+
+      case%modes = .false.
+      deallocate (case%integration)
+      call run_case(case, '', results, error)
+      call tests%is_true(.not. allocated(results%modes) .and. .not. allocated(results%integration), 'only what is asked for')
+      call tests%is_true(.not. there(path), 'without a path nothing is written')
+   end subroutine whole
+
+   subroutine cancelled(tests)
+      class(tests_type), intent(inout) :: tests
+      type(case_type) :: case
+      type(results_type) :: results
+      type(error_type), allocatable :: error
+      type(counter_type) :: counter
+
+      call tests%begin('run of a case, cancelled')
+      call read_case_text(pair//'&response from = 0.4, to = 0.9 /'//newline// &
+                          '&integration from = 0.4, to = 0.5, points = 2 /'//newline, '', case, error)
+      if (allocated(error)) return
+      counter%no_at = 3
+      call run_case(case, path, results, error, counter)
+      call tests%is_true(allocated(error), 'is an error')
+      if (.not. allocated(error)) return
+      call tests%is_true(error%status == status_ended_early, 'of an analysis that ended early')
+      call tests%is_true(index(error%message, 'cancelled at Lambda') > 0, 'whose message says where: '//error%message)
+      call tests%is_true(counter%steps == 3, 'nothing goes on after it')
+      call tests%is_true(.not. results%response%complete .and. results%response%points >= 3, 'the points so far are kept')
+      call tests%is_true(there(path) .and. .not. there(path//'.partial'), 'and written')
+   end subroutine cancelled
+
+   subroutine nowhere_to_write(tests)
+      class(tests_type), intent(inout) :: tests
+      type(case_type) :: case
+      type(results_type) :: results
+      type(error_type), allocatable :: error
+      type(counter_type) :: counter
+
+      call tests%begin('run of a case, no folder to write to')
+      call read_case_text(pair//'&response from = 0.4, to = 0.9 /'//newline, '', case, error)
+      if (allocated(error)) return
+      call run_case(case, 'build/no-such-folder/a.h5', results, error, counter)
+      call tests%is_true(allocated(error), 'is an error')
+      if (.not. allocated(error)) return
+      call tests%is_true(error%status == status_file, 'of the file system')
+      call tests%is_true(counter%steps == 0, 'known before anything is computed')
+   end subroutine nowhere_to_write
+
+   subroutine checkpoints(tests)
+      class(tests_type), intent(inout) :: tests
+      type(case_type), target :: case
+      type(results_type), target :: results
+      type(counter_type), target :: counter
+      type(checkpoint_type) :: checkpoint
+      type(error_type), allocatable :: error
+      logical :: keep_going
+
+      call tests%begin('checkpoint')
+      call read_case_text(pair//'&modes /'//newline, '', case, error)
+      if (allocated(error)) return
+      checkpoint%observer => counter
+      checkpoint%case => case
+      checkpoint%results => results
+      checkpoint%path = path//'.partial'
+      keep_going = .true.
+      call checkpoint%on_step('response', 1, 0.5_dp, keep_going)
+      call tests%is_true(.not. there(path//'.partial'), 'none before it is time')
+      checkpoint%interval = 0
+      call checkpoint%on_step('response', 2, 0.5_dp, keep_going)
+      call tests%is_true(there(path//'.partial'), 'one when it is time')
+      call tests%is_true(counter%steps == 2 .and. keep_going, 'the steps are passed on')
+      counter%no_at = 3
+      call checkpoint%on_step('response', 3, 0.5_dp, keep_going)
+      call tests%is_true(.not. keep_going, 'no is passed back')
+      keep_going = .true.
+      call checkpoint%on_step('integration', 1, 0.5_dp, keep_going)
+      call tests%is_true(.not. keep_going, 'no stays no')
+   end subroutine checkpoints
+
+   subroutine on_step(self, analysis, done, frequency, keep_going)
+      class(counter_type), intent(inout) :: self
+      character(*), intent(in) :: analysis
+      integer, intent(in) :: done
+      real(dp), intent(in) :: frequency
+      logical, intent(inout) :: keep_going
+
+      self%steps = self%steps + 1
+      if (analysis == 'response') self%response = done > 0 .and. frequency > 0
+      if (analysis == 'integration') self%integration = done > 0 .and. frequency > 0
+      if (self%steps == self%no_at) keep_going = .false.
+   end subroutine on_step
+
+   logical function there(name)
+      character(*), intent(in) :: name
+
+      inquire (file=name, exist=there)
+   end function there
+
+   subroutine remove(name)
+      character(*), intent(in) :: name
+      integer :: unit
+
+      if (.not. there(name)) return
+      open (newunit=unit, file=name)
+      close (unit, status='delete')
+   end subroutine remove
+
+end module unit_results_run

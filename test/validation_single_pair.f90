@@ -1,0 +1,97 @@
+!> The single gear pair x'' + 2 zeta x' + (1 + kappa cos Lambda t) g(x) = f, b = 1.
+module validation_single_pair
+   use fixtures, only: closest, settings_of, single_pair
+   use geartrain, only: attractors, branch_type, dp, error_type, integration_settings_type, motion_type, refine, response, &
+                        response_settings_type, solutions_at, train_type
+   use geartrain_base_kinds, only: pi
+   use testing, only: tests_type
+   implicit none (type, external)
+   private
+   public :: single_pair_tests
+
+   !> Coexisting period-1 motions at zeta 0.05, kappa 0.3, f 0.4, Lambda 0.8: true AC rms, time-integrated.
+   real(dp), parameter :: small = 0.251372945_dp, large = 0.716758700_dp
+
+contains
+
+   subroutine single_pair_tests(tests)
+      class(tests_type), intent(inout) :: tests
+
+      call tests%begin('single pair')
+      call coexisting(tests)
+      call found_from_random_starts(tests)
+      call linear_constant(tests)
+   end subroutine single_pair_tests
+
+   !> Both by continuation and shooting.
+   subroutine coexisting(tests)
+      class(tests_type), intent(inout) :: tests
+      type(train_type) :: train
+      type(branch_type) :: branch
+      type(response_settings_type) :: settings
+      type(motion_type), allocatable :: motions(:)
+      type(error_type), allocatable :: error
+      real(dp), parameter :: expected(2) = [small, large]*sqrt(2.0_dp)
+      integer :: i, k
+
+      train = single_pair(0.05_dp, 0.3_dp, 0.4_dp)
+      settings = settings_of(1.6_dp, 0.6_dp, 16)
+      call response(train, settings, branch, error)
+      call tests%is_true(branch%complete, 'the curve of the single pair: '//branch%ended)
+      call solutions_at(train, settings, branch, 0.8_dp, motions, error)
+      do i = 1, 2
+         k = closest(motions, expected(i))
+         call tests%is_true(k > 0, 'solutions at 0.8')
+         if (k == 0) return
+         call tests%is_true(motions(k)%stable, 'stable at 0.8')
+         call tests%is_close(motions(k)%rms(1), expected(i), 1e-4_dp, 'balance at 0.8')
+         call refine(train, motions(k), error)
+         call tests%is_true(.not. allocated(error), 'shooting converges')
+         call tests%is_close(motions(k)%rms(1), expected(i), 2e-9_dp, 'shooting at 0.8')
+      end do
+   end subroutine coexisting
+
+   subroutine found_from_random_starts(tests)
+      class(tests_type), intent(inout) :: tests
+      type(motion_type), allocatable :: motions(:), again(:)
+      type(integration_settings_type) :: settings
+      type(error_type), allocatable :: error
+      integer :: i
+
+      call attractors(single_pair(0.05_dp, 0.3_dp, 0.4_dp), 0.8_dp, 32, 1, settings, motions, error)
+      call attractors(single_pair(0.05_dp, 0.3_dp, 0.4_dp), 0.8_dp, 32, 1, settings, again, error)
+      call tests%is_close(sum(motions%share), 1.0_dp, 1e-12_dp, 'every start settles')
+      call tests%is_true(size(again) == size(motions), 'the same from the same seed')
+      do i = 1, min(size(motions), size(again))
+         call tests%is_true(all(abs(again(i)%rms - motions(i)%rms) <= 0), 'the same bits from the same seed')
+      end do
+      i = closest(motions, small*sqrt(2.0_dp))
+      call tests%is_close(motions(i)%rms(1), small*sqrt(2.0_dp), 3e-9_dp, 'the small motion is an attractor')
+      i = closest(motions, large*sqrt(2.0_dp))
+      call tests%is_close(motions(i)%rms(1), large*sqrt(2.0_dp), 3e-9_dp, 'the large motion is an attractor')
+   end subroutine found_from_random_starts
+
+   !> Constant stiffness, no backlash, torque harmonic: every mesh is condensed away; the closed form of an oscillator.
+   subroutine linear_constant(tests)
+      class(tests_type), intent(inout) :: tests
+      type(train_type) :: train
+      type(branch_type) :: branch
+      type(error_type), allocatable :: error
+      complex(dp) :: amplitude
+      integer :: n
+
+      train = single_pair(0.1_dp, 0.0_dp, 0.4_dp)
+      train%meshes(1)%half_backlash = 0
+      train%torque_cos = [1.0_dp]
+      call response(train, settings_of(0.5_dp, 1.5_dp, 3), branch, error)
+      n = branch%points
+      ! The torque drives gear 1 (I = 2): x'' + 0.2 x' + x = 0.5 cos(Lambda t).
+      amplitude = 0.5_dp/cmplx(1 - 1.5_dp**2, 0.2_dp*1.5_dp, dp)
+      call tests%is_true(branch%complete, 'a train with nothing to iterate: '//branch%ended)
+      call tests%is_close(branch%coefficients(2, 1, n), amplitude%re, 1e-13_dp, 'cos part')
+      call tests%is_close(branch%coefficients(3, 1, n), -amplitude%im, 1e-13_dp, 'sin part')
+      ! Multipliers of a damped oscillator: exp(T (-zeta +- i sqrt(1 - zeta^2))).
+      call tests%is_close(abs(branch%multipliers(1, n)), exp(-0.1_dp*2*pi/1.5_dp), 1e-10_dp, 'multiplier of the oscillator')
+   end subroutine linear_constant
+
+end module validation_single_pair
