@@ -25,5 +25,9 @@ end program response_curve
 
 ! It prints:
 ! The branch reached Lambda = 2.6
-! Largest rms of the meshes:  0.8562  3.0462
+! Largest rms of the meshes:  0.8605  3.0460
 ! fold            at Lambda =  0.4621
+!   (six more folds)
+! fold            at Lambda =  1.5473
+! period doubling at Lambda =  1.7492
+! period doubling at Lambda =  2.0439

@@ -31,3 +31,7 @@ program time_integration
    print '(a, i0, a, l1)', 'period ', motion%period, ', stable ', motion%stable
    print '(3(a, f9.6))', 'rms', motion%rms(1), ', from', motion%minimum(1), ' to', motion%maximum(1)
 end program time_integration
+
+! It prints:
+! period 1, stable T
+! rms 0.454936, from 1.071172 to 1.980928

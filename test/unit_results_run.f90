@@ -15,10 +15,11 @@ module unit_results_run
 
    character(*), parameter :: path = 'build/test-run.h5', newline = new_line('a')
    !> A single pair without backlash: quick.
-   character(*), parameter :: pair = '&train input_torque = 1.0, prime_mover_inertia = 0.0, load_inertia = 0.0, ' &
-      //'characteristic_length = 1.0, characteristic_frequency = 1.0 /' &
-      //newline//'&shaft rigid = .true. /'//newline//'&mesh driving_radius = 1.0, driven_radius = 1.0, driving_inertia = 2.0, &
-      &driven_inertia = 2.0, stiffness = 1.0, damping_ratio = 0.1, half_backlash = 0.0, stiffness_cos = 0.1 /'//newline// &
+   character(*), parameter :: pair = '&train input_torque = 1.0, characteristic_length = 1.0, &
+      &characteristic_frequency = 1.0, prime_mover_inertia = 0.0, load_inertia = 0.0 /'//newline// &
+      '&shaft rigid = .true. /'//newline// &
+      '&mesh driving_radius = 1.0, driven_radius = 1.0, driving_inertia = 2.0, driven_inertia = 2.0, stiffness = 1.0, &
+      &damping_ratio = 0.1, half_backlash = 0.0, stiffness_cos = 0.1 /'//newline// &
       '&shaft rigid = .true. /'//newline
 
    !> Counts the steps; says no at one of them.
@@ -50,10 +51,8 @@ contains
       type(counter_type) :: counter
 
       call tests%begin('run of a case')
-      call read_case_text(pair//'&modes /'//newline//'&response from = 0.4, to = 0.5 /'//newline// &
-                          '&integration from = 0.4, to = 0.5, points = 2 /'//newline, '', case, error)
-      call tests%is_true(.not. allocated(error), 'the case is read')
-      if (allocated(error)) return
+      call read_pair(tests, '&modes /'//newline//'&response from = 0.4, to = 0.5 /'//newline// &
+                     '&integration from = 0.4, to = 0.5, points = 2 /', case)
       call run_case(case, path, results, error, counter)
       call tests%is_true(.not. allocated(error), 'no error')
       call tests%is_true(allocated(results%modes) .and. allocated(results%response) .and. allocated(results%integration), &
@@ -78,9 +77,8 @@ contains
       type(counter_type) :: counter
 
       call tests%begin('run of a case, cancelled')
-      call read_case_text(pair//'&response from = 0.4, to = 0.9 /'//newline// &
-                          '&integration from = 0.4, to = 0.5, points = 2 /'//newline, '', case, error)
-      if (allocated(error)) return
+      call read_pair(tests, '&response from = 0.4, to = 0.9 /'//newline// &
+                     '&integration from = 0.4, to = 0.5, points = 2 /', case)
       counter%no_at = 3
       call run_case(case, path, results, error, counter)
       call tests%is_true(allocated(error), 'is an error')
@@ -100,8 +98,7 @@ contains
       type(counter_type) :: counter
 
       call tests%begin('run of a case, no folder to write to')
-      call read_case_text(pair//'&response from = 0.4, to = 0.9 /'//newline, '', case, error)
-      if (allocated(error)) return
+      call read_pair(tests, '&response from = 0.4, to = 0.9 /', case)
       call run_case(case, 'build/no-such-folder/a.h5', results, error, counter)
       call tests%is_true(allocated(error), 'is an error')
       if (.not. allocated(error)) return
@@ -115,12 +112,10 @@ contains
       type(results_type), target :: results
       type(counter_type), target :: counter
       type(checkpoint_type) :: checkpoint
-      type(error_type), allocatable :: error
       logical :: keep_going
 
       call tests%begin('checkpoint')
-      call read_case_text(pair//'&modes /'//newline, '', case, error)
-      if (allocated(error)) return
+      call read_pair(tests, '&modes /', case)
       checkpoint%observer => counter
       checkpoint%case => case
       checkpoint%results => results
@@ -139,6 +134,17 @@ contains
       call checkpoint%on_step('integration', 1, 0.5_dp, keep_going)
       call tests%is_true(.not. keep_going, 'no stays no')
    end subroutine checkpoints
+
+   !> The single pair with these analyses.
+   subroutine read_pair(tests, analyses, case)
+      class(tests_type), intent(inout) :: tests
+      character(*), intent(in) :: analyses
+      type(case_type), intent(out) :: case
+      type(error_type), allocatable :: error
+
+      call read_case_text(pair//analyses//newline, '', case, error)
+      call tests%is_true(.not. allocated(error), 'the case is read')
+   end subroutine read_pair
 
    subroutine on_step(self, analysis, done, frequency, keep_going)
       class(counter_type), intent(inout) :: self

@@ -52,32 +52,31 @@ def watched(work: Callable[[NDArray[np.float64]], Result], name: str, total: int
 
     thread = threading.Thread(target=run, name=f"geartrain {name}", daemon=True)
     interrupted = False
-    started = False
     bar = None
     begin = time.monotonic()
-    while not done.is_set():
-        try:
-            if not started:
-                started = True
-                thread.start()
-            done.wait(_TICK)
-            if bar is None and time.monotonic() - begin > _PATIENCE:
-                bar = _bar(name, total, begin)
-            if bar is not None and not done.is_set():
-                bar.n = int(progress[1])
-                bar.set_postfix_str(f"Lambda = {progress[2]:.4f}")
-        except KeyboardInterrupt:
-            interrupted = True
-            progress[0] = 1.0
-    if bar is not None:
-        bar.n = int(progress[1])
-        bar.close()
+    try:
+        thread.start()
+        while not done.is_set():
+            try:
+                done.wait(_TICK)
+                if bar is None and time.monotonic() - begin > _PATIENCE:
+                    bar = _bar(name, total, begin)
+                if bar is not None:
+                    bar.n = int(progress[1])
+                    bar.set_postfix_str(f"Lambda = {progress[2]:.4f}")
+            except KeyboardInterrupt:
+                interrupted = True
+                progress[0] = 1.0
+    finally:
+        progress[0] = 1.0  # whatever takes this thread out of here, the other one does not go on for nobody
+        if bar is not None:
+            bar.close()
     if interrupted:
-        points = int(progress[1])
-        raise Interrupted(
-            f"{name} stopped by Ctrl-C at Lambda = {progress[2]:.6g} after {points} points; they are in .result",
-            outcome.get("result"),
-        ) from outcome.get("error")
+        result = outcome.get("result")
+        message = f"{name} stopped by Ctrl-C"
+        if result is not None:
+            message += f" at Lambda = {progress[2]:.6g}, after {int(progress[1])} points; .result holds what there is"
+        raise Interrupted(message, result) from outcome.get("error")
     if "error" in outcome:
         raise outcome["error"]
     return outcome["result"]

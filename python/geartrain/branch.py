@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -116,10 +117,8 @@ class Branch:
         """
         if self.train is None:
             raise ValueError("this branch has no train")
-        try:
-            frequency = float(frequency)
-        except (TypeError, ValueError):
-            raise InputError(f"frequency = {frequency!r}: must be a number") from None
+        if isinstance(frequency, bool) or not isinstance(frequency, Real):
+            raise InputError(f"frequency = {frequency!r}: must be a number")
         with Box(self.train.namelist(response=self.settings)) as box:
             box.put_branch(self)
             box.check(fortran.solve_at(box.handle, frequency))

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from itertools import zip_longest
+from numbers import Integral, Real
+from itertools import zip_longest
+from numbers import Integral, Real
 from typing import Any, Union
 
 import numpy as np
@@ -113,6 +116,9 @@ class Mesh:
     error_sin: Series | None = None
     order: int | None = None
 
+    def __post_init__(self) -> None:
+        _freeze_series(self, _MESH)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Train:
@@ -174,6 +180,7 @@ class Train:
             if not isinstance(parts, Sequence) or not all(isinstance(part, kind) for part in parts):
                 raise InputError(f"{name} = {parts!r}: must be a list of gt.{kind.__name__}")
             object.__setattr__(self, name, tuple(parts))
+        _freeze_series(self, _TRAIN)
         with Box(self.namelist()):
             pass
 
@@ -295,8 +302,8 @@ class Train:
             "max_points": max_points,
         }
         text = self.namelist(response=settings)
-        if seed is not None and not isinstance(seed, Motion):
-            raise InputError(f"seed = {seed!r}: must be a gt.Motion")
+        if seed is not None:
+            self._check_seed(seed)
 
         def work(progress: NDArray[np.float64]) -> Branch:
             with Box(text) as box:
@@ -434,8 +441,9 @@ class Train:
             Each with its ``share`` of the starts.
         """
         text = self._at(frequency, stability, harmonics, max_periods, tolerance)
-        group("attractors", {"starts": "integer", "random_seed": "integer"},
-              {"starts": starts, "random_seed": random_seed}, "attractors")
+        for name, value in (("starts", starts), ("random_seed", random_seed)):
+            if isinstance(value, bool) or not isinstance(value, Integral) or not -(2**31) <= value < 2**31:
+                raise InputError(f"{name} = {value!r}: must be a whole number")
 
         def work(progress: NDArray[np.float64]) -> list[Motion]:
             with Box(text) as box:
@@ -446,6 +454,14 @@ class Train:
 
         return watched(work, "attractors", starts)
 
+    def _check_seed(self, seed: Motion) -> None:
+        if not isinstance(seed, Motion):
+            raise InputError(f"seed = {seed!r}: must be a gt.Motion")
+        meshes, terms = seed.coefficients.shape
+        if terms == 0 or meshes != len(self.meshes):
+            raise InputError(f"seed: a motion of {meshes} meshes with {terms // 2} harmonics: the train has "
+                             f"{len(self.meshes)} meshes")
+
     def _at(
         self,
         frequency: float,
@@ -454,10 +470,12 @@ class Train:
         max_periods: int | None,
         tolerance: float | None,
     ) -> str:
-        """The case's text for integration at one frequency."""
+        """The case's text for integration at one frequency, which takes the place of the range in Fortran."""
+        if isinstance(frequency, bool) or not isinstance(frequency, Real):
+            raise InputError(f"frequency = {frequency!r}: must be a number")
         settings = {
-            "start": frequency,
-            "stop": frequency,
+            "start": 1.0,
+            "stop": 1.0,
             "points": 1,
             "stability": stability,
             "harmonics": harmonics,
@@ -469,6 +487,15 @@ class Train:
 
 def _values(part: Shaft | Mesh) -> dict[str, Any]:
     return {item.name: getattr(part, item.name) for item in fields(part)}
+
+
+def _freeze_series(part: Train | Mesh, kinds: Mapping[str, str]) -> None:
+    """Make tuples of the series, whichever way they were given."""
+    for name, kind in kinds.items():
+        value = getattr(part, name)
+        if kind != "series" or value is None or isinstance(value, (str, Mapping)):
+            continue
+        object.__setattr__(part, name, tuple(value) if isinstance(value, Iterable) else (value,))
 
 
 def _range(settings: Mapping[str, Any]) -> dict[str, Any]:

@@ -157,7 +157,7 @@ contains
       call self%write_line(variable, quoted//"'", .true.)
    end subroutine write_text
 
-   !> An empty list is left out: a namelist has no word for it.
+   !> An empty list is left out: a namelist has no word for it. Explained, it is a comment with a zero to start from.
    subroutine write_list(self, variable, value)
       class(writer_type), intent(inout) :: self
       type(variable_type), intent(in) :: variable
@@ -172,18 +172,11 @@ contains
             joined = joined//real_text(value(i))
          end do
       end if
-      call self%write_line(variable, merge_empty(joined), joined /= '')
-
-   contains
-
-      pure function merge_empty(text) result(shown)
-         character(*), intent(in) :: text
-         character(:), allocatable :: shown
-
-         shown = text
-         if (text == '') shown = '0.0'
-      end function merge_empty
-
+      if (joined == '') then
+         call self%write_line(variable, '0.0', .false.)
+      else
+         call self%write_line(variable, joined, .true.)
+      end if
    end subroutine write_list
 
    !> name = value, and where it is explained ! unit, range: description.
@@ -195,9 +188,9 @@ contains
       character(:), allocatable :: line, note
 
       if (.not. in_force .and. .not. self%explain) return
-      line = '   '//merge('  ', '! ', in_force)
-      if (in_force) line = '   '
-      line = line//variable%name(:len_trim(variable%name))//' = '//value
+      line = '   '
+      if (.not. in_force) line = '   ! '
+      line = line//trim(variable%name)//' = '//value
       if (self%explain) then
          note = trim(variable%unit)
          if (variable%range() /= '') then

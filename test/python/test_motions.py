@@ -1,0 +1,138 @@
+"""Branches and motions: shapes, values, and the ways from one to the other. Values: time integration of another code."""
+
+import copy
+import pickle
+
+import matplotlib
+import numpy as np
+import pytest
+
+import geartrain as gt
+
+from conftest import paper_train
+
+matplotlib.use("Agg")
+
+
+def test_shapes_of_a_branch(branch):
+    points = len(branch)
+    assert branch.complete and not branch.closed
+    assert branch.frequency.shape == branch.error_estimate.shape == branch.part.shape == (points,)
+    for values in (branch.rms, branch.mean, branch.minimum, branch.maximum):
+        assert values.shape == (points, 2)
+    assert branch.stable.dtype == bool and branch.stable.shape == (points,)
+    assert branch.multipliers.shape == (points, 10) and np.iscomplexobj(branch.multipliers)
+    assert branch.coefficients.shape == (points, 2, 13)
+    np.testing.assert_array_equal(branch.mean, branch.coefficients[:, :, 0])
+    rms = np.sqrt((branch.coefficients[:, :, 1:] ** 2).sum(axis=2))
+    np.testing.assert_allclose(branch.rms, rms, rtol=1e-13)
+    np.testing.assert_array_equal(branch.stable, abs(branch.multipliers).max(axis=1) < 1)
+
+
+def test_eight_folds(branch):
+    folds = [special for special in branch.special_points if special.kind == "fold"]
+    assert len(folds) == 8
+    for fold in folds:
+        low, high = sorted(branch.frequency[fold.point : fold.point + 2])
+        assert min(abs(fold.frequency - low), abs(fold.frequency - high)) < 0.05
+
+
+def test_settings_that_are_absent_cost_nothing(train):
+    branch = train.response(start=0.9, stop=1.0, stability=False)
+    assert branch.stable is None and branch.multipliers is None
+    assert branch.at(0.95)[0].rms.shape == (2,)
+
+
+def test_solutions_at_a_frequency(branch):
+    assert [motion.stable for motion in branch.at(0.6)] == [True, False, True]
+    assert branch.at(3.0) == []
+    for motion in branch.at(0.6):
+        assert motion.frequency == 0.6
+
+
+@pytest.mark.parametrize(("frequency", "rms", "largest"), [
+    (0.4, (0.14980128, 0.18767890), 0.6827),
+    (0.9, (0.41003761, 0.71440160), 0.8286),
+])
+def test_refine_and_integrate_agree(train, branch, frequency, rms, largest):
+    refined = branch.at(frequency)[0].refine()
+    settled = train.integrate(frequency=frequency)
+    for motion in (refined, settled):
+        np.testing.assert_allclose(motion.rms, rms, atol=2e-8)
+        assert motion.period == 1 and motion.stable
+        assert abs(motion.multipliers).max() == pytest.approx(largest, abs=5e-5)
+    again = train.integrate(frequency, start=refined.state)
+    np.testing.assert_allclose(again.rms, refined.rms, atol=1e-8)
+
+
+def test_period_two(train):
+    motion = train.integrate(1.92)
+    assert motion.period == 2
+    np.testing.assert_allclose(motion.rms, (0.45639898, 0.54946446), atol=2e-8)
+    branch = train.response(start=1.6, stop=2.2, subharmonic=2, seed=motion)
+    assert branch.subharmonic == 2 and len(branch) > 10
+
+
+def test_waveform(branch):
+    motion = branch.at(0.9)[0]
+    assert motion.time.shape == (256,) and motion.displacement.shape == (256, 2)
+    assert motion.time[1] * 256 == pytest.approx(2 * np.pi / 0.9)
+    np.testing.assert_allclose(motion.displacement.mean(axis=0), motion.mean, rtol=1e-12)
+    angle = 0.9 * motion.time[:, np.newaxis]
+    series = motion.coefficients[:, 0] + sum(
+        motion.coefficients[:, 2 * k - 1] * np.cos(k * angle) + motion.coefficients[:, 2 * k] * np.sin(k * angle)
+        for k in range(1, 7)
+    )
+    np.testing.assert_allclose(motion.displacement, series, atol=1e-12)
+    assert motion.waveform(64)[1].shape == (64, 2)
+
+
+def test_linear_train():
+    motion = paper_train(half_backlash=0.0).response(start=0.2, stop=2.6).at(0.9)[0].refine()
+    np.testing.assert_allclose(motion.rms, (0.50993678, 1.40266149), atol=2e-8)
+
+
+def test_sweep(train):
+    motions = train.sweep(start=0.5, stop=0.7, points=3, direction="both")
+    assert isinstance(motions, list) and motions.complete and motions[0].stable is None
+    np.testing.assert_allclose(motions.frequency, [0.5, 0.6, 0.7, 0.7, 0.6, 0.5])
+    assert motions.direction == ("up",) * 3 + ("down",) * 3
+    assert motions.rms.shape == (6, 2)
+
+
+def test_attractors(train):
+    found = train.attractors(0.6, starts=20)
+    assert sum(motion.share for motion in found) == pytest.approx(1)
+    assert len(found) == 2 and all(motion.stable for motion in found)
+    again = train.attractors(0.6, starts=20)
+    assert [motion.share for motion in again] == [motion.share for motion in found]
+
+
+def test_copy_and_pickle(branch, train):
+    motion = branch.at(0.9)[0]
+    sweep = train.sweep(start=0.5, stop=0.7, points=2)
+    for same in (copy.deepcopy(motion), pickle.loads(pickle.dumps(motion))):
+        np.testing.assert_array_equal(same.refine().rms, motion.refine().rms)
+    for same in (copy.deepcopy(branch), pickle.loads(pickle.dumps(branch))):
+        np.testing.assert_array_equal(same.at(0.9)[0].rms, motion.rms)
+    for same in (copy.deepcopy(sweep), pickle.loads(pickle.dumps(sweep))):
+        np.testing.assert_array_equal(same.rms, sweep.rms)
+        assert same.direction == sweep.direction
+
+
+def test_plot(branch):
+    ax = branch.plot(mesh=2)
+    styles = {line.get_linestyle() for line in ax.lines}
+    assert styles == {"-", "--"}
+    assert sum(len(line.get_xdata()) for line in ax.lines) == len(branch) + len(ax.lines) - 1
+    assert "Lambda" in ax.get_xlabel() and "b_c" in ax.get_ylabel()
+    assert branch.plot(ax=ax) is ax
+    with pytest.raises(gt.InputError, match="mesh = 3"):
+        branch.plot(mesh=3)
+
+
+def test_parts_are_not_joined(branch):
+    from geartrain._draw import runs
+
+    pieces = list(runs([True, True, False, False, True], [1, 1, 1, 2, 2]))
+    assert pieces == [(slice(0, 3), True), (slice(2, 3), False), (slice(3, 5), False), (slice(4, 5), True)]

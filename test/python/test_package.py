@@ -1,0 +1,45 @@
+"""The package: documented examples run, no executable stack, and every module is installed."""
+
+import doctest
+import importlib
+import pkgutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import geartrain as gt
+from geartrain import _geartrain
+
+from conftest import ROOT
+
+MODULES = ["geartrain", *(f"geartrain.{module.name}" for module in pkgutil.iter_modules(gt.__path__))]
+
+
+@pytest.mark.parametrize("name", [name for name in MODULES if not name.endswith("._geartrain")])
+def test_examples_in_docstrings(name):
+    result = doctest.testmod(importlib.import_module(name), optionflags=doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS)
+    assert result.failed == 0
+
+
+def test_public_calls_have_examples():
+    for call in (gt.Train, gt.Train.response, gt.Train.integrate, gt.Train.attractors, gt.Branch.at, gt.Motion.refine):
+        assert ">>> " in call.__doc__, call
+
+
+def test_every_module_is_installed():
+    here = {path.name for path in (ROOT / "python" / "geartrain").glob("*.py")} | {"py.typed"}
+    assert here <= {path.name for path in Path(gt.__file__).parent.iterdir()}
+
+
+def test_stack_is_not_executable():
+    headers = subprocess.run(["readelf", "-lW", _geartrain.__file__], capture_output=True, text=True, check=True).stdout
+    (stack,) = [line for line in headers.splitlines() if "GNU_STACK" in line]
+    assert "RWE" not in stack
+
+
+def test_demo_wants_a_folder(tmp_path):
+    program = [sys.executable, "-m", "geartrain.demo"]
+    assert subprocess.run(program, capture_output=True).returncode == 2
+    assert subprocess.run([*program, tmp_path], capture_output=True).returncode == 4

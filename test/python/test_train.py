@@ -1,0 +1,121 @@
+"""Trains: names, checks and what is linear."""
+
+import copy
+import inspect
+import pickle
+
+import numpy as np
+import pytest
+
+import geartrain as gt
+
+from conftest import ROOT, paper_train
+
+
+def test_version():
+    assert gt.__version__ == "0.1.0"
+
+
+def test_natural_frequencies_of_the_paper(train):
+    expected = [0.9571, 1.8662, 6.6807, 6.6810, 15.9206]
+    np.testing.assert_allclose(train.natural_frequencies(), expected, atol=5e-5)
+
+
+def test_modes(train):
+    modes = train.modes()
+    assert modes.element == ("shaft 1", "mesh 1", "shaft 2", "mesh 2", "shaft 3")
+    assert modes.shape.shape == (5, 5)
+    np.testing.assert_allclose(abs(modes.shape).max(axis=1), 1)
+    assert (modes.damped_frequency < modes.natural_frequency).all()
+
+
+def test_series_may_be_numbers_lists_or_arrays():
+    given = [gt.Mesh(stiffness_cos=value) for value in (0.3, [0.3], (0.3,), np.array([0.3]))]
+    assert all(mesh == given[0] for mesh in given)
+
+
+def test_rigid_shafts_and_zero_inertias():
+    pair = gt.Train(
+        input_torque=0.8, prime_mover_inertia=0, load_inertia=0, characteristic_length=1, characteristic_frequency=1,
+        shafts=[gt.Shaft(rigid=True), gt.Shaft(rigid=True)],
+        meshes=[gt.Mesh(driving_radius=1, driven_radius=1, driving_inertia=2, driven_inertia=2, stiffness=1,
+                        damping_ratio=0.05, half_backlash=1, stiffness_cos=0.3)])
+    np.testing.assert_allclose(pair.natural_frequencies(), [1.0])
+
+
+def test_bad_value_is_told_as_by_the_executable():
+    with pytest.raises(gt.InputError, match=r"^&mesh 2: stiffness = -1\.0: must be > 0"):
+        paper_train(meshes=[paper_train().meshes[0], gt.Mesh(
+            driving_radius=0.05, driven_radius=0.1, driving_inertia=1, driven_inertia=1, stiffness=-1.0)])
+
+
+def test_every_problem_is_told_at_once():
+    with pytest.raises(gt.InputError) as caught:
+        paper_train(characteristic_length=-1.0, characteristic_frequency=float("nan"))
+    message = str(caught.value)
+    assert "characteristic_length" in message and "characteristic_frequency" in message
+
+
+@pytest.mark.parametrize(("name", "value"), [
+    ("input_torque", [1.0, 2.0]), ("input_torque", "150"), ("input_torque", True), ("input_torque", 1j),
+    ("torque_cos", "0.1"), ("torque_cos", [[1.0]]), ("torque_cos", {1: 2}), ("title", 3), ("title", "two\nlines"),
+    ("shafts", 3), ("meshes", [gt.Shaft()]), ("shafts", []),
+])
+def test_wrong_kinds_are_input_errors(name, value):
+    with pytest.raises(gt.InputError, match=name.rstrip("es") if value == [] else name):
+        paper_train(**{name: value})
+
+
+@pytest.mark.parametrize("settings", [
+    {"start": "0.2", "stop": 2.6}, {"start": 0.2, "stop": [2.6]}, {"start": 0.2, "stop": 2.6, "harmonics": 6.5},
+    {"start": 0.2, "stop": 2.6, "stability": 1}, {"start": 0.2, "stop": 2.6, "control": "manual"},
+    {"start": -0.2, "stop": 2.6}, {"start": 0.2, "stop": 2.6, "subharmonic": 0}, {"start": 0.2, "stop": 0.2},
+    {"start": 0.2, "stop": float("nan")}, {"start": 0.2, "stop": 2.6, "seed": 3},
+])
+def test_wrong_settings_are_input_errors(train, settings):
+    with pytest.raises(gt.InputError):
+        train.response(**settings)
+
+
+@pytest.mark.parametrize(("call", "keywords"), [
+    ("integrate", {"frequency": -1.0}), ("integrate", {"frequency": "a"}), ("integrate", {"frequency": float("inf")}),
+    ("integrate", {"frequency": 0.9, "start": [1.0, 2.0]}), ("integrate", {"frequency": 0.9, "start": "rest"}),
+    ("integrate", {"frequency": 0.9, "start": np.full(10, np.nan)}), ("integrate", {"frequency": 0.9, "tolerance": -1}),
+    ("attractors", {"frequency": 0.9, "starts": 0}), ("attractors", {"frequency": 0.9, "starts": 1.5}),
+    ("attractors", {"frequency": 0.9, "random_seed": 2**40}), ("sweep", {"start": 0.2, "stop": 1.0, "points": -1}),
+    ("sweep", {"start": 0.2, "stop": 1.0, "direction": "left"}), ("sweep", {"start": 0.2, "stop": 1.0, "points": "a"}),
+])
+def test_wrong_calls_are_input_errors(train, call, keywords):
+    with pytest.raises(gt.InputError):
+        getattr(train, call)(**keywords)
+
+
+def test_motion_of_another_train_is_refused(train, branch):
+    pair = gt.read_case(ROOT / "namelists" / "single_pair.nml").train
+    motion = branch.at(0.9)[0]
+    with pytest.raises(gt.InputError, match="mesh"):
+        pair.response(start=0.2, stop=2.0, seed=motion)
+    with pytest.raises(gt.InputError, match="mesh"):
+        pair.integrate(0.8, start=motion)
+
+
+def test_train_can_be_copied_and_pickled(train):
+    assert copy.deepcopy(train) == train == pickle.loads(pickle.dumps(train))
+
+
+def test_keywords_are_the_names_of_the_case_file():
+    case = gt.read_case(ROOT / "namelists" / "fig03.nml")
+    assert set(case.response) == set(inspect.signature(gt.Train.response).parameters) - {"self", "seed"}
+    assert set(case.integration) == set(inspect.signature(gt.Train.sweep).parameters) - {"self"}
+
+
+def test_file_without_the_train_is_told_with_its_line(tmp_path):
+    path = tmp_path / "bad.nml"
+    path.write_text("&train\n   input_torqe = 3\n/\n")
+    with pytest.raises(gt.InputError, match=r"bad\.nml:2:4: error: .*input_torqe"):
+        gt.read_case(path)
+
+
+def test_missing_file():
+    with pytest.raises((OSError, gt.InputError), match="nowhere"):
+        gt.read_case("nowhere.nml")

@@ -1,0 +1,119 @@
+"""Long work: Ctrl-C, threads, the global lock, and what is left behind."""
+
+import signal
+import subprocess
+import sys
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+import geartrain as gt
+from geartrain import _box
+
+from conftest import paper_train
+
+INTERRUPTED = """
+import sys
+sys.path.insert(0, {folder!r})
+from conftest import paper_train
+import geartrain as gt
+train = paper_train()
+print("ready", flush=True)
+try:
+    train.{call}
+except gt.Interrupted as stop:
+    result = stop.result
+    print(len(result), str(stop))
+    print(result.ended)
+print(len(train.natural_frequencies()), "alive")
+"""
+
+
+@pytest.mark.parametrize("call", [
+    "response(start=0.2, stop=2.6, step=1e-5, max_points=10**6)",
+    "sweep(start=0.2, stop=2.6, points=10**6)",
+])
+def test_interrupt_leaves_interpreter_and_results_alive(call, request):
+    code = INTERRUPTED.format(folder=str(request.path.parent), call=call)
+    child = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert child.stdout.readline() == "ready\n"
+    time.sleep(1.0)
+    child.send_signal(signal.SIGINT)
+    output, errors = child.communicate(timeout=20)
+    assert child.returncode == 0, errors
+    first, ended, last = output.splitlines()
+    assert int(first.split()[0]) > 10 and "stopped by Ctrl-C at Lambda = " in first
+    assert ended and last == "5 alive"
+    assert errors == ""  # no progress bar where there is no terminal
+
+
+def test_interrupted_is_a_keyboard_interrupt():
+    assert issubclass(gt.Interrupted, KeyboardInterrupt)
+
+
+def test_threads_give_equal_bits(train, branch):
+    with ThreadPoolExecutor(4) as pool:
+        jobs = [pool.submit(train.response, start=0.2, stop=2.6) for _ in range(6)]
+        for job in jobs:
+            np.testing.assert_array_equal(job.result().coefficients, branch.coefficients)
+            np.testing.assert_array_equal(job.result().multipliers, branch.multipliers)
+
+
+def test_global_lock_is_free_meanwhile(train):
+    ticks = []
+    stop = threading.Event()
+
+    def tick():
+        while not stop.wait(0.002):
+            ticks.append(time.perf_counter())
+
+    thread = threading.Thread(target=tick)
+    text = train.namelist(response={"start": 0.2, "stop": 2.6, "harmonics": 12})
+    with _box.Box(text) as box:
+        progress = np.zeros(3)
+        thread.start()
+        begin = time.perf_counter()
+        _box.fortran.follow_response(box.handle, progress)
+        end = time.perf_counter()
+    stop.set()
+    thread.join()
+    assert progress[1] > 100
+    assert sum(begin < instant < end for instant in ticks) > (end - begin) / 0.04
+
+
+def test_quick_work_does_not_wait(train):
+    begin = time.perf_counter()
+    for _ in range(10):
+        train.response(start=0.9, stop=0.91, stability=False)
+    assert time.perf_counter() - begin < 0.4
+
+
+def test_every_box_is_closed(train, monkeypatch):
+    open_boxes = set()
+
+    class Counted:
+        def __getattr__(self, name):
+            return getattr(_fortran, name)
+
+        def open_box(self):
+            handle = _fortran.open_box()
+            open_boxes.add(handle)
+            return handle
+
+        def close_box(self, handle):
+            open_boxes.remove(handle)
+            _fortran.close_box(handle)
+
+    _fortran = _box.fortran
+    monkeypatch.setattr(_box, "fortran", Counted())
+    opened = []
+    train.response(start=0.9, stop=1.0).at(0.95)[0].refine()
+    opened.append(paper_train().integrate(0.9))
+    with pytest.raises(gt.InputError):
+        paper_train(characteristic_length=-1.0)
+    with pytest.raises(gt.InputError):
+        train.integrate(-1.0)
+    assert opened and not open_boxes
