@@ -5,11 +5,33 @@ Floquet stability, time integration. Everything is computed by the Fortran libra
 
 Frequency is Lambda, the fundamental mesh frequency over the train's characteristic frequency; displacement is that of
 the meshes, over the characteristic length.
+
+Examples
+--------
+The train of Al-shyyab and Kahraman (2007), which is the ``train`` of all examples here:
+
+>>> import geartrain as gt
+>>> def mesh(driving_inertia, driven_inertia, stiffness):
+...     return gt.Mesh(driving_radius=0.05, driven_radius=0.10, driving_inertia=driving_inertia,
+...                    driven_inertia=driven_inertia, stiffness=stiffness, damping_ratio=0.05,
+...                    half_backlash=30e-6, stiffness_cos=[0.3])
+>>> train = gt.Train(
+...     input_torque=150.0, prime_mover_inertia=2.3e-7, load_inertia=2.3e-7,
+...     characteristic_length=30e-6, characteristic_frequency=9870.0,
+...     shafts=[gt.Shaft(stiffness=k, damping_ratio=0.01) for k in (1e3, 1e8, 1e3)],
+...     meshes=[mesh(0.0023, 0.037, 2.5e8), mesh(0.0046, 0.074, 5e8)])
+>>> train.natural_frequencies().round(4)
+array([ 0.9571,  1.8662,  6.6807,  6.681 , 15.9206])
+>>> branch = train.response(start=0.2, stop=2.6)
+>>> branch.ended
+'reached Lambda = 2.6'
+>>> [motion.stable for motion in branch.at(0.6)]
+[True, False, True]
 """
 
 from __future__ import annotations
 
-from ._box import Box as _Box
+from . import _box
 from .branch import Branch, SpecialPoint
 from .case import Case, Results, read_case
 from .errors import InputError, Interrupted, SolverError
@@ -34,5 +56,5 @@ __all__ = [
     "read_case",
 ]
 
-with _Box() as _box:
-    __version__ = _box.text("version")
+with _box.Box() as _opened:
+    __version__ = _opened.text("version")

@@ -114,6 +114,14 @@ class Branch:
         -------
         list of Motion
             In their order along the branch; empty where the branch does not pass that frequency.
+
+        Examples
+        --------
+        >>> for motion in branch.at(0.6):
+        ...     print(motion.rms.round(3), "stable" if motion.stable else "unstable")
+        [0.166 0.212] stable
+        [0.416 1.691] unstable
+        [0.491 2.133] stable
         """
         if self.train is None:
             raise ValueError("this branch has no train")
@@ -139,6 +147,11 @@ class Branch:
         Returns
         -------
         matplotlib.axes.Axes
+
+        Examples
+        --------
+        >>> ax = branch.plot(mesh=2, color="black")
+        >>> ax.figure.savefig("response.png")  # doctest: +SKIP
         """
         meshes = self.rms.shape[1]
         if mesh is not None and mesh not in range(1, meshes + 1):

@@ -108,6 +108,14 @@ class Motion:
         ------
         SolverError
             Where shooting does not converge.
+
+        Examples
+        --------
+        >>> refined = branch.at(0.9)[0].refine()
+        >>> refined.rms.round(8)
+        array([0.41003761, 0.7144016 ])
+        >>> refined.error_estimate < 1e-10
+        True
         """
         with self._box() as box:
             box.check(fortran.refine_motion(box.handle))

@@ -6,9 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from itertools import zip_longest
 from numbers import Integral, Real
-from itertools import zip_longest
-from numbers import Integral, Real
-from typing import Any, Union
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,7 +21,7 @@ from .motion import Motion, Sweep
 
 __all__ = ["Mesh", "Shaft", "Train"]
 
-Series = Union[float, Sequence[float]]
+Series = float | Sequence[float]
 
 _ELEMENT = dict.fromkeys(("stiffness", "damping_ratio", "damping"), "number")
 _SHAFT = {**_ELEMENT, "rigid": "flag"}
@@ -286,6 +284,16 @@ class Train:
         InputError
         Interrupted
             On Ctrl-C, with the branch so far.
+
+        Examples
+        --------
+        With ``train`` as in the package's example:
+
+        >>> branch = train.response(start=0.2, stop=2.6)
+        >>> branch.rms.max(axis=0).round(2)
+        array([0.86, 3.05])
+        >>> [round(special.frequency, 3) for special in branch.special_points if special.kind == "fold"]
+        [0.462, 0.459, 0.792, 0.566, 0.732, 0.616, 1.664, 1.547]
         """
         settings = {
             "start": start,
@@ -349,6 +357,12 @@ class Train:
         -------
         Motion
             Its ``period`` is 0 where none was found.
+
+        Examples
+        --------
+        >>> motion = train.integrate(frequency=1.92)
+        >>> motion.period, motion.rms.round(6)
+        (2, array([0.456399, 0.549464]))
         """
         text = self._at(frequency, stability, harmonics, max_periods, tolerance)
         first = start if start is None or isinstance(start, Motion) else _from_state(start, len(self.meshes))
@@ -389,6 +403,16 @@ class Train:
         -------
         Sweep
             A list of `Motion` that also knows its ``direction``.
+
+        Examples
+        --------
+        A jump: the motion at 0.6 depends on where it came from.
+
+        >>> motions = train.sweep(start=0.4, stop=0.8, points=3, direction="both")
+        >>> motions.direction
+        ('up', 'up', 'up', 'down', 'down', 'down')
+        >>> motions.rms[[1, 4], 1].round(3)
+        array([0.212, 2.133])
         """
         settings = {
             "start": start,
@@ -439,6 +463,13 @@ class Train:
         -------
         list of Motion
             Each with its ``share`` of the starts.
+
+        Examples
+        --------
+        >>> for motion in train.attractors(frequency=0.6, starts=20):
+        ...     print(f"{motion.share:.2f} {motion.rms.round(3)}")
+        0.55 [0.166 0.212]
+        0.45 [0.493 2.133]
         """
         text = self._at(frequency, stability, harmonics, max_periods, tolerance)
         for name, value in (("starts", starts), ("random_seed", random_seed)):

@@ -1,10 +1,13 @@
 """The paper's train and the executable."""
 
+import os
 import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # a threaded BLAS only gets in the way of threads, see docs/python.md
 
 import geartrain as gt
 

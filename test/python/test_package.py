@@ -8,19 +8,19 @@ import sys
 from pathlib import Path
 
 import pytest
+from conftest import ROOT
 
 import geartrain as gt
 from geartrain import _geartrain
-
-from conftest import ROOT
 
 MODULES = ["geartrain", *(f"geartrain.{module.name}" for module in pkgutil.iter_modules(gt.__path__))]
 
 
 @pytest.mark.parametrize("name", [name for name in MODULES if not name.endswith("._geartrain")])
-def test_examples_in_docstrings(name):
-    result = doctest.testmod(importlib.import_module(name), optionflags=doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS)
-    assert result.failed == 0
+def test_examples_in_docstrings(name, train, branch, monkeypatch):
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    names = {"gt": gt, "train": train, "branch": branch}
+    assert doctest.testmod(importlib.import_module(name), extraglobs=names).failed == 0
 
 
 def test_public_calls_have_examples():
@@ -41,5 +41,5 @@ def test_stack_is_not_executable():
 
 def test_demo_wants_a_folder(tmp_path):
     program = [sys.executable, "-m", "geartrain.demo"]
-    assert subprocess.run(program, capture_output=True).returncode == 2
-    assert subprocess.run([*program, tmp_path], capture_output=True).returncode == 4
+    assert subprocess.run(program, check=False, capture_output=True).returncode == 2
+    assert subprocess.run([*program, tmp_path], check=False, capture_output=True).returncode == 4

@@ -68,8 +68,8 @@ contains
       call store%axis(home//'/mesh', meshes, 'mesh, in the order of the train')
       call store%axis(home//'/coefficient', coefficient_labels(length), &
                       'order of the coefficient in multiples of Lambda/period')
-      call store%put(home//'/frequency', motions%frequency, ['point'], '1', frequency_description)
-      call store%put(home//'/period', motions%period, ['point'], '1', &
+      call store%put(home//'/frequency', (motions%frequency), ['point'], '1', frequency_description)
+      call store%put(home//'/period', (motions%period), ['point'], '1', &
                      'period of the motion in fundamental mesh periods; 0 = none found, the figures are then of the last &
                      &16 mesh periods')
       call store%put(home//'/rms', values(:, :, 1), by_mesh, '1', about_rms)
@@ -97,7 +97,7 @@ contains
       do i = 1, size(motions)
          if (allocated(motions(i)%multipliers)) multipliers(:, i) = motions(i)%multipliers
       end do
-      call store%put(home//'/stable', motions%stable, ['point'], about_stable//'; 0 also where no period was found')
+      call store%put(home//'/stable', (motions%stable), ['point'], about_stable//'; 0 also where no period was found')
       call store%axis(home//'/state', states, 'number of the multiplier, in no order that holds between points')
       call store%axis(home//'/complex', ['real     ', 'imaginary'], 'part of a complex number')
       call store%put(home//'/multipliers', as_parts(multipliers), ['point  ', 'state  ', 'complex'], '1', &

@@ -98,10 +98,11 @@ contains
          call store%attribute(room, 'description', 'places on the branch that a reader looks for')
          call store%attribute(room, 'coordinates', 'frequency kind')
          call store%axis(room//'/special_point', size(special), 'special point, in the order found')
-         call store%put(room//'/kind', special%kind, ['special_point'], '', &
+         ! The parentheses make the copy that gathers a component explicit.
+         call store%put(room//'/kind', (special%kind), ['special_point'], '', &
                         'fold; period doubling; torus: a pair of multipliers leaves the unit circle; symmetry: +1 without a fold')
-         call store%put(room//'/frequency', special%frequency, ['special_point'], '1', frequency_description)
-         call store%put(room//'/after_point', special%point, ['special_point'], '1', 'the point of the branch before it')
+         call store%put(room//'/frequency', (special%frequency), ['special_point'], '1', frequency_description)
+         call store%put(room//'/after_point', (special%point), ['special_point'], '1', 'the point of the branch before it')
          call store%put(room//'/rms', rms, ['special_point', 'mesh         '], '1', about_rms)
       end associate
    end subroutine write_special_points

@@ -288,7 +288,7 @@ contains
          call h5dclose_f(id, status)
       end if
       call h5sclose_f(space, status)
-      if (units /= '') call self%attribute(path, 'units', units)
+      call self%attribute(path, 'units', units)
       call self%attribute(path, 'description', description)
    end subroutine put_any
 
