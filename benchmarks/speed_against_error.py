@@ -8,10 +8,11 @@ import platform
 import statistics
 import time
 
-import geartrain as gt
 import numpy as np
 import scipy
 from scipy.integrate import solve_ivp
+
+import geartrain as gt
 
 FREQUENCIES = [0.7, 0.9, 1.0, 1.2, 1.6]
 REPEATS = 7

@@ -4,6 +4,7 @@ module geartrain
    use geartrain_base_kinds, only: dp, version
    use geartrain_base_observer, only: observer_type
    use geartrain_branch_branch, only: branch_type, response_settings_type, special_point_type
+   use geartrain_branch_doubling, only: period_doubled
    use geartrain_branch_response, only: response
    use geartrain_branch_solutions, only: solutions_at
    use geartrain_case_case, only: case_type

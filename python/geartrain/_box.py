@@ -43,7 +43,7 @@ class Box:
             fortran.close_box(self.handle)
             raise
 
-    def __enter__(self) -> Box:
+    def __enter__(self) -> Box:  # noqa: PYI034 (typing.Self needs Python 3.11)
         return self
 
     def __exit__(
@@ -107,7 +107,7 @@ class Box:
 
     def branch(self) -> dict[str, Any] | None:
         sizes = map(int, fortran.branch_sizes(self.handle))
-        points, meshes, states, terms, specials, subharmonic, complete, closed = sizes
+        points, meshes, states, terms, _specials, subharmonic, complete, closed = sizes
         if not points:
             return None
         numbers, coefficients, values, marks, multipliers = fortran.copy_branch(

@@ -45,7 +45,7 @@ def watched(work: Callable[[NDArray[np.float64]], Result], name: str, total: int
     def run() -> None:
         try:
             outcome["result"] = work(progress)
-        except BaseException as error:  # noqa: BLE001: the waiting thread raises it again
+        except BaseException as error:  # noqa: BLE001 (the waiting thread raises it again)
             outcome["error"] = error
         finally:
             done.set()

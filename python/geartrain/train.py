@@ -6,9 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from itertools import zip_longest
 from numbers import Integral, Real
-from itertools import zip_longest
-from numbers import Integral, Real
-from typing import Any, Union
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,7 +21,7 @@ from .motion import Motion, Sweep
 
 __all__ = ["Mesh", "Shaft", "Train"]
 
-Series = Union[float, Sequence[float]]
+Series = float | Sequence[float]
 
 _ELEMENT = dict.fromkeys(("stiffness", "damping_ratio", "damping"), "number")
 _SHAFT = {**_ELEMENT, "rigid": "flag"}

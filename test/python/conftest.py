@@ -9,7 +9,7 @@ import pytest
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # a threaded BLAS only gets in the way of threads, see docs/python.md
 
-import geartrain as gt  # noqa: E402
+import geartrain as gt
 
 ROOT = Path(__file__).resolve().parents[2]
 

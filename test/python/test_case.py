@@ -6,10 +6,9 @@ import subprocess
 import h5py
 import numpy as np
 import pytest
+from conftest import ROOT
 
 import geartrain as gt
-
-from conftest import ROOT
 
 CASE = ROOT / "namelists" / "fig03.nml"
 

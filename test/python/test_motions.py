@@ -6,10 +6,9 @@ import pickle
 import matplotlib
 import numpy as np
 import pytest
+from conftest import paper_train
 
 import geartrain as gt
-
-from conftest import paper_train
 
 matplotlib.use("Agg")
 

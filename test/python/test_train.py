@@ -6,10 +6,9 @@ import pickle
 
 import numpy as np
 import pytest
+from conftest import ROOT, paper_train
 
 import geartrain as gt
-
-from conftest import ROOT, paper_train
 
 
 def test_version():

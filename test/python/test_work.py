@@ -9,11 +9,10 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from conftest import paper_train
 
 import geartrain as gt
 from geartrain import _box
-
-from conftest import paper_train
 
 INTERRUPTED = """
 import sys

@@ -11,11 +11,11 @@ module geartrain_branch_tracer
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: tracer_type, reached_end, came_back, closed_loop, left_by_amplitude, cancelled, stuck, full
+   public :: tracer_type, reached_end, came_back, closed_loop, left_by_amplitude, cancelled, stuck, full, met_half_period
 
    !> How a trace ended.
    integer, parameter :: reached_end = 1, came_back = 2, closed_loop = 3, left_by_amplitude = 4, cancelled = 5, stuck = 6, &
-                         full = 7
+                         full = 7, met_half_period = 8
 
    real(dp), parameter :: first_step = 0.01_dp, smallest_step = 1e-9_dp
    !> Cosine of the largest angle between tangents of neighbouring points, and the angle aimed at [rad].
@@ -148,6 +148,11 @@ contains
                return
             end if
          end if
+         if (passes_half_period(self, here, next)) then
+            outcome = met_half_period
+            reason = 'met the branch of half its period at Lambda = '//text(next%frequency)
+            return
+         end if
          mesh = maxloc(branch%rms(:, branch%points), 1)
          if (branch%rms(mesh, branch%points) > self%amplitude_limit) then
             outcome = left_by_amplitude
@@ -186,6 +191,23 @@ contains
       if (self%path%local_control) return
       acceptable = acceptable .and. (here%orientation == next%orientation .or. here%orientation == 0 .or. h < jump_step)
    end function acceptable
+
+   !> Whether the odd harmonics of a motion of even period change sign between two points: the branch passes through one of
+   !> half its period there, and goes on as its own mirror image, shifted by half a period.
+   pure logical function passes_half_period(self, here, next)
+      class(tracer_type), intent(in) :: self
+      type(place_type), intent(in) :: here, next
+      real(dp) :: product
+      integer :: k
+
+      passes_half_period = .false.
+      if (mod(self%settings%subharmonic, 2) /= 0) return
+      product = 0
+      do k = 1, size(self%path%balance%harmonic), 2
+         product = product + sum(here%u(2*k:2*k + 1, :)*next%u(2*k:2*k + 1, :))
+      end do
+      passes_half_period = product < 0
+   end function passes_half_period
 
    !> Whether Lambda turns between two points. Where a branch leaves vertically (a period-2 branch does, until contact is lost)
    !> the sign of the tangent's Lambda part is rounding: that is no fold.
