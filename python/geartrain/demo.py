@@ -96,7 +96,8 @@ def _draw_panel(
 
 def _read(group: Any) -> dict[str, Any]:
     """The arrays that are drawn; None for those that the group lacks."""
-    return {name: np.asarray(group[name]) if name in group else None for name in ("frequency", "rms", "stable", "part", "period")}
+    names = ("frequency", "rms", "stable", "part", "period")
+    return {name: np.asarray(group[name]) if name in group else None for name in names}
 
 
 def main(arguments: list[str]) -> int:
