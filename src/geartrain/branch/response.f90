@@ -7,20 +7,17 @@ module geartrain_branch_response
    use geartrain_base_numbers, only: text
    use geartrain_branch_branch, only: branch_type, response_settings_type, special_point_type
    use geartrain_branch_path, only: place_type
+   use geartrain_branch_start, only: begin_trace, place_of, resting
    use geartrain_branch_tracer, only: cancelled, closed_loop, left_by_amplitude, reached_end, tracer_type
    use geartrain_branch_variables, only: check_response
    use geartrain_model_check, only: check_train
-   use geartrain_model_system, only: build_system
    use geartrain_model_train, only: train_type
    use geartrain_motion_integration, only: integrate
    use geartrain_motion_integration_settings, only: integration_settings_type
    use geartrain_motion_motion, only: motion_type
    implicit none (type, external)
    private
-   public :: response, begin_trace, place_of
-
-   !> Amplitude limit of a train with backlash, rms over characteristic length, where none is given.
-   real(dp), parameter :: default_amplitude_limit = 12
+   public :: response
 
 contains
 
@@ -59,22 +56,6 @@ contains
       end if
       call tracer%recorder%finish(branch)
    end subroutine response
-
-   !> A tracer for the train with the settings in force.
-   subroutine begin_trace(train, settings, tracer)
-      type(train_type), intent(in) :: train
-      type(response_settings_type), intent(in) :: settings
-      type(tracer_type), intent(inout) :: tracer
-
-      tracer%settings = settings
-      call build_system(train, tracer%system)
-      if (settings%amplitude_limit > 0) then
-         tracer%amplitude_limit = settings%amplitude_limit
-      else if (any(tracer%system%backlash > 0)) then
-         tracer%amplitude_limit = default_amplitude_limit
-      end if
-      call tracer%prepare(merge(settings%harmonics, 6*settings%subharmonic, settings%harmonics > 0))
-   end subroutine begin_trace
 
    !> From one end of the range towards the other.
    subroutine trace_part(train, tracer, part, from, to, branch, outcome, reason, observer)
@@ -208,41 +189,5 @@ contains
          branch%special_points(i)%point = place(branch%special_points(i)%point)
       end do
    end subroutine put_in_front
-
-   !> The train at rest under its mean load, every mesh on its drive flank.
-   function resting(tracer, frequency) result(place)
-      type(tracer_type), intent(in) :: tracer
-      real(dp), intent(in) :: frequency
-      type(place_type) :: place
-
-      associate (balance => tracer%path%balance, system => tracer%system)
-         allocate (place%u(balance%block, balance%unknowns), source=0.0_dp)
-         place%frequency = frequency
-         place%u(1, :) = system%load(system%mesh_element(balance%mesh))
-         place%u(1, :) = place%u(1, :) + sign(system%backlash(balance%mesh), place%u(1, :))
-      end associate
-   end function resting
-
-   !> The coefficients of a motion on the harmonics of the balance; the motion's period divides the sub-harmonic index.
-   function place_of(tracer, motion) result(place)
-      type(tracer_type), intent(in) :: tracer
-      type(motion_type), intent(in) :: motion
-      type(place_type) :: place
-      integer :: i, k, r, ratio
-
-      associate (balance => tracer%path%balance)
-         allocate (place%u(balance%block, balance%unknowns), source=0.0_dp)
-         place%frequency = motion%frequency
-         ratio = tracer%settings%subharmonic/motion%period
-         do i = 1, balance%unknowns
-            place%u(1, i) = motion%coefficients(1, balance%mesh(i))
-            do k = 1, size(balance%harmonic)
-               r = balance%harmonic(k)/ratio
-               if (r*ratio /= balance%harmonic(k) .or. 2*r + 1 > size(motion%coefficients, 1)) cycle
-               place%u(2*k:2*k + 1, i) = motion%coefficients(2*r:2*r + 1, balance%mesh(i))
-            end do
-         end do
-      end associate
-   end function place_of
 
 end module geartrain_branch_response

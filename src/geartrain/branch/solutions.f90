@@ -5,7 +5,7 @@ module geartrain_branch_solutions
    use geartrain_base_numbers, only: text
    use geartrain_branch_branch, only: branch_type, response_settings_type
    use geartrain_branch_path, only: inner, place_type
-   use geartrain_branch_response, only: begin_trace, place_of
+   use geartrain_branch_start, only: begin_trace, place_of
    use geartrain_branch_tracer, only: tracer_type
    use geartrain_model_check, only: check_train
    use geartrain_model_train, only: train_type
