@@ -1,4 +1,4 @@
-"""Branches and motions: shapes, values, and the ways from one to the other. Values: time integration of another code."""
+"""Branches and motions: shapes, values (time integration of another code), and the ways from one to the other."""
 
 import copy
 import pickle
