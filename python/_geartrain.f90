@@ -97,6 +97,29 @@ subroutine follow_response(handle, progress, status)
    status = close_with(box, error)
 end subroutine follow_response
 
+! The branch of twice the period at one of the special points of the box's branch takes its place.
+subroutine follow_doubled(handle, special, progress, status)
+   use geartrain, only: branch_type, error_type, period_doubled
+   use geartrain_python_box, only: box_type, box_of, close_with, watch_type
+   implicit none
+   integer(8), intent(in) :: handle
+   integer, intent(in) :: special
+   double precision, intent(inout), target :: progress(3)
+   integer, intent(out) :: status
+   type(box_type), pointer :: box
+   type(branch_type), allocatable :: doubled
+   type(error_type), allocatable :: error
+   type(watch_type) :: watch
+   !f2py threadsafe
+
+   box => box_of(handle)
+   watch%progress => progress
+   allocate (doubled)
+   call period_doubled(box%case%train, box%case%response, box%results%response, special, doubled, error, watch)
+   call move_alloc(doubled, box%results%response)
+   status = close_with(box, error)
+end subroutine follow_doubled
+
 ! Every solution of the box's branch at exactly `frequency`; they become the box's motions.
 subroutine solve_at(handle, frequency, status)
    use geartrain, only: error_type, solutions_at

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from ._box import Box, fortran
 from ._draw import draw_curve, label_axes
-from .errors import InputError
+from ._watch import watched
+from .errors import InputError, SolverError
 from .motion import Motion
 
 if TYPE_CHECKING:
@@ -131,6 +132,54 @@ class Branch:
             box.put_branch(self)
             box.check(fortran.solve_at(box.handle, frequency))
             return [Motion(train=self.train, **fields) for fields in box.motions()]
+
+    def period_doubled(self, special: SpecialPoint) -> Branch:
+        """The branch of twice the period that leaves this one at a period doubling; no seed is needed.
+
+        Parameters
+        ----------
+        special : SpecialPoint
+            One of this branch's ``special_points``, of kind ``"period doubling"``.
+
+        Returns
+        -------
+        Branch
+            With twice the harmonics and subharmonic, until it meets the branch of half its period or leaves the range.
+
+        Raises
+        ------
+        InputError
+            Where ``special`` is no period doubling of this branch.
+        SolverError
+            Where no point was found.
+
+        Examples
+        --------
+        >>> doublings = [special for special in branch.special_points if special.kind == "period doubling"]
+        >>> twice = branch.period_doubled(doublings[-1])
+        >>> twice.subharmonic, bool(round(twice.frequency[0], 2) == 2.04)
+        (2, True)
+        """
+        if self.train is None:
+            raise ValueError("this branch has no train")
+        places = [place for place, own in enumerate(self.special_points, 1) if own is special]
+        if not places:
+            raise InputError(f"special = {special!r}: must be one of this branch's special_points")
+        train = self.train
+        text = train.namelist(response=self.settings)
+        settings = {**self.settings, "harmonics": 2 * self.settings["harmonics"], "subharmonic": 2 * self.subharmonic}
+
+        def work(progress: NDArray[np.float64]) -> Branch:
+            with Box(text) as box:
+                box.put_branch(self)
+                status = fortran.follow_doubled(box.handle, places[0], progress)
+                doubled = Branch._from(box, train, settings)
+                box.check(status, whole=doubled is None)
+                if doubled is None:
+                    raise SolverError(box.text("response") or "no point found")
+                return doubled
+
+        return watched(work, "period doubling")
 
     def plot(self, mesh: int | None = None, ax: Axes | None = None, **style: Any) -> Axes:
         """Draw rms over Lambda: stable solid, unstable dashed, special points left to the caller.

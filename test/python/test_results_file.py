@@ -1,0 +1,176 @@
+"""The file that the executable writes, as h5py and xarray see it."""
+
+import os
+import signal
+import subprocess
+import time
+
+import h5py
+import numpy as np
+import pytest
+import xarray
+
+PAIR = """
+&train
+   title = 'Zahnräder, ein Paar'
+   input_torque = 0.4, prime_mover_inertia = 0.0, load_inertia = 0.0
+   characteristic_length = 1.0, characteristic_frequency = 1.0
+/
+&shaft rigid = .true. /
+&mesh
+   driving_radius = 1.0, driven_radius = 1.0, driving_inertia = 2.0, driven_inertia = 2.0
+   stiffness = 1.0, damping_ratio = 0.05, half_backlash = 1.0, stiffness_cos = 0.3
+/
+&shaft rigid = .true. /
+"""
+MODES = "&modes /\n"
+RESPONSE = "&response from = 0.2, to = 2.6, harmonics = 4 /\n"
+INTEGRATION = "&integration from = 0.6, to = 0.8, points = 3, direction = 'both', harmonics = 8, stability = .true. /\n"
+
+
+def run(executable, folder, analyses, name="pair.h5"):
+    case = folder / "pair.nml"
+    case.write_text(PAIR + analyses, encoding="utf-8")
+    return subprocess.run(
+        [executable, case, "--output", folder / name], capture_output=True, text=True, encoding="utf-8", check=False
+    )
+
+
+@pytest.fixture(scope="module")
+def path(executable, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("results")
+    done = run(executable, folder, MODES + RESPONSE + INTEGRATION)
+    assert done.returncode == 0, done.stderr
+    assert sorted(file.name for file in folder.iterdir()) == ["pair.h5", "pair.nml"]
+    return folder / "pair.h5"
+
+
+def test_root_tells_what_it_is(path):
+    with h5py.File(path) as file:
+        assert file.attrs["format_version"] == 1
+        assert file.attrs["title"] == "Zahnräder, ein Paar"
+        assert "damping_ratio = 0.05" in file.attrs["input"]
+        assert "max_points" in file.attrs["input"], "defaults are included"
+        assert set(file) == {"modes", "response", "integration"}
+
+
+def test_the_input_in_the_file_gives_the_same_file_again(path, executable, tmp_path):
+    with h5py.File(path) as file:
+        (tmp_path / "again.nml").write_text(file.attrs["input"], encoding="utf-8")
+    subprocess.run([executable, tmp_path / "again.nml", "--output", tmp_path / "again.h5"], capture_output=True, check=True)
+    with h5py.File(path) as first, h5py.File(tmp_path / "again.h5") as second:
+        assert first.attrs["input"].split("&output")[0] == second.attrs["input"].split("&output")[0]
+        np.testing.assert_array_equal(first["response/rms"], second["response/rms"])
+
+
+def test_every_dataset_says_what_it_is(path):
+    def look(name, item):
+        if isinstance(item, h5py.Dataset):
+            assert item.attrs["description"], name
+            assert "units" in item.attrs, name
+            assert item.is_scale or all(len(dimension) == 1 for dimension in item.dims), name
+
+    with h5py.File(path) as file:
+        file.visititems(look)
+
+
+def test_shapes_of_the_response(path):
+    with h5py.File(path) as file:
+        group = file["response"]
+        points = len(group["frequency"])
+        assert points > 50
+        for name in ("rms", "true_ac_rms", "mean", "minimum", "maximum"):
+            assert group[name].shape == (points, 1), name
+        assert group["coefficients"].shape == (points, 1, 9)
+        assert group["multipliers"].shape == (points, 2, 2)
+        assert group["stable"].shape == group["error_estimate"].shape == group["part"].shape == (points,)
+        assert group.attrs["harmonics"] == 4
+        assert group.attrs["subharmonic"] == 1
+        assert group.attrs["complete"] == 1
+        assert group.attrs["closed"] == 0
+        assert group.attrs["ended"]
+
+
+def test_rms_is_that_of_the_coefficients(path):
+    with h5py.File(path) as file:
+        for group in (file["response"], file["integration"]):
+            coefficients = group["coefficients"][...]
+            rms = np.sqrt((coefficients[:, :, 1:] ** 2).sum(axis=2))
+            # The integration's rms is of the whole motion, not of the harmonics stored.
+            np.testing.assert_allclose(rms, group["rms"], rtol=1e-12 if group.name == "/response" else 1e-4)
+            np.testing.assert_allclose(coefficients[:, :, 0], group["mean"], rtol=1e-12)
+            np.testing.assert_allclose(group["true_ac_rms"] * np.sqrt(2), group["rms"], rtol=1e-14)
+
+
+def test_xarray_opens_each_group(path):
+    response = xarray.open_dataset(path, group="response", engine="h5netcdf")
+    assert response.rms.dims == ("point", "mesh")
+    assert response.coefficients.dims == ("point", "mesh", "coefficient")
+    assert response.multipliers.dims == ("point", "state", "complex")
+    assert response.stable.dtype == bool
+    assert "frequency" in response.coords
+    assert list(response.coefficient.values[:4]) == ["mean", "cos 1", "sin 1", "cos 2"]
+    np.testing.assert_array_equal(response.coefficients.sel(coefficient="mean"), response["mean"])
+    multipliers = response.multipliers.sel(complex="real") + 1j * response.multipliers.sel(complex="imaginary")
+    np.testing.assert_array_equal((abs(multipliers) < 1).all("state"), response.stable)
+
+    integration = xarray.open_dataset(path, group="integration", engine="h5netcdf")
+    assert list(integration.direction.values) == ["up"] * 3 + ["down"] * 3
+    np.testing.assert_allclose(integration.frequency, [0.6, 0.7, 0.8, 0.8, 0.7, 0.6])
+    assert integration.period.dims == ("point",)
+
+    modes = xarray.open_dataset(path, group="modes", engine="h5netcdf")
+    assert modes.natural_frequency.shape == (1,)
+    assert list(modes.element.values) == ["mesh 1"]
+
+    special = xarray.open_dataset(path, group="response/special_points", engine="h5netcdf")
+    assert set(special.kind.values) <= {"fold", "period doubling", "torus", "symmetry"}
+    assert special.rms.dims == ("special_point", "mesh")
+
+
+def test_only_what_was_asked_for_is_written(executable, tmp_path):
+    done = run(executable, tmp_path, "&response from = 0.3, to = 0.4, stability = .false. /\n")
+    assert done.returncode == 0, done.stderr
+    with h5py.File(tmp_path / "pair.h5") as file:
+        assert set(file) == {"response"}
+        assert not {"stable", "multipliers", "state", "complex"} & set(file["response"])
+
+
+def test_what_ended_early_is_written_and_told(executable, tmp_path):
+    done = run(executable, tmp_path, "&response from = 0.2, to = 2.6, max_points = 10 /\n")
+    assert done.returncode == 3
+    with h5py.File(tmp_path / "pair.h5") as file:
+        assert file["response"].attrs["complete"] == 0
+        assert file["response"].attrs["ended"] in done.stderr
+        assert len(file["response/frequency"]) >= 10
+
+
+@pytest.mark.parametrize(("name", "reason"), [("missing/pair.h5", "there is no folder"), (".", "it is a folder")])
+def test_a_place_that_cannot_be_written_to_is_told(executable, tmp_path, name, reason):
+    done = run(executable, tmp_path, RESPONSE, name)
+    assert done.returncode == 4
+    assert reason in done.stderr
+    assert [file.name for file in tmp_path.iterdir()] == ["pair.nml"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="kills with a signal")
+def test_a_killed_run_leaves_a_readable_file(executable, tmp_path):
+    case = tmp_path / "long.nml"
+    case.write_text(PAIR + RESPONSE + "&integration from = 0.2, to = 2.6, points = 1000000 /\n", encoding="utf-8")
+    partial = tmp_path / "long.h5.partial"
+    work = subprocess.Popen(
+        [executable, case, "--output", tmp_path / "long.h5"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    try:
+        limit = time.monotonic() + 60
+        while not partial.exists() and time.monotonic() < limit:
+            time.sleep(0.1)
+        assert work.poll() is None
+    finally:
+        work.send_signal(signal.SIGKILL)
+        work.wait()
+    with h5py.File(partial) as file:
+        assert file["response"].attrs["complete"] == 1
+        assert file["integration"].attrs["complete"] == 0
+        assert len(file["integration/frequency"]) > 0
+        assert np.isfinite(file["integration/rms"]).all()
