@@ -37,9 +37,9 @@ contains
 
       real(real64), pointer, volatile :: progress(:)
 
-      if (len(analysis) == 0) return
       progress => self%progress
-      progress(2) = done
+      ! The mesh periods of a motion that settles are no points of the analysis.
+      if (analysis /= 'settling') progress(2) = done
       progress(3) = frequency
       if (progress(1) > 0) keep_going = .false.
    end subroutine on_step

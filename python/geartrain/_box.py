@@ -43,7 +43,7 @@ class Box:
             fortran.close_box(self.handle)
             raise
 
-    def __enter__(self) -> Box:  # noqa: PYI034 (typing.Self needs Python 3.11)
+    def __enter__(self) -> Box:  # noqa: PYI034 typing.Self is younger than Python 3.10  # noqa: PYI034 (typing.Self needs Python 3.11)
         return self
 
     def __exit__(

@@ -75,7 +75,8 @@ def watched(work: Callable[[NDArray[np.float64]], Result], name: str, total: int
         result = outcome.get("result")
         message = f"{name} stopped by Ctrl-C"
         if result is not None:
-            message += f" at Lambda = {progress[2]:.6g}, after {int(progress[1])} points; .result holds what there is"
+            points = f", after {int(progress[1])} points" if progress[1] else ""
+            message += f" at Lambda = {progress[2]:.6g}{points}; .result holds what there is"
         raise Interrupted(message, result) from outcome.get("error")
     if "error" in outcome:
         raise outcome["error"]

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
+from numbers import Integral
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._box import Box, fortran
+from .errors import InputError
 
 if TYPE_CHECKING:
     from .train import Train
@@ -93,6 +95,8 @@ class Motion:
             In units of 1/characteristic_frequency.
         displacement : ndarray, (samples, meshes)
         """
+        if not isinstance(samples, Integral) or samples < 1:
+            raise InputError(f"samples = {samples!r}: must be a whole number >= 1")
         with self._box() as box:
             return fortran.sample_waveform(box.handle, samples, len(self.rms))
 

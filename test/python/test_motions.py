@@ -1,4 +1,4 @@
-"""Branches and motions: shapes, values, and the ways from one to the other. Values: time integration of another code."""
+"""Branches and motions: shapes, values (time integration of another code), and the ways from one to the other."""
 
 import copy
 import pickle
@@ -84,6 +84,8 @@ def test_waveform(branch):
     )
     np.testing.assert_allclose(motion.displacement, series, atol=1e-12)
     assert motion.waveform(64)[1].shape == (64, 2)
+    with pytest.raises(gt.InputError, match="samples = 0"):
+        motion.waveform(0)
 
 
 def test_linear_train():

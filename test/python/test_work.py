@@ -1,5 +1,6 @@
 """Long work: Ctrl-C, threads, the global lock, and what is left behind."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -47,6 +48,27 @@ def test_interrupt_leaves_interpreter_and_results_alive(call, request):
     assert int(first.split()[0]) > 10 and "stopped by Ctrl-C at Lambda = " in first
     assert ended and last == "5 alive"
     assert errors == ""  # no progress bar where there is no terminal
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no pseudo-terminal")
+def test_bar_appears_on_a_terminal(request):
+    import fcntl
+    import pty
+    import struct
+    import termios
+
+    ours, theirs = pty.openpty()
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 100, 0, 0))
+    code = INTERRUPTED.format(folder=str(request.path.parent), call="sweep(start=0.2, stop=2.6, points=20000)")
+    child = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.DEVNULL, stderr=theirs)
+    os.close(theirs)
+    shown = b""
+    while b"Lambda = " not in shown:
+        shown += os.read(ours, 1000)
+    child.send_signal(signal.SIGINT)
+    assert child.wait(timeout=20) == 0
+    os.close(ours)
+    assert b"integration:" in shown and b"/20000" in shown
 
 
 def test_interrupted_is_a_keyboard_interrupt():
