@@ -1,7 +1,7 @@
 !> The frequency response: one branch of periodic motions from `start` to `stop`, through its folds; traced from the other end
 !> as well when it does not get there; from a seed, in both directions, as a closed curve if it is an island.
 module geartrain_branch_response
-   use geartrain_base_error, only: error_type
+   use geartrain_base_error, only: error_type, fatal
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_base_numbers, only: text
@@ -38,6 +38,7 @@ contains
       branch = empty
       call check_train(train, error)
       if (.not. allocated(error)) call check_response(settings, error)
+      if (.not. allocated(error) .and. present(seed)) call check_seed(train, seed, error)
       if (allocated(error)) return
       call begin_trace(train, settings, tracer)
       call tracer%recorder%setup(tracer%path%balance, settings%stability, branch)
@@ -56,6 +57,19 @@ contains
       end if
       call tracer%recorder%finish(branch)
    end subroutine response
+
+   subroutine check_seed(train, seed, error)
+      type(train_type), intent(in) :: train
+      type(motion_type), intent(in) :: seed
+      type(error_type), allocatable, intent(inout) :: error
+
+      if (.not. allocated(seed%coefficients)) then
+         call fatal(error, 'seed: has no coefficients')
+      else if (size(seed%coefficients, 2) /= size(train%meshes)) then
+         call fatal(error, 'seed: a motion of '//text(size(seed%coefficients, 2))//' meshes: the train has ' &
+                    //text(size(train%meshes)))
+      end if
+   end subroutine check_seed
 
    !> From one end of the range towards the other.
    subroutine trace_part(train, tracer, part, from, to, branch, outcome, reason, observer)
