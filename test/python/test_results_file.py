@@ -57,7 +57,8 @@ def test_root_tells_what_it_is(path):
 def test_the_input_in_the_file_gives_the_same_file_again(path, executable, tmp_path):
     with h5py.File(path) as file:
         (tmp_path / "again.nml").write_text(file.attrs["input"], encoding="utf-8")
-    subprocess.run([executable, tmp_path / "again.nml", "--output", tmp_path / "again.h5"], capture_output=True, check=True)
+    command = [executable, tmp_path / "again.nml", "--output", tmp_path / "again.h5"]
+    subprocess.run(command, capture_output=True, check=True)
     with h5py.File(path) as first, h5py.File(tmp_path / "again.h5") as second:
         assert first.attrs["input"].split("&output")[0] == second.attrs["input"].split("&output")[0]
         np.testing.assert_array_equal(first["response/rms"], second["response/rms"])
