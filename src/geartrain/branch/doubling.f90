@@ -31,7 +31,7 @@ contains
       type(response_settings_type), intent(in) :: settings
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: special
-      type(branch_type), intent(inout) :: doubled
+      type(branch_type), intent(inout), target :: doubled
       type(error_type), allocatable, intent(out) :: error
       class(observer_type), intent(inout), optional :: observer
       type(response_settings_type) :: twice

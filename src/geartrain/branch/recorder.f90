@@ -30,7 +30,7 @@ contains
       class(recorder_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
       logical, intent(in) :: stability
-      type(branch_type), intent(inout) :: branch
+      type(branch_type), intent(inout), target :: branch
 
       self%stability = stability
       branch%points = 0
@@ -53,7 +53,7 @@ contains
       type(place_type), intent(in) :: place
       real(dp), intent(in) :: error_estimate
       integer, intent(in) :: part
-      type(branch_type), intent(inout) :: branch
+      type(branch_type), intent(inout), target :: branch
       real(dp) :: coefficients(1 + 2*balance%highest, balance%system%meshes)
       integer :: j, k, n
 
@@ -89,14 +89,14 @@ contains
    !> Gives spare room back.
    subroutine finish(self, branch)
       class(recorder_type), intent(in) :: self
-      type(branch_type), intent(inout) :: branch
+      type(branch_type), intent(inout), target :: branch
 
       call resize(branch, branch%points, branch%harmonics, self%stability)
    end subroutine finish
 
    !> Room for `points` points with `harmonics` harmonics, keeping those that are there.
    subroutine resize(branch, points, harmonics, stability)
-      type(branch_type), intent(inout) :: branch
+      type(branch_type), intent(inout), target :: branch
       integer, intent(in) :: points, harmonics
       logical, intent(in) :: stability
       type(branch_type) :: old

@@ -25,7 +25,8 @@ contains
    subroutine response(train, settings, branch, error, seed, observer)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
-      type(branch_type), intent(inout) :: branch
+      !> A target, as it is everywhere below: an observer may read the points so far through a pointer.
+      type(branch_type), intent(inout), target :: branch
       type(error_type), allocatable, intent(out) :: error
       !> A motion to start from; its coefficients are used.
       type(motion_type), intent(in), optional :: seed
@@ -77,7 +78,7 @@ contains
       type(tracer_type), intent(inout) :: tracer
       integer, intent(in) :: part
       real(dp), intent(in) :: from, to
-      type(branch_type), intent(inout) :: branch
+      type(branch_type), intent(inout), target :: branch
       integer, intent(out) :: outcome
       character(:), allocatable, intent(out) :: reason
       class(observer_type), intent(inout), optional :: observer
@@ -135,7 +136,7 @@ contains
    subroutine trace_from_seed(tracer, seed, branch, observer)
       type(tracer_type), intent(inout) :: tracer
       type(motion_type), intent(in) :: seed
-      type(branch_type), intent(inout) :: branch
+      type(branch_type), intent(inout), target :: branch
       class(observer_type), intent(inout), optional :: observer
       type(place_type) :: place, backward
       integer :: outcome, forward
@@ -181,7 +182,7 @@ contains
 
    !> Reverses the points after `forward` and puts them before the others.
    subroutine put_in_front(branch, forward)
-      type(branch_type), intent(inout) :: branch
+      type(branch_type), intent(inout), target :: branch
       integer, intent(in) :: forward
       integer :: order(branch%points), i, n, place(branch%points)
 

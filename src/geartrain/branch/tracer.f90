@@ -74,7 +74,7 @@ contains
    subroutine record(self, place, branch)
       class(tracer_type), intent(inout) :: self
       type(place_type), intent(in) :: place
-      type(branch_type), intent(inout) :: branch
+      type(branch_type), intent(inout), target :: branch
 
       call self%estimate_error(place)
       call self%recorder%add(self%path%balance, place, self%estimate, self%part, branch)
@@ -95,7 +95,7 @@ contains
       class(tracer_type), intent(inout) :: self
       type(place_type), intent(in) :: start
       real(dp), intent(in) :: low, high, target
-      type(branch_type), intent(inout) :: branch
+      type(branch_type), intent(inout), target :: branch
       integer, intent(out) :: outcome
       character(:), allocatable, intent(out) :: reason
       class(observer_type), intent(inout), optional :: observer
@@ -278,7 +278,7 @@ contains
       type(place_type), intent(in) :: here
       type(place_type), intent(inout) :: next
       real(dp), intent(in) :: h
-      type(branch_type), intent(inout) :: branch
+      type(branch_type), intent(inout), target :: branch
       type(place_type) :: fold
       logical :: success
 
@@ -296,7 +296,7 @@ contains
       class(tracer_type), intent(inout) :: self
       type(place_type), intent(in) :: here, next
       real(dp), intent(in) :: h
-      type(branch_type), intent(inout) :: branch
+      type(branch_type), intent(inout), target :: branch
       type(place_type) :: place
       character(16) :: kind
       integer :: n, before, last

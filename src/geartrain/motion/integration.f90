@@ -91,18 +91,21 @@ contains
    end subroutine check_start
 
    !> Integrates mesh period by mesh period until the section at phase 0 repeats itself; `state` is carried along.
-   subroutine settle(system, frequency, settings, state, motion, observer)
+   subroutine settle(system, frequency, settings, state, motion, observer, stopped)
       type(system_type), intent(in) :: system
       real(dp), intent(in) :: frequency
       type(integration_settings_type), intent(in) :: settings
       real(dp), intent(inout) :: state(:)
-      type(motion_type), intent(out) :: motion
+      type(motion_type), intent(out), target :: motion
       class(observer_type), intent(inout), optional :: observer
+      !> The observer ended it before the motion was steady.
+      logical, intent(out), optional :: stopped
       type(flow_type) :: flow
       real(dp) :: section(size(state), 0:2*longest_period)
       integer :: k, period
       logical :: keep_going
 
+      if (present(stopped)) stopped = .false.
       call flow%setup(system, 1, .true., flow_order, flow_tolerance)
       flow%x(1, :) = state
       section = huge(1.0_dp)
@@ -119,7 +122,9 @@ contains
          if (.not. present(observer) .or. mod(k, 32) /= 0) cycle
          keep_going = .true.
          call observer%on_step('settling', k, frequency, keep_going)
-         if (.not. keep_going) exit
+         if (keep_going) cycle
+         if (present(stopped)) stopped = .true.
+         exit
       end do
       state = section(:, 0)
       call describe(system, frequency, settings, state, period, motion)

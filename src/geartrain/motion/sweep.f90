@@ -22,7 +22,7 @@ contains
    subroutine sweep(train, settings, result, error, observer)
       type(train_type), intent(in) :: train
       type(integration_settings_type), intent(in) :: settings
-      type(sweep_type), intent(inout) :: result
+      type(sweep_type), intent(inout), target :: result
       type(error_type), allocatable, intent(out) :: error
       class(observer_type), intent(inout), optional :: observer
       type(sweep_type) :: empty
@@ -30,7 +30,7 @@ contains
       real(dp), allocatable :: state(:)
       real(dp) :: low, high, frequency
       integer :: i, n, done, total
-      logical :: keep_going
+      logical :: keep_going, stopped
 
       result = empty
       call check_train(train, error)
@@ -54,7 +54,8 @@ contains
          if (n > 1) frequency = low + (high - low)*(mod(i - 1, n)/real(n - 1, dp))
          if (mod(i, n) == 0 .and. n > 1) frequency = high
          if (result%direction(i) == 'down') frequency = low + high - frequency
-         call settle(system, frequency, settings, state, result%motions(i), observer)
+         call settle(system, frequency, settings, state, result%motions(i), observer, stopped)
+         if (stopped) exit
          if (.not. all(abs(state) < 1e100_dp)) state = resting_state(system)
          done = i
          if (.not. present(observer)) cycle
