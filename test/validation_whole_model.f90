@@ -65,21 +65,22 @@ contains
       type(branch_type) :: branch
       type(motion_type) :: refined
       type(error_type), allocatable :: error
-      real(dp), parameter :: tolerance = 1e-5_dp
+      real(dp), parameter :: tolerance = 1e-4_dp
       integer :: r
 
       associate (settings => settings_of(1.3_dp, 0.9_dp, 0))
          call response(paper_train(), settings, branch, error)
       end associate
       call tests%is_true(branch%complete, 'harmonics = 0: '//branch%ended)
+      ! The default tolerance is 1e-4; the true error may be three times its estimate.
+      call tests%is_true(all(branch%error_estimate <= 1e-4_dp), 'harmonics = 0: every point within the tolerance')
       refined%frequency = 0.9_dp
       refined%coefficients = branch%coefficients(:, :, branch%points)
       call refine(paper_train(), refined, error)
       r = size(branch%coefficients, 1)
       r = min(r, size(refined%coefficients, 1))
-      ! The default tolerance is 1e-4.
       call tests%is_close(norm2(branch%coefficients(:r, :, branch%points) - refined%coefficients(:r, :)) &
-                          /norm2(refined%coefficients(2:, :)), 0.0_dp, 10*tolerance, 'harmonics = 0: true waveform error')
+                          /norm2(refined%coefficients(2:, :)), 0.0_dp, 3*tolerance, 'harmonics = 0: true waveform error')
    end subroutine harmonics_chosen
 
    !> Liouville's determinant on separated motions, piece by piece.

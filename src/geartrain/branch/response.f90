@@ -105,32 +105,22 @@ contains
          return
       end if
       call tracer%path%orient(place, merge(1, -1, to > from))
-      call settle_harmonics(tracer, place)
+      call adapt_first(tracer, place)
       call tracer%record(place, branch)
       call tracer%trace(place, min(from, to), max(from, to), to, branch, outcome, reason, observer)
    end subroutine trace_part
 
-   !> Chooses the harmonics of the first point where they are left to the program.
-   subroutine settle_harmonics(tracer, place)
+   !> Enough harmonics for the first point, where their number is left to the program.
+   subroutine adapt_first(tracer, place)
       type(tracer_type), intent(inout) :: tracer
       type(place_type), intent(inout) :: place
-      type(place_type) :: same
-      integer :: i, before
-      logical :: success, stability
+      type(place_type) :: here, origin
 
       if (tracer%settings%harmonics > 0) return
-      stability = tracer%recorder%stability
-      tracer%recorder%stability = .false.
-      do i = 1, 12
-         before = tracer%path%balance%highest
-         call tracer%estimate_error(place)
-         same = place
-         call tracer%adapt(place, same, success)
-         if (tracer%path%balance%highest == before) exit
-         call tracer%path%orient(place, merge(1, -1, same%tangent_frequency > 0))
-      end do
-      tracer%recorder%stability = stability
-   end subroutine settle_harmonics
+      here = place
+      origin = place
+      call tracer%adapt(place, here, origin)
+   end subroutine adapt_first
 
    !> Both ways from a seed; the backward part is put in front, so that the branch is one curve.
    subroutine trace_from_seed(tracer, seed, branch, observer)
@@ -162,7 +152,7 @@ contains
          return
       end if
       call tracer%path%orient(place, merge(1, -1, tracer%settings%stop > tracer%settings%start))
-      call settle_harmonics(tracer, place)
+      call adapt_first(tracer, place)
       call tracer%record(place, branch)
       target = tracer%settings%stop
       call tracer%trace(place, low, high, target, branch, outcome, branch%ended, observer)

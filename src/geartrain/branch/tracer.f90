@@ -40,6 +40,7 @@ module geartrain_branch_tracer
       procedure :: record
       procedure :: trace
       procedure :: adapt
+      procedure, private :: relax
       procedure :: estimate_error
       procedure :: refit
       procedure, private :: stop_at
@@ -100,7 +101,7 @@ contains
       character(:), allocatable, intent(out) :: reason
       class(observer_type), intent(inout), optional :: observer
       type(place_type) :: here, next, origin
-      real(dp) :: h, gap
+      real(dp) :: h, longer, gap
       integer :: steps, mesh
       logical :: success, keep_going, begins_at_latest
 
@@ -133,6 +134,8 @@ contains
             return
          end if
 
+         longer = next_step(self, here, next, h)
+         if (self%settings%harmonics == 0) call self%adapt(next, here, origin)
          if (turns(here, next)) call self%add_fold(here, next, h, branch)
          call self%record(next, branch)
          steps = steps + 1
@@ -166,9 +169,9 @@ contains
             return
          end if
 
-         h = next_step(self, here, next, h)
+         h = longer
          here = next
-         if (self%settings%harmonics == 0) call self%adapt(here, origin, success)
+         if (self%settings%harmonics == 0) call self%relax(here, origin)
          if (steps > 3) then
             if (closes(here, origin, h, gap)) then
                call self%path%advance(here, gap, next, success)
@@ -322,24 +325,41 @@ contains
       call add_special_point(branch, kind, place%frequency, before, branch%rms(:, n))
    end subroutine add_stability_change
 
-   !> Raises or lowers the number of harmonics by the latest error estimate and solves `here` anew with it.
-   subroutine adapt(self, here, origin, success)
+   !> Raises the number of harmonics until the error estimate of `place`, just solved, is within the tolerance; the places that
+   !> go with it are padded alike.
+   subroutine adapt(self, place, here, origin)
+      class(tracer_type), intent(inout) :: self
+      type(place_type), intent(inout) :: place, here, origin
+      integer :: highest
+      logical :: success
+
+      do
+         call self%estimate_error(place)
+         highest = self%path%balance%highest
+         if (self%estimate <= self%settings%tolerance .or. highest >= most_harmonics) return
+         call self%prepare(min(most_harmonics, (3*highest + 1)/2))
+         call self%refit(here)
+         call self%refit(origin)
+         call self%refit(place)
+         call self%path%correct(place, success)
+         if (.not. success) return
+      end do
+   end subroutine adapt
+
+   !> Lowers the number of harmonics for the points to come where the latest estimate leaves room.
+   subroutine relax(self, here, origin)
       class(tracer_type), intent(inout) :: self
       type(place_type), intent(inout) :: here, origin
-      logical, intent(out) :: success
-      integer :: old, new
+      integer :: highest
+      logical :: success
 
-      success = .true.
-      old = self%path%balance%highest
-      new = old
-      if (self%estimate > 0.5_dp*self%settings%tolerance) new = min(most_harmonics, (3*old + 1)/2)
-      if (self%estimate < 0.01_dp*self%settings%tolerance) new = max(fewest_harmonics, (3*old)/4)
-      if (new == old) return
-      call self%prepare(new)
+      highest = self%path%balance%highest
+      if (self%estimate > 0.02_dp*self%settings%tolerance .or. highest <= fewest_harmonics) return
+      call self%prepare(max(fewest_harmonics, (3*highest)/4))
       call self%refit(here)
       call self%refit(origin)
       call self%path%correct(here, success)
-   end subroutine adapt
+   end subroutine relax
 
    !> Cuts or pads the coefficients of a place to the present number of harmonics.
    pure subroutine refit(self, place)
