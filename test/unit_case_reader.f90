@@ -109,10 +109,11 @@ contains
       class(tests_type), intent(inout) :: tests
 
       call one_value(tests, 'harmonics = 1.5', 0, 'harmonics = 1.5: must be a whole number')
-      call one_value(tests, 'harmonics = -1', 0, 'harmonics = -1: must be >= 1, or 0 to leave the choice to the program')
+      call one_value(tests, 'harmonics = -1', 0, &
+                     'harmonics = -1: must be >= 1 and <= 1000, or 0 to leave the choice to the program')
       call one_value(tests, 'harmonics = 3000000000', 0, &
                      'harmonics = 3000000000: must be a whole number below 2147483648')
-      call one_value(tests, 'subharmonic = 0', 0, 'subharmonic = 0: must be >= 1')
+      call one_value(tests, 'subharmonic = 0', 0, 'subharmonic = 0: must be >= 1 and <= 1000')
       call refused(tests, good//'&response from=0.2, to=2.6, subharmonic=7 /', 'x.nml:7:1: error: &response: harmonics = 6: &
                    &must be >= subharmonic = 7: the mesh frequency itself would be left out')
       call one_value(tests, 'tolerance = 0.0', 0, 'tolerance = 0.0: must be > 0 and <= 1')
@@ -198,7 +199,7 @@ contains
       ! Everything at once, in the order of the file.
       call refused(tests, train//'&shaft stiffness=-1.0 /'//n//mesh//shaft//'&response from=0.2 harmonics=x /', &
                    'x.nml:3:18: error: &shaft 1: stiffness = -1.0: must be > 0 N m/rad'//n// &
-                   'x.nml:7:1: error: &response: lacks to (> 0)'//n// &
+                   'x.nml:7:1: error: &response: lacks to (>= 0.0001)'//n// &
                    'x.nml:7:30: error: &response: harmonics = x: must be a whole number')
    end subroutine agreement
 

@@ -174,7 +174,7 @@ contains
    subroutine integrated(tests)
       class(tests_type), intent(inout) :: tests
       type(integration_settings_type) :: settings
-      type(motion_type) :: motion
+      type(motion_type) :: motion, start
       type(error_type), allocatable :: error
 
       settings%stability = .true.
@@ -187,6 +187,10 @@ contains
       call tests%is_close(motion%rms(1), rms_09(1), 6e-9_dp, 'integrated rms of mesh 1 at 0.9')
       call tests%is_close(motion%rms(2), rms_09(2), 6e-9_dp, 'integrated rms of mesh 2 at 0.9')
       call tests%is_close(abs(motion%multipliers(1)), 0.8286_dp, 6e-5_dp, 'multiplier of the integrated motion at 0.9')
+      ! From nothing at all: every displacement and velocity zero, in the middle of the gap.
+      start%state = 0*motion%state
+      call integrate(paper_train(), 0.9_dp, settings, motion, error, start=start)
+      call tests%is_close(motion%rms(2), rms_09(2), 6e-9_dp, 'integrated from a zero state')
    end subroutine integrated
 
    !> Period 2 at 1.92 by integration, shooting and balance.

@@ -72,6 +72,7 @@ contains
          call response(paper_train(), settings, branch, error)
       end associate
       call tests%is_true(branch%complete, 'harmonics = 0: '//branch%ended)
+      call tests%is_close(branch%frequency(1), 1.3_dp, 0.0_dp, 'harmonics = 0: it begins at exactly from')
       ! The default tolerance is 1e-4; the true error may be three times its estimate.
       call tests%is_true(all(branch%error_estimate <= 1e-4_dp), 'harmonics = 0: every point within the tolerance')
       refined%frequency = 0.9_dp

@@ -65,11 +65,12 @@ contains
       end if
    end function plain
 
-   !> Up to six significant digits, no padding: 0.6356, 1e-09, 12.
+   !> Up to six digits after the point, no padding: 0.6356, 1.0e-9, 12.
    pure function short_text(x) result(text)
       real(dp), intent(in) :: x
       character(:), allocatable :: text
       character(24) :: buffer
+      real(dp) :: rounded
       integer :: mark
 
       if (abs(x) >= 1e-3_dp .and. abs(x) < 1e6_dp) then
@@ -84,11 +85,12 @@ contains
          if (len(text) > 1) then
             if (text(1:2) == '-.') text = '-0'//text(2:)
          end if
-      else if (abs(x) > 0) then
-         write (buffer, '(es12.4)') x
-         text = trim(adjustl(buffer))
+      else if (abs(x) > 0 .and. ieee_is_finite(x)) then
+         write (buffer, '(es13.4e3)') x
+         read (buffer, *) rounded
+         text = real_text(rounded)
       else
-         text = '0'
+         text = real_text(x)
       end if
    end function short_text
 

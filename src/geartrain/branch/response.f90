@@ -94,7 +94,7 @@ contains
       call tracer%path%solve_at(place, success)
       if (.not. success) then
          ! Newton does not get there from rest: let time integration find a motion.
-         call integrate(train, from, integration, motion, error)
+         call integrate(train, from, integration, motion, error, observer=observer)
          if (motion%period > 0 .and. mod(tracer%settings%subharmonic, max(1, motion%period)) == 0) then
             place = place_of(tracer, motion)
             call tracer%path%solve_at(place, success)
@@ -115,11 +115,16 @@ contains
       type(tracer_type), intent(inout) :: tracer
       type(place_type), intent(inout) :: place
       type(place_type) :: here, origin
+      logical :: success
 
       if (tracer%settings%harmonics > 0) return
       here = place
       origin = place
       call tracer%adapt(place, here, origin)
+      ! Back to exactly the frequency asked for.
+      place%frequency = here%frequency
+      call tracer%path%solve_at(place, success)
+      call tracer%path%orient(place, merge(1, -1, here%tangent_frequency > 0))
    end subroutine adapt_first
 
    !> Both ways from a seed; the backward part is put in front, so that the branch is one curve.

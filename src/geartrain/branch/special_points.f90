@@ -3,7 +3,7 @@ module geartrain_branch_special_points
    use geartrain_base_kinds, only: dp
    use geartrain_branch_branch, only: branch_type, special_point_type
    use geartrain_branch_path, only: path_type, place_type
-   use geartrain_stability_monodromy, only: monodromy_type
+   use geartrain_stability_monodromy, only: monodromy_type, neutral
    implicit none (type, external)
    private
    public :: locate_fold, locate_stability_change, add_special_point, unstable_count
@@ -40,7 +40,7 @@ contains
    pure integer function unstable_count(multipliers)
       complex(dp), intent(in) :: multipliers(:)
 
-      unstable_count = count(abs(multipliers) >= 1)
+      unstable_count = count(abs(multipliers) >= 1 - neutral)
    end function unstable_count
 
    !> The place where the number of multipliers outside the unit circle changes from `count_here` to `count_next`, to 1e-4 of the
@@ -62,8 +62,8 @@ contains
       critical = max(unstable_count(multipliers_here), unstable_count(multipliers_next))
       a = 0
       b = h
-      fa = abs(multipliers_here(critical)) - 1
-      fb = abs(multipliers_next(critical)) - 1
+      fa = abs(multipliers_here(critical)) - (1 - neutral)
+      fb = abs(multipliers_next(critical)) - (1 - neutral)
       do i = 1, max_steps
          s = between(a, b, fa, fb)
          call path%advance(here, s, place, success)
@@ -71,7 +71,7 @@ contains
          call monodromy%integrate(path%balance, place%frequency)
          call monodromy%multipliers(multipliers)
          crossing = multipliers(critical)
-         f = abs(crossing) - 1
+         f = abs(crossing) - (1 - neutral)
          call shrink(a, b, fa, fb, s, f)
          if (abs(f) < 1e-7_dp .or. b - a < 1e-4_dp*h) exit
       end do

@@ -59,6 +59,7 @@ contains
       type(band_type), allocatable :: bands(:)
       real(dp), allocatable :: low(:), high(:)
       real(dp) :: reached, last, edge, other, slack
+      logical :: apart
       integer :: i, lowest
 
       allocate (bands(0))
@@ -74,6 +75,12 @@ contains
          low = [low, min(edge, other)]
          high = [high, max(edge, other)]
       end do
+      ! Between two parts that do not meet nothing was traced, and nothing is said.
+      call find_gap(branch, apart, edge, other)
+      if (apart) then
+         low = [low, edge]
+         high = [high, other]
+      end if
       reached = minval(branch%frequency(:branch%points))
       last = maxval(branch%frequency(:branch%points))
       slack = 1e-9_dp*(last - reached)
@@ -86,6 +93,26 @@ contains
       end do
       if (last > reached + slack) bands = [bands, band_type(reached, last)]
    end function bands_without_stability
+
+   !> Whether the two parts of a branch span ranges of Lambda that do not meet, and the gap between them.
+   pure subroutine find_gap(branch, apart, low, high)
+      type(branch_type), intent(in) :: branch
+      logical, intent(out) :: apart
+      real(dp), intent(out) :: low, high
+      logical :: first(branch%points)
+
+      apart = .false.
+      low = 0
+      high = 0
+      if (.not. allocated(branch%part)) return
+      first = branch%part(:branch%points) == 1
+      if (all(first) .or. .not. any(first)) return
+      associate (f => branch%frequency(:branch%points))
+         low = min(maxval(f, first), maxval(f, .not. first))
+         high = max(minval(f, first), minval(f, .not. first))
+      end associate
+      apart = low < high
+   end subroutine find_gap
 
    !> Lambda at which stability changes between points i and i + 1.
    pure real(dp) function change(branch, i)

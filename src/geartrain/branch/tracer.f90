@@ -60,7 +60,7 @@ contains
       if (self%settings%coefficients == 'sampled') then
          samples = self%settings%samples
          if (samples == 0) then
-            samples = 128
+            samples = 1024
             do while (samples < 16*harmonics)
                samples = 2*samples
             end do

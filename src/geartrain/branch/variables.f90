@@ -6,6 +6,7 @@ module geartrain_branch_variables
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_base_variable, only: row => variable_type, visitor_type
    use geartrain_branch_branch, only: response_settings_type
+   use geartrain_motion_variables, only: smallest_frequency
    implicit none (type, external)
    private
    public :: visit_response, check_response, check_response_consistency
@@ -20,13 +21,15 @@ contains
       character(:), allocatable :: word
 
       call v%enter('response', 1)
-      call v%on_real(row('from', '', 'Lambda at which the branch begins (start in a call)', required=.true., above=zero), &
+      call v%on_real(row('from', '', 'Lambda at which the branch begins (start in a call)', required=.true., &
+                         least=smallest_frequency), &
                      settings%start)
-      call v%on_real(row('to', '', 'Lambda at which it ends, above or below (stop in a call)', required=.true., above=zero), &
+      call v%on_real(row('to', '', 'Lambda at which it ends, above or below (stop in a call)', required=.true., &
+                         least=smallest_frequency), &
                      settings%stop)
       call v%on_integer(row('harmonics', '', 'harmonics R of Lambda/subharmonic; 0: as many as tolerance needs', least=one, &
-                            automatic=zero), settings%harmonics)
-      call v%on_integer(row('subharmonic', '', 'period of the motion in fundamental mesh periods, eta', least=one), &
+                            most=1000*one, automatic=zero), settings%harmonics)
+      call v%on_integer(row('subharmonic', '', 'period of the motion in fundamental mesh periods, eta', least=one, most=1000*one), &
                         settings%subharmonic)
       call v%on_logical(row('stability', '', 'Floquet multipliers of every point'), settings%stability)
       call v%on_real(row('amplitude_limit', '', 'rms over characteristic length at which the branch is given up; -1: 12 with &
@@ -36,7 +39,7 @@ contains
                          &(the discrete transform of the paper)', choices='exact sampled'), word)
       settings%coefficients = word
       call v%on_integer(row('samples', '', 'points a period for sampled coefficients; 0: chosen by the program', least=one, &
-                            automatic=zero), settings%samples)
+                            most=1048576*one, automatic=zero), settings%samples)
       word = trim(settings%control)
       call v%on_text(row('control', '', 'pseudo-arclength, or the local switching of the control parameter of the paper, &
                          &equation (11)', choices='arclength local'), word)

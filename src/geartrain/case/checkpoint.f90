@@ -19,12 +19,14 @@ module geartrain_case_checkpoint
       type(results_type), pointer :: results => null()
       !> File to write; empty: none.
       character(:), allocatable :: path
-      !> Least time between two checkpoints [s].
-      real(dp) :: interval = 5
+      !> Least time between two checkpoints, and before the first one [s].
+      real(dp) :: interval = 5, first = 0.5_dp
       logical :: cancelled = .false.
       integer(int64), private :: last = -1
+      logical, private :: written = .false.
    contains
       procedure :: on_step
+      procedure :: write_now
    end type checkpoint_type
 
 contains
@@ -35,7 +37,6 @@ contains
       integer, intent(in) :: done
       real(dp), intent(in) :: frequency
       logical, intent(inout) :: keep_going
-      type(error_type), allocatable :: error
       integer(int64) :: now, rate
 
       if (associated(self%observer)) call self%observer%on_step(analysis, done, frequency, keep_going)
@@ -44,10 +45,19 @@ contains
       if (self%path == '') return
       call system_clock(now, rate)
       if (self%last < 0) self%last = now
-      if (real(now - self%last, dp)/rate < self%interval) return
-      ! A checkpoint that cannot be written is no reason to lose the work: the final file tells.
+      if (real(now - self%last, dp)/rate < merge(self%interval, min(self%first, self%interval), self%written)) return
+      call self%write_now()
+   end subroutine on_step
+
+   !> A checkpoint that cannot be written is no reason to lose the work: the final file tells.
+   subroutine write_now(self)
+      class(checkpoint_type), intent(inout) :: self
+      type(error_type), allocatable :: error
+
+      if (self%path == '') return
       call write_results(self%path, self%case, self%results, error)
       call system_clock(self%last)
-   end subroutine on_step
+      self%written = .true.
+   end subroutine write_now
 
 end module geartrain_case_checkpoint

@@ -65,6 +65,8 @@ contains
             call fatal(early, 'response ended early: '//results%response%ended, status_ended_early)
       end if
       if (allocated(case%integration) .and. .not. checkpoint%cancelled) then
+         ! A sweep can be long: what came before it is safe from here on.
+         call checkpoint%write_now()
          allocate (results%integration)
          call sweep(case%train, case%integration, results%integration, error, checkpoint)
          call set_aside(error, early)

@@ -31,6 +31,8 @@ module geartrain_motion_flow
       !> Length of the latest step; its series p and velocity, (column, element, 0:order).
       real(dp) :: length = 0
       real(dp), allocatable :: p(:, :, :), v(:, :, :)
+      !> Displacement below which a state counts as nothing [1]: errors are relative to what is larger.
+      real(dp) :: smallest = 1e-3_dp
       integer :: order = 20
       real(dp) :: tolerance = 1e-15_dp
       real(dp), allocatable, private :: phi(:, :), kappa(:, :), excitation(:, :)
@@ -69,6 +71,8 @@ contains
                    self%kappa(0:order, system%meshes), self%excitation(0:order, n), self%contact(system%meshes))
       end associate
       self%contact = 1
+      self%smallest = 1e-3_dp*maxval(abs(system%load(system%mesh_element)) + system%backlash)
+      if (.not. self%smallest > 0) self%smallest = sqrt(tiny(1.0_dp))
    end subroutine setup
 
    !> Begins at a time with `x` set by the caller; contacts follow from the state.
@@ -328,19 +332,20 @@ contains
       h = huge(1.0_dp)
       first = 1
       if (self%has_state) then
-         call limit(1, 1)
+         call limit(1, 1, self%smallest)
          first = 2
       end if
-      if (self%columns >= first) call limit(first, self%columns)
+      if (self%columns >= first) call limit(first, self%columns, sqrt(tiny(1.0_dp)))
 
    contains
 
-      pure subroutine limit(from, to)
+      pure subroutine limit(from, to, floor_)
          integer, intent(in) :: from, to
+         real(dp), intent(in) :: floor_
          real(dp) :: size_, last
          integer :: k
 
-         size_ = max(maxval(abs(self%x(from:to, :))), tiny(1.0_dp))
+         size_ = max(maxval(abs(self%x(from:to, :))), floor_)
          do k = self%order - 1, self%order
             last = max(maxval(abs(self%p(from:to, :, k))), maxval(abs(self%v(from:to, :, k))))
             if (last > 0) h = min(h, (self%tolerance*size_/last)**(1.0_dp/k))

@@ -12,7 +12,7 @@ module geartrain_motion_integration
    use geartrain_motion_motion, only: motion_type
    use geartrain_motion_orbit, only: flow_order, flow_tolerance, measure, propagate
    use geartrain_motion_start_state, only: resting_state, state_of
-   use geartrain_motion_variables, only: check_integration
+   use geartrain_motion_variables, only: check_integration, smallest_frequency
    use geartrain_stability_monodromy, only: eigenvalues, is_stable
    implicit none (type, external)
    private
@@ -22,6 +22,8 @@ module geartrain_motion_integration
    integer, parameter :: longest_period = 16
    !> Sections that differ by less than this (relative) may still be the same motion converging slowly.
    real(dp), parameter :: clearly_different = 1e-5_dp
+   !> Time between two looks at the observer [1].
+   real(dp), parameter :: between_looks = 200
 
 contains
 
@@ -61,8 +63,8 @@ contains
       type(error_type), allocatable, intent(inout) :: error
       type(integration_settings_type) :: single
 
-      if (.not. (frequency > 0 .and. frequency <= huge(1.0_dp))) then
-         call fatal(error, 'frequency = '//text(frequency)//': must be > 0')
+      if (.not. (frequency >= smallest_frequency .and. frequency <= huge(1.0_dp))) then
+         call fatal(error, 'frequency = '//text(frequency)//': must be >= '//text(smallest_frequency))
          return
       end if
       single = settings
@@ -102,7 +104,7 @@ contains
       logical, intent(out), optional :: stopped
       type(flow_type) :: flow
       real(dp) :: section(size(state), 0:2*longest_period)
-      integer :: k, period
+      integer :: k, period, look
       logical :: keep_going
 
       if (present(stopped)) stopped = .false.
@@ -111,6 +113,7 @@ contains
       section = huge(1.0_dp)
       section(:, 0) = state
       period = 0
+      look = max(1, nint(between_looks*frequency/(2*pi)))
       do k = 1, settings%max_periods
          call flow%start(frequency, 0.0_dp)
          call flow%advance(2*pi/frequency)
@@ -119,7 +122,7 @@ contains
          if (.not. all(abs(section(:, 0)) < 1e100_dp)) exit
          call find_period(section, k, settings%tolerance, period)
          if (period > 0) exit
-         if (.not. present(observer) .or. mod(k, 32) /= 0) cycle
+         if (.not. present(observer) .or. mod(k, look) /= 0) cycle
          keep_going = .true.
          call observer%on_step('settling', k, frequency, keep_going)
          if (keep_going) cycle

@@ -8,7 +8,10 @@ module geartrain_motion_variables
    use geartrain_motion_integration_settings, only: integration_settings_type
    implicit none (type, external)
    private
-   public :: visit_integration, check_integration, check_integration_consistency
+   public :: visit_integration, check_integration, check_integration_consistency, smallest_frequency
+
+   !> Smallest Lambda: a mesh period below it takes more than some 1e5 steps of the flow.
+   real(dp), parameter :: smallest_frequency = 1e-4_dp
 
    real(dp), parameter :: zero = 0, one = 1
 
@@ -20,15 +23,17 @@ contains
       character(:), allocatable :: word
 
       call v%enter('integration', 1)
-      call v%on_real(row('from', '', 'one end of the range of Lambda (start in a call)', required=.true., above=zero), &
+      call v%on_real(row('from', '', 'one end of the range of Lambda (start in a call)', required=.true., &
+                         least=smallest_frequency), &
                      settings%start)
-      call v%on_real(row('to', '', 'its other end (stop in a call)', required=.true., above=zero), settings%stop)
+      call v%on_real(row('to', '', 'its other end (stop in a call)', required=.true., least=smallest_frequency), settings%stop)
       call v%on_integer(row('points', '', 'frequencies in the range, both ends included', least=one), settings%points)
       word = trim(settings%direction)
       call v%on_text(row('direction', '', 'order in which the frequencies are visited, each starting from the motion before', &
                          choices='up down both'), word)
       settings%direction = word
-      call v%on_integer(row('harmonics', '', 'harmonics of the motion that are stored', least=one), settings%harmonics)
+      call v%on_integer(row('harmonics', '', 'harmonics of the motion that are stored', least=one, most=500*one), &
+                        settings%harmonics)
       call v%on_integer(row('max_periods', '', 'mesh periods after which an unsettled motion is given up', least=one), &
                         settings%max_periods)
       call v%on_real(row('tolerance', '', 'relative change over a period of the motion at which it counts as settled', &

@@ -8,7 +8,10 @@ module geartrain_stability_monodromy
    use geartrain_motion_flow, only: flow_type
    implicit none (type, external)
    private
-   public :: monodromy_type, eigenvalues, is_stable
+   public :: monodromy_type, eigenvalues, is_stable, neutral
+
+   !> A multiplier as near as this to the unit circle counts as neutral, which is not stable.
+   real(dp), parameter :: neutral = 1e-9_dp
 
    !> Relative error of a step and the order of the series: multipliers to about 1e-9. A high order is cheap, because the
    !> recurrence costs the same for every term.
@@ -181,11 +184,11 @@ contains
       end do
    end subroutine eigenvalues
 
-   !> All multipliers inside the unit circle.
+   !> All multipliers inside the unit circle, by more than their rounding.
    pure logical function is_stable(multipliers)
       complex(dp), intent(in) :: multipliers(:)
 
-      is_stable = all(abs(multipliers) < 1)
+      is_stable = all(abs(multipliers) < 1 - neutral)
    end function is_stable
 
 end module geartrain_stability_monodromy
