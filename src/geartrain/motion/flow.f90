@@ -120,7 +120,7 @@ contains
       class(flow_type), intent(inout) :: self
       real(dp), intent(in) :: end_time
       real(dp) :: h
-      integer :: n, k, mesh, side
+      integer :: n, mesh, side
       logical :: reaches_end
 
       call self%expand()
@@ -130,12 +130,8 @@ contains
       self%event = .false.
       if (self%has_state) call self%first_event(h, self%event, mesh, side)
       n = self%system%elements
-      self%x(:, :n) = self%p(:, :, self%order)
-      self%x(:, n + 1:) = self%v(:, :, self%order)
-      do k = self%order - 1, 0, -1
-         self%x(:, :n) = self%x(:, :n)*h + self%p(:, :, k)
-         self%x(:, n + 1:) = self%x(:, n + 1:)*h + self%v(:, :, k)
-      end do
+      call sum_series(self%columns*n, self%order, self%p, h, self%x(:, :n))
+      call sum_series(self%columns*n, self%order, self%v, h, self%x(:, n + 1:))
       self%length = h
       if (self%event) then
          self%time = self%time + h
@@ -215,8 +211,8 @@ contains
       end do
    end function last_term
 
-   !> The recurrence: p(k+1) = v(k)/(k+1), v(k+1) = (-W phi(k) + s(k))/(k+1) with phi = kappa g + gamma v. Columns of
-   !> neighbouring elements lie next to each other, so each line is one long loop.
+   !> The recurrence: p(k+1) = v(k)/(k+1), v(k+1) = (-W phi(k) + s(k))/(k+1) with phi = kappa g + gamma v. The columns of
+   !> element n are the numbers (n-1)*columns + 1 .. n*columns, so that each line is one long loop over all elements.
    pure subroutine recur(columns, elements, meshes, order, spring, terms, kappa, system, contact, has_state, excitation, &
                          phi, p, v)
       integer, intent(in) :: columns, elements, meshes, order, terms(meshes), contact(meshes)
@@ -224,41 +220,65 @@ contains
       type(system_type), intent(in) :: system
       logical, intent(in) :: has_state
       !> One element of zeros before the first and after the last.
-      real(dp), intent(inout) :: phi(columns, 0:elements + 1), p(columns, elements, 0:order), v(columns, elements, 0:order)
-      real(dp) :: w(columns, elements, 3), gamma(columns, elements), k_spring(columns, elements), inverse
-      integer :: n, j, k, l
+      real(dp), intent(inout) :: phi(1 - columns:columns*(elements + 1)), p(columns*elements, 0:order), &
+                                 v(columns*elements, 0:order)
+      real(dp), dimension(columns*elements) :: before, own, after, gamma, k_spring
+      real(dp) :: inverse
+      integer :: first, last, n, j, k, l, all_
 
+      all_ = columns*elements
       do n = 1, elements
-         w(:, n, 1) = -system%coupling(1, n)
-         w(:, n, 2) = -system%coupling(2, n)
-         w(:, n, 3) = -system%coupling(3, n)
-         gamma(:, n) = system%damping(n)
-         k_spring(:, n) = spring(n)
+         first = (n - 1)*columns + 1
+         last = n*columns
+         before(first:last) = -system%coupling(1, n)
+         own(first:last) = -system%coupling(2, n)
+         after(first:last) = -system%coupling(3, n)
+         gamma(first:last) = system%damping(n)
+         k_spring(first:last) = spring(n)
       end do
-      phi(:, 0) = 0
-      phi(:, elements + 1) = 0
+      phi(:0) = 0
+      phi(all_ + 1:) = 0
       do k = 0, order - 1
-         phi(:, 1:elements) = gamma*v(:, :, k) + k_spring*p(:, :, k)
+         phi(1:all_) = gamma*v(:, k) + k_spring*p(:, k)
          do j = 1, meshes
             n = system%mesh_element(j)
+            first = (n - 1)*columns + 1
+            last = n*columns
             do l = 0, min(k, terms(j))
-               phi(:, n) = phi(:, n) + kappa(l, j)*p(:, n, k - l)
+               phi(first:last) = phi(first:last) + kappa(l, j)*p(first:last, k - l)
             end do
             if (.not. has_state) cycle
             if (terms(j) >= 0) then
-               phi(1, n) = phi(1, n) - contact(j)*system%backlash(j)*kappa(k, j)
+               phi(first) = phi(first) - contact(j)*system%backlash(j)*kappa(k, j)
             else if (k == 0) then
-               phi(1, n) = phi(1, n) - contact(j)*system%backlash(j)
+               phi(first) = phi(first) - contact(j)*system%backlash(j)
             end if
-            if (k == 0) phi(1, n) = phi(1, n) - system%load(n)
+            if (k == 0) phi(first) = phi(first) - system%load(n)
          end do
          inverse = 1.0_dp/(k + 1)
-         p(:, :, k + 1) = inverse*v(:, :, k)
-         v(:, :, k + 1) = inverse*(w(:, :, 1)*phi(:, 0:elements - 1) + w(:, :, 2)*phi(:, 1:elements) &
-                                   + w(:, :, 3)*phi(:, 2:elements + 1))
-         if (has_state) v(1, :, k + 1) = v(1, :, k + 1) + inverse*excitation(k, :)
+         p(:, k + 1) = inverse*v(:, k)
+         v(:, k + 1) = inverse*(before*phi(1 - columns:all_ - columns) + own*phi(1:all_) &
+                                + after*phi(1 + columns:all_ + columns))
+         if (.not. has_state) cycle
+         do n = 1, elements
+            first = (n - 1)*columns + 1
+            v(first, k + 1) = v(first, k + 1) + inverse*excitation(k, n)
+         end do
       end do
    end subroutine recur
+
+   !> Value of a series with vector coefficients at h, by Horner's rule.
+   pure subroutine sum_series(length, order, series, h, value)
+      integer, intent(in) :: length, order
+      real(dp), intent(in) :: series(length, 0:order), h
+      real(dp), intent(out) :: value(length)
+      integer :: k
+
+      value = series(:, order)
+      do k = order - 1, 0, -1
+         value = value*h + series(:, k)
+      end do
+   end subroutine sum_series
 
    !> Torque harmonics and second derivative of the transmission errors as accelerations.
    subroutine expand_excitation(self)
