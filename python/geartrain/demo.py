@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
-from ._draw import draw_curve
+from ._draw import STYLE, draw_curve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,16 +20,6 @@ if TYPE_CHECKING:
 __all__ = ["draw_figure", "main"]
 
 _BLUE, _GREY, _RED = "#1f4e9c", "0.55", "#c8391e"
-_STYLE = {
-    "font.size": 11,
-    "axes.labelsize": 12,
-    "legend.fontsize": 10,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": "0.92",
-    "axes.axisbelow": True,
-}
 
 
 def draw_figure(folder: Path) -> Path:
@@ -54,10 +44,11 @@ def draw_figure(folder: Path) -> Path:
         curve = _read(file["response"])
         marks = _read(file["integration"]) if "integration" in file else None
         linear = _read(linear_file["response"])
-    with plt.rc_context(_STYLE):
+        linear_marks = _read(linear_file["integration"]) if "integration" in linear_file else None
+    with plt.rc_context(STYLE):
         figure, axes = plt.subplots(2, 1, figsize=(8.0, 7.6), sharex=True, layout="constrained")
         for mesh, ax in enumerate(axes):
-            _draw_panel(ax, mesh, curve, linear, marks)
+            _draw_panel(ax, mesh, curve, linear, marks, linear_marks)
         axes[-1].set_xlabel(r"mesh frequency  $\Lambda = \omega / \omega_c$")
         legend = [
             Line2D([], [], color=_BLUE, lw=2.2, label="harmonic balance, stable"),
@@ -68,6 +59,8 @@ def draw_figure(folder: Path) -> Path:
         if marks is not None:
             legend.append(Line2D([], [], **_MARKS, label="time integration, period 1"))
             legend.append(Line2D([], [], **_OTHER_MARKS, label="other periods"))
+        if linear_marks is not None:
+            legend.append(Line2D([], [], **_LINEAR_MARKS, label="time integration, no backlash"))
         figure.legend(handles=legend, loc="outside upper center", ncols=3, frameon=False)
         picture = folder / "fig03.png"
         figure.savefig(picture, dpi=160)
@@ -77,13 +70,21 @@ def draw_figure(folder: Path) -> Path:
 
 _MARKS: dict[str, Any] = {"ls": "none", "marker": "s", "ms": 4.0, "mfc": "none", "mec": _RED, "mew": 0.9}
 _OTHER_MARKS: dict[str, Any] = {**_MARKS, "marker": "D", "ms": 3.2, "mec": "#d98a1f"}
+_LINEAR_MARKS: dict[str, Any] = {**_MARKS, "ms": 2.6, "mec": "0.35", "mew": 0.7}
 
 
 def _draw_panel(
-    ax: Axes, mesh: int, curve: dict[str, Any], linear: dict[str, Any], marks: dict[str, Any] | None
+    ax: Axes,
+    mesh: int,
+    curve: dict[str, Any],
+    linear: dict[str, Any],
+    marks: dict[str, Any] | None,
+    linear_marks: dict[str, Any] | None,
 ) -> None:
     for data, style in ((linear, {"color": _GREY, "lw": 1.0}), (curve, {"color": _BLUE, "lw": 2.2})):
         draw_curve(ax, data["frequency"], data["rms"][:, mesh], data["stable"], data["part"], **style)
+    if linear_marks is not None:
+        ax.plot(linear_marks["frequency"], linear_marks["rms"][:, mesh], **_LINEAR_MARKS)
     if marks is not None:
         for chosen, style in ((marks["period"] == 1, _MARKS), (marks["period"] > 1, _OTHER_MARKS)):
             ax.plot(marks["frequency"][chosen], marks["rms"][chosen, mesh], **style)
