@@ -22,12 +22,13 @@ __all__ = ["draw_figure", "main"]
 _BLUE, _GREY, _RED = "#1f4e9c", "0.55", "#c8391e"
 
 
-def draw_figure(folder: Path) -> Path:
+def draw_figure(folder: Path, dpi: int = 160) -> Path:
     """Draw ``fig03.png`` from the results in a folder.
 
     Parameters
     ----------
     folder : path
+    dpi : int
 
     Returns
     -------
@@ -51,19 +52,19 @@ def draw_figure(folder: Path) -> Path:
             _draw_panel(ax, mesh, curve, linear, marks, linear_marks)
         axes[-1].set_xlabel(r"mesh frequency  $\Lambda = \omega / \omega_c$")
         legend = [
-            Line2D([], [], color=_BLUE, lw=2.2, label="harmonic balance, stable"),
+            Line2D([], [], color=_BLUE, lw=2.2, label="stable"),
             Line2D([], [], color=_BLUE, lw=2.2, ls=(0, (3, 1.5)), label="unstable"),
-            Line2D([], [], color=_GREY, lw=1.0, label="without backlash, stable"),
+            Line2D([], [], color=_GREY, lw=1.0, label="no backlash, stable"),
             Line2D([], [], color=_GREY, lw=1.0, ls=(0, (3, 1.5)), label="unstable"),
         ]
         if marks is not None:
-            legend.append(Line2D([], [], **_MARKS, label="time integration, period 1"))
+            legend.append(Line2D([], [], **_MARKS, label="integration, period 1"))
             legend.append(Line2D([], [], **_OTHER_MARKS, label="other periods"))
         if linear_marks is not None:
-            legend.append(Line2D([], [], **_LINEAR_MARKS, label="time integration, no backlash"))
-        figure.legend(handles=legend, loc="outside upper center", ncols=3, frameon=False)
+            legend.append(Line2D([], [], **_LINEAR_MARKS, label="integration, no backlash"))
+        figure.legend(handles=legend, loc="outside upper center", ncols=4, frameon=False)
         picture = folder / "fig03.png"
-        figure.savefig(picture, dpi=160)
+        figure.savefig(picture, dpi=dpi)
         plt.close(figure)
     return picture
 
@@ -92,7 +93,7 @@ def _draw_panel(
     ax.set_xlim(0.2, 2.6)
     ax.set_ylim(0.0, 1.12 * top)
     ax.set_ylabel(rf"rms of $p_{2 * (mesh + 1)} / b_c$")
-    ax.set_title(f"mesh {mesh + 1}", loc="left", fontsize=12, fontweight="bold")
+    ax.set_title(f"({'ab'[mesh]})  mesh {mesh + 1}", loc="left", fontsize=12, fontweight="bold")
 
 
 def _read(group: Any) -> dict[str, Any]:

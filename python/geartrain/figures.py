@@ -71,14 +71,15 @@ class Figure:
         Largest rms shown in each panel: branches of back collision climb without bound.
     panels : str
         What has a panel of its own: ``'mesh'`` or ``'curve'``.
-    right : float
-        Largest Lambda shown.
+    left, right : float
+        Range of Lambda shown.
     """
 
     title: str
     curves: tuple[Curve, ...]
     top: tuple[float, ...] = (1.0, 3.4)
     panels: str = "mesh"
+    left: float = 0.2
     right: float = 2.6
 
 
@@ -88,7 +89,7 @@ class Drawn:
 
     branch: Branch
     kept: Sequence[Motion]
-    left: int  # stable motions from which integration went elsewhere
+    left: int  # stable motions from which integration went elsewhere, or was not steady after _PATIENCE periods
     difference: float  # largest relative difference of the rms
 
 
@@ -139,14 +140,17 @@ FIGURES = {
     13: Figure(
         "Period-3 motions",
         (Curve("fig13", "period 1"), Curve("fig13", r"period 3 near $3\omega_a$", 3, 2.4, 200)),
-        top=(0.8, 2.8),
-        right=3.2,
+        top=(1.0, 2.8),
+        left=1.4,
+        right=3.0,
     ),
 }
 
 _COLORS = ("#1f4e9c", "#c8391e", "#2e8b57", "#8a5fb0")
 _SPACING = 0.05  # Lambda from one mark to the next
-_NAMED = 1e-2  # relative difference of the rms up to which integration has stayed on the motion it began with
+_KEPT = 1e-2  # relative difference of the rms up to which integration has stayed on the motion it began with
+_PATIENCE = 20000  # mesh periods: a soft shaft between the gear pairs damps little
+_DPI = 90
 _SHAFT_RANGE = np.logspace(3, 9, 241)  # stiffness of the middle shaft in figure 5, N m/rad
 
 
@@ -197,9 +201,11 @@ def _integrated(branch: Branch) -> Drawn:
             seen.append(motion.rms)
             if twin or not motion.stable:
                 continue
-            settled = branch.train.integrate(float(frequency), start=motion, stability=False)  # type: ignore[union-attr]
+            settled = branch.train.integrate(  # type: ignore[union-attr]
+                float(frequency), start=motion, stability=False, max_periods=_PATIENCE, tolerance=1e-7
+            )
             change = float(np.max(np.abs(settled.rms - motion.rms)) / np.max(motion.rms))
-            if settled.period == branch.subharmonic and change < _NAMED:
+            if settled.period == branch.subharmonic and change < _KEPT:
                 kept.append(settled)
                 difference = max(difference, change)
             else:
@@ -220,7 +226,7 @@ def natural_frequencies(cases: Path, results: Path) -> tuple[Array, Array]:
     stiffness : ndarray, (points,)
         N m/rad.
     frequency : ndarray, (points, modes)
-        Lambda, ascending at the last point but one of any crossing: column by column in the order of the stiffest shaft.
+        In the order that the modes have with the stiffest shaft.
     """
     case = read_case(cases / "fig05.nml")
     case.run().write(results / "fig05.h5")
@@ -294,7 +300,7 @@ def draw(figure: Figure, curves: Sequence[Drawn]) -> Picture:
                 title, ylabel = figure.curves[place].label, "rms $/ b_c$"
             for (drawn, mesh, label), color in zip(entries, _palette(figure)):
                 _draw_one(ax, drawn, mesh, label, color)
-            ax.set_xlim(0.2, figure.right)
+            ax.set_xlim(figure.left, figure.right)
             ax.set_ylim(0.0, figure.top[place])
             ax.set_ylabel(ylabel)
             ax.set_title(f"({'abc'[place]})  {title}", loc="left", fontsize=12, fontweight="bold")
@@ -334,9 +340,10 @@ def _draw_natural_frequencies(stiffness: Array, frequency: Array) -> Picture:
     plt = _pyplot()
     with plt.rc_context(STYLE):
         picture, ax = plt.subplots(figsize=(8.0, 5.2), layout="constrained")
-        for place, (name, color) in enumerate(zip("abdec", (*_COLORS, "#d98a1f"))):
-            ax.semilogx(stiffness, frequency[:, place], color=color, lw=1.8, ls="--" if name == "e" else "-",
-                        label=rf"$\omega_{name}$")
+        order = "abdec"  # with the stiffest shaft
+        for name, color in zip(sorted(order), (*_COLORS, "#d98a1f")):
+            values = frequency[:, order.index(name)]
+            ax.semilogx(stiffness, values, color=color, lw=1.8, ls="--" if name == "e" else "-", label=rf"$\omega_{name}$")
         ax.set_xlim(stiffness[0], stiffness[-1])
         ax.set_ylim(0.0, 10.0)
         ax.set_xlabel("stiffness of the middle shaft  $k_3$  [N m/rad]")
@@ -360,9 +367,9 @@ def _pyplot() -> Any:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; the exit status."""
     parser = argparse.ArgumentParser(prog="geartrain-figures", description="Draw the paper's figures 3 to 13.")
-    parser.add_argument("numbers", metavar="NUMBER", nargs="*", type=int, choices=[[], *FIGURES], help="figures; all unless told")
-    parser.add_argument("--results", metavar="FOLDER", type=Path, default=Path("results"), help="for pictures and results files")
-    parser.add_argument("--cases", metavar="FOLDER", type=Path, default=Path("namelists"), help="where the case files are")
+    parser.add_argument("numbers", metavar="NUMBER", nargs="*", type=_number, help="figures; all unless told")
+    parser.add_argument("--results", metavar="FOLDER", type=Path, default=Path("results"), help="for what is made [results]")
+    parser.add_argument("--cases", metavar="FOLDER", type=Path, default=Path("namelists"), help="of case files [namelists]")
     options = parser.parse_args(arguments)
     try:
         options.results.mkdir(parents=True, exist_ok=True)
@@ -382,6 +389,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
+def _number(text: str) -> int:
+    if not text.isdecimal() or int(text) not in FIGURES:
+        raise argparse.ArgumentTypeError(f"{text!r}: must be {min(FIGURES)} to {max(FIGURES)}")
+    return int(text)
+
+
 def _submit(pool: ProcessPoolExecutor, number: int, options: argparse.Namespace) -> list[Any]:
     if number == 5:
         return [pool.submit(natural_frequencies, options.cases, options.results)]
@@ -397,17 +410,18 @@ def _finish(number: int, results: list[Any], folder: Path) -> str:
     if number == 3:
         from .demo import draw_figure
 
-        draw_figure(folder)
+        draw_figure(folder, _DPI)
         return lines[0]
     picture = _draw_natural_frequencies(*results[0]) if number == 5 else draw(figure, results)
-    picture.savefig(path, dpi=110)
+    picture.savefig(path, dpi=_DPI)
     _pyplot().close(picture)
     for curve, drawn in zip(figure.curves, results if number != 5 else ()):
         branch = drawn.branch
         folds = sum(special.kind == "fold" for special in branch.special_points)
         lines.append(
             f"   {curve.case}, period {curve.period}: {len(branch)} points, {folds} folds; integration keeps "
-            f"{len(drawn.kept)} of {len(drawn.kept) + drawn.left} motions, rms within {drawn.difference:.1e}"
+            f"{len(drawn.kept)} of {len(drawn.kept) + drawn.left} motions, rms within {drawn.difference:.1e}\n"
+            f"      {branch.ended}"
         )
     return "\n".join(lines)
 
