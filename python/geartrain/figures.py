@@ -10,9 +10,8 @@ import argparse
 import sys
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
-from itertools import permutations
 from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,43 +19,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ._curves import Curve, Drawn, compute, natural_frequencies, once
 from ._draw import STYLE, draw_curve
-from .branch import Branch
-from .case import read_case
 from .errors import InputError, SolverError
-from .motion import Motion
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Picture
 
-__all__ = ["FIGURES", "Curve", "Drawn", "Figure", "compute", "draw", "main", "natural_frequencies", "once"]
+__all__ = ["FIGURES", "Figure", "draw", "main"]
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Curve:
-    """A curve of a figure.
-
-    Attributes
-    ----------
-    case : str
-        Name of its case file, without ``.nml``.
-    label : str
-    period : int
-        Of the motions in mesh periods. Those above 1 need a seed: the motion of this period and of the largest rms on
-        which ``starts`` random starts settle at ``seed``, or the one that integration settles on where ``starts`` is 0.
-    seed : float
-        Lambda.
-    starts : int
-    """
-
-    case: str
-    label: str
-    period: int = 1
-    seed: float = 0.0
-    starts: int = 0
 
 
 @dataclass(frozen=True)
@@ -83,16 +56,6 @@ class Figure:
     right: float = 2.6
 
 
-@dataclass(frozen=True)
-class Drawn:
-    """What a curve is drawn from: the branch, and what integration makes of its stable motions."""
-
-    branch: Branch
-    kept: Sequence[Motion]
-    left: int  # stable motions from which integration went elsewhere, or was not steady after _PATIENCE periods
-    difference: float  # largest relative difference of the rms
-
-
 FIGURES = {
     3: Figure("Harmonic balance and time integration", (Curve("fig03", ""), Curve("fig03_linear", ""))),
     4: Figure(
@@ -113,33 +76,35 @@ FIGURES = {
     8: Figure(
         "Square-wave mesh stiffness",
         (
-            Curve("fig08_rectangular", r"square wave, $\kappa_{10} = +0.084$"),
-            Curve("fig08_printed", r"as printed, $\kappa_{10} = -0.085$"),
+            Curve("fig08_rectangular", r"square wave, $\kappa_{10} = +0.084$", seeds=(0.33,)),
+            Curve("fig08_printed", r"as printed, $\kappa_{10} = -0.085$", seeds=(0.33,)),
         ),
         top=(2.0, 6.0),
     ),
     9: Figure(
         "Mesh damping",
-        tuple(Curve(f"fig09_0{hundredths:02}", rf"$\zeta_m = 0.{hundredths:02}$") for hundredths in (5, 3, 1)),
+        (
+            Curve("fig09_005", r"$\zeta_m = 0.05$"),
+            Curve("fig09_003", r"$\zeta_m = 0.03$"),
+            Curve("fig09_001", r"$\zeta_m = 0.01$", seeds=(0.33, 0.7, 1.1)),
+        ),
         top=(3.4, 6.0, 6.0),
         panels="curve",
     ),
-    10: Figure("Mesh frequencies 1 to 2", (Curve("fig10", "$m_2 = 1, m_4 = 2$"),), top=(2.0, 6.0)),
-    11: Figure("Mesh frequencies 3 to 2", (Curve("fig11", "$m_2 = 3, m_4 = 2$"),), top=(2.0, 6.0)),
+    10: Figure("Mesh frequencies 1 to 2", (Curve("fig10", "$m_2 = 1, m_4 = 2$", seeds=(0.6,)),), top=(2.0, 6.0)),
+    11: Figure("Mesh frequencies 3 to 2", (Curve("fig11", "$m_2 = 3, m_4 = 2$", seeds=(0.7,)),), top=(2.0, 6.0)),
     12: Figure(
         "Period-2 motions",
         (
             Curve("fig12", "period 1"),
-            Curve("fig12", r"period 2 near $2\omega_a$", 2, 1.92),
-            Curve("fig12", r"period 2 near $2\omega_b$", 2, 3.7),
-            Curve("fig12", r"period 2 near $2\omega_b$, back collisions", 2, 2.8, 200),
+            Curve("fig12", "period 2", 2, (1.92, 3.7, 2.8)),
         ),
         top=(5.0, 6.0),
         right=4.2,
     ),
     13: Figure(
         "Period-3 motions",
-        (Curve("fig13", "period 1"), Curve("fig13", r"period 3 near $3\omega_a$", 3, 2.4, 200)),
+        (Curve("fig13", "period 1"), Curve("fig13", "period 3", 3, (1.9, 2.4))),
         top=(1.0, 2.8),
         left=1.4,
         right=3.0,
@@ -147,128 +112,8 @@ FIGURES = {
 }
 
 _COLORS = ("#1f4e9c", "#c8391e", "#2e8b57", "#8a5fb0")
-_SPACING = 0.05  # Lambda from one mark to the next
-_KEPT = 1e-2  # relative difference of the rms up to which integration has stayed on the motion it began with
-_PATIENCE = 20000  # mesh periods: a soft shaft between the gear pairs damps little
 _DPI = 90
-_SHAFT_RANGE = np.logspace(3, 9, 241)  # stiffness of the middle shaft in figure 5, N m/rad
-
-
-# ------------------------------------------------------------------------------------------------- compute
-
-
-def compute(curve: Curve, cases: Path, results: Path) -> Drawn | None:
-    """Compute a curve; the whole case goes to the results folder.
-
-    Parameters
-    ----------
-    curve : Curve
-    cases, results : path
-        Folders.
-
-    Returns
-    -------
-    Drawn or None
-        None for a case without a response, or with an integration of its own.
-    """
-    case = read_case(cases / f"{curve.case}.nml")
-    if curve.period == 1:
-        result = case.run()
-        result.write(results / f"{curve.case}.h5")
-        if result.response is None or result.integration is not None:
-            return None
-        branch = result.response
-    else:
-        train = case.train
-        found = train.attractors(curve.seed, starts=curve.starts) if curve.starts else [train.integrate(curve.seed)]
-        seeds = [motion for motion in found if motion.period == curve.period]
-        if not seeds:
-            raise SolverError(f"{curve.case}: no motion of period {curve.period} at Lambda = {curve.seed}")
-        seed = max(seeds, key=lambda motion: motion.rms.max())
-        branch = train.response(start=0.2, stop=4.6, subharmonic=curve.period, harmonics=8 * curve.period, seed=seed)
-    return _integrated(branch)
-
-
-def _integrated(branch: Branch) -> Drawn:
-    """Integrate from the branch's stable motions; those that stay are the marks."""
-    kept: list[Motion] = []
-    left, difference = 0, 0.0
-    first = np.ceil(branch.frequency.min() / _SPACING)
-    for frequency in _SPACING * np.arange(first, branch.frequency.max() / _SPACING):
-        seen: list[Array] = []
-        for motion in branch.at(float(frequency)):
-            twin = any(np.allclose(motion.rms, rms, rtol=1e-5) for rms in seen)
-            seen.append(motion.rms)
-            if twin or not motion.stable:
-                continue
-            settled = branch.train.integrate(  # type: ignore[union-attr]
-                float(frequency), start=motion, stability=False, max_periods=_PATIENCE, tolerance=1e-7
-            )
-            change = float(np.max(np.abs(settled.rms - motion.rms)) / np.max(motion.rms))
-            if settled.period == branch.subharmonic and change < _KEPT:
-                kept.append(settled)
-                difference = max(difference, change)
-            else:
-                left += 1
-    return Drawn(branch, kept, left, difference)
-
-
-def natural_frequencies(cases: Path, results: Path) -> tuple[Array, Array]:
-    """Figure 5: natural frequencies over the stiffness of the middle shaft, each mode followed by its shape.
-
-    Parameters
-    ----------
-    cases, results : path
-        Folders.
-
-    Returns
-    -------
-    stiffness : ndarray, (points,)
-        N m/rad.
-    frequency : ndarray, (points, modes)
-        In the order that the modes have with the stiffest shaft.
-    """
-    case = read_case(cases / "fig05.nml")
-    case.run().write(results / "fig05.h5")
-    train = case.train
-    radius = [mesh.driving_radius for mesh in train.meshes] + [train.meshes[-1].driven_radius]
-    frequency, before = [], None
-    for stiffness in _SHAFT_RANGE[::-1]:
-        shafts = list(train.shafts)
-        middle = len(shafts) // 2
-        shafts[middle] = replace(shafts[middle], stiffness=float(stiffness))
-        modes = replace(train, shafts=shafts).modes()
-        # Times the root of the stiffness, shapes of different modes are perpendicular; a shaft's twist is an arc in them.
-        energy = [shaft.stiffness / r**2 for shaft, r in zip(shafts, radius)]
-        for place, mesh in enumerate(train.meshes):
-            energy.insert(2 * place + 1, mesh.stiffness)
-        shape = modes.shape * np.sqrt(energy)
-        shape /= np.linalg.norm(shape, axis=1, keepdims=True)
-        if before is None:
-            order = list(range(len(shape)))
-        else:
-            overlap = np.abs(before @ shape.T) ** 2
-            order = list(max(permutations(range(len(shape))), key=lambda chosen: overlap[range(len(shape)), chosen].sum()))
-        before = shape[order]
-        frequency.append(modes.natural_frequency[order])
-    return _SHAFT_RANGE, np.array(frequency[::-1])
-
-
-def once(branch: Branch) -> slice:
-    """The points of a sub-harmonic branch without its repetition.
-
-    Where such a branch passes a motion of period 1, its sub-harmonics change sign and it goes on through the same motions a
-    mesh period later.
-    """
-    harmonic = np.arange(1, (branch.coefficients.shape[-1] - 1) // 2 + 1)
-    own = np.repeat(harmonic % branch.subharmonic != 0, 2)
-    values = branch.coefficients[:, :, 1:][:, :, own].reshape(len(branch), -1)
-    cuts = np.flatnonzero(np.einsum("ij,ij->i", values[1:], values[:-1]) < 0)
-    if branch.subharmonic == 1 or not len(cuts):
-        return slice(0, len(branch))
-    if branch.closed and len(cuts) > 1:
-        return slice(int(cuts[0]), int(cuts[1]) + 2)
-    return slice(int(cuts[0]), None) if cuts[0] < len(branch) // 2 else slice(0, int(cuts[0]) + 2)
+_THIN = 0.7  # line width of period-1 branches found from random starts
 
 
 # ---------------------------------------------------------------------------------------------------- draw
@@ -305,7 +150,7 @@ def draw(figure: Figure, curves: Sequence[Drawn]) -> Picture:
             ax.set_ylabel(ylabel)
             ax.set_title(f"({'abc'[place]})  {title}", loc="left", fontsize=12, fontweight="bold")
         axes[-1].set_xlabel(r"mesh frequency  $\Lambda = \omega / \omega_c$")
-        _legend(picture, axes[0])
+        _legend(picture, axes[0], any(len(drawn.branches) > 1 and drawn.branches[1].subharmonic == 1 for drawn in curves))
     return picture
 
 
@@ -315,16 +160,17 @@ def _palette(figure: Figure) -> tuple[str, ...]:
 
 
 def _draw_one(ax: Axes, drawn: Drawn, mesh: int, label: str, color: str) -> None:
-    branch, kept = drawn.branch, once(drawn.branch)
-    stable = None if branch.stable is None else branch.stable[kept]
-    style: dict[str, Any] = {"color": color, "lw": 1.5}
-    draw_curve(ax, branch.frequency[kept], branch.rms[kept, mesh], stable, branch.part[kept], label, **style)
-    marks = [(motion.frequency, motion.rms[mesh]) for motion in drawn.kept]
+    for place, branch in enumerate(drawn.branches):
+        kept, name = once(branch), None if place else label
+        stable = None if branch.stable is None else branch.stable[kept]
+        style: dict[str, Any] = {"color": color, "lw": _THIN if place and branch.subharmonic == 1 else 1.5}
+        draw_curve(ax, branch.frequency[kept], branch.rms[kept, mesh], stable, branch.part[kept], name, **style)
+    marks = [(motion.frequency, motion.rms[mesh]) for motion in drawn.marks]
     if marks:
         ax.plot(*np.transpose(marks), ls="none", marker="s", ms=3.4, mfc="none", mec=color, mew=0.8)
 
 
-def _legend(picture: Picture, ax: Axes) -> None:
+def _legend(picture: Picture, ax: Axes, further: bool) -> None:
     from matplotlib.lines import Line2D
 
     handles, _ = ax.get_legend_handles_labels()
@@ -333,6 +179,8 @@ def _legend(picture: Picture, ax: Axes) -> None:
         Line2D([], [], color="black", lw=1.5, ls=(0, (3, 1.5)), label="unstable"),
         Line2D([], [], ls="none", marker="s", ms=3.4, mfc="none", mec="black", mew=0.8, label="time integration"),
     ]
+    if further:
+        handles.append(Line2D([], [], color="black", lw=_THIN, label="not joined to the others"))
     picture.legend(handles=handles, loc="outside upper center", ncols=min(4, len(handles)), frameon=False)
 
 
@@ -416,13 +264,13 @@ def _finish(number: int, results: list[Any], folder: Path) -> str:
     picture.savefig(path, dpi=_DPI)
     _pyplot().close(picture)
     for curve, drawn in zip(figure.curves, results if number != 5 else ()):
-        branch = drawn.branch
-        folds = sum(special.kind == "fold" for special in branch.special_points)
         lines.append(
-            f"   {curve.case}, period {curve.period}: {len(branch)} points, {folds} folds; integration keeps "
-            f"{len(drawn.kept)} of {len(drawn.kept) + drawn.left} motions, rms within {drawn.difference:.1e}\n"
-            f"      {branch.ended}"
+            f"   {curve.case}, period {curve.period}: integration keeps {len(drawn.marks)} of {drawn.tried} motions, "
+            f"rms within {drawn.difference:.0e}"
         )
+        for branch in drawn.branches:
+            folds = sum(special.kind == "fold" for special in branch.special_points)
+            lines.append(f"      {len(branch)} points, {folds} folds; {branch.ended}")
     return "\n".join(lines)
 
 
