@@ -11,7 +11,18 @@ from numpy.typing import ArrayLike
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["draw_curve", "label_axes", "runs"]
+__all__ = ["STYLE", "draw_curve", "label_axes", "runs"]
+
+STYLE: dict[str, Any] = {
+    "font.size": 11,
+    "axes.labelsize": 12,
+    "legend.fontsize": 10,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "0.92",
+    "axes.axisbelow": True,
+}
 
 
 def runs(stable: ArrayLike | None, part: ArrayLike) -> Iterator[tuple[slice, bool]]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
-from ._draw import draw_curve
+from ._draw import STYLE, draw_curve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,24 +20,15 @@ if TYPE_CHECKING:
 __all__ = ["draw_figure", "main"]
 
 _BLUE, _GREY, _RED = "#1f4e9c", "0.55", "#c8391e"
-_STYLE = {
-    "font.size": 11,
-    "axes.labelsize": 12,
-    "legend.fontsize": 10,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": "0.92",
-    "axes.axisbelow": True,
-}
 
 
-def draw_figure(folder: Path) -> Path:
+def draw_figure(folder: Path, dpi: int = 160) -> Path:
     """Draw ``fig03.png`` from the results in a folder.
 
     Parameters
     ----------
     folder : path
+    dpi : int
 
     Returns
     -------
@@ -54,36 +45,47 @@ def draw_figure(folder: Path) -> Path:
         curve = _read(file["response"])
         marks = _read(file["integration"]) if "integration" in file else None
         linear = _read(linear_file["response"])
-    with plt.rc_context(_STYLE):
+        linear_marks = _read(linear_file["integration"]) if "integration" in linear_file else None
+    with plt.rc_context(STYLE):
         figure, axes = plt.subplots(2, 1, figsize=(8.0, 7.6), sharex=True, layout="constrained")
         for mesh, ax in enumerate(axes):
-            _draw_panel(ax, mesh, curve, linear, marks)
+            _draw_panel(ax, mesh, curve, linear, marks, linear_marks)
         axes[-1].set_xlabel(r"mesh frequency  $\Lambda = \omega / \omega_c$")
         legend = [
-            Line2D([], [], color=_BLUE, lw=2.2, label="harmonic balance, stable"),
+            Line2D([], [], color=_BLUE, lw=2.2, label="stable"),
             Line2D([], [], color=_BLUE, lw=2.2, ls=(0, (3, 1.5)), label="unstable"),
-            Line2D([], [], color=_GREY, lw=1.0, label="without backlash, stable"),
+            Line2D([], [], color=_GREY, lw=1.0, label="no backlash, stable"),
             Line2D([], [], color=_GREY, lw=1.0, ls=(0, (3, 1.5)), label="unstable"),
         ]
         if marks is not None:
-            legend.append(Line2D([], [], **_MARKS, label="time integration, period 1"))
+            legend.append(Line2D([], [], **_MARKS, label="integration, period 1"))
             legend.append(Line2D([], [], **_OTHER_MARKS, label="other periods"))
-        figure.legend(handles=legend, loc="outside upper center", ncols=3, frameon=False)
+        if linear_marks is not None:
+            legend.append(Line2D([], [], **_LINEAR_MARKS, label="integration, no backlash"))
+        figure.legend(handles=legend, loc="outside upper center", ncols=4, frameon=False)
         picture = folder / "fig03.png"
-        figure.savefig(picture, dpi=160)
+        figure.savefig(picture, dpi=dpi)
         plt.close(figure)
     return picture
 
 
 _MARKS: dict[str, Any] = {"ls": "none", "marker": "s", "ms": 4.0, "mfc": "none", "mec": _RED, "mew": 0.9}
 _OTHER_MARKS: dict[str, Any] = {**_MARKS, "marker": "D", "ms": 3.2, "mec": "#d98a1f"}
+_LINEAR_MARKS: dict[str, Any] = {**_MARKS, "ms": 2.6, "mec": "0.35", "mew": 0.7}
 
 
 def _draw_panel(
-    ax: Axes, mesh: int, curve: dict[str, Any], linear: dict[str, Any], marks: dict[str, Any] | None
+    ax: Axes,
+    mesh: int,
+    curve: dict[str, Any],
+    linear: dict[str, Any],
+    marks: dict[str, Any] | None,
+    linear_marks: dict[str, Any] | None,
 ) -> None:
     for data, style in ((linear, {"color": _GREY, "lw": 1.0}), (curve, {"color": _BLUE, "lw": 2.2})):
         draw_curve(ax, data["frequency"], data["rms"][:, mesh], data["stable"], data["part"], **style)
+    if linear_marks is not None:
+        ax.plot(linear_marks["frequency"], linear_marks["rms"][:, mesh], **_LINEAR_MARKS)
     if marks is not None:
         for chosen, style in ((marks["period"] == 1, _MARKS), (marks["period"] > 1, _OTHER_MARKS)):
             ax.plot(marks["frequency"][chosen], marks["rms"][chosen, mesh], **style)
@@ -91,7 +93,7 @@ def _draw_panel(
     ax.set_xlim(0.2, 2.6)
     ax.set_ylim(0.0, 1.12 * top)
     ax.set_ylabel(rf"rms of $p_{2 * (mesh + 1)} / b_c$")
-    ax.set_title(f"mesh {mesh + 1}", loc="left", fontsize=12, fontweight="bold")
+    ax.set_title(f"({'ab'[mesh]})  mesh {mesh + 1}", loc="left", fontsize=12, fontweight="bold")
 
 
 def _read(group: Any) -> dict[str, Any]:

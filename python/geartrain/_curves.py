@@ -1,0 +1,190 @@
+"""What the paper's figures are drawn from: branches with what integration makes of them, and natural frequencies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import permutations, product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .branch import Branch
+from .case import read_case
+from .errors import SolverError
+from .motion import Motion
+
+__all__ = ["Curve", "Drawn", "compute", "natural_frequencies", "once"]
+
+Array = NDArray[np.float64]
+
+_SPACING = 0.05  # Lambda from one mark to the next
+_SAME = 1e-2  # relative difference of rms up to which two motions pass for the same
+_PATIENCE = 20000  # mesh periods: a soft shaft between the gear pairs damps little
+_STARTS = 100
+_LIMIT = 12.0  # the default amplitude_limit
+_SHAFT_RANGE = np.logspace(3, 9, 241)  # stiffness of the middle shaft in figure 5, N m/rad
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A curve of a figure.
+
+    Attributes
+    ----------
+    case : str
+        Name of its case file, without ``.nml``.
+    label : str
+    period : int
+        Of the motions in mesh periods.
+    seeds : tuple of float
+        Lambdas at which random starts look for further branches: islands, sub-harmonic motions, parts of a branch of which both
+        ends leave by the amplitude limit.
+    """
+
+    case: str
+    label: str
+    period: int = 1
+    seeds: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """What a curve is drawn from.
+
+    Attributes
+    ----------
+    branches : list of Branch
+    marks : list of Motion
+        What integration makes of stable motions of the branches.
+    tried : int
+        Stable motions from which it began. Those not among the marks went elsewhere, or were not steady after _PATIENCE periods.
+    difference : float
+        Largest difference of rms between the marks and the motions they began with, over the larger rms of the two meshes.
+    """
+
+    branches: list[Branch]
+    marks: list[Motion]
+    tried: int
+    difference: float
+
+
+def compute(curve: Curve, cases: Path, results: Path) -> Drawn | None:
+    """Compute a curve; the whole case goes to the results folder.
+
+    Parameters
+    ----------
+    curve : Curve
+    cases, results : path
+        Folders.
+
+    Returns
+    -------
+    Drawn or None
+        None for a case without a response, or with an integration of its own.
+    """
+    case = read_case(cases / f"{curve.case}.nml")
+    branches: list[Branch] = []
+    wanted: dict[str, Any] = {**(case.response or {}), "subharmonic": curve.period}
+    if curve.period == 1:
+        result = case.run()
+        result.write(results / f"{curve.case}.h5")
+        if result.response is None or result.integration is not None:
+            return None
+        branches.append(result.response)
+    else:
+        wanted.update(start=0.2, stop=4.6, harmonics=8 * curve.period)
+    for frequency in curve.seeds:
+        for motion in case.train.attractors(frequency, starts=_STARTS):
+            if motion.period == curve.period and motion.rms.max() < _LIMIT and not _on(branches, motion):
+                branches.append(case.train.response(**wanted, seed=motion))
+    if not branches:
+        raise SolverError(f"{curve.case}: no motion of period {curve.period} at Lambda = {curve.seeds}")
+    return _integrated(branches)
+
+
+def _on(branches: Sequence[Branch], motion: Motion) -> bool:
+    """Whether a motion, or the same motion some mesh periods later, is on a branch."""
+    return any(np.allclose(motion.rms, one.rms, rtol=_SAME) for branch in branches for one in branch.at(motion.frequency))
+
+
+def _integrated(branches: list[Branch]) -> Drawn:
+    """Integrate from stable motions of the branches; those that stay are the marks."""
+    marks: list[Motion] = []
+    tried, difference = 0, 0.0
+    for branch, frequency in product(branches, _SPACING * np.arange(4, 84)):
+        seen: list[Array] = []
+        for motion in branch.at(float(frequency)):
+            twin = any(np.allclose(motion.rms, rms, rtol=1e-5) for rms in seen)
+            seen.append(motion.rms)
+            if twin or not motion.stable:
+                continue
+            tried += 1
+            settled = branch.train.integrate(  # type: ignore[union-attr]
+                float(frequency), start=motion, stability=False, max_periods=_PATIENCE, tolerance=1e-7
+            )
+            change = float(np.max(np.abs(settled.rms - motion.rms)) / np.max(motion.rms))
+            if settled.period == branch.subharmonic and change < _SAME:
+                marks.append(settled)
+                difference = max(difference, change)
+    return Drawn(branches, marks, tried, difference)
+
+
+def natural_frequencies(cases: Path, results: Path) -> tuple[Array, Array]:
+    """Figure 5: natural frequencies over the stiffness of the middle shaft, each mode followed by its shape.
+
+    Parameters
+    ----------
+    cases, results : path
+        Folders.
+
+    Returns
+    -------
+    stiffness : ndarray, (points,)
+        N m/rad.
+    frequency : ndarray, (points, modes)
+        In the order that the modes have with the stiffest shaft.
+    """
+    case = read_case(cases / "fig05.nml")
+    case.run().write(results / "fig05.h5")
+    train = case.train
+    radius = [mesh.driving_radius for mesh in train.meshes] + [train.meshes[-1].driven_radius]
+    frequency, before = [], None
+    for stiffness in _SHAFT_RANGE[::-1]:
+        shafts = list(train.shafts)
+        middle = len(shafts) // 2
+        shafts[middle] = replace(shafts[middle], stiffness=float(stiffness))
+        modes = replace(train, shafts=shafts).modes()
+        # Times the root of the stiffness, shapes of different modes are perpendicular; a shaft's twist is an arc in them.
+        energy = [shaft.stiffness / r**2 for shaft, r in zip(shafts, radius)]
+        for place, mesh in enumerate(train.meshes):
+            energy.insert(2 * place + 1, mesh.stiffness)
+        shape = modes.shape * np.sqrt(energy)
+        shape /= np.linalg.norm(shape, axis=1, keepdims=True)
+        if before is None:
+            order = list(range(len(shape)))
+        else:
+            overlap = np.abs(before @ shape.T) ** 2
+            order = list(max(permutations(range(len(shape))), key=lambda chosen: overlap[range(len(shape)), chosen].sum()))
+        before = shape[order]
+        frequency.append(modes.natural_frequency[order])
+    return _SHAFT_RANGE, np.array(frequency[::-1])
+
+
+def once(branch: Branch) -> slice:
+    """The points of a sub-harmonic branch without its repetition.
+
+    Where such a branch passes a motion of period 1, its sub-harmonics change sign and it goes on through the same motions a
+    mesh period later.
+    """
+    harmonic = np.arange(1, (branch.coefficients.shape[-1] - 1) // 2 + 1)
+    own = np.repeat(harmonic % branch.subharmonic != 0, 2)
+    values = branch.coefficients[:, :, 1:][:, :, own].reshape(len(branch), -1)
+    cuts = np.flatnonzero(np.einsum("ij,ij->i", values[1:], values[:-1]) < 0)
+    if branch.subharmonic == 1 or not len(cuts):
+        return slice(0, len(branch))
+    if branch.closed and len(cuts) > 1:
+        return slice(int(cuts[0]), int(cuts[1]) + 2)
+    return slice(int(cuts[0]), None) if cuts[0] < len(branch) // 2 else slice(0, int(cuts[0]) + 2)

@@ -1,0 +1,69 @@
+"""The table of the paper's figures and the command that draws them."""
+
+import numpy as np
+import pytest
+
+import geartrain as gt
+from geartrain._curves import Curve, compute, natural_frequencies, once
+from geartrain.figures import FIGURES, main
+
+from conftest import ROOT
+
+CASES = ROOT / "namelists"
+
+
+def test_every_case_is_drawn():
+    drawn = {curve.case for figure in FIGURES.values() for curve in figure.curves}
+    assert drawn == {path.stem for path in CASES.glob("fig*.nml")}
+    assert list(FIGURES) == list(range(3, 14))
+
+
+@pytest.mark.parametrize("path", sorted(CASES.glob("fig*.nml")), ids=lambda path: path.stem)
+def test_case_reads(path):
+    case = gt.read_case(path)
+    assert case.output == path.with_suffix(".h5").name
+    assert case.response is not None or case.modes
+
+
+def test_natural_frequencies_are_smooth(tmp_path):
+    stiffness, frequency = natural_frequencies(CASES, tmp_path)
+    steps = np.diff(np.log(frequency), axis=0) / np.diff(np.log(stiffness))[:, np.newaxis]
+    assert steps.min() > -1e-3 and steps.max() < 0.51  # between constant and the root of the stiffness
+    assert np.abs(np.diff(steps, axis=0)).max() < 0.05
+    # At 1e8 N m/rad, the train of the other figures; its highest mode has crossed the input and output shafts' modes.
+    place = np.argmin(np.abs(stiffness - 1e8))
+    np.testing.assert_allclose(frequency[place], [0.957059, 1.866211, 6.680664, 6.681010, 15.920627], rtol=1e-6)
+    assert (frequency[0, 4] < frequency[0, 2]) and (frequency[-1, 4] > frequency[-1, 3])
+
+
+def test_a_sub_harmonic_branch_is_drawn_once():
+    train = gt.read_case(CASES / "fig12.nml").train
+    branch = train.response(start=0.2, stop=4.6, harmonics=8, subharmonic=2, seed=train.integrate(frequency=3.7))
+    assert branch.closed
+    kept = once(branch)
+    assert 0.3 < (kept.stop - kept.start) / len(branch) < 0.7
+    for frequency in (2.4, 3.0, 3.6):
+        whole = branch.frequency
+        part = whole[kept]
+        crossings = [np.count_nonzero((f[1:] - frequency) * (f[:-1] - frequency) < 0) for f in (whole, part)]
+        assert crossings[0] == 2 * crossings[1] > 0, frequency
+
+
+def test_integration_stays_on_stable_motions(tmp_path):
+    drawn = compute(Curve("fig07_010", ""), CASES, tmp_path)
+    assert len(drawn.marks) == drawn.tried > 45
+    assert drawn.difference < 1e-4
+    assert (tmp_path / "fig07_010.h5").exists()
+
+
+def test_command_draws(tmp_path, capsys):
+    assert main(["5", "--results", str(tmp_path), "--cases", str(CASES)]) == 0
+    assert (tmp_path / "fig05.png").stat().st_size > 10_000
+    assert "fig05.png" in capsys.readouterr().out
+
+
+def test_command_refuses(tmp_path, capsys):
+    with pytest.raises(SystemExit):
+        main(["14"])
+    assert "must be 3 to 13" in capsys.readouterr().err
+    assert main(["5", "--results", str(tmp_path), "--cases", str(tmp_path)]) != 0
