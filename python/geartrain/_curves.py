@@ -16,7 +16,7 @@ from .case import read_case
 from .errors import SolverError
 from .motion import Motion
 
-__all__ = ["Curve", "Drawn", "compute", "natural_frequencies", "once"]
+__all__ = ["Curve", "Drawn", "compute", "natural_frequencies"]
 
 Array = NDArray[np.float64]
 
@@ -171,20 +171,3 @@ def natural_frequencies(cases: Path, results: Path) -> tuple[Array, Array]:
         before = shape[order]
         frequency.append(modes.natural_frequency[order])
     return _SHAFT_RANGE, np.array(frequency[::-1])
-
-
-def once(branch: Branch) -> slice:
-    """The points of a sub-harmonic branch without its repetition.
-
-    Where such a branch passes a motion of period 1, its sub-harmonics change sign and it goes on through the same motions a
-    mesh period later.
-    """
-    harmonic = np.arange(1, (branch.coefficients.shape[-1] - 1) // 2 + 1)
-    own = np.repeat(harmonic % branch.subharmonic != 0, 2)
-    values = branch.coefficients[:, :, 1:][:, :, own].reshape(len(branch), -1)
-    cuts = np.flatnonzero(np.einsum("ij,ij->i", values[1:], values[:-1]) < 0)
-    if branch.subharmonic == 1 or not len(cuts):
-        return slice(0, len(branch))
-    if branch.closed and len(cuts) > 1:
-        return slice(int(cuts[0]), int(cuts[1]) + 2)
-    return slice(int(cuts[0]), None) if cuts[0] < len(branch) // 2 else slice(0, int(cuts[0]) + 2)

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._curves import Curve, Drawn, compute, natural_frequencies, once
+from ._curves import Curve, Drawn, compute, natural_frequencies
 from ._draw import STYLE, draw_curve
 from .errors import InputError, SolverError
 
@@ -161,10 +161,9 @@ def _palette(figure: Figure) -> tuple[str, ...]:
 
 def _draw_one(ax: Axes, drawn: Drawn, mesh: int, label: str, color: str) -> None:
     for place, branch in enumerate(drawn.branches):
-        kept, name = once(branch), None if place else label
-        stable = None if branch.stable is None else branch.stable[kept]
+        name = None if place else label
         style: dict[str, Any] = {"color": color, "lw": _THIN if place and branch.subharmonic == 1 else 1.5}
-        draw_curve(ax, branch.frequency[kept], branch.rms[kept, mesh], stable, branch.part[kept], name, **style)
+        draw_curve(ax, branch.frequency, branch.rms[:, mesh], branch.stable, branch.part, name, **style)
     marks = [(motion.frequency, motion.rms[mesh]) for motion in drawn.marks]
     if marks:
         ax.plot(*np.transpose(marks), ls="none", marker="s", ms=3.4, mfc="none", mec=color, mew=0.8)

@@ -8,7 +8,8 @@ module geartrain_branch_response
    use geartrain_branch_branch, only: branch_type, response_settings_type, special_point_type
    use geartrain_branch_path, only: place_type
    use geartrain_branch_start, only: begin_trace, place_of, resting
-   use geartrain_branch_tracer, only: cancelled, closed_loop, left_by_amplitude, reached_end, tracer_type
+   use geartrain_branch_tracer, only: came_back, cancelled, closed_loop, left_by_amplitude, met_half_period, reached_end, &
+                                      tracer_type
    use geartrain_branch_variables, only: check_response
    use geartrain_model_check, only: check_train
    use geartrain_model_train, only: train_type
@@ -134,7 +135,9 @@ contains
       type(branch_type), intent(inout), target :: branch
       class(observer_type), intent(inout), optional :: observer
       type(place_type) :: place, backward
-      integer :: outcome, forward
+      !> Ends beyond which the branch goes on outside what was asked for, or not at all.
+      integer, parameter :: proper_ends(*) = [reached_end, came_back, left_by_amplitude, met_half_period]
+      integer :: outcome, forward_outcome, forward
       character(:), allocatable :: reason
       real(dp) :: low, high, target
       logical :: success
@@ -161,6 +164,7 @@ contains
       call tracer%record(place, branch)
       target = tracer%settings%stop
       call tracer%trace(place, low, high, target, branch, outcome, branch%ended, observer)
+      forward_outcome = outcome
       branch%closed = outcome == closed_loop
       branch%complete = branch%closed
       if (branch%closed .or. outcome == cancelled) return
@@ -171,7 +175,7 @@ contains
       call tracer%path%orient(backward, merge(-1, 1, tracer%settings%stop > tracer%settings%start))
       call tracer%trace(backward, low, high, target, branch, outcome, reason, observer)
       call put_in_front(branch, forward)
-      branch%complete = any(outcome == [reached_end, left_by_amplitude]) .or. outcome == 2
+      branch%complete = any(outcome == proper_ends) .and. any(forward_outcome == proper_ends)
       branch%ended = 'forwards from the seed: '//branch%ended//'; backwards: '//reason
    end subroutine trace_from_seed
 
