@@ -10,6 +10,7 @@ program main
    use unit_flow, only: flow_tests
    use unit_results, only: results_tests
    use unit_results_run, only: results_run_tests
+   use validation_claims_shafts, only: claims_shafts_tests
    use validation_paper_train, only: paper_train_tests
    use validation_single_pair, only: single_pair_tests
    use validation_whole_model, only: whole_model_tests
@@ -28,5 +29,6 @@ program main
    call paper_train_tests(tests)
    call single_pair_tests(tests)
    call whole_model_tests(tests)
+   call claims_shafts_tests(tests)
    call tests%finish()
 end program main
