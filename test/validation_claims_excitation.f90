@@ -2,6 +2,7 @@
 module validation_claims_excitation
    use fixtures, only: paper_train, settings_of
    use geartrain, only: branch_type, dp, error_type, response, train_type
+   use geartrain_base_kinds, only: pi
    use geartrain_branch_summary, only: band_type, bands_without_stability, peak_type
    use readings, only: folds_between, has_fold, is_band, largest_between, peak_between, smallest_between, stable_somewhere, &
                        traced
@@ -119,15 +120,23 @@ contains
 
    end subroutine stiffness
 
-   !> Claims 53 to 55, figure 8, with the printed fifth harmonic and with that of the rectangular wave.
+   !> Claims 52 to 55, figure 8, with the printed fifth harmonic and with that of the rectangular wave.
    subroutine five_harmonics(tests)
       class(tests_type), intent(inout) :: tests
-      type(branch_type) :: printed, rectangular, linear
+      type(branch_type) :: whole, printed, rectangular, linear
       type(train_type) :: train
+      real(dp), parameter :: second_pair(4) = [0.5_dp, 0.7_dp, 0.8_dp, 0.9_dp], kappa(4) = [0.42_dp, 0.3_dp, 0.2_dp, 0.1_dp]
 
       train = paper_train()
       train%meshes(1)%stiffness_cos = [0.42_dp, 0.0_dp, -0.141_dp, 0.0_dp, -0.085_dp]
       train%meshes(2)%stiffness_cos = train%meshes(1)%stiffness_cos
+      call tests%is_close(maxval(abs(2/pi*sin(pi*second_pair)/(1 + second_pair) - kappa)), 0.0_dp, 0.009_dp, &
+                          'claim 52: one or two pairs in contact, contact ratios 1.5 to 1.9')
+      whole = traced(tests, train, 0.2_dp, 2.6_dp, 6, 'figure 8 as printed')
+      call tests%is_true(largest_between(whole, 2, 0.8_dp, 0.95_dp) > 12, 'claim 53: resonance a is unbounded')
+      call tests%is_close(position(whole, 1, 1.2_dp, 2.2_dp), 1.2925_dp, 3e-3_dp, 'claim 53: resonance b softens to 1.29')
+      call tests%is_close(position(whole, 2, 0.39_dp, 0.50_dp), 0.4254_dp, 3e-3_dp, 'claim 53: w_a/2 softens to 0.425')
+      call tests%is_close(position(whole, 2, 0.820_dp, 0.825_dp), 0.8228_dp, 2e-3_dp, 'claim 53: w_b/2 softens to 0.823')
       printed = traced(tests, train, 0.7_dp, 0.17_dp, 12, 'figure 8 as printed, low frequencies')
       train%meshes(1)%stiffness_cos(5) = 0.084_dp
       train%meshes(2)%stiffness_cos(5) = 0.084_dp
@@ -201,7 +210,7 @@ contains
       call tests%is_true(folds_between(branch, 0.2_dp, 1.0_dp) >= 25, 'claim 63: many folds')
       call tests%is_true(any(branch%stable(:branch%points)) .and. .not. all(branch%stable(:branch%points)), &
                          'claim 63: stable and unstable')
-      call tests%is_true(stable_somewhere(branch, 1.4_dp, 2.6_dp), 'claim 63: quiet above 1.4')
+      call tests%is_true(stable_somewhere(branch, 1.4_dp, 2.6_dp), 'claim 64: all of it below 1.4')
    end subroutine orders
 
    pure real(dp) function height(branch, mesh, from, to)

@@ -4,6 +4,7 @@ module validation_errata
    use geartrain, only: branch_type, dp, error_type, motion_type, response, solutions_at, train_type, waveform
    use geartrain_base_kinds, only: pi
    use geartrain_model_system, only: build_system, system_type
+   use geartrain_motion_balance, only: balance_type
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -21,6 +22,7 @@ contains
       call build_system(train, system)
       call assembly(tests, train, system)
       call forces(tests, train, system)
+      call projection(tests, system)
       call root_mean_square(tests)
       call rectangular_wave(tests)
       call resonances_of_other_orders(tests)
@@ -79,14 +81,49 @@ contains
       call tests%is_close(branch%mean(1, 1), 1.4_dp, 0.03_dp, 'and so does mesh 1')
    end subroutine forces
 
+   !> (9), (10): the balance projects kappa g as a whole. The paper cuts g off at R harmonics before the product with kappa,
+   !> which drops the share of harmonic R + 1 of g in harmonic R of the force; here 4096 samples stand for the integral.
+   subroutine projection(tests, system)
+      class(tests_type), intent(inout) :: tests
+      type(system_type), intent(in) :: system
+      type(balance_type) :: balance
+      integer, parameter :: samples = 4096
+      real(dp), parameter :: frequency = 0.8_dp
+      real(dp) :: theta(samples), g(samples), damping(samples), kappa(samples), cut(samples), whole, truncated
+      real(dp), allocatable :: u(:, :)
+      integer :: q, r
+
+      call balance%setup(system, 2, 1, 0)
+      allocate (u(balance%block, balance%unknowns), source=0.0_dp)
+      u(:, 1) = [1.1_dp, 0.6_dp, -0.2_dp, 0.3_dp, 0.1_dp]
+      u(:, 2) = u(:, 1)
+      call balance%evaluate(u, frequency)
+      theta = [(2*pi*q/samples, q=0, samples - 1)]
+      kappa = 1 + 0.3_dp*cos(theta)
+      g = u(1, 1)
+      damping = 0
+      do r = 1, 2
+         g = g + u(2*r, 1)*cos(r*theta) + u(2*r + 1, 1)*sin(r*theta)
+         damping = damping + system%damping(2)*frequency*r*(u(2*r + 1, 1)*cos(r*theta) - u(2*r, 1)*sin(r*theta))
+      end do
+      g = sign(max(abs(g) - 1, 0.0_dp), g)
+      cut = sum(g)/samples
+      do r = 1, 2
+         cut = cut + 2*sum(g*cos(r*theta))/samples*cos(r*theta) + 2*sum(g*sin(r*theta))/samples*sin(r*theta)
+      end do
+      whole = 2*sum((kappa*g + damping)*cos(2*theta))/samples
+      truncated = 2*sum((kappa*cut + damping)*cos(2*theta))/samples
+      call tests%is_close(balance%force(4, 1), whole, 1e-5_dp, '(9): kappa g projected as a whole')
+      call tests%is_true(abs(truncated - whole) > 1e-3_dp, '(9): cutting g off first drops a term')
+   end subroutine projection
+
    !> The paper's rms is sqrt(2) times the root mean square of the alternating part.
    subroutine root_mean_square(tests)
       class(tests_type), intent(inout) :: tests
       type(branch_type) :: branch
       type(motion_type), allocatable :: motions(:)
       type(error_type), allocatable :: error
-      real(dp), allocatable :: time(:), displacement(:, :)
-      real(dp) :: mean
+      real(dp) :: time(64), displacement(64, 2), mean
       integer :: j
 
       call response(paper_train(), settings_of(1.3_dp, 0.9_dp, 6), branch, error)
