@@ -10,7 +10,13 @@ program main
    use unit_flow, only: flow_tests
    use unit_results, only: results_tests
    use unit_results_run, only: results_run_tests
+   use validation_claims_excitation, only: claims_excitation_tests
+   use validation_claims_shafts, only: claims_shafts_tests
+   use validation_claims_subharmonic, only: claims_subharmonic_tests
    use validation_doubling, only: doubling_tests
+   use validation_errata, only: errata_tests
+   use validation_excitations, only: excitations_tests
+   use validation_figures, only: figures_tests
    use validation_paper_train, only: paper_train_tests
    use validation_single_pair, only: single_pair_tests
    use validation_whole_model, only: whole_model_tests
@@ -30,5 +36,11 @@ program main
    call single_pair_tests(tests)
    call whole_model_tests(tests)
    call doubling_tests(tests)
+   call excitations_tests(tests)
+   call figures_tests(tests)
+   call errata_tests(tests)
+   call claims_shafts_tests(tests)
+   call claims_excitation_tests(tests)
+   call claims_subharmonic_tests(tests)
    call tests%finish()
 end program main

@@ -1,5 +1,6 @@
 """Long work: Ctrl-C, threads, the global lock, and what is left behind."""
 
+import math
 import os
 import signal
 import subprocess
@@ -16,7 +17,8 @@ import geartrain as gt
 from geartrain import _box
 
 INTERRUPTED = """
-import sys
+import signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a background job of a shell is born deaf to it
 sys.path.insert(0, {folder!r})
 from conftest import paper_train
 import geartrain as gt
@@ -42,7 +44,7 @@ def test_interrupt_leaves_interpreter_and_results_alive(call, request):
     assert child.stdout.readline() == "ready\n"
     time.sleep(1.0)
     child.send_signal(signal.SIGINT)
-    output, errors = child.communicate(timeout=20)
+    output, errors = child.communicate(timeout=120)
     assert child.returncode == 0, errors
     first, ended, last = output.splitlines()
     assert int(first.split()[0]) > 10 and "stopped by Ctrl-C at Lambda = " in first
@@ -69,7 +71,7 @@ def test_bar_appears_on_a_terminal(request):
     while b"Lambda = " not in shown:
         shown += os.read(ours, 1000)
     child.send_signal(signal.SIGINT)
-    assert child.wait(timeout=20) == 0
+    assert child.wait(timeout=120) == 0
     os.close(ours)
     assert b"integration:" in shown and b"/20000" in shown
 
@@ -109,10 +111,13 @@ def test_global_lock_is_free_meanwhile(train):
 
 
 def test_quick_work_does_not_wait(train):
-    begin = time.perf_counter()
-    for _ in range(10):
+    # The waiting thread looks every 0.05 s: the quickest of many calls shows that it does not sleep out its time.
+    quickest = math.inf
+    for _ in range(20):
+        begin = time.perf_counter()
         train.response(start=0.9, stop=0.91, stability=False)
-    assert time.perf_counter() - begin < 0.4
+        quickest = min(quickest, time.perf_counter() - begin)
+    assert quickest < 0.04
 
 
 def test_every_box_is_closed(train, monkeypatch):
