@@ -70,7 +70,7 @@ contains
          call tests%is_true(size(from_below) == size(from_above), name//': as many solutions from either end')
          call tests%is_true(mod(size(from_below), 2) == 1, name//': an odd number of solutions')
          do k = 1, size(from_below)
-            call tests%is_true(nearest(from_below(k), from_above) < 1e-7_dp, name//': the same solutions')
+            call tests%is_true(nearest_motion(from_below(k), from_above) < 1e-7_dp, name//': the same solutions')
          end do
       end do
    end subroutine both_ends
@@ -90,6 +90,8 @@ contains
       call response(train, unjudged(0.2_dp, 2.6_dp, 6), outer, error)
       call tests%is_true(index(outer%ended, 'mesh 2 passed') > 0 .and. index(outer%ended, 'mesh 1 passed') > 0, &
                          'figure 9, zeta 0.01: leaves by mesh 2 at w_a and by mesh 1 at w_b')
+      call tests%is_true(.not. outer%complete .and. index(outer%ended, 'between these two') > 0, &
+                         'figure 9, zeta 0.01: not called complete')
       integration%tolerance = 1e-7_dp
       call attractors(train, 1.0_dp, 4, 1, integration, motions, error)
       i = findloc(motions%period, 1, 1)
@@ -125,15 +127,15 @@ contains
       train%meshes(2)%stiffness_cos = train%meshes(1)%stiffness_cos
    end function rectangular
 
-   !> Distance of a motion to the nearest of several, in coefficients.
-   pure real(dp) function nearest(motion, motions)
+   !> Distance of a motion to the nearest_motion of several, in coefficients.
+   pure real(dp) function nearest_motion(motion, motions)
       type(motion_type), intent(in) :: motion, motions(:)
       integer :: i
 
-      nearest = huge(1.0_dp)
+      nearest_motion = huge(1.0_dp)
       do i = 1, size(motions)
-         nearest = min(nearest, maxval(abs(motion%coefficients - motions(i)%coefficients)))
+         nearest_motion = min(nearest_motion, maxval(abs(motion%coefficients - motions(i)%coefficients)))
       end do
-   end function nearest
+   end function nearest_motion
 
 end module validation_figures

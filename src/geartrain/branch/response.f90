@@ -34,7 +34,7 @@ contains
       class(observer_type), intent(inout), optional :: observer
       type(tracer_type) :: tracer
       type(branch_type) :: empty
-      integer :: first_outcome, outcome
+      integer :: first_outcome, outcome, last
       character(:), allocatable :: reason
 
       branch = empty
@@ -50,11 +50,17 @@ contains
          call trace_part(train, tracer, 1, settings%start, settings%stop, branch, first_outcome, branch%ended, observer)
          branch%complete = first_outcome == reached_end
          if (first_outcome /= reached_end .and. first_outcome /= cancelled) then
+            last = branch%points
             call trace_part(train, tracer, 2, settings%stop, settings%start, branch, outcome, reason, observer)
-            branch%complete = outcome == reached_end &
-                              .or. (first_outcome == left_by_amplitude .and. outcome == left_by_amplitude)
             branch%ended = 'from Lambda = '//text(settings%start)//': '//branch%ended//'; from Lambda = ' &
                            //text(settings%stop)//': '//reason
+            branch%complete = outcome == reached_end
+            if (first_outcome == left_by_amplitude .and. outcome == left_by_amplitude) then
+               ! Two sides of one resonance meet at infinity; those of two resonances have a part of the curve between them.
+               branch%complete = maxloc(branch%rms(:, last), 1) == maxloc(branch%rms(:, branch%points), 1)
+               if (.not. branch%complete) branch%ended = branch%ended//'; what lies between these two resonances is not traced' &
+                                                         //' (a seed from between them finds it)'
+            end if
          end if
       end if
       call tracer%recorder%finish(branch)
