@@ -46,6 +46,10 @@ def draw_curve(
     **style: Any,
 ) -> None:
     """Draw a curve; ``label`` names its first stable piece, or its first."""
+    from matplotlib.cbook import normalize_kwargs
+    from matplotlib.lines import Line2D
+
+    style = normalize_kwargs(style, Line2D)
     frequency, values = np.asarray(frequency), np.asarray(values)
     pieces = list(runs(stable, np.ones(frequency.shape) if part is None else part))
     named = next((i for i, piece in enumerate(pieces) if piece[1]), 0)

@@ -128,6 +128,7 @@ def test_plot(branch):
     assert sum(len(line.get_xdata()) for line in ax.lines) == len(branch) + len(ax.lines) - 1
     assert "Lambda" in ax.get_xlabel() and "b_c" in ax.get_ylabel()
     assert branch.plot(ax=ax) is ax
+    assert all(line.get_linestyle() == "--" for line in branch.plot(mesh=1, ls="--", c="k").lines)  # matplotlib's short names
     with pytest.raises(gt.InputError, match="mesh = 3"):
         branch.plot(mesh=3)
 
