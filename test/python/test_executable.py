@@ -1,0 +1,50 @@
+"""The executable as a user types it: options, messages, exit statuses (3 and 4: test_results_file.py)."""
+
+import subprocess
+
+import pytest
+from conftest import ROOT
+
+import geartrain as gt
+
+CASE = ROOT / "namelists" / "single_pair.nml"
+
+
+def run(executable, *arguments, cwd):
+    return subprocess.run([executable, *arguments], cwd=cwd, check=False, capture_output=True, text=True)
+
+
+def test_check_and_run(executable, tmp_path):
+    done = run(executable, "--check", CASE, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "") and "no problems" in done.stdout
+    assert not list(tmp_path.iterdir())
+    done = run(executable, CASE, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert [path.suffix for path in tmp_path.iterdir()] == [".h5"]
+
+
+def test_template_runs_through_check(executable, tmp_path):
+    (tmp_path / "case.nml").write_text(run(executable, "--template", cwd=tmp_path).stdout)
+    assert run(executable, "--check", "case.nml", cwd=tmp_path).returncode == 0
+
+
+def test_version_and_help(executable, tmp_path):
+    assert run(executable, "--version", cwd=tmp_path).stdout == f"geartrain {gt.__version__}\n"
+    assert "Exit status" in run(executable, "--help", cwd=tmp_path).stdout
+
+
+def test_every_problem_at_once_and_nothing_written(executable, tmp_path):
+    text = CASE.read_text().replace("half_backlash", "half_backslash", 1).replace("&train", "&train oops = 1", 1)
+    (tmp_path / "bad.nml").write_text(text)
+    done = run(executable, "bad.nml", "--output", "bad.h5", cwd=tmp_path)
+    assert done.returncode == 2
+    assert 'unknown variable "oops" in &train' in done.stderr
+    assert 'unknown variable "half_backslash" in &mesh (did you mean "half_backlash"?)' in done.stderr
+    assert not (tmp_path / "bad.h5").exists()
+
+
+@pytest.mark.parametrize("arguments", [(), ("--nonsense",), ("missing.nml",), (".",), (CASE, "--output")])
+def test_bad_arguments(executable, tmp_path, arguments):
+    done = run(executable, *arguments, cwd=tmp_path)
+    assert done.returncode == 2 and done.stderr
+    assert not list(tmp_path.iterdir())
