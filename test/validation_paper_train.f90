@@ -48,10 +48,10 @@ contains
       type(error_type), allocatable :: error
       type(motion_type), allocatable :: motions(:)
       type(response_settings_type) :: settings
-      ! Folds of the curve as AUTO-07p with the exact backlash finds them, four digits.
+      ! The eight folds of the curve, found independently of this library, four digits.
       real(dp), parameter :: folds(8) = [0.4621_dp, 0.4586_dp, 0.7923_dp, 0.5657_dp, 0.7312_dp, 0.6161_dp, 1.6646_dp, &
                                          1.5483_dp]
-      ! Where the period-1 motion loses and regains stability, by time integration and AUTO-07p, three decimals.
+      ! Where the period-1 motion loses and regains stability, found independently, three decimals.
       real(dp), parameter :: doublings(2) = [1.749_dp, 2.044_dp]
       integer :: i, n
 
