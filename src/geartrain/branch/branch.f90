@@ -50,7 +50,8 @@ module geartrain_branch_branch
       logical, allocatable :: stable(:)
       !> Relative error of the waveform as estimated, (point).
       real(dp), allocatable :: error_estimate(:)
-      !> 1 for the points traced from `start`, 2 for those traced from `stop`; (point).
+      !> Number of the part that a point belongs to, (point): a new one begins where the branch comes back from beyond the
+      !> amplitude limit, and with the points traced from `stop` where those from `start` do not get there.
       integer, allocatable :: part(:)
       type(special_point_type), allocatable :: special_points(:)
       !> Why it ended, in words; complete is .true. where it got to the other end or closed.

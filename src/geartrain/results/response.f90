@@ -68,7 +68,7 @@ contains
       call store%put(home//'/error_estimate', branch%error_estimate(:n), ['point'], '1', &
                      'estimated relative error of the waveform')
       call store%put(home//'/part', branch%part(:n), ['point'], '1', &
-                     '1 = traced from the first end (from), 2 = from the other (to)')
+                     'number of the part: a new one begins where the branch comes back from beyond the amplitude limit')
    end subroutine write_points
 
    subroutine write_stability(store, branch, n)
