@@ -109,7 +109,6 @@ contains
       do i = 1, branch%points - 1
          if (branch%part(i) == branch%part(i + 1)) cycle
          found = found + 1
-         print *, name, branch%frequency(i), branch%frequency(i+1), infinite
          ! What is neglected is of the order of the gap over the limit.
          call tests%is_close(minval(abs(infinite - branch%frequency(i))), 0.0_dp, 100/limit, name//': multiplier +1 at infinity')
          call tests%is_close(branch%frequency(i + 1), branch%frequency(i), 100/limit, name//': back where it left')

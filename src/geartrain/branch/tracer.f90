@@ -118,6 +118,7 @@ contains
       do
          call self%path%advance(here, h, next, success)
          if (success) success = acceptable(self, here, next, h)
+         if (success) success = h < jump_step .or. .not. hides_folds(here, next, h)
          if (success .and. (next%frequency < low .or. next%frequency > high)) then
             call self%stop_at(merge(low, high, next%frequency < low), here, next, h, success)
             if (success) then
@@ -225,6 +226,24 @@ contains
       turns = here%tangent_frequency*next%tangent_frequency < 0 &
               .and. max(abs(here%tangent_frequency), abs(next%tangent_frequency)) > 1e-6_dp
    end function turns
+
+   !> Whether Lambda seems to turn twice between two points: whether the cubic through them, with their slopes, does.
+   pure logical function hides_folds(here, next, h)
+      type(place_type), intent(in) :: here, next
+      real(dp), intent(in) :: h
+      real(dp) :: bend, share, chord
+
+      hides_folds = .false.
+      chord = (next%frequency - here%frequency)/h
+      associate (first => here%tangent_frequency, last => next%tangent_frequency)
+         if (first*last <= 0) return
+         bend = first + last - 2*chord
+         if (abs(bend) <= 0) return
+         share = (2*first + last - 3*chord)/(3*bend)
+         if (share <= 0 .or. share >= 1) return
+         hides_folds = first*(first - 3*bend*share**2) < 0
+      end associate
+   end function hides_folds
 
    !> Of the angle between two tangents.
    pure real(dp) function cosine(here, next)
