@@ -1,8 +1,8 @@
-!> Peaks, jumps and bands of branches made by hand.
+!> Peaks, folds, bands, jumps and ranges of contact of branches made by hand.
 module unit_branch_summary
    use geartrain_base_kinds, only: dp
    use geartrain_branch_branch, only: branch_type, special_point_type
-   use geartrain_branch_summary, only: band_type, bands_without_stability, jumps, peak_type, peaks
+   use geartrain_branch_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -36,8 +36,8 @@ contains
       call tests%is_close(found(1)%frequency, 0.74_dp, 0.0_dp, 'its frequency')
       call tests%is_close(found(1)%rms, 1.0_dp, 0.0_dp, 'its rms')
       call tests%is_true(found(1)%stable .and. found(1)%point == 6, 'its stability and point')
-      call tests%is_true(size(jumps(branch)) == 2, 'two jumps')
-      call tests%is_close(sum(jumps(branch)*[1.0_dp, 10.0_dp]), 0.72_dp + 9.5_dp, 1e-12_dp, 'ascending')
+      call tests%is_true(size(folds(branch)) == 2, 'two folds')
+      call tests%is_close(sum(folds(branch)*[1.0_dp, 10.0_dp]), 0.72_dp + 9.5_dp, 1e-12_dp, 'ascending')
       call tests%is_true(size(bands_without_stability(branch)) == 0, 'a stable motion everywhere')
    end subroutine resonance
 
@@ -57,7 +57,7 @@ contains
       call tests%is_close(bands(2)%from, 2.25_dp, 1e-14_dp, 'without one it begins halfway')
       call tests%is_close(bands(2)%to, 2.3_dp, 1e-14_dp, 'and ends with the branch')
       call tests%is_true(size(peaks(branch, 1)) == 0, 'a falling curve has no peak')
-      call tests%is_true(size(jumps(branch)) == 0, 'no fold, no jump')
+      call tests%is_true(size(folds(branch)) == 0, 'no fold')
       branch%stable = .false.
       bands = bands_without_stability(branch)
       call tests%is_true(size(bands) == 1, 'nothing stable: one band')
@@ -86,7 +86,7 @@ contains
       deallocate (branch%stable)
       call tests%is_true(size(peaks(branch, 1)) == 1, 'a peak without stability')
       call tests%is_true(size(bands_without_stability(branch)) == 0, 'no bands where it was not asked for')
-      call tests%is_true(size(peaks(empty, 1)) == 0 .and. size(jumps(empty)) == 0, 'an empty branch')
+      call tests%is_true(size(peaks(empty, 1)) == 0 .and. size(folds(empty)) == 0, 'an empty branch')
    end subroutine without_stability
 
    pure function branch_of(frequency, rms, stable) result(branch)
