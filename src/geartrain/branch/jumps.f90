@@ -73,11 +73,26 @@ contains
          after = branch%special_points(s)%point + merge(k, 1, first == 1)
          if (before < 1 .or. after > branch%points) return
          if (.not. joined(branch, before) .or. .not. joined(branch, after - 1)) return
-         if (branch%stable(before) .eqv. branch%stable(after)) cycle
+         if (branch%stable(before) .eqv. branch%stable(after)) then
+            if (another_between(branch, s, before - 1, after + 1)) return
+            cycle
+         end if
          side = merge(-1, 1, branch%stable(before))
          return
       end do
    end function stable_side
+
+   !> Whether another special point lies in the range of points, and may be why stability changes there.
+   pure logical function another_between(branch, s, before, after) result(another)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: s, before, after
+      integer :: i
+
+      another = .false.
+      do i = 1, size(branch%special_points)
+         if (i /= s) another = another .or. (branch%special_points(i)%point >= before .and. branch%special_points(i)%point <= after)
+      end do
+   end function another_between
 
    !> rms of the nearest other stable motion at the frequency of special point `s`, -1 where there is none.
    pure function destination(branch, s) result(nearest)
