@@ -216,9 +216,9 @@ class Branch:
         Examples
         --------
         >>> for jump in branch.jumps[-4:-2]:
-        ...     print(f"{jump.speed} speed, Lambda {jump.frequency:.4f}: {jump.kind}, {jump.before.round(2)} -> {jump.after.round(2)}")
-        falling speed, Lambda 1.5473: jump down, [0.85 0.17] -> [0.28 0.11]
-        rising speed, Lambda 1.6645: jump up, [0.47 0.12] -> [0.73 0.11]
+        ...     print(f"{jump.speed}, {jump.frequency:.4f}: {jump.kind}, {jump.before.round(2)} -> {jump.after.round(2)}")
+        falling, 1.5473: jump down, [0.85 0.17] -> [0.28 0.11]
+        rising, 1.6645: jump up, [0.47 0.12] -> [0.73 0.11]
         """
         meshes = self.rms.shape[1]
         with self._box() as box:

@@ -137,7 +137,7 @@ class Motion:
         --------
         >>> order, amplitude = branch.at(0.9)[0].spectrum()
         >>> order, amplitude[:, 0].round(3)
-        (array([1., 2., 3., 4., 5., 6.]), array([0.318, 0.259, 0.013, 0.009, 0.007, 0.   ]))
+        (array([1., 2., 3., 4., 5., 6.]), array([0.157, 0.376, 0.049, 0.004, 0.001, 0.   ]))
         """
         cosine, sine = self.coefficients[:, 1::2], self.coefficients[:, 2::2]
         order = np.arange(1, cosine.shape[1] + 1) / (self.period or _LONGEST)
@@ -181,6 +181,9 @@ class Motion:
             axes[1].plot(time, self.mesh_force[:, column], **{"color": line.get_color(), **style})
             shift = (place - (len(chosen) - 1) / 2) * width
             axes[2].bar(order + shift, amplitude[:, column], width, color=line.get_color())
+        visible = order[(amplitude > 1e-3 * amplitude.max(initial=0.0)).any(axis=1)]
+        if len(visible):
+            axes[2].set_xlim(0, visible[-1] + order[0])
         axes[0].set_ylabel(r"displacement $/\, b_c$")
         axes[1].set_ylabel("mesh force, N")
         axes[1].set_xlabel("time, mesh periods")
