@@ -80,6 +80,23 @@ contains
       call tests%is_true(exists(file, '/response/special_points/kind'), 'special points')
       call h5fclose_f(file, status)
 
+      call h5fopen_f(path, h5f_acc_rdonly_f, file, status)
+      call tests%is_true(.not. exists(file, '/response/dynamic_factor'), 'no mesh loads, no datasets of them')
+      call h5fclose_f(file, status)
+      allocate (results%response%mesh_load(2, 3))
+      results%response%mesh_load%force_maximum = 10
+      results%response%mesh_load%dynamic_factor = reshape([2, 3, 4, 5, -1, 7], [2, 3])
+      results%response%backlash = [5.0_dp, 5.0_dp]
+      call write_results(path, case, results, error)
+      call h5fopen_f(path, h5f_acc_rdonly_f, file, status)
+      call read_real(file, '/response/dynamic_factor', size(rms), rms)
+      call tests%is_close(rms(2, 2), 5.0_dp, 0.0_dp, 'dynamic factor (point, mesh)')
+      call tests%is_true(rms(1, 3) /= rms(1, 3), 'without a static force it is NaN')
+      call read_real(file, '/response/mesh_force_maximum', size(rms), rms)
+      call tests%is_close(rms(1, 3), 10.0_dp, 0.0_dp, 'the largest force is there all the same')
+      call tests%is_true(exists(file, '/response/separation_ranges/from'), 'ranges of separation')
+      call h5fclose_f(file, status)
+
       deallocate (results%response%stable, results%response%multipliers, results%response%special_points)
       call write_results(path, case, results, error)
       call h5fopen_f(path, h5f_acc_rdonly_f, file, status)

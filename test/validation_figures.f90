@@ -5,7 +5,7 @@
 module validation_figures
    use fixtures, only: paper_train, settings_of
    use geartrain, only: branch_type, dp, error_type, motion_type, response, response_settings_type, solutions_at, train_type
-   use geartrain_branch_summary, only: jumps
+   use geartrain_branch_summary, only: folds
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -59,8 +59,8 @@ contains
       call response(train, unjudged(0.2_dp, 2.6_dp, harmonics), up, error)
       call response(train, unjudged(2.6_dp, 0.2_dp, harmonics), down, error)
       call tests%is_true(up%complete .and. down%complete, name//': complete from either end')
-      folds_up = jumps(up)
-      folds_down = jumps(down)
+      folds_up = folds(up)
+      folds_down = folds(down)
       call tests%is_true(size(folds_up) == size(folds_down), name//': as many folds from either end')
       if (size(folds_up) == size(folds_down)) &
          call tests%is_close(maxval(abs(folds_up - folds_down)), 0.0_dp, 1e-7_dp, name//': the same folds')

@@ -550,6 +550,10 @@ def _from_state(state: ArrayLike, meshes: int) -> Motion:
         mean=nothing,
         minimum=nothing,
         maximum=nothing,
+        mesh_force_maximum=nothing,
+        dynamic_factor=nothing,
+        separation_fraction=nothing,
+        back_contact_fraction=nothing,
         coefficients=np.zeros((meshes, 0)),
         state=values,
     )

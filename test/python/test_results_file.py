@@ -80,7 +80,8 @@ def test_shapes_of_the_response(path):
         group = file["response"]
         points = len(group["frequency"])
         assert points > 50
-        for name in ("rms", "true_ac_rms", "mean", "minimum", "maximum"):
+        loads = ("mesh_force_maximum", "dynamic_factor", "separation_fraction", "back_contact_fraction")
+        for name in ("rms", "true_ac_rms", "mean", "minimum", "maximum", *loads):
             assert group[name].shape == (points, 1), name
         assert group["coefficients"].shape == (points, 1, 9)
         assert group["multipliers"].shape == (points, 2, 2)
@@ -127,6 +128,37 @@ def test_xarray_opens_each_group(path):
     special = xarray.open_dataset(path, group="response/special_points", engine="h5netcdf")
     assert set(special.kind.values) <= {"fold", "period doubling", "torus", "symmetry"}
     assert special.rms.dims == ("special_point", "mesh")
+
+
+def test_what_one_reads_off_the_branch(path):
+    """The summary against the points that it is made of."""
+    response = xarray.open_dataset(path, group="response", engine="h5netcdf")
+    np.testing.assert_allclose(response.dynamic_factor * 0.4, response.mesh_force_maximum, rtol=1e-12)
+    np.testing.assert_array_equal(response.minimum < 1, response.separation_fraction > 0)
+
+    peaks = xarray.open_dataset(path, group="response/peaks", engine="h5netcdf")
+    np.testing.assert_array_equal(peaks.rms, response.rms.values[peaks.point - 1, peaks["mesh"] - 1])
+    np.testing.assert_array_equal(peaks.stable, response.stable.values[peaks.point - 1])
+
+    jumps = xarray.open_dataset(path, group="response/jumps", engine="h5netcdf")
+    assert jumps.rms_before.dims == jumps.rms_after.dims == ("jump", "mesh")
+    assert set(jumps.kind.values) <= {"jump up", "jump down", "leaves"}
+    assert ("jump up", "rising") in zip(jumps.kind.values, jumps.speed.values)
+    up = (jumps.rms_after > jumps.rms_before).all("mesh")
+    np.testing.assert_array_equal(up, jumps.kind == "jump up")
+
+    ranges = xarray.open_dataset(path, group="response/separation_ranges", engine="h5netcdf")
+    every = ranges.where(~ranges.stable, drop=True)
+    apart = response.frequency[(response.minimum < 1).any("mesh")]
+    assert all(((every["from"] <= f) & (f <= every["to"])).any() for f in apart)
+
+    bands = xarray.open_dataset(path, group="response/bands_without_stability", engine="h5netcdf")
+    inside = (response.frequency > float(bands["from"][0])) & (response.frequency < float(bands["to"][0]))
+    assert not response.stable[inside].any()
+
+    integration = xarray.open_dataset(path, group="integration", engine="h5netcdf")
+    assert integration.dynamic_factor.dims == ("point", "mesh")
+    assert (integration.dynamic_factor >= 1).all()
 
 
 def test_only_what_was_asked_for_is_written(executable, tmp_path):

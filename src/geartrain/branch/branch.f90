@@ -1,6 +1,7 @@
 !> A branch of periodic motions over frequency: what continuation gives, point by point, through the folds.
 module geartrain_branch_branch
    use geartrain_base_kinds, only: dp
+   use geartrain_motion_mesh_load, only: mesh_load_type
    use geartrain_motion_motion, only: motion_type
    implicit none (type, external)
    private
@@ -45,6 +46,9 @@ module geartrain_branch_branch
       real(dp), allocatable :: coefficients(:, :, :)
       !> (mesh, point), see motion_type.
       real(dp), allocatable :: rms(:, :), mean(:, :), minimum(:, :), maximum(:, :)
+      type(mesh_load_type), allocatable :: mesh_load(:, :)
+      !> Half backlash over characteristic length, (mesh).
+      real(dp), allocatable :: backlash(:)
       !> (state, point) and (point); not allocated when stability was not asked for.
       complex(dp), allocatable :: multipliers(:, :)
       logical, allocatable :: stable(:)

@@ -222,6 +222,7 @@ contains
       branch%mean(:, :n) = branch%mean(:, order)
       branch%minimum(:, :n) = branch%minimum(:, order)
       branch%maximum(:, :n) = branch%maximum(:, order)
+      branch%mesh_load(:, :n) = branch%mesh_load(:, order)
       branch%error_estimate(:n) = branch%error_estimate(order)
       if (allocated(branch%stable)) then
          branch%multipliers(:, :n) = branch%multipliers(:, order)

@@ -112,6 +112,7 @@ contains
             motion%mean = found%mean(:, i)
             motion%minimum = found%minimum(:, i)
             motion%maximum = found%maximum(:, i)
+            motion%mesh_load = found%mesh_load(:, i)
             motion%error_estimate = found%error_estimate(i)
             if (.not. settings%stability) cycle
             motion%multipliers = found%multipliers(:, i)

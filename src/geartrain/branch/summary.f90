@@ -1,10 +1,10 @@
-!> What a reader looks for on a branch: its peaks, its jumps, and where no stable motion of it exists.
+!> What a reader looks for on a branch: its peaks, its folds, and where no stable motion of it exists.
 module geartrain_branch_summary
    use geartrain_base_kinds, only: dp
    use geartrain_branch_branch, only: branch_type
    implicit none (type, external)
    private
-   public :: peak_type, band_type, peaks, jumps, bands_without_stability
+   public :: peak_type, band_type, peaks, folds, bands_without_stability, joined, change
 
    !> A local maximum of a mesh's rms along the branch.
    type :: peak_type
@@ -37,8 +37,8 @@ contains
       end do
    end function peaks
 
-   !> Lambda of the folds, where the motion jumps, ascending.
-   pure function jumps(branch) result(frequency)
+   !> Lambda of the folds, ascending.
+   pure function folds(branch) result(frequency)
       type(branch_type), intent(in) :: branch
       real(dp), allocatable :: frequency(:)
       integer :: i
@@ -49,7 +49,7 @@ contains
          if (branch%special_points(i)%kind == 'fold') frequency = [frequency, branch%special_points(i)%frequency]
       end do
       call sort(frequency)
-   end function jumps
+   end function folds
 
    !> Ranges of Lambda that the branch spans without a stable point at any of its levels, ascending.
    !>
