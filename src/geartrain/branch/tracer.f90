@@ -9,6 +9,7 @@ module geartrain_branch_tracer
    use geartrain_branch_recorder, only: recorder_type
    use geartrain_branch_special_points, only: add_special_point, locate_fold, locate_stability_change, unstable_count
    use geartrain_model_system, only: system_type
+   use geartrain_motion_truncation, only: truncation_error
    implicit none (type, external)
    private
    public :: tracer_type, acceptable, next_step
@@ -89,8 +90,8 @@ contains
       class(tracer_type), intent(inout) :: self
       type(place_type), intent(in) :: place
 
-      call self%path%balance%error_estimate(place%u, place%frequency, place%tangent, place%tangent_frequency, &
-                                            self%path%matrix, self%estimate)
+      call truncation_error(self%path%balance, place%u, place%frequency, place%tangent, place%tangent_frequency, &
+                            self%path%matrix, self%estimate)
    end subroutine estimate_error
 
    !> Follows the branch from `here` (solved, oriented, already a point of the branch) within [low, high]. Of the two bounds

@@ -80,9 +80,9 @@ contains
          call checker%complain('harmonics', integer_text(settings%harmonics), 'must be >= subharmonic = '// &
                                integer_text(settings%subharmonic)//': the mesh frequency itself would be left out')
       end if
-      fewest = 6*settings%harmonics + 2
+      fewest = 8*settings%harmonics + 2
       if (settings%samples > 0 .and. settings%samples < fewest) then
-         call checker%complain('samples', integer_text(settings%samples), 'must be >= 6 harmonics + 2 = '// &
+         call checker%complain('samples', integer_text(settings%samples), 'must be >= 8 harmonics + 2 = '// &
                                integer_text(fewest)//', or 0 to leave the choice to the program')
       end if
       call checker%leave()

@@ -11,10 +11,6 @@ module geartrain_motion_balance
    private
    public :: balance_type
 
-   !> Near a fold, where the Lambda part of the tangent falls below this, the error at constant Lambda grows without bound and
-   !> says nothing of the distance between the curves: it is no longer scaled up.
-   real(dp), parameter :: fold_slope = 0.05_dp
-
    type :: balance_type
       type(system_type) :: system
       !> Sub-harmonic index; harmonics of Lambda/eta that are carried; coefficients of a mesh, 1 + 2*size(harmonic).
@@ -33,13 +29,14 @@ module geartrain_motion_balance
       real(dp), allocatable :: residual(:, :), d_frequency(:, :)
       !> Mesh forces phi (block, unknowns) and their derivatives (block, block, unknowns).
       real(dp), allocatable :: force(:, :), tangent(:, :, :)
-      type(receptance_type), allocatable, private :: receptance(:)
+      !> Of the harmonics that are carried.
+      type(receptance_type), allocatable :: receptance(:)
    contains
       procedure :: setup
       procedure :: evaluate
       procedure :: jacobian
       procedure :: full_coefficients
-      procedure :: error_estimate
+      procedure :: damping_of
       procedure, private :: mesh_force
    end type balance_type
 
@@ -65,7 +62,7 @@ contains
       if (.not. allocated(self%contact)) allocate (self%contact(self%unknowns))
       do i = 1, self%unknowns
          associate (j => self%mesh(i))
-            call self%contact(i)%setup(system%backlash(j), system%mesh_stiffness(j), eta, self%harmonic, 3*highest, samples)
+            call self%contact(i)%setup(system%backlash(j), system%mesh_stiffness(j), eta, self%harmonic, 4*highest, samples)
          end associate
       end do
       if (allocated(self%residual)) deallocate (self%residual, self%d_frequency, self%force, self%tangent, self%receptance)
@@ -96,7 +93,7 @@ contains
                   ds = -self%receptance(k)%da(j)
                   do neighbour = max(1, i - 1), min(self%unknowns, i + 1)
                      force = cmplx(self%force(2*k, neighbour), -self%force(2*k + 1, neighbour), dp)
-                     d_force = cmplx(0, damping_of(self, neighbour)*r/self%eta, dp) &
+                     d_force = cmplx(0, self%damping_of(neighbour)*r/self%eta, dp) &
                                *cmplx(u(2*k, neighbour), -u(2*k + 1, neighbour), dp)
                      s = s + h(neighbour - i + 2, j)*force
                      ds = ds + dh(neighbour - i + 2, j)*force + h(neighbour - i + 2, j)*d_force
@@ -111,6 +108,7 @@ contains
       end do
    end subroutine evaluate
 
+   !> Damping of unknown mesh i over its stiffness, gamma.
    pure real(dp) function damping_of(self, i)
       class(balance_type), intent(in) :: self
       integer, intent(in) :: i
@@ -153,7 +151,7 @@ contains
          do k = 1, size(r)
             f(2*k) = f(2*k) - 2*b*real(sigma(r(k)), dp)
             f(2*k + 1) = f(2*k + 1) + 2*b*aimag(sigma(r(k)))
-            rate = damping_of(self, i)*r(k)*frequency/self%eta
+            rate = self%damping_of(i)*r(k)*frequency/self%eta
             f(2*k) = f(2*k) + rate*u(2*k + 1)
             f(2*k + 1) = f(2*k + 1) - rate*u(2*k)
             t(2*k, 2*k + 1) = t(2*k, 2*k + 1) + rate
@@ -239,98 +237,5 @@ contains
          end if
       end do
    end subroutine full_coefficients
-
-   !> Relative error of the waveform: the residual at harmonics highest+1 .. 2 highest is minus the missing tail; its
-   !> first-order effect on the kept harmonics, at constant Lambda, costs one solve with `matrix`, factored at this solution
-   !> with any border row; the tangent (and its Lambda part) takes out what that row lets Lambda move.
-   subroutine error_estimate(self, u, frequency, tangent, tangent_frequency, matrix, estimate)
-      class(balance_type), intent(in) :: self
-      real(dp), intent(in) :: u(:, :), frequency, tangent(:, :), tangent_frequency
-      type(bordered_type), intent(inout) :: matrix
-      real(dp), intent(out) :: estimate
-      complex(dp) :: tail(self%highest, self%unknowns), phi(self%highest, self%unknowns), sum_
-      real(dp) :: correction(self%block, self%unknowns), d_phi(self%block, self%unknowns), y
-      type(receptance_type) :: local
-      integer :: i, k, m, r, neighbour
-
-      if (self%unknowns == 0 .or. size(self%harmonic) == 0) then
-         estimate = 0
-         return
-      end if
-      phi = 0
-      tail = 0
-      do i = 1, self%unknowns
-         associate (w => self%contact(i)%stiffness, sigma => self%contact(i)%offset, b => self%contact(i)%backlash)
-            do m = 1, self%highest
-               r = self%highest + m
-               sum_ = 2*w(r)*u(1, i) - 2*b*sigma(r)
-               do k = 1, size(self%harmonic)
-                  sum_ = sum_ + w(r - self%harmonic(k))*cmplx(u(2*k, i), -u(2*k + 1, i), dp) &
-                         + w(r + self%harmonic(k))*cmplx(u(2*k, i), u(2*k + 1, i), dp)
-               end do
-               phi(m, i) = sum_
-            end do
-         end associate
-      end do
-      do m = 1, self%highest
-         r = self%highest + m
-         if (all(abs(phi(m, :)) < tiny(1.0_dp)) .and. self%eta == 1 .and. mod(r, self%system%excitation_order) /= 0) cycle
-         call find_receptance(self%system, self%unknown, frequency, r, self%eta, local)
-         do i = 1, self%unknowns
-            associate (j => self%mesh(i))
-               tail(m, i) = local%a(j)
-               do neighbour = max(1, i - 1), min(self%unknowns, i + 1)
-                  tail(m, i) = tail(m, i) - local%h(neighbour - i + 2, j)*phi(m, neighbour)
-               end do
-            end associate
-         end do
-      end do
-      do i = 1, self%unknowns
-         d_phi(:, i) = tail_force(self, i, tail(:, i))
-      end do
-      do i = 1, self%unknowns
-         correction(1, i) = -d_phi(1, i)
-         do k = 1, size(self%harmonic)
-            sum_ = 0
-            do neighbour = max(1, i - 1), min(self%unknowns, i + 1)
-               sum_ = sum_ - self%receptance(k)%h(neighbour - i + 2, self%mesh(i)) &
-                      *cmplx(d_phi(2*k, neighbour), -d_phi(2*k + 1, neighbour), dp)
-            end do
-            correction(2*k, i) = sum_%re
-            correction(2*k + 1, i) = -sum_%im
-         end do
-      end do
-      y = 0
-      call matrix%solve(correction, y)
-      correction = correction - y/sign(max(abs(tangent_frequency), fold_slope), tangent_frequency)*tangent
-      estimate = sqrt((sum(abs(tail)**2) + 2*sum(correction(1, :)**2) + sum(correction(2:, :)**2)) &
-                      /max(sum(u(2:, :)**2), tiny(1.0_dp)))
-   end subroutine error_estimate
-
-   !> Force at the kept harmonics that the missing tail causes, to first order.
-   pure function tail_force(self, i, tail) result(d_phi)
-      class(balance_type), intent(in) :: self
-      integer, intent(in) :: i
-      complex(dp), intent(in) :: tail(:)
-      real(dp) :: d_phi(self%block)
-      complex(dp) :: sum_
-      integer :: k, m, r
-
-      associate (w => self%contact(i)%stiffness)
-         d_phi(1) = 0
-         do m = 1, self%highest
-            d_phi(1) = d_phi(1) + real(conjg(w(self%highest + m))*tail(m), dp)
-         end do
-         do k = 1, size(self%harmonic)
-            sum_ = 0
-            do m = 1, self%highest
-               r = self%highest + m
-               sum_ = sum_ + conjg(w(r - self%harmonic(k)))*tail(m) + w(r + self%harmonic(k))*conjg(tail(m))
-            end do
-            d_phi(2*k) = sum_%re
-            d_phi(2*k + 1) = -sum_%im
-         end do
-      end associate
-   end function tail_force
 
 end module geartrain_motion_balance

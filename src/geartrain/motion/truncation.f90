@@ -1,0 +1,139 @@
+!> What a balance leaves out: the harmonics above its highest, and what they do to those it carries.
+module geartrain_motion_truncation
+   use geartrain_base_kinds, only: dp
+   use geartrain_model_receptance, only: find_receptance, receptance_type
+   use geartrain_motion_balance, only: balance_type
+   use geartrain_motion_bordered, only: bordered_type
+   implicit none (type, external)
+   private
+   public :: truncation_error
+
+   !> Near a fold, where the Lambda part of the tangent falls below this, the error at constant Lambda grows without bound and
+   !> says nothing of the distance between the curves: it is no longer scaled up.
+   real(dp), parameter :: fold_slope = 0.05_dp
+
+contains
+
+   !> Relative error of the waveform, to first order: the missing tail follows from the force at harmonics highest+1 ..
+   !> 3 highest, and its effect on the kept harmonics, at constant Lambda, costs one solve with `matrix`, factored at this
+   !> solution with any border row; the tangent (and its Lambda part) takes out what that row lets Lambda move.
+   subroutine truncation_error(balance, u, frequency, tangent, tangent_frequency, matrix, estimate)
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: u(:, :), frequency, tangent(:, :), tangent_frequency
+      type(bordered_type), intent(inout) :: matrix
+      real(dp), intent(out) :: estimate
+      complex(dp) :: tail(2*balance%highest, balance%unknowns), shift
+      real(dp) :: correction(balance%block, balance%unknowns), d_phi(balance%block, balance%unknowns), y
+      integer :: i, k, neighbour
+
+      if (balance%unknowns == 0 .or. size(balance%harmonic) == 0) then
+         estimate = 0
+         return
+      end if
+      call find_tail(balance, u, frequency, tail)
+      do i = 1, balance%unknowns
+         d_phi(:, i) = tail_force(balance, i, tail(:, i))
+      end do
+      do i = 1, balance%unknowns
+         correction(1, i) = -d_phi(1, i)
+         do k = 1, size(balance%harmonic)
+            shift = 0
+            do neighbour = max(1, i - 1), min(balance%unknowns, i + 1)
+               shift = shift - balance%receptance(k)%h(neighbour - i + 2, balance%mesh(i)) &
+                       *cmplx(d_phi(2*k, neighbour), -d_phi(2*k + 1, neighbour), dp)
+            end do
+            correction(2*k, i) = shift%re
+            correction(2*k + 1, i) = -shift%im
+         end do
+      end do
+      y = 0
+      call matrix%solve(correction, y)
+      correction = correction - y/sign(max(abs(tangent_frequency), fold_slope), tangent_frequency)*tangent
+      estimate = sqrt((sum(abs(tail)**2) + 2*sum(correction(1, :)**2) + sum(correction(2:, :)**2)) &
+                      /max(sum(u(2:, :)**2), tiny(1.0_dp)))
+   end subroutine truncation_error
+
+   !> Complex amplitudes at harmonics highest+1 .. 3 highest, (2*highest, unknowns): each harmonic by itself under the force of the
+   !> kept ones, the meshes coupled and with their mean stiffness in contact (a harmonic near a natural frequency resonates).
+   pure subroutine find_tail(balance, u, frequency, tail)
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: u(:, :), frequency
+      complex(dp), intent(out) :: tail(:, :)
+      type(receptance_type) :: local
+      complex(dp) :: force(balance%unknowns), stiffness(balance%unknowns), pivot(balance%unknowns), ratio
+      integer :: i, m, r, neighbour
+
+      tail = 0
+      do m = 1, size(tail, 1)
+         r = balance%highest + m
+         do i = 1, balance%unknowns
+            force(i) = force_at(balance, i, u(:, i), r)
+            stiffness(i) = cmplx(real(balance%contact(i)%stiffness(0), dp), balance%damping_of(i)*r*frequency/balance%eta, dp)
+         end do
+         if (all(abs(force) < tiny(1.0_dp)) .and. balance%eta == 1 .and. mod(r, balance%system%excitation_order) /= 0) cycle
+         call find_receptance(balance%system, balance%unknown, frequency, r, balance%eta, local)
+         ! Elimination down the chain and back; the diagonal is 1 plus something small, save at a resonance.
+         associate (p => tail(m, :), h => local%h(:, balance%mesh))
+            do i = 1, balance%unknowns
+               p(i) = local%a(balance%mesh(i))
+               do neighbour = max(1, i - 1), min(balance%unknowns, i + 1)
+                  p(i) = p(i) - h(neighbour - i + 2, i)*force(neighbour)
+               end do
+               pivot(i) = 1 + h(2, i)*stiffness(i)
+               if (i == 1) cycle
+               ratio = h(1, i)*stiffness(i - 1)/pivot(i - 1)
+               pivot(i) = pivot(i) - ratio*h(3, i - 1)*stiffness(i)
+               p(i) = p(i) - ratio*p(i - 1)
+            end do
+            do i = balance%unknowns, 1, -1
+               if (i < balance%unknowns) p(i) = p(i) - h(3, i)*stiffness(i + 1)*p(i + 1)
+               p(i) = p(i)/pivot(i)
+            end do
+            tail(m, :) = p
+         end associate
+      end do
+   end subroutine find_tail
+
+   !> Force of unknown mesh i at harmonic r, not a kept one, that the kept ones cause.
+   pure complex(dp) function force_at(balance, i, u, r)
+      type(balance_type), intent(in) :: balance
+      integer, intent(in) :: i, r
+      real(dp), intent(in) :: u(:)
+      integer :: k
+
+      associate (w => balance%contact(i)%stiffness, contact => balance%contact(i))
+         force_at = 2*w(r)*u(1) - 2*contact%backlash*contact%offset(r)
+         do k = 1, size(balance%harmonic)
+            force_at = force_at + w(r - balance%harmonic(k))*cmplx(u(2*k), -u(2*k + 1), dp) &
+                       + w(r + balance%harmonic(k))*cmplx(u(2*k), u(2*k + 1), dp)
+         end do
+      end associate
+   end function force_at
+
+   !> Force at the kept harmonics that the missing tail causes, to first order.
+   pure function tail_force(balance, i, tail) result(d_phi)
+      type(balance_type), intent(in) :: balance
+      integer, intent(in) :: i
+      complex(dp), intent(in) :: tail(:)
+      real(dp) :: d_phi(balance%block)
+      complex(dp) :: total
+      integer :: k, m, r
+
+      associate (w => balance%contact(i)%stiffness)
+         d_phi(1) = 0
+         do m = 1, size(tail)
+            d_phi(1) = d_phi(1) + real(conjg(w(balance%highest + m))*tail(m), dp)
+         end do
+         do k = 1, size(balance%harmonic)
+            total = 0
+            do m = 1, size(tail)
+               r = balance%highest + m
+               total = total + conjg(w(r - balance%harmonic(k)))*tail(m) + w(r + balance%harmonic(k))*conjg(tail(m))
+            end do
+            d_phi(2*k) = total%re
+            d_phi(2*k + 1) = -total%im
+         end do
+      end associate
+   end function tail_force
+
+end module geartrain_motion_truncation
