@@ -130,7 +130,7 @@ contains
       call one_value(tests, 'stability = maybe', 0, 'stability = maybe: must be .true. or .false.')
       call one_value(tests, 'control = ''newton''', 0, 'control = ''newton'': must be ''arclength'' or ''local''')
       call one_value(tests, 'control = local', 0, 'control = local: must be a text in quotes, ''...''')
-      call one_value(tests, 'samples = 37', 0, 'samples = 37: must be >= 6 harmonics + 2 = 38, or 0 to leave the choice to &
+      call one_value(tests, 'samples = 37', 0, 'samples = 37: must be >= 8 harmonics + 2 = 50, or 0 to leave the choice to &
                      &the program')
       call one_value(tests, 'step = ', 4, 'step has no value')
       call one_value(tests, 'step = ,', 0, 'step: an empty value before the comma')

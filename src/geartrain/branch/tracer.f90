@@ -39,6 +39,8 @@ module geartrain_branch_tracer
       !> Number of the part of the branch that is traced.
       integer :: part = 1
       real(dp), private :: estimate = 0
+      !> Change of the tangent's Lambda part along the branch, at the latest step.
+      real(dp), private :: bend = 0
    contains
       procedure :: prepare
       procedure :: record
@@ -90,7 +92,7 @@ contains
       class(tracer_type), intent(inout) :: self
       type(place_type), intent(in) :: place
 
-      call truncation_error(self%path%balance, place%u, place%frequency, place%tangent, place%tangent_frequency, &
+      call truncation_error(self%path%balance, place%u, place%frequency, place%tangent, place%tangent_frequency, self%bend, &
                             self%path%matrix, self%estimate)
    end subroutine estimate_error
 
@@ -140,6 +142,7 @@ contains
          end if
 
          longer = next_step(self, here, next, h, self%settings%step*max(1.0_dp, sqrt(inner(next%u, next%u))/large))
+         self%bend = (next%tangent_frequency - here%tangent_frequency)/h
          if (self%settings%harmonics == 0) call self%adapt(next, here, origin)
          if (turns(here, next)) call self%add_fold(here, next, h, branch)
          call self%record(next, branch)

@@ -8,22 +8,22 @@ module geartrain_motion_truncation
    private
    public :: truncation_error
 
-   !> Near a fold, where the Lambda part of the tangent falls below this, the error at constant Lambda grows without bound and
-   !> says nothing of the distance between the curves: it is no longer scaled up.
-   real(dp), parameter :: fold_slope = 0.05_dp
-
 contains
 
    !> Relative error of the waveform, to first order: the missing tail follows from the force at harmonics highest+1 ..
    !> 3 highest, and its effect on the kept harmonics, at constant Lambda, costs one solve with `matrix`, factored at this
    !> solution with any border row; the tangent (and its Lambda part) takes out what that row lets Lambda move.
-   subroutine truncation_error(balance, u, frequency, tangent, tangent_frequency, matrix, estimate)
+   !>
+   !> Where that is y and Lambda = slope s + bend s**2/2 along the branch, the way back along it is about y/slope, and
+   !> sqrt(2 y/bend) at a fold, which moves by y.
+   subroutine truncation_error(balance, u, frequency, tangent, tangent_frequency, bend, matrix, estimate)
       type(balance_type), intent(in) :: balance
-      real(dp), intent(in) :: u(:, :), frequency, tangent(:, :), tangent_frequency
+      !> The solution, the unit tangent there and the change of its Lambda part along the branch.
+      real(dp), intent(in) :: u(:, :), frequency, tangent(:, :), tangent_frequency, bend
       type(bordered_type), intent(inout) :: matrix
       real(dp), intent(out) :: estimate
       complex(dp) :: tail(2*balance%highest, balance%unknowns), shift
-      real(dp) :: correction(balance%block, balance%unknowns), d_phi(balance%block, balance%unknowns), y
+      real(dp) :: correction(balance%block, balance%unknowns), d_phi(balance%block, balance%unknowns), y, slope
       integer :: i, k, neighbour
 
       if (balance%unknowns == 0 .or. size(balance%harmonic) == 0) then
@@ -48,7 +48,8 @@ contains
       end do
       y = 0
       call matrix%solve(correction, y)
-      correction = correction - y/sign(max(abs(tangent_frequency), fold_slope), tangent_frequency)*tangent
+      slope = abs(tangent_frequency)/2 + sqrt(tangent_frequency**2/4 + abs(bend*y)/2)
+      correction = correction - y/sign(max(slope, tiny(1.0_dp)), tangent_frequency)*tangent
       estimate = sqrt((sum(abs(tail)**2) + 2*sum(correction(1, :)**2) + sum(correction(2:, :)**2)) &
                       /max(sum(u(2:, :)**2), tiny(1.0_dp)))
    end subroutine truncation_error
