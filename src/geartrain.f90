@@ -5,6 +5,8 @@ module geartrain
    use geartrain_base_observer, only: observer_type
    use geartrain_branch_branch, only: branch_type, response_settings_type, special_point_type
    use geartrain_branch_doubling, only: period_doubled
+   use geartrain_branch_doublings, only: follow_doublings
+   use geartrain_branch_islands, only: follow_attractors
    use geartrain_branch_response, only: response
    use geartrain_branch_solutions, only: solutions_at
    use geartrain_case_case, only: case_type
@@ -18,6 +20,7 @@ module geartrain
    use geartrain_model_shaft, only: shaft_type
    use geartrain_model_train, only: train_type
    use geartrain_motion_attractors, only: attractors
+   use geartrain_motion_attractors_settings, only: attractors_settings_type, attractors_type
    use geartrain_motion_integration, only: integrate
    use geartrain_motion_integration_settings, only: integration_settings_type, sweep_type
    use geartrain_motion_motion, only: motion_type

@@ -5,8 +5,8 @@
 !> outside the gap between the frequencies at which they leave, and one less within, where the missing one is beyond the limit.
 module validation_figures
    use fixtures, only: paper_train, settings_of
-   use geartrain, only: attractors, branch_type, dp, error_type, integration_settings_type, motion_type, response, &
-                        response_settings_type, solutions_at, train_type
+   use geartrain, only: attractors, attractors_settings_type, attractors_type, branch_type, dp, error_type, &
+                        motion_type, response, response_settings_type, solutions_at, train_type
    use geartrain_branch_summary, only: jumps
    use testing, only: tests_type
    implicit none (type, external)
@@ -82,7 +82,8 @@ contains
       type(train_type), intent(in) :: train
       type(branch_type) :: outer, middle
       type(motion_type), allocatable :: motions(:), more(:)
-      type(integration_settings_type) :: integration
+      type(attractors_settings_type) :: settings
+      type(attractors_type) :: found
       type(error_type), allocatable :: error
       real(dp), parameter :: frequency(4) = [0.301_dp, 1.003_dp, 1.407_dp, 2.311_dp]
       integer :: i
@@ -92,12 +93,12 @@ contains
                          'figure 9, zeta 0.01: leaves by mesh 2 at w_a and by mesh 1 at w_b')
       call tests%is_true(.not. outer%complete .and. index(outer%ended, 'between these two') > 0, &
                          'figure 9, zeta 0.01: not called complete')
-      integration%tolerance = 1e-7_dp
-      call attractors(train, 1.0_dp, 4, 1, integration, motions, error)
-      i = findloc(motions%period, 1, 1)
+      settings = attractors_settings_type(frequency=1.0_dp, starts=4, random_seed=1, tolerance=1e-7_dp)
+      call attractors(train, settings, found, error)
+      i = findloc(found%motions%period, 1, 1)
       call tests%is_true(i > 0, 'figure 9, zeta 0.01: a period-1 motion at 1.0')
       if (i == 0) return
-      call response(train, unjudged(0.2_dp, 2.6_dp, 6), middle, error, seed=motions(i))
+      call response(train, unjudged(0.2_dp, 2.6_dp, 6), middle, error, seed=found%motions(i))
       call tests%is_true(index(middle%ended, 'mesh 2 passed') > 0 .and. index(middle%ended, 'mesh 1 passed') > 0, &
                          'figure 9, zeta 0.01: the middle piece joins the two: '//middle%ended)
       do i = 1, size(frequency)

@@ -21,7 +21,7 @@ contains
              commented_text(paper_case())
    end function template_text
 
-   !> The train of table 1 and the analyses of figure 3.
+   !> The train of table 1 and the analyses of figure 3, and what coexists at Lambda = 0.6.
    function paper_case() result(case)
       type(case_type) :: case
 
@@ -42,12 +42,13 @@ contains
          train%meshes%stiffness = [2.5e8_dp, 5.0e8_dp]
       end associate
       case%modes = .true.
-      allocate (case%response, case%integration)
+      allocate (case%response, case%integration, case%attractors)
       case%response%start = 0.2_dp
       case%response%stop = 2.6_dp
       case%integration%start = 0.2_dp
       case%integration%stop = 2.6_dp
       case%integration%direction = 'both'
+      case%attractors%frequency = 0.6_dp
       case%output_file = ''
    end function paper_case
 

@@ -1,4 +1,4 @@
-!> The group /response of a results file: a branch, point by point.
+!> The groups /response, /branch_1, ... of a results file: a branch, point by point.
 module geartrain_results_response
    use geartrain_base_kinds, only: dp
    use geartrain_branch_branch, only: branch_type
@@ -9,33 +9,36 @@ module geartrain_results_response
    private
    public :: write_response
 
-   character(*), parameter :: home = '/response'
    character(5), parameter :: by_mesh(2) = ['point', 'mesh ']
 
 contains
 
    !> Writes the points 1:branch%points; the arrays may be longer, and `ended` may still be unknown.
-   subroutine write_response(store, branch)
+   subroutine write_response(store, home, branch)
       type(store_type), intent(inout) :: store
+      !> Path of the group.
+      character(*), intent(in) :: home
       type(branch_type), intent(in) :: branch
 
       call store%group(home)
-      call write_attributes(store, branch)
+      call write_attributes(store, home, branch)
       call store%axis(home//'/point', branch%points, 'point, in the order along the branch')
       call store%axis(home//'/mesh', branch%meshes, 'mesh, in the order of the train')
       if (branch%points > 0) then
-         call write_points(store, branch, branch%points)
-         if (allocated(branch%stable)) call write_stability(store, branch, branch%points)
+         call write_points(store, home, branch, branch%points)
+         if (allocated(branch%stable)) call write_stability(store, home, branch, branch%points)
       end if
       if (.not. allocated(branch%special_points)) return
-      if (size(branch%special_points) > 0) call write_special_points(store, branch)
+      if (size(branch%special_points) > 0) call write_special_points(store, home, branch)
    end subroutine write_response
 
-   subroutine write_attributes(store, branch)
+   subroutine write_attributes(store, home, branch)
       type(store_type), intent(inout) :: store
+      character(*), intent(in) :: home
       type(branch_type), intent(in) :: branch
 
       call store%attribute(home, 'description', 'frequency response: periodic motions along one branch, through its folds')
+      if (allocated(branch%origin)) call store%attribute(home, 'origin', branch%origin)
       if (branch%points > 0) call store%attribute(home, 'coordinates', 'frequency')
       if (allocated(branch%ended)) then
          call store%attribute(home, 'ended', branch%ended)
@@ -48,8 +51,9 @@ contains
       call store%attribute(home, 'subharmonic', branch%subharmonic)
    end subroutine write_attributes
 
-   subroutine write_points(store, branch, n)
+   subroutine write_points(store, home, branch, n)
       type(store_type), intent(inout) :: store
+      character(*), intent(in) :: home
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: n
 
@@ -71,8 +75,9 @@ contains
                      '1 = traced from the first end (from), 2 = from the other (to)')
    end subroutine write_points
 
-   subroutine write_stability(store, branch, n)
+   subroutine write_stability(store, home, branch, n)
       type(store_type), intent(inout) :: store
+      character(*), intent(in) :: home
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: n
 
@@ -83,13 +88,15 @@ contains
                      about_multipliers)
    end subroutine write_stability
 
-   subroutine write_special_points(store, branch)
+   subroutine write_special_points(store, home, branch)
       type(store_type), intent(inout) :: store
+      character(*), intent(in) :: home
       type(branch_type), intent(in) :: branch
-      character(*), parameter :: room = home//'/special_points'
+      character(:), allocatable :: room
       real(dp) :: rms(branch%meshes, size(branch%special_points))
       integer :: i
 
+      room = home//'/special_points'
       associate (special => branch%special_points)
          do i = 1, size(special)
             rms(:, i) = special(i)%rms
