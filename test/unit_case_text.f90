@@ -75,6 +75,8 @@ contains
       case%response%amplitude_limit = random(4)
       case%response%coefficients = 'sampled'
       case%integration%tolerance = random(5)*1e-12_dp
+      case%attractors%random_seed = -huge(1)
+      case%attractors%follow = .true.
       case%output_file = 'a b.h5'
       call read_case_text(case_text(case), 'x.nml', again, error)
       call tests%is_true(.not. allocated(error), 'the resolved text is a case')
@@ -89,6 +91,7 @@ contains
       call tests%is_true(all(same(again%train%meshes(2)%error_cos, case%train%meshes(2)%error_cos)), 'identical bits: errors')
       call tests%is_true(again%train%shafts(1)%rigid .and. again%train%shafts(2)%damping_given .and. &
                          .not. again%train%shafts(3)%damping_given, 'rigid, damping or ratio')
+      call tests%is_true(again%attractors%random_seed == -huge(1) .and. again%attractors%follow, 'attractors')
       call tests%is_true(same(again%train%shafts(2)%damping, case%train%shafts(2)%damping), 'identical bits: damping')
    end subroutine round_trip
 
@@ -110,7 +113,9 @@ contains
       call read_case('namelists/fig03.nml', figure, error)
       if (allocated(error)) return
       figure%output_file = ''
-      call tests%is_text(case_text(case), case_text(figure), 'the template is figure 3')
+      call tests%is_true(allocated(case%attractors), 'the template has every analysis')
+      deallocate (case%attractors)
+      call tests%is_text(case_text(case), case_text(figure), 'but for the attractors the template is figure 3')
    end subroutine template
 
    subroutine reference(tests)

@@ -36,10 +36,11 @@ from .branch import Branch, SpecialPoint
 from .case import Case, Results, read_case
 from .errors import InputError, Interrupted, SolverError
 from .modes import Modes
-from .motion import Motion, Sweep
+from .motion import Attractors, Motion, Sweep
 from .train import Mesh, Shaft, Train
 
 __all__ = [
+    "Attractors",
     "Branch",
     "Case",
     "InputError",
