@@ -98,6 +98,12 @@ def test_period_two_of_figure_12():
     assert results.ended == "" and [branch.subharmonic for branch in results.branches] == [2, 2, 2, 2]
     assert results.branches[:3] == results.response.branches
     assert results.branches[3:] == results.attractors.branches
+    for branch in [results.response, *results.branches]:  # the last one has a part traced backwards from its seed
+        for special in branch.special_points:
+            if special.kind != "fold":
+                low, high = sorted(branch.frequency[special.point : special.point + 2])
+                assert low <= special.frequency <= high, (branch.origin, special)
+    assert any(special.kind != "fold" for special in results.branches[3].special_points)
     # Found independently by time integration: period 2 at 1.92, 0.45639898 and 0.54946446.
     stable = [motion for branch in results.branches for motion in branch.at(1.92) if motion.stable]
     assert any(np.allclose(motion.refine().rms, [0.45639898, 0.54946446], atol=2e-8) for motion in stable)

@@ -65,7 +65,8 @@ contains
       call tracer%recorder%setup(tracer%path%balance, settings%stability, doubled)
       call start_place(tracer, branch, special, place, success)
       if (.not. success) then
-         doubled%ended = 'no critical vector found at Lambda = '//text(branch%special_points(special)%frequency)
+         doubled%ended = 'no critical vector found at Lambda = '//text(branch%special_points(special)%frequency) &
+                         //' (more harmonics place the doubling more exactly)'
          return
       end if
       call tracer%record(place, doubled)
