@@ -2,7 +2,9 @@
 module report
    use, intrinsic :: iso_fortran_env, only: output_unit
    use geartrain, only: attractors_type, branch_type, dp, modes_type, sweep_type
-   use geartrain_branch_summary, only: band_type, bands_without_stability, jumps, peak_type, peaks
+   use geartrain_branch_contact_ranges, only: back_collision_ranges, separation_ranges
+   use geartrain_branch_jumps, only: jump_type, jumps
+   use geartrain_branch_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
    implicit none (type, external)
    private
    public :: report_modes, report_response, report_branches, report_integration, report_attractors
@@ -42,7 +44,8 @@ contains
    subroutine report_branch(branch)
       type(branch_type), intent(in) :: branch
       type(band_type), allocatable :: bands(:)
-      real(dp), allocatable :: folds(:)
+      real(dp), allocatable :: at_fold(:)
+      character(16) :: name
       integer :: mesh, i
 
       if (branch%points > 0) then
@@ -50,13 +53,22 @@ contains
          do mesh = 1, branch%meshes
             call report_peaks(branch, mesh)
          end do
-         folds = jumps(branch)
-         if (size(folds) > 0) write (output_unit, '(a, *(f10.4))') '    jumps (folds) at Lambda', folds
+         at_fold = folds(branch)
+         if (size(at_fold) > 0) write (output_unit, '(a, *(f10.4))') '    folds at Lambda', at_fold
+         call report_jumps(branch)
          bands = bands_without_stability(branch)
          do i = 1, size(bands)
             write (output_unit, '(4a)') '    without a stable motion for Lambda ', &
                fixed(bands(i)%from, 4), ' to ', fixed(bands(i)%to, 4)
          end do
+         do mesh = 1, branch%meshes
+            write (name, '(a, i0)') 'mesh ', mesh
+            call report_ranges(trim(name)//' separates', separation_ranges(branch, mesh, .false.), &
+                               separation_ranges(branch, mesh, .true.), allocated(branch%stable))
+            call report_ranges(trim(name)//' back collision', back_collision_ranges(branch, mesh, .false.), &
+                               back_collision_ranges(branch, mesh, .true.), allocated(branch%stable))
+         end do
+         call report_loads(branch)
       end if
       if (allocated(branch%ended)) write (output_unit, '(2a)') '    ended: ', branch%ended
    end subroutine report_branch
@@ -75,6 +87,76 @@ contains
          write (output_unit, '()')
       end do
    end subroutine report_peaks
+
+   subroutine report_jumps(branch)
+      type(branch_type), intent(in) :: branch
+      type(jump_type), allocatable :: found(:)
+      integer :: i
+
+      found = jumps(branch)
+      if (size(found) > 0) write (output_unit, '(a)') '    speed    Lambda  what happens there, rms of the meshes'
+      do i = 1, size(found)
+         write (output_unit, '(4x, a, f9.4, 2x)', advance='no') merge('rising ', 'falling', found(i)%rising), found(i)%frequency
+         if (found(i)%kind == 'leaves') then
+            write (output_unit, '(3a)') 'leaves the branch (', trim(found(i)%cause), ')'
+         else
+            write (output_unit, '(a, *(f9.5))', advance='no') found(i)%kind, found(i)%before
+            write (output_unit, '(a, *(f9.5))') ' ->', found(i)%after
+         end if
+      end do
+   end subroutine report_jumps
+
+   subroutine report_ranges(what, ranges, stable, known)
+      character(*), intent(in) :: what
+      !> At any level of the branch; at a stable one, where that is known.
+      type(band_type), intent(in) :: ranges(:), stable(:)
+      logical, intent(in) :: known
+
+      if (size(ranges) == 0) return
+      write (output_unit, '(5a)', advance='no') '    ', what, ' at Lambda ', list(ranges)
+      if (known) then
+         if (size(stable) == 0) then
+            write (output_unit, '(a)', advance='no') '; at no stable motion'
+         else if (list(stable) /= list(ranges)) then
+            write (output_unit, '(2a)', advance='no') '; stable: ', list(stable)
+         end if
+      end if
+      write (output_unit, '()')
+   end subroutine report_ranges
+
+   function list(ranges) result(text)
+      type(band_type), intent(in) :: ranges(:)
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(ranges)
+         if (i > 1) text = text//', '
+         text = text//fixed(ranges(i)%from, 4)//' to '//fixed(ranges(i)%to, 4)
+      end do
+   end function list
+
+   !> The largest mesh force of all motions of the branch, the stable ones where stability is known.
+   subroutine report_loads(branch)
+      type(branch_type), intent(in) :: branch
+      logical :: counts(branch%points)
+      integer :: mesh, i
+
+      counts = .true.
+      if (allocated(branch%stable)) counts = branch%stable(:branch%points)
+      if (.not. any(counts)) return
+      write (output_unit, '(2a)') '    mesh  largest force [N]  dynamic factor  at Lambda', &
+         trim(merge(', stable motions', '                ', allocated(branch%stable)))
+      do mesh = 1, branch%meshes
+         i = maxloc(branch%mesh_load(mesh, :branch%points)%force_maximum, 1, counts)
+         associate (load => branch%mesh_load(mesh, i))
+            write (output_unit, '(i8, f19.1)', advance='no') mesh, load%force_maximum
+            if (load%dynamic_factor < 0) write (output_unit, '(a16)', advance='no') '-'
+            if (load%dynamic_factor >= 0) write (output_unit, '(f16.3)', advance='no') load%dynamic_factor
+            write (output_unit, '(f11.4)') branch%frequency(i)
+         end associate
+      end do
+   end subroutine report_loads
 
    subroutine report_integration(sweep, seconds)
       type(sweep_type), intent(in) :: sweep

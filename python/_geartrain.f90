@@ -223,18 +223,18 @@ subroutine refine_motion(handle, status)
    status = close_with(box, error)
 end subroutine refine_motion
 
-! One period of the box's first motion.
-subroutine sample_waveform(handle, samples, meshes, time, displacement)
+! One period of the box's first motion; force in N.
+subroutine sample_waveform(handle, samples, meshes, time, displacement, force)
    use geartrain, only: waveform
    use geartrain_python_box, only: box_type, box_of
    implicit none
    integer(8), intent(in) :: handle
    integer, intent(in) :: samples, meshes
-   double precision, intent(out) :: time(samples), displacement(samples, meshes)
+   double precision, intent(out) :: time(samples), displacement(samples, meshes), force(samples, meshes)
    type(box_type), pointer :: box
 
    box => box_of(handle)
-   call waveform(box%case%train, box%motions(1), samples, time, displacement)
+   call waveform(box%case%train, box%motions(1), samples, time, displacement, force)
 end subroutine sample_waveform
 
 ! Everything that the case asks for; `path` is where the results go, '' nowhere.
@@ -277,7 +277,7 @@ end subroutine write_path
 
 ! Number of bytes of a text of the box: 'message', 'case' (the resolved namelist), 'elements', 'integration', 'attractors' (why
 ! each ended), 'directions', 'version'; of the branch at a place (0: the response, else a further one): 'branch' (why it ended),
-! 'origin', 'special points'. Lists have one item a line.
+! 'origin', 'special points', 'jump kinds', 'jump causes'. Lists have one item a line.
 subroutine text_size(handle, name, place, bytes)
    use geartrain_python_box, only: box_of, box_text
    implicit none
@@ -394,14 +394,14 @@ subroutine motion_sizes(handle, kind, place, sizes)
    sizes(5:6) = [motions(place)%period, merge(1, 0, motions(place)%stable)]
 end subroutine motion_sizes
 
-! numbers: frequency, error estimate, share; values: rms, mean, minimum, maximum.
+! numbers: frequency, error estimate, share; values: rms, mean, minimum, maximum, those of the mesh load (box.f90).
 subroutine copy_motion(handle, kind, place, terms, meshes, states, roots, numbers, coefficients, values, state, multipliers)
    use geartrain, only: motion_type
-   use geartrain_python_box, only: box_of, motion_list
+   use geartrain_python_box, only: as_values, box_of, motion_list
    implicit none
    integer(8), intent(in) :: handle
    integer, intent(in) :: kind, place, terms, meshes, states, roots
-   double precision, intent(out) :: numbers(3), coefficients(terms, meshes), values(meshes, 4), state(states)
+   double precision, intent(out) :: numbers(3), coefficients(terms, meshes), values(meshes, 8), state(states)
    double precision, intent(out) :: multipliers(2, roots)
    type(motion_type), pointer :: motions(:)
 
@@ -414,6 +414,7 @@ subroutine copy_motion(handle, kind, place, terms, meshes, states, roots, number
          values(:, 2) = motion%mean
          values(:, 3) = motion%minimum
          values(:, 4) = motion%maximum
+         values(:, 5:) = as_values(motion%mesh_load)
       end if
       if (states > 0) state = motion%state
       if (roots > 0) then
@@ -438,11 +439,11 @@ end subroutine reserve_motions
 ! The inverse of copy_motion; what has no size stays unallocated.
 subroutine put_motion(handle, place, period, stable, numbers, coefficients, values, state, multipliers, &
                       terms, meshes, states, roots)
-   use geartrain_python_box, only: box_type, box_of
+   use geartrain_python_box, only: as_loads, box_type, box_of
    implicit none
    integer(8), intent(in) :: handle
    integer, intent(in) :: place, period, stable, terms, meshes, states, roots
-   double precision, intent(in) :: numbers(3), coefficients(terms, meshes), values(meshes, 4), state(states)
+   double precision, intent(in) :: numbers(3), coefficients(terms, meshes), values(meshes, 8), state(states)
    double precision, intent(in) :: multipliers(2, roots)
    type(box_type), pointer :: box
 
@@ -459,6 +460,7 @@ subroutine put_motion(handle, place, period, stable, numbers, coefficients, valu
          motion%mean = values(:, 2)
          motion%minimum = values(:, 3)
          motion%maximum = values(:, 4)
+         motion%mesh_load = as_loads(values(:, 5:))
       end if
       if (states > 0) motion%state = state
       if (roots > 0) motion%multipliers = cmplx(multipliers(1, :), multipliers(2, :), kind(0d0))
@@ -575,17 +577,18 @@ subroutine branch_sizes(handle, place, sizes)
    sizes(6:8) = [branch%subharmonic, merge(1, 0, branch%complete), merge(1, 0, branch%closed)]
 end subroutine branch_sizes
 
-! numbers: frequency, error estimate; values: rms, mean, minimum, maximum; marks: part, stable.
+! numbers: frequency, error estimate; values: rms, mean, minimum, maximum, those of the mesh load; marks: part, stable.
 subroutine copy_branch(handle, place, points, meshes, states, terms, numbers, coefficients, values, marks, multipliers)
    use geartrain, only: branch_type
-   use geartrain_python_box, only: box_of, branch_at
+   use geartrain_python_box, only: as_values, box_of, branch_at
    implicit none
    integer(8), intent(in) :: handle
    integer, intent(in) :: place, points, meshes, states, terms
-   double precision, intent(out) :: numbers(points, 2), coefficients(terms, meshes, points), values(meshes, points, 4)
+   double precision, intent(out) :: numbers(points, 2), coefficients(terms, meshes, points), values(meshes, points, 8)
    integer, intent(out) :: marks(points, 2)
    double precision, intent(out) :: multipliers(2, states, points)
    type(branch_type), pointer :: branch
+   integer :: i
 
    if (points == 0) return
    branch => branch_at(box_of(handle), place)
@@ -596,6 +599,9 @@ subroutine copy_branch(handle, place, points, meshes, states, terms, numbers, co
    values(:, :, 2) = branch%mean(:, :points)
    values(:, :, 3) = branch%minimum(:, :points)
    values(:, :, 4) = branch%maximum(:, :points)
+   do i = 1, points
+      values(:, i, 5:) = as_values(branch%mesh_load(:, i))
+   end do
    marks(:, 1) = branch%part(:points)
    marks(:, 2) = 0
    if (states == 0) return
@@ -608,15 +614,16 @@ end subroutine copy_branch
 subroutine put_branch(handle, place, ended, origin, flags, numbers, coefficients, values, marks, multipliers, &
                       points, meshes, states, terms)
    use geartrain, only: branch_type
-   use geartrain_python_box, only: box_type, box_of, branch_at
+   use geartrain_python_box, only: as_loads, box_type, box_of, branch_at
    implicit none
    integer(8), intent(in) :: handle
    character(*), intent(in) :: ended, origin
    integer, intent(in) :: place, points, meshes, states, terms, flags(4), marks(points, 2)
-   double precision, intent(in) :: numbers(points, 2), coefficients(terms, meshes, points), values(meshes, points, 4)
+   double precision, intent(in) :: numbers(points, 2), coefficients(terms, meshes, points), values(meshes, points, 8)
    double precision, intent(in) :: multipliers(2, states, points)
    type(box_type), pointer :: box
    type(branch_type), pointer :: branch
+   integer :: i
 
    box => box_of(handle)
    if (place == 0) allocate (box%results%response)
@@ -638,6 +645,13 @@ subroutine put_branch(handle, place, ended, origin, flags, numbers, coefficients
    branch%mean = values(:, :, 2)
    branch%minimum = values(:, :, 3)
    branch%maximum = values(:, :, 4)
+   allocate (branch%mesh_load(meshes, points))
+   do i = 1, points
+      branch%mesh_load(:, i) = as_loads(values(:, i, 5:))
+   end do
+   associate (train => box%case%train)
+      branch%backlash = train%meshes%half_backlash/train%characteristic_length
+   end associate
    branch%part = marks(:, 1)
    if (states == 0) return
    branch%stable = marks(:, 2) == 1
@@ -682,3 +696,30 @@ subroutine put_special(handle, place, special, kind, frequency, point, rms, mesh
       this%rms = rms
    end associate
 end subroutine put_special
+
+! Reads a list off the box's branch into the box's table (see summarize in box.f90); shape_: its columns and rows.
+subroutine read_off(handle, what, mesh, stable_only, shape_)
+   use geartrain_python_box, only: box_type, box_of, summarize
+   implicit none
+   integer(8), intent(in) :: handle
+   character(*), intent(in) :: what
+   integer, intent(in) :: mesh, stable_only
+   integer, intent(out) :: shape_(2)
+   type(box_type), pointer :: box
+
+   box => box_of(handle)
+   call summarize(box, what, mesh, stable_only == 1)
+   shape_ = shape(box%table)
+end subroutine read_off
+
+subroutine copy_table(handle, columns, rows, table)
+   use geartrain_python_box, only: box_type, box_of
+   implicit none
+   integer(8), intent(in) :: handle
+   integer, intent(in) :: columns, rows
+   double precision, intent(out) :: table(columns, rows)
+   type(box_type), pointer :: box
+
+   box => box_of(handle)
+   table = box%table
+end subroutine copy_table

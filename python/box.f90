@@ -2,11 +2,13 @@
 module geartrain_python_box
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_ptr
    use, intrinsic :: iso_fortran_env, only: int64, real64
-   use geartrain, only: branch_type, case_text, case_type, error_type, motion_type, observer_type, results_type, version
+   use geartrain, only: band_type, back_collision_ranges, bands_without_stability, branch_type, case_text, case_type, error_type, &
+                        jump_type, jumps, mesh_load_type, motion_type, observer_type, peak_type, peaks, results_type, &
+                        separation_ranges, version
    implicit none (type, external)
    private
    public :: box_type, watch_type, handle_of, box_of, box_text, branch_at, close_with, motion_list
-   public :: loose, of_integration, of_attractors
+   public :: loose, of_integration, of_attractors, summarize, as_values, as_loads
 
    !> Which motions of a box: those on their own, of the sweep, of the search for attractors.
    integer, parameter :: loose = 0, of_integration = 1, of_attractors = 2
@@ -18,6 +20,8 @@ module geartrain_python_box
       type(results_type) :: results
       !> Motions in (seed, start, the motion to refine) or out (solutions at a frequency).
       type(motion_type), allocatable :: motions(:)
+      !> What was last read off the branch, see `summarize`, (column, row).
+      real(real64), allocatable :: table(:, :)
       !> Message of the last error.
       character(:), allocatable :: message
    end type box_type
@@ -115,6 +119,7 @@ contains
       integer, intent(in) :: place
       character(:), allocatable :: text
       type(branch_type), pointer :: branch
+      type(jump_type), allocatable :: found(:)
       integer :: i
 
       text = ''
@@ -138,10 +143,87 @@ contains
          if (allocated(branch%ended)) text = branch%ended
       case ('origin')
          if (allocated(branch%origin)) text = branch%origin
+      case ('jump kinds')
+         found = jumps(branch)
+         text = lines(found%kind)
+      case ('jump causes')
+         found = jumps(branch)
+         text = lines(found%cause)
       case ('special points')
          text = lines([(branch%special_points(i)%kind, i=1, size(branch%special_points))])
       end select
    end function box_text
+
+   !> Reads a list off the box's branch into its table; the columns are
+   !> 'peaks' (of a mesh): Lambda, rms, point, stable;
+   !> 'jumps': Lambda, rising, then the rms before and after, mesh by mesh (after is negative where the jump leaves the branch);
+   !> 'bands', 'separation', 'back collision' (the last two of a mesh, at any or at stable motions): from, to.
+   subroutine summarize(box, what, mesh, stable_only)
+      type(box_type), intent(inout) :: box
+      character(*), intent(in) :: what
+      integer, intent(in) :: mesh
+      logical, intent(in) :: stable_only
+      type(peak_type), allocatable :: at_peak(:)
+      type(jump_type), allocatable :: at_jump(:)
+      type(band_type), allocatable :: ranges(:)
+      integer :: i, n
+
+      if (allocated(box%table)) deallocate (box%table)
+      associate (branch => box%results%response)
+         select case (what)
+         case ('peaks')
+            at_peak = peaks(branch, mesh)
+            n = size(at_peak)
+            allocate (box%table(4, n))
+            do i = 1, n
+               box%table(:, i) = [at_peak(i)%frequency, at_peak(i)%rms, real(at_peak(i)%point, real64), &
+                                  merge(1.0_real64, 0.0_real64, at_peak(i)%stable)]
+            end do
+            return
+         case ('jumps')
+            at_jump = jumps(branch)
+            n = size(at_jump)
+            allocate (box%table(2 + 2*branch%meshes, n))
+            do i = 1, n
+               box%table(:, i) = [at_jump(i)%frequency, merge(1.0_real64, 0.0_real64, at_jump(i)%rising), &
+                                  at_jump(i)%before, at_jump(i)%after]
+            end do
+            return
+         case ('bands')
+            ranges = bands_without_stability(branch)
+         case ('separation')
+            ranges = separation_ranges(branch, mesh, stable_only)
+         case default
+            ranges = back_collision_ranges(branch, mesh, stable_only)
+         end select
+      end associate
+      n = size(ranges)
+      allocate (box%table(2, n))
+      box%table(1, :) = ranges%from
+      box%table(2, :) = ranges%to
+   end subroutine summarize
+
+   !> Largest force, dynamic factor, shares of separation and of back contact, (mesh, 4).
+   pure function as_values(loads) result(values)
+      type(mesh_load_type), intent(in) :: loads(:)
+      real(real64) :: values(size(loads), 4)
+
+      values(:, 1) = loads%force_maximum
+      values(:, 2) = loads%dynamic_factor
+      values(:, 3) = loads%separation
+      values(:, 4) = loads%back_contact
+   end function as_values
+
+   !> The inverse of `as_values`.
+   pure function as_loads(values) result(loads)
+      real(real64), intent(in) :: values(:, :)
+      type(mesh_load_type) :: loads(size(values, 1))
+
+      loads%force_maximum = values(:, 1)
+      loads%dynamic_factor = values(:, 2)
+      loads%separation = values(:, 3)
+      loads%back_contact = values(:, 4)
+   end function as_loads
 
    !> The items, one a line.
    pure function lines(items) result(text)

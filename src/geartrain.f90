@@ -4,11 +4,14 @@ module geartrain
    use geartrain_base_kinds, only: dp, version
    use geartrain_base_observer, only: observer_type
    use geartrain_branch_branch, only: branch_type, response_settings_type, special_point_type
+   use geartrain_branch_contact_ranges, only: back_collision_ranges, separation_ranges
    use geartrain_branch_doubling, only: period_doubled
    use geartrain_branch_doublings, only: follow_doublings
    use geartrain_branch_islands, only: follow_attractors
+   use geartrain_branch_jumps, only: jump_type, jumps
    use geartrain_branch_response, only: response
    use geartrain_branch_solutions, only: solutions_at
+   use geartrain_branch_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
    use geartrain_case_case, only: case_type
    use geartrain_case_reader, only: read_case, read_case_text
    use geartrain_case_run, only: run_case
@@ -23,6 +26,7 @@ module geartrain
    use geartrain_motion_attractors_settings, only: attractors_settings_type, attractors_type
    use geartrain_motion_integration, only: integrate
    use geartrain_motion_integration_settings, only: integration_settings_type, sweep_type
+   use geartrain_motion_mesh_load, only: mesh_load_type
    use geartrain_motion_motion, only: motion_type
    use geartrain_motion_shooting, only: refine
    use geartrain_motion_sweep, only: sweep

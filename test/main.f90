@@ -17,6 +17,8 @@ program main
    use validation_errata, only: errata_tests
    use validation_excitations, only: excitations_tests
    use validation_figures, only: figures_tests
+   use validation_jumps, only: jumps_tests
+   use validation_mesh_load, only: mesh_load_tests
    use validation_paper_train, only: paper_train_tests
    use validation_single_pair, only: single_pair_tests
    use validation_whole_model, only: whole_model_tests
@@ -35,6 +37,8 @@ program main
    call paper_train_tests(tests)
    call single_pair_tests(tests)
    call whole_model_tests(tests)
+   call mesh_load_tests(tests)
+   call jumps_tests(tests)
    call doubling_tests(tests)
    call excitations_tests(tests)
    call figures_tests(tests)

@@ -1,7 +1,7 @@
 !> What one reads off a curve of the paper with a ruler: the largest peak in a range, the smallest displacement, a fold.
 module readings
    use geartrain, only: branch_type, dp, error_type, response, train_type
-   use geartrain_branch_summary, only: band_type, bands_without_stability, jumps, peak_type, peaks
+   use geartrain_branch_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
    use fixtures, only: settings_of
    use testing, only: tests_type
    implicit none (type, external)
@@ -72,7 +72,7 @@ contains
       real(dp), intent(in) :: from, to
       real(dp), allocatable :: found(:)
 
-      found = jumps(branch)
+      found = folds(branch)
       folds_between = count(found >= from .and. found <= to)
    end function folds_between
 

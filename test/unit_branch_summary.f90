@@ -1,8 +1,10 @@
-!> Peaks, jumps and bands of branches made by hand.
+!> Peaks, folds, bands, jumps and ranges of contact of branches made by hand.
 module unit_branch_summary
    use geartrain_base_kinds, only: dp
    use geartrain_branch_branch, only: branch_type, special_point_type
-   use geartrain_branch_summary, only: band_type, bands_without_stability, jumps, peak_type, peaks
+   use geartrain_branch_contact_ranges, only: back_collision_ranges, separation_ranges
+   use geartrain_branch_jumps, only: jump_type, jumps
+   use geartrain_branch_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -18,6 +20,9 @@ contains
       call period_doubling(tests)
       call two_parts(tests)
       call without_stability(tests)
+      call jumps_of_a_resonance(tests)
+      call jump_among_three(tests)
+      call ranges_of_contact(tests)
    end subroutine branch_summary_tests
 
    !> A softening resonance: up to the peak, back through the fold at 0.72, out through the fold at 0.95; the stable levels overlap.
@@ -36,8 +41,8 @@ contains
       call tests%is_close(found(1)%frequency, 0.74_dp, 0.0_dp, 'its frequency')
       call tests%is_close(found(1)%rms, 1.0_dp, 0.0_dp, 'its rms')
       call tests%is_true(found(1)%stable .and. found(1)%point == 6, 'its stability and point')
-      call tests%is_true(size(jumps(branch)) == 2, 'two jumps')
-      call tests%is_close(sum(jumps(branch)*[1.0_dp, 10.0_dp]), 0.72_dp + 9.5_dp, 1e-12_dp, 'ascending')
+      call tests%is_true(size(folds(branch)) == 2, 'two folds')
+      call tests%is_close(sum(folds(branch)*[1.0_dp, 10.0_dp]), 0.72_dp + 9.5_dp, 1e-12_dp, 'ascending')
       call tests%is_true(size(bands_without_stability(branch)) == 0, 'a stable motion everywhere')
    end subroutine resonance
 
@@ -57,7 +62,7 @@ contains
       call tests%is_close(bands(2)%from, 2.25_dp, 1e-14_dp, 'without one it begins halfway')
       call tests%is_close(bands(2)%to, 2.3_dp, 1e-14_dp, 'and ends with the branch')
       call tests%is_true(size(peaks(branch, 1)) == 0, 'a falling curve has no peak')
-      call tests%is_true(size(jumps(branch)) == 0, 'no fold, no jump')
+      call tests%is_true(size(folds(branch)) == 0, 'no fold')
       branch%stable = .false.
       bands = bands_without_stability(branch)
       call tests%is_true(size(bands) == 1, 'nothing stable: one band')
@@ -86,8 +91,88 @@ contains
       deallocate (branch%stable)
       call tests%is_true(size(peaks(branch, 1)) == 1, 'a peak without stability')
       call tests%is_true(size(bands_without_stability(branch)) == 0, 'no bands where it was not asked for')
-      call tests%is_true(size(peaks(empty, 1)) == 0 .and. size(jumps(empty)) == 0, 'an empty branch')
+      call tests%is_true(size(peaks(empty, 1)) == 0 .and. size(folds(empty)) == 0, 'an empty branch')
    end subroutine without_stability
+
+   !> The same resonance, the folds being points now; rising speed jumps up at 0.95, falling speed down at 0.72.
+   subroutine jumps_of_a_resonance(tests)
+      class(tests_type), intent(inout) :: tests
+      type(branch_type) :: branch
+      type(jump_type), allocatable :: found(:)
+
+      branch = branch_of([0.60_dp, 0.80_dp, 0.95_dp, 0.85_dp, 0.72_dp, 0.74_dp, 0.90_dp, 1.00_dp], &
+                         [0.10_dp, 0.20_dp, 0.40_dp, 0.60_dp, 0.90_dp, 1.00_dp, 0.80_dp, 0.50_dp], [1, 1, 1, 0, 0, 1, 1, 1])
+      branch%special_points = [special_point_type('fold', 0.95_dp, 3, [0.4_dp]), special_point_type('fold', 0.72_dp, 5, [0.9_dp])]
+      found = jumps(branch)
+      call tests%is_true(size(found) == 2, 'two jumps')
+      if (size(found) /= 2) return
+      call tests%is_text(trim(found(1)%kind), 'jump down', 'at the lower fold')
+      call tests%is_true(.not. found(1)%rising, 'it is falling speed that jumps there')
+      call tests%is_close(found(1)%frequency, 0.72_dp, 0.0_dp, 'Lambda of the jump down')
+      call tests%is_close(found(1)%after(1), 0.16_dp, 1e-14_dp, 'rms below it, between 0.1 and 0.2')
+      call tests%is_text(trim(found(2)%kind), 'jump up', 'at the upper fold')
+      call tests%is_true(found(2)%rising, 'it is rising speed that jumps there')
+      call tests%is_close(found(2)%after(1), 0.65_dp, 1e-14_dp, 'rms above it, halfway from 0.8 to 0.5')
+      branch%stable(6:) = .false.
+      found = jumps(branch)
+      call tests%is_true(size(found) == 1, 'a fold between two unstable sides is no jump')
+      call tests%is_text(trim(found(1)%kind), 'leaves', 'without another stable motion the sweep leaves the branch')
+      deallocate (branch%stable)
+      call tests%is_true(size(jumps(branch)) == 0, 'without stability no jumps')
+   end subroutine jumps_of_a_resonance
+
+   !> Of two stable motions the one with the nearest rms; a loss of stability without a fold leaves the branch.
+   subroutine jump_among_three(tests)
+      class(tests_type), intent(inout) :: tests
+      type(branch_type) :: branch
+      type(jump_type), allocatable :: found(:)
+
+      branch = branch_of([0.5_dp, 1.0_dp, 0.6_dp, 1.2_dp, 0.4_dp, 1.5_dp, 1.7_dp], &
+                         [0.1_dp, 0.2_dp, 0.3_dp, 0.5_dp, 0.6_dp, 0.9_dp, 1.0_dp], [1, 1, 0, 1, 0, 1, 0])
+      branch%special_points = [special_point_type('fold', 1.0_dp, 2, [0.2_dp]), &
+                               special_point_type('period doubling', 1.6_dp, 6, [1.0_dp])]
+      found = jumps(branch)
+      call tests%is_true(size(found) == 2, 'a fold and a doubling')
+      if (size(found) /= 2) return
+      ! At 1.0 the pieces from (0.6, 0.3) to (1.2, 0.5) and from (0.4, 0.6) to (1.5, 0.9); stability changes halfway.
+      call tests%is_close(found(1)%after(1), 0.3_dp + 0.2_dp*2/3, 1e-14_dp, 'the nearer one')
+      call tests%is_text(trim(found(2)%kind), 'leaves', 'a doubling leaves the branch')
+      call tests%is_true(found(2)%rising, 'when the speed rises')
+      call tests%is_text(trim(found(2)%cause), 'period doubling', 'by a doubling')
+      call tests%is_true(all(found(2)%after < 0), 'and rms after it is not known')
+   end subroutine jump_among_three
+
+   !> b = 1: separation between edges at 0.75 and 1.3 with one level stable only up to 1.1; back collision where p < -1.
+   subroutine ranges_of_contact(tests)
+      class(tests_type), intent(inout) :: tests
+      type(branch_type) :: branch
+      type(band_type), allocatable :: ranges(:)
+
+      branch = branch_of([0.7_dp, 0.8_dp, 0.9_dp, 1.0_dp, 1.2_dp, 1.4_dp], [1.0_dp, 2.0_dp, 3.0_dp, 3.0_dp, 2.0_dp, 1.0_dp], &
+                         [1, 1, 1, 1, 0, 0])
+      branch%minimum = reshape([1.5_dp, 0.5_dp, -1.5_dp, -0.5_dp, 0.5_dp, 1.5_dp], [1, 6])
+      branch%maximum = branch%minimum + 2
+      allocate (branch%special_points(0))
+      call tests%is_true(size(separation_ranges(branch, 1, .false.)) == 0, 'unknown backlash: nothing is said')
+      branch%backlash = [1.0_dp]
+      ranges = separation_ranges(branch, 1, .false.)
+      call tests%is_true(size(ranges) == 1, 'one range of separation')
+      call tests%is_close(ranges(1)%from, 0.75_dp, 1e-14_dp, 'from where the smallest displacement is b')
+      call tests%is_close(ranges(1)%to, 1.3_dp, 1e-14_dp, 'to where it is again')
+      ranges = separation_ranges(branch, 1, .true.)
+      call tests%is_close(ranges(1)%to, 1.1_dp, 1e-14_dp, 'at stable motions up to where stability ends')
+      ranges = back_collision_ranges(branch, 1, .false.)
+      call tests%is_true(size(ranges) == 1, 'one range of back collision')
+      call tests%is_close(ranges(1)%from, 0.875_dp, 1e-14_dp, 'from where the smallest displacement is -b')
+      call tests%is_close(ranges(1)%to, 0.95_dp, 1e-14_dp, 'to where it is again')
+      ! Turned round: the teeth rest on the back flanks.
+      branch%maximum = -branch%minimum
+      branch%minimum = branch%maximum - 2
+      ranges = separation_ranges(branch, 1, .false.)
+      call tests%is_close(ranges(1)%from + ranges(size(ranges))%to, 0.75_dp + 1.3_dp, 1e-14_dp, 'the same range turned round')
+      branch%backlash = [0.0_dp]
+      call tests%is_true(size(separation_ranges(branch, 1, .false.)) == 0, 'no backlash, no separation')
+   end subroutine ranges_of_contact
 
    pure function branch_of(frequency, rms, stable) result(branch)
       real(dp), intent(in) :: frequency(:), rms(:)

@@ -81,6 +81,23 @@ contains
       call tests%is_true(exists(file, '/response/special_points/kind'), 'special points')
       call h5fclose_f(file, status)
 
+      call h5fopen_f(path, h5f_acc_rdonly_f, file, status)
+      call tests%is_true(.not. exists(file, '/response/dynamic_factor'), 'no mesh loads, no datasets of them')
+      call h5fclose_f(file, status)
+      allocate (results%response%mesh_load(2, 3))
+      results%response%mesh_load%force_maximum = 10
+      results%response%mesh_load%dynamic_factor = reshape([2, 3, 4, 5, -1, 7], [2, 3])
+      results%response%backlash = [5.0_dp, 5.0_dp]
+      call write_results(path, case, results, error)
+      call h5fopen_f(path, h5f_acc_rdonly_f, file, status)
+      call read_real(file, '/response/dynamic_factor', size(rms), rms)
+      call tests%is_close(rms(2, 2), 5.0_dp, 0.0_dp, 'dynamic factor (point, mesh)')
+      call tests%is_true(rms(1, 3) /= rms(1, 3), 'without a static force it is NaN')
+      call read_real(file, '/response/mesh_force_maximum', size(rms), rms)
+      call tests%is_close(rms(1, 3), 10.0_dp, 0.0_dp, 'the largest force is there all the same')
+      call tests%is_true(exists(file, '/response/separation_ranges/from'), 'ranges of separation')
+      call h5fclose_f(file, status)
+
       deallocate (results%response%stable, results%response%multipliers, results%response%special_points)
       call write_results(path, case, results, error)
       call h5fopen_f(path, h5f_acc_rdonly_f, file, status)
@@ -154,6 +171,8 @@ contains
          found%motions(1)%mean = [1.0_dp]
          found%motions(1)%minimum = [0.5_dp]
          found%motions(1)%maximum = [1.5_dp]
+         allocate (found%motions(1)%mesh_load(1))
+         found%motions(1)%mesh_load%dynamic_factor = 2.5_dp
          found%motions(2) = found%motions(1)
          found%motions(2)%share = 0.25_dp
          found%starts = 4
@@ -165,6 +184,8 @@ contains
       call read_real(file, '/attractors/share', 2, share)
       call tests%is_close(share(2), 0.25_dp, 0.0_dp, 'share of the second motion')
       call tests%is_true(all(extents(file, '/attractors/rms', 2) == [1, 2]), 'rms (motion, mesh)')
+      call read_real(file, '/attractors/dynamic_factor', 2, share)
+      call tests%is_close(share(1), 2.5_dp, 0.0_dp, 'dynamic factor (motion, mesh)')
       call tests%is_true(integer_attribute(file, '/attractors', 'starts') == 4, 'number of starts')
       call tests%is_true(exists(file, '/branch_1') .and. .not. exists(file, '/branch_1/rms'), 'a branch without points')
       call read_real(file, '/branch_2/rms', 6, rms)

@@ -3,7 +3,7 @@ module validation_claims_shafts
    use fixtures, only: closest, paper_train, settings_of
    use geartrain, only: branch_type, dp, error_type, integrate, integration_settings_type, modes_type, motion_type, &
                         natural_modes, solutions_at, train_type
-   use geartrain_branch_summary, only: jumps, peak_type
+   use geartrain_branch_summary, only: folds, peak_type
    use readings, only: folds_between, has_fold, is_band, largest_between, peak_between, smallest_between, traced
    use testing, only: tests_type
    implicit none (type, external)
@@ -140,7 +140,7 @@ contains
          call tests%is_true(all(motions(1)%minimum > 1), 'claim 8: contact is kept')
          call tests%is_close(maxval(abs(motions(1)%rms - straight(1)%rms)), 0.0_dp, 1e-9_dp, 'claim 8: the same amplitudes')
       end do
-      call tests%is_true(size(jumps(linear)) == 0, 'claim 10: without backlash no fold')
+      call tests%is_true(size(folds(linear)) == 0, 'claim 10: without backlash no fold')
       do i = 1, size(branch%special_points)
          if (branch%special_points(i)%kind /= 'fold') cycle
          call tests%is_true(any(branch%minimum(:, branch%special_points(i)%point) < 1), 'claim 10: every fold is separated')

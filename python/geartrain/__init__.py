@@ -37,6 +37,7 @@ from .case import Case, Results, read_case
 from .errors import InputError, Interrupted, SolverError
 from .modes import Modes
 from .motion import Attractors, Motion, Sweep
+from .summary import Jump, Peak
 from .train import Mesh, Shaft, Train
 
 __all__ = [
@@ -45,9 +46,11 @@ __all__ = [
     "Case",
     "InputError",
     "Interrupted",
+    "Jump",
     "Mesh",
     "Modes",
     "Motion",
+    "Peak",
     "Results",
     "Shaft",
     "SolverError",

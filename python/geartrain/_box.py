@@ -24,6 +24,10 @@ Array = NDArray[np.float64]
 LOOSE, INTEGRATION, ATTRACTORS = 0, 1, 2  # which motions of a box
 
 _INPUT, _ENDED_EARLY, _FILE = 2, 3, 4
+_VALUES = (
+    *("rms", "mean", "minimum", "maximum"),
+    *("mesh_force_maximum", "dynamic_factor", "separation_fraction", "back_contact_fraction"),
+)
 
 
 class Box:
@@ -96,7 +100,7 @@ class Box:
             "frequency": float(numbers[0]),
             "period": period,
             "coefficients": coefficients.T,
-            **dict(zip(("rms", "mean", "minimum", "maximum"), values.T)),
+            **_by_name(values.T),
             "stable": bool(stable) if roots else None,
             "multipliers": _complex(multipliers.T) if roots else None,
             "state": state if states else None,
@@ -134,7 +138,7 @@ class Box:
         kinds = self.text("special points", place).splitlines()
         return {
             "frequency": numbers[:, 0],
-            **dict(zip(("rms", "mean", "minimum", "maximum"), values.T)),
+            **_by_name(values.T),
             "stable": marks[:, 1] == 1 if states else None,
             "multipliers": _complex(multipliers.T) if states else None,
             "coefficients": coefficients.T,
@@ -149,6 +153,11 @@ class Box:
             "complete": bool(complete),
             "closed": bool(closed),
         }
+
+    def read_off(self, what: str, mesh: int = 1, stable: bool = False) -> Array:
+        """A list read off the box's branch, one row an entry, see ``summarize`` in box.f90."""
+        columns, rows = map(int, fortran.read_off(self.handle, what, mesh, int(stable)))
+        return fortran.copy_table(self.handle, columns, rows).T
 
     # -------------------------------------------------------------------------------------------------- in
 
@@ -166,7 +175,7 @@ class Box:
                 int(bool(motion.stable)),
                 [motion.frequency, *np.nan_to_num([motion.error_estimate, motion.share], nan=-1.0)],
                 motion.coefficients.T,
-                np.stack([motion.rms, motion.mean, motion.minimum, motion.maximum]).T,
+                _in_columns(motion),
                 np.zeros(0) if motion.state is None else motion.state,
                 np.zeros((2, 0)) if motion.multipliers is None else _pairs(motion.multipliers),
             )
@@ -198,7 +207,7 @@ class Box:
             [branch.subharmonic, branch.complete, branch.closed, len(branch.special_points)],
             np.stack([branch.frequency, np.nan_to_num(branch.error_estimate, nan=-1.0)], axis=1),
             branch.coefficients.T,
-            np.stack([branch.rms, branch.mean, branch.minimum, branch.maximum]).T,
+            _in_columns(branch),
             np.stack([branch.part, stable], axis=1),
             np.zeros((2, 0, len(branch))) if branch.multipliers is None else _pairs(branch.multipliers),
         )
@@ -211,6 +220,21 @@ class Box:
 def file_name(path: str | os.PathLike[str]) -> bytes:
     """The path as Fortran wants it."""
     return os.fsencode(path)
+
+
+def _by_name(values: Array) -> dict[str, Array]:
+    """The values of every mesh by their names; no dynamic factor (negative in Fortran) is NaN."""
+    named = dict(zip(_VALUES, values))
+    factor = named["dynamic_factor"]
+    named["dynamic_factor"] = np.where(factor < 0, np.nan, factor)
+    return named
+
+
+def _in_columns(owner: Motion | Branch) -> Array:
+    """The inverse of ``_by_name``."""
+    values = {name: getattr(owner, name) for name in _VALUES}
+    values["dynamic_factor"] = np.nan_to_num(values["dynamic_factor"], nan=-1.0)
+    return np.stack(list(values.values())).T
 
 
 def _complex(pairs: Array) -> NDArray[np.complex128]:

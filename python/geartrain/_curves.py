@@ -37,8 +37,7 @@ class Curve:
     period : int
         Of the motions in mesh periods.
     seeds : tuple of float
-        Lambdas at which random starts look for further branches than those of the case: islands, parts of a branch of which both
-        ends leave by the amplitude limit.
+        Lambdas at which random starts look for further branches than those of the case: islands.
     """
 
     case: str

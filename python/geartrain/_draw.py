@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .errors import InputError
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["STYLE", "draw_curve", "label_axes", "runs"]
+__all__ = ["STYLE", "check_mesh", "draw_curve", "label_axes", "runs"]
 
 STYLE: dict[str, Any] = {
     "font.size": 11,
@@ -61,6 +63,12 @@ def draw_curve(
             **{"linestyle": "-" if is_stable else (0, (3, 1.5)), "color": color, **style},
             label=label if i == named else None,
         )
+
+
+def check_mesh(mesh: int, meshes: int) -> None:
+    """Refuse the number of a mesh that is not there; they count from 1."""
+    if isinstance(mesh, bool) or mesh not in range(1, meshes + 1):
+        raise InputError(f"mesh = {mesh!r}: must be 1 to {meshes}")
 
 
 def label_axes(ax: Axes) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
@@ -11,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._box import Box, fortran
-from ._draw import draw_curve, label_axes
+from ._draw import check_mesh, draw_curve, label_axes
 from ._watch import watched
 from .errors import InputError, SolverError
 from .motion import Motion
+from .summary import Jump, Peak
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -57,6 +59,8 @@ class Branch:
         Lambda.
     rms, mean, minimum, maximum : ndarray, (points, meshes)
         As in `Motion`.
+    mesh_force_maximum, dynamic_factor, separation_fraction, back_contact_fraction : ndarray, (points, meshes)
+        As in `Motion`.
     stable : ndarray of bool, (points,), or None
         None where stability was not asked for.
     multipliers : ndarray of complex, (points, states), or None
@@ -66,7 +70,8 @@ class Branch:
     error_estimate : ndarray, (points,)
         Relative error of the waveform as estimated.
     part : ndarray of int, (points,)
-        1 for the points traced from ``start``, 2 for those traced from ``stop``.
+        Number of the part; a new one begins where the branch comes back from beyond the amplitude limit, or with the points
+        traced from ``stop`` where those from ``start`` do not get there.
     special_points : list of SpecialPoint
     subharmonic : int
         Period of the motions in fundamental mesh periods.
@@ -88,6 +93,10 @@ class Branch:
     mean: Array
     minimum: Array
     maximum: Array
+    mesh_force_maximum: Array
+    dynamic_factor: Array
+    separation_fraction: Array
+    back_contact_fraction: Array
     stable: NDArray[np.bool_] | None
     multipliers: NDArray[np.complex128] | None
     coefficients: Array
@@ -130,12 +139,9 @@ class Branch:
         [0.416 1.691] unstable
         [0.491 2.133] stable
         """
-        if self.train is None:
-            raise ValueError("this branch has no train")
         if isinstance(frequency, bool) or not isinstance(frequency, Real):
             raise InputError(f"frequency = {frequency!r}: must be a number")
-        with Box(self.train.namelist(response=self.settings)) as box:
-            box.put_branch(self)
+        with self._box() as box:
             box.check(fortran.solve_at(box.handle, frequency))
             return [Motion(train=self.train, **fields) for fields in box.motions()]
 
@@ -186,6 +192,104 @@ class Branch:
 
         return watched(work, "period doubling")
 
+    def peaks(self, mesh: int) -> list[Peak]:
+        """The local maxima of the rms of a mesh.
+
+        Parameters
+        ----------
+        mesh : int
+            Counted from 1.
+
+        Returns
+        -------
+        list of Peak
+            In their order along the branch.
+
+        Examples
+        --------
+        >>> highest = max(branch.peaks(mesh=2), key=lambda peak: peak.rms)
+        >>> round(highest.frequency, 3), round(highest.rms, 3), highest.stable
+        (0.731, 3.046, True)
+        """
+        known = self.stable is not None
+        rows = self._read_off("peaks", mesh)
+        return [Peak(float(f), float(rms), int(point) - 1, bool(stable) if known else None) for f, rms, point, stable in rows]
+
+    @cached_property
+    def jumps(self) -> list[Jump]:
+        """Where a sweep in speed jumps, by frequency; empty where stability was not asked for.
+
+        Examples
+        --------
+        >>> for jump in branch.jumps[-4:-2]:
+        ...     print(f"{jump.speed}, {jump.frequency:.4f}: {jump.kind}, {jump.before.round(2)} -> {jump.after.round(2)}")
+        falling, 1.5473: jump down, [0.85 0.17] -> [0.28 0.11]
+        rising, 1.6645: jump up, [0.47 0.12] -> [0.73 0.11]
+        """
+        meshes = self.rms.shape[1]
+        with self._box() as box:
+            rows = box.read_off("jumps")
+            kinds, causes = box.text("jump kinds").splitlines(), box.text("jump causes").splitlines()
+        after = np.where(rows[:, 2 + meshes :] < 0, np.nan, rows[:, 2 + meshes :])
+        return [
+            Jump(float(row[0]), kind, "rising" if row[1] else "falling", cause, row[2 : 2 + meshes], reached)
+            for row, kind, cause, reached in zip(rows, kinds, causes, after)
+        ]
+
+    @property
+    def bands_without_stability(self) -> Array:
+        """Ranges of Lambda without a stable motion at any level of this branch: from, to; (bands, 2).
+
+        Examples
+        --------
+        >>> branch.bands_without_stability.round(4)
+        array([[1.7492, 2.0439]])
+        """
+        return self._read_off("bands")
+
+    def separation_ranges(self, mesh: int, stable: bool = False) -> Array:
+        """Ranges of Lambda in which the teeth of a mesh separate at some instant.
+
+        Parameters
+        ----------
+        mesh : int
+            Counted from 1.
+        stable : bool
+            Of the stable motions alone.
+
+        Returns
+        -------
+        ndarray, (ranges, 2)
+            From, to; ascending.
+
+        Examples
+        --------
+        >>> branch.separation_ranges(mesh=2).round(3)
+        array([[0.459, 0.495],
+               [0.566, 1.103]])
+        """
+        return self._read_off("separation", mesh, stable)
+
+    def back_collision_ranges(self, mesh: int, stable: bool = False) -> Array:
+        """Ranges of Lambda in which the back flanks of a mesh collide at some instant.
+
+        Parameters
+        ----------
+        mesh, stable
+            As in `separation_ranges`.
+
+        Returns
+        -------
+        ndarray, (ranges, 2)
+            From, to; ascending.
+
+        Examples
+        --------
+        >>> branch.back_collision_ranges(mesh=2).round(3)
+        array([[0.566, 0.732]])
+        """
+        return self._read_off("back collision", mesh, stable)
+
     def plot(self, mesh: int | None = None, ax: Axes | None = None, **style: Any) -> Axes:
         """Draw rms over Lambda: stable solid, unstable dashed; ``branches`` thinner. Special points are left to the caller.
 
@@ -208,8 +312,8 @@ class Branch:
         >>> ax.figure.savefig("response.png")  # doctest: +SKIP
         """
         meshes = self.rms.shape[1]
-        if mesh is not None and mesh not in range(1, meshes + 1):
-            raise InputError(f"mesh = {mesh!r}: must be 1 to {meshes}")
+        if mesh is not None:
+            check_mesh(mesh, meshes)
         if ax is None:
             import matplotlib.pyplot as plt
 
@@ -231,6 +335,20 @@ class Branch:
         if len(chosen) > 1:
             ax.legend()
         return ax
+
+    def _read_off(self, what: str, mesh: int = 1, stable: bool = False) -> Array:
+        check_mesh(mesh, self.rms.shape[1])
+        if stable and self.stable is None:
+            raise InputError("stable = True: the stability of this branch was not asked for")
+        with self._box() as box:
+            return box.read_off(what, mesh, stable)
+
+    def _box(self) -> Box:
+        if self.train is None:
+            raise ValueError("this branch has no train")
+        box = Box(self.train.namelist(response=self.settings))
+        box.put_branch(self)
+        return box
 
     @classmethod
     def _from(cls, box: Box, train: Train, settings: Mapping[str, Any], place: int = 0) -> Branch | None:

@@ -86,13 +86,13 @@ FIGURES = {
         (
             Curve("fig09_005", r"$\zeta_m = 0.05$"),
             Curve("fig09_003", r"$\zeta_m = 0.03$"),
-            Curve("fig09_001", r"$\zeta_m = 0.01$", seeds=(0.33, 0.7, 1.1)),
+            Curve("fig09_001", r"$\zeta_m = 0.01$", seeds=(0.33, 0.7)),
         ),
         top=(3.4, 6.0, 6.0),
         panels="curve",
     ),
-    10: Figure("Mesh frequencies 1 to 2", (Curve("fig10", "$m_2 = 1, m_4 = 2$", seeds=(0.6,)),), top=(2.0, 6.0)),
-    11: Figure("Mesh frequencies 3 to 2", (Curve("fig11", "$m_2 = 3, m_4 = 2$", seeds=(0.7,)),), top=(2.0, 6.0)),
+    10: Figure("Mesh frequencies 1 to 2", (Curve("fig10", "$m_2 = 1, m_4 = 2$"),), top=(2.0, 6.0)),
+    11: Figure("Mesh frequencies 3 to 2", (Curve("fig11", "$m_2 = 3, m_4 = 2$"),), top=(2.0, 6.0)),
     12: Figure(
         "Period-2 motions",
         (

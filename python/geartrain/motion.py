@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from numbers import Integral
@@ -12,15 +12,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._box import ATTRACTORS, INTEGRATION, Box, fortran
+from ._draw import check_mesh
 from .errors import InputError
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from .branch import Branch
     from .train import Train
 
 __all__ = ["Attractors", "Motion", "Sweep"]
 
 Array = NDArray[np.float64]
+
+_LONGEST = 16  # mesh periods that stand for one period where none was found
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +42,12 @@ class Motion:
         The paper's: square root of the sum of squared harmonic amplitudes, sqrt(2) times the true AC rms.
     mean, minimum, maximum : ndarray, (meshes,)
         Of the mesh displacement.
+    mesh_force_maximum : ndarray, (meshes,)
+        Largest mesh force over the period in N, damping included, in the direction of the static force.
+    dynamic_factor : ndarray, (meshes,)
+        The same over the static mesh force; nan where there is no static force.
+    separation_fraction, back_contact_fraction : ndarray, (meshes,)
+        Shares of the period with the teeth apart, and with the back flanks in contact; 0 without backlash.
     coefficients : ndarray, (meshes, 1 + 2*harmonics)
         Mean, cos 1, sin 1, cos 2, ... of the frequency Lambda/period.
     stable : bool or None
@@ -59,6 +70,10 @@ class Motion:
     mean: Array
     minimum: Array
     maximum: Array
+    mesh_force_maximum: Array
+    dynamic_factor: Array
+    separation_fraction: Array
+    back_contact_fraction: Array
     coefficients: Array = field(repr=False)
     stable: bool | None = None
     multipliers: NDArray[np.complex128] | None = field(default=None, repr=False)
@@ -77,10 +92,15 @@ class Motion:
         """Mesh displacement over one period, (samples, meshes)."""
         return self._period[1]
 
+    @property
+    def mesh_force(self) -> Array:
+        """Mesh force in N over one period, damping included, (samples, meshes)."""
+        return self._period[2]
+
     @cached_property
-    def _period(self) -> tuple[Array, Array]:
+    def _period(self) -> tuple[Array, Array, Array]:
         harmonics = (self.coefficients.shape[-1] - 1) // 2
-        return self.waveform(max(256 * max(self.period, 1), 16 * harmonics))
+        return self._sample(max(256 * max(self.period, 1), 16 * harmonics))
 
     def waveform(self, samples: int) -> tuple[Array, Array]:
         """Sample one period.
@@ -98,8 +118,80 @@ class Motion:
         """
         if not isinstance(samples, Integral) or samples < 1:
             raise InputError(f"samples = {samples!r}: must be a whole number >= 1")
+        return self._sample(samples)[:2]
+
+    def _sample(self, samples: int) -> tuple[Array, Array, Array]:
+        """Time, displacement and mesh force."""
         with self._box() as box:
             return fortran.sample_waveform(box.handle, samples, len(self.rms))
+
+    def spectrum(self) -> tuple[Array, Array]:
+        """Amplitudes of the harmonics of the mesh displacement, those of ``coefficients``; the mean is left out.
+
+        Returns
+        -------
+        order : ndarray, (harmonics,)
+            In multiples of Lambda, hence 1/2, 1, 3/2, ... for a motion of period 2.
+        amplitude : ndarray, (harmonics, meshes)
+
+        Examples
+        --------
+        >>> order, amplitude = branch.at(0.9)[0].spectrum()
+        >>> order, amplitude[:, 0].round(3)
+        (array([1., 2., 3., 4., 5., 6.]), array([0.157, 0.376, 0.049, 0.004, 0.001, 0.   ]))
+        """
+        cosine, sine = self.coefficients[:, 1::2], self.coefficients[:, 2::2]
+        order = np.arange(1, cosine.shape[1] + 1) / (self.period or _LONGEST)
+        return order, np.hypot(cosine, sine).T
+
+    def plot(self, mesh: int | None = None, axes: Sequence[Axes] | None = None, **style: Any) -> Sequence[Axes]:
+        """Draw one period of the displacement and of the mesh force, and the spectrum.
+
+        Parameters
+        ----------
+        mesh : int, optional
+            Which mesh, counted from 1; all of them unless told.
+        axes : three of matplotlib.axes.Axes, optional
+            Where to draw displacement, force and spectrum; a new figure unless told.
+        **style
+            For the lines of matplotlib's ``plot``.
+
+        Returns
+        -------
+        sequence of matplotlib.axes.Axes
+
+        Examples
+        --------
+        >>> axes = branch.at(0.9)[0].plot(mesh=2)
+        >>> axes[0].figure.savefig("motion.png")  # doctest: +SKIP
+        """
+        meshes = len(self.rms)
+        if mesh is not None:
+            check_mesh(mesh, meshes)
+        chosen = range(1, meshes + 1) if mesh is None else [mesh]
+        if axes is None:
+            import matplotlib.pyplot as plt
+
+            axes = plt.subplots(3, layout="constrained", figsize=(6.4, 7.2))[1]
+        time = self.time * self.frequency / (2 * np.pi)
+        order, amplitude = self.spectrum()
+        width = 0.8 * (order[0] if len(order) else 1.0) / len(chosen)
+        for place, number in enumerate(chosen):
+            column, label = number - 1, f"mesh {number}"
+            (line,) = axes[0].plot(time, self.displacement[:, column], **{"label": label, **style})
+            axes[1].plot(time, self.mesh_force[:, column], **{"color": line.get_color(), **style})
+            shift = (place - (len(chosen) - 1) / 2) * width
+            axes[2].bar(order + shift, amplitude[:, column], width, color=line.get_color())
+        visible = order[(amplitude > 1e-3 * amplitude.max(initial=0.0)).any(axis=1)]
+        if len(visible):
+            axes[2].set_xlim(0, visible[-1] + order[0])
+        axes[0].set_ylabel(r"displacement $/\, b_c$")
+        axes[1].set_ylabel("mesh force, N")
+        axes[1].set_xlabel("time, mesh periods")
+        axes[2].set_ylabel(r"amplitude $/\, b_c$")
+        axes[2].set_xlabel(r"order, multiples of $\Lambda$")
+        axes[0].legend()
+        return axes
 
     def refine(self) -> Motion:
         """The same orbit to integration accuracy (about 1e-11), by shooting with exact contact events.
@@ -164,6 +256,11 @@ class Sweep(list[Motion]):
     def rms(self) -> Array:
         """(motions, meshes)."""
         return np.array([motion.rms for motion in self])
+
+    @property
+    def dynamic_factor(self) -> Array:
+        """(motions, meshes)."""
+        return np.array([motion.dynamic_factor for motion in self])
 
     def __repr__(self) -> str:
         return f"<Sweep of {len(self)} motions: {self.ended}>"

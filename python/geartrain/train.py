@@ -272,7 +272,8 @@ class Train:
         seed : Motion, optional
             A motion of the branch wanted, to start from in place of ``start``.
         amplitude_limit : float, optional
-            Largest rms over characteristic length; 12 unless told for a train with backlash, none for a linear one.
+            Rms over characteristic length beyond which the branch is followed but not recorded; 12 unless told for a train with
+            backlash, none for a linear one.
         coefficients : {'exact', 'sampled'}, optional
             How the force's Fourier coefficients are found; ``samples`` a period where sampled.
         samples : int, optional
@@ -591,6 +592,10 @@ def _from_state(state: ArrayLike, meshes: int) -> Motion:
         mean=nothing,
         minimum=nothing,
         maximum=nothing,
+        mesh_force_maximum=nothing,
+        dynamic_factor=nothing,
+        separation_fraction=nothing,
+        back_contact_fraction=nothing,
         coefficients=np.zeros((meshes, 0)),
         state=values,
     )

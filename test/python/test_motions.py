@@ -17,7 +17,8 @@ def test_shapes_of_a_branch(branch):
     points = len(branch)
     assert branch.complete and not branch.closed
     assert branch.frequency.shape == branch.error_estimate.shape == branch.part.shape == (points,)
-    for values in (branch.rms, branch.mean, branch.minimum, branch.maximum):
+    loads = (branch.mesh_force_maximum, branch.dynamic_factor, branch.separation_fraction, branch.back_contact_fraction)
+    for values in (branch.rms, branch.mean, branch.minimum, branch.maximum, *loads):
         assert values.shape == (points, 2)
     assert branch.stable.dtype == bool and branch.stable.shape == (points,)
     assert branch.multipliers.shape == (points, 10) and np.iscomplexobj(branch.multipliers)
@@ -93,6 +94,96 @@ def test_linear_train():
     np.testing.assert_allclose(motion.rms, (0.50993678, 1.40266149), atol=2e-8)
 
 
+def test_mesh_load(train, branch):
+    np.testing.assert_allclose(branch.dynamic_factor * (3000.0, 6000.0), branch.mesh_force_maximum, rtol=1e-12)
+    apart = branch.minimum < 1
+    np.testing.assert_array_equal(apart, branch.separation_fraction > 0)
+    np.testing.assert_array_equal(branch.minimum < -1, branch.back_contact_fraction > 0)
+    balanced = branch.at(0.9)[0]
+    refined, settled = balanced.refine(), train.integrate(0.9)
+    for name in ("mesh_force_maximum", "dynamic_factor", "separation_fraction", "back_contact_fraction"):
+        np.testing.assert_allclose(getattr(balanced, name), getattr(refined, name), rtol=3e-3, atol=1e-12)
+        np.testing.assert_allclose(getattr(settled, name), getattr(refined, name), rtol=1e-7, atol=1e-12)
+    for motion in (balanced, refined):
+        assert motion.mesh_force.shape == motion.displacement.shape
+        np.testing.assert_allclose(motion.mesh_force.max(axis=0), motion.mesh_force_maximum, rtol=1e-3)
+    np.testing.assert_allclose(refined.mesh_force.mean(axis=0), (3000.0, 6000.0), rtol=1e-4)
+
+
+def test_no_static_force_no_dynamic_factor():
+    train = paper_train(half_backlash=0.0, input_torque=0.0, torque_cos=[1.0])
+    branch = train.response(start=0.6, stop=0.7)
+    assert np.isnan(branch.dynamic_factor).all() and (branch.mesh_force_maximum > 0).all()
+    (motion,) = branch.at(0.65)
+    assert np.isnan(motion.refine().dynamic_factor).all()
+    assert np.isnan(train.integrate(0.65, start=motion).dynamic_factor).all()
+
+
+def test_spectrum(train, branch):
+    motion = branch.at(0.9)[0]
+    order, amplitude = motion.spectrum()
+    np.testing.assert_array_equal(order, np.arange(1, 7))
+    assert amplitude.shape == (6, 2)
+    np.testing.assert_allclose(np.sqrt((amplitude**2).sum(axis=0)), motion.rms, rtol=1e-12)
+    # The DFT of the time history, sampled without aliasing.
+    transform = 2 * abs(np.fft.rfft(motion.displacement, axis=0)) / len(motion.time)
+    np.testing.assert_allclose(amplitude, transform[1:7], atol=1e-12)
+    order, amplitude = train.integrate(1.92).spectrum()
+    assert order[0] == 0.5 and amplitude[0, 0] > 0.1, "half orders of a motion of period 2"
+
+
+def test_peaks_and_bands(branch):
+    highest = max(branch.peaks(2), key=lambda peak: peak.rms)
+    assert branch.rms[highest.point, 1] == highest.rms and branch.frequency[highest.point] == highest.frequency
+    assert highest.stable is True
+    np.testing.assert_allclose(branch.bands_without_stability, [[1.7492, 2.0439]], atol=5e-5)
+
+
+def test_jumps(branch):
+    jumps = branch.jumps
+    folds = sorted(special.frequency for special in branch.special_points if special.kind == "fold")
+    assert [jump.frequency for jump in jumps if jump.cause == "fold"] == folds
+    # Claim 41 of docs/claims.md.
+    up = [jump for jump in jumps if jump.kind == "jump up" and jump.speed == "rising"]
+    assert [round(jump.frequency, 4) for jump in up] == [0.4621, 0.7923, 1.6645]
+    assert {0.4586, 1.5473} <= {round(jump.frequency, 4) for jump in jumps if jump.kind == "jump down"}
+    for jump in jumps:
+        up = np.linalg.norm(jump.after) > np.linalg.norm(jump.before)
+        assert up if jump.kind == "jump up" else not up
+    assert [jump.cause for jump in jumps if jump.kind == "leaves"] == ["period doubling"] * 2
+    assert np.isnan(jumps[-1].after).all()
+
+
+def test_ranges_of_contact(branch):
+    for mesh in (1, 2):
+        for ranges, level in ((branch.separation_ranges, 1), (branch.back_collision_ranges, -1)):
+            every, stable = ranges(mesh), ranges(mesh, stable=True)
+            below = branch.minimum[:, mesh - 1] < level
+            for found, points in ((every, below), (stable, below & branch.stable)):
+                inside = [((found[:, 0] <= f) & (f <= found[:, 1])).any() for f in branch.frequency[points]]
+                assert found.shape[1:] == (2,) and all(inside)
+            assert stable.size == 0 or np.ptp(stable, axis=1).sum() <= np.ptp(every, axis=1).sum()
+    with pytest.raises(gt.InputError, match="mesh = 0"):
+        branch.separation_ranges(0)
+
+
+def test_readings_without_stability(train):
+    plain = train.response(start=0.4, stop=0.6, stability=False)
+    assert plain.jumps == [] and plain.bands_without_stability.shape == (0, 2)
+    assert {peak.stable for peak in plain.peaks(2)} == {None}
+    with pytest.raises(gt.InputError, match="stability"):
+        plain.separation_ranges(2, stable=True)
+
+
+def test_plot_of_a_motion(branch):
+    motion = branch.at(0.9)[0]
+    axes = motion.plot()
+    assert len(axes) == 3 and len(axes[0].lines) == len(axes[1].lines) == 2 and len(axes[2].patches) == 12
+    assert motion.plot(mesh=2, axes=axes, color="black") is axes
+    with pytest.raises(gt.InputError, match="mesh = 3"):
+        motion.plot(mesh=3)
+
+
 def test_sweep(train):
     motions = train.sweep(start=0.5, stop=0.7, points=3, direction="both")
     assert isinstance(motions, list) and motions.complete and motions[0].stable is None
@@ -134,6 +225,21 @@ def test_period_doublings(train):
     assert len({line.get_color() for line in lines}) == 1
     assert sum(line.get_linewidth() == 0.8 for line in lines) >= 1
     assert train.response(start=0.9, stop=1.0).branches == []
+
+
+def test_readings_of_a_doubled_branch(train):
+    """Each further branch and each attractor has what a response has."""
+    (twice,) = train.response(start=2.2, stop=4.2, period_doublings=1).branches
+    np.testing.assert_array_equal(twice.minimum < 1, twice.separation_fraction > 0)
+    highest = max(twice.peaks(1), key=lambda peak: peak.rms)
+    assert twice.rms[highest.point, 0] == highest.rms
+    (motion,) = (motion for motion in twice.at(3.7) if motion.stable)
+    (settled,) = train.attractors(3.7, starts=8)
+    assert settled.period == 2
+    for name in ("mesh_force_maximum", "separation_fraction", "back_contact_fraction"):
+        np.testing.assert_allclose(getattr(motion, name), getattr(settled, name), rtol=3e-3, atol=1e-12)
+    ranges = twice.separation_ranges(1)
+    assert all(((ranges[:, 0] <= f) & (f <= ranges[:, 1])).any() for f in twice.frequency[twice.minimum[:, 0] < 1])
 
 
 def test_attractors_are_followed(train):

@@ -80,7 +80,8 @@ def test_shapes_of_the_response(path):
         group = file["response"]
         points = len(group["frequency"])
         assert points > 50
-        for name in ("rms", "true_ac_rms", "mean", "minimum", "maximum"):
+        loads = ("mesh_force_maximum", "dynamic_factor", "separation_fraction", "back_contact_fraction")
+        for name in ("rms", "true_ac_rms", "mean", "minimum", "maximum", *loads):
             assert group[name].shape == (points, 1), name
         assert group["coefficients"].shape == (points, 1, 9)
         assert group["multipliers"].shape == (points, 2, 2)
@@ -140,7 +141,9 @@ def test_attractors_and_branches(executable, tmp_path):
         branches = [name for name in file if name.startswith("branch_")]
         assert branches
         for name in branches:
-            assert set(file["response"]) - {"special_points"} == set(file[name]) - {"special_points"}, "the same layout"
+            assert datasets(file["response"]) == datasets(file[name]), "the same layout"
+            assert "separation_ranges" in file[name], "what one reads off each branch"
+            np.testing.assert_array_equal(file[name]["minimum"][:] < 1, file[name]["separation_fraction"][:] > 0)
             assert set(file[name].attrs) == {*file["response"].attrs, "origin"}
             assert file[name].attrs["origin"] in done.stdout
             assert file[name].attrs["subharmonic"] == 2
@@ -149,9 +152,14 @@ def test_attractors_and_branches(executable, tmp_path):
         assert attributes["unsettled"] + sum(file["attractors/share"]) == pytest.approx(1)
     attractors = xarray.open_dataset(tmp_path / "pair.h5", group="attractors", engine="h5netcdf")
     assert attractors.rms.dims == ("motion", "mesh") and attractors.multipliers.dims == ("motion", "state", "complex")
-    for name in ("mean", "minimum", "maximum"):
+    for name in ("mean", "minimum", "maximum", "dynamic_factor", "separation_fraction", "back_contact_fraction"):
         assert attractors[name].dims == ("motion", "mesh")
+    np.testing.assert_allclose(attractors.dynamic_factor * 0.4, attractors.mesh_force_maximum, rtol=1e-12)
     assert attractors.stable.all() and (np.diff(attractors.share) <= 0).all() and (attractors.frequency == 2.1).all()
+
+
+def datasets(group):
+    return {name for name, item in group.items() if isinstance(item, h5py.Dataset)}
 
 
 def test_a_branch_that_ended_early_is_told(executable, tmp_path):
@@ -161,6 +169,37 @@ def test_a_branch_that_ended_early_is_told(executable, tmp_path):
     done = subprocess.run([executable, case, "--output", tmp_path / "pair.h5"], capture_output=True, text=True, check=False)
     assert done.returncode == 3
     assert "branch 2, period doubling of the response at" in done.stderr and "max_points = 75 reached" in done.stderr
+
+
+def test_what_one_reads_off_the_branch(path):
+    """The summary against the points that it is made of."""
+    response = xarray.open_dataset(path, group="response", engine="h5netcdf")
+    np.testing.assert_allclose(response.dynamic_factor * 0.4, response.mesh_force_maximum, rtol=1e-12)
+    np.testing.assert_array_equal(response.minimum < 1, response.separation_fraction > 0)
+
+    peaks = xarray.open_dataset(path, group="response/peaks", engine="h5netcdf")
+    np.testing.assert_array_equal(peaks.rms, response.rms.values[peaks.point - 1, peaks["mesh"] - 1])
+    np.testing.assert_array_equal(peaks.stable, response.stable.values[peaks.point - 1])
+
+    jumps = xarray.open_dataset(path, group="response/jumps", engine="h5netcdf")
+    assert jumps.rms_before.dims == jumps.rms_after.dims == ("jump", "mesh")
+    assert set(jumps.kind.values) <= {"jump up", "jump down", "leaves"}
+    assert ("jump up", "rising") in zip(jumps.kind.values, jumps.speed.values)
+    up = (jumps.rms_after > jumps.rms_before).all("mesh")
+    np.testing.assert_array_equal(up, jumps.kind == "jump up")
+
+    ranges = xarray.open_dataset(path, group="response/separation_ranges", engine="h5netcdf")
+    every = ranges.where(~ranges.stable, drop=True)
+    apart = response.frequency[(response.minimum < 1).any("mesh")]
+    assert all(((every["from"] <= f) & (f <= every["to"])).any() for f in apart)
+
+    bands = xarray.open_dataset(path, group="response/bands_without_stability", engine="h5netcdf")
+    inside = (response.frequency > float(bands["from"][0])) & (response.frequency < float(bands["to"][0]))
+    assert not response.stable[inside].any()
+
+    integration = xarray.open_dataset(path, group="integration", engine="h5netcdf")
+    assert integration.dynamic_factor.dims == ("point", "mesh")
+    assert (integration.dynamic_factor >= 1).all()
 
 
 def test_only_what_was_asked_for_is_written(executable, tmp_path):

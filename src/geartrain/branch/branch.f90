@@ -1,6 +1,7 @@
 !> A branch of periodic motions over frequency: what continuation gives, point by point, through the folds.
 module geartrain_branch_branch
    use geartrain_base_kinds, only: dp
+   use geartrain_motion_mesh_load, only: mesh_load_type
    use geartrain_motion_motion, only: motion_type
    implicit none (type, external)
    private
@@ -47,12 +48,16 @@ module geartrain_branch_branch
       real(dp), allocatable :: coefficients(:, :, :)
       !> (mesh, point), see motion_type.
       real(dp), allocatable :: rms(:, :), mean(:, :), minimum(:, :), maximum(:, :)
+      type(mesh_load_type), allocatable :: mesh_load(:, :)
+      !> Half backlash over characteristic length, (mesh).
+      real(dp), allocatable :: backlash(:)
       !> (state, point) and (point); not allocated when stability was not asked for.
       complex(dp), allocatable :: multipliers(:, :)
       logical, allocatable :: stable(:)
       !> Relative error of the waveform as estimated, (point).
       real(dp), allocatable :: error_estimate(:)
-      !> 1 for the points traced from `start`, 2 for those traced from `stop`; (point).
+      !> Number of the part that a point belongs to, (point): a new one begins where the branch comes back from beyond the
+      !> amplitude limit, and with the points traced from `stop` where those from `start` do not get there.
       integer, allocatable :: part(:)
       type(special_point_type), allocatable :: special_points(:)
       !> Why it ended, in words; complete is .true. where it got to the other end or closed.

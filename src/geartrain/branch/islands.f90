@@ -18,7 +18,8 @@ module geartrain_branch_islands
 contains
 
    !> Appends to `branches` one through each motion that lies neither on `branch` nor on one of `branches`, over the range of
-   !> `settings`, those that `branch` was traced with. A motion beyond the amplitude limit is left alone, as branches end there.
+   !> `settings`, those that `branch` was traced with. A motion beyond the amplitude limit is left alone: no branch is recorded
+   !> there.
    subroutine follow_attractors(train, settings, found, branch, branches, error, observer)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings

@@ -5,6 +5,7 @@ module geartrain_branch_recorder
    use geartrain_branch_branch, only: branch_type
    use geartrain_branch_path, only: place_type
    use geartrain_motion_balance, only: balance_type
+   use geartrain_motion_mesh_load, only: force_reader_type
    use geartrain_motion_trigonometric, only: extremes, fine_samples, rms
    use geartrain_stability_monodromy, only: is_stable, monodromy_type
    implicit none (type, external)
@@ -16,6 +17,7 @@ module geartrain_branch_recorder
       type(monodromy_type) :: monodromy
       complex(dp), allocatable :: multipliers(:)
       type(transform_type), private :: transform
+      type(force_reader_type), private :: reader
       integer, allocatable, private :: harmonic(:)
    contains
       procedure :: setup
@@ -36,6 +38,7 @@ contains
       branch%points = 0
       branch%meshes = balance%system%meshes
       branch%states = 2*balance%system%elements
+      branch%backlash = balance%system%backlash
       branch%subharmonic = balance%eta
       branch%harmonics = balance%highest
       allocate (branch%special_points(0))
@@ -67,6 +70,7 @@ contains
       if (.not. allocated(self%harmonic)) allocate (self%harmonic(0))
       if (size(self%harmonic) /= balance%highest) self%harmonic = [(k, k=1, balance%highest)]
       call self%transform%plan(fine_samples(balance%highest))
+      call self%reader%setup(balance%system, balance%eta, self%transform%samples)
       branch%frequency(n) = place%frequency
       branch%coefficients(:, :, n) = 0
       branch%coefficients(:size(coefficients, 1), :, n) = coefficients
@@ -76,6 +80,15 @@ contains
          branch%rms(j, n) = rms(coefficients(:, j))
          branch%mean(j, n) = coefficients(1, j)
          call extremes(coefficients(:, j), self%harmonic, self%transform, branch%minimum(j, n), branch%maximum(j, n))
+         call self%reader%read(balance%system, j, place%frequency, coefficients(:, j), self%harmonic, self%transform, &
+                               branch%mesh_load(j, n))
+         branch%mesh_load(j, n)%separation = 0
+         branch%mesh_load(j, n)%back_contact = 0
+      end do
+      do j = 1, balance%unknowns
+         associate (load => branch%mesh_load(balance%mesh(j), n))
+            call balance%contact(j)%shares(load%separation, load%back_contact)
+         end associate
       end do
       if (self%stability) then
          call self%monodromy%integrate(balance, place%frequency)
@@ -109,6 +122,7 @@ contains
       call move_alloc(branch%mean, old%mean)
       call move_alloc(branch%minimum, old%minimum)
       call move_alloc(branch%maximum, old%maximum)
+      call move_alloc(branch%mesh_load, old%mesh_load)
       call move_alloc(branch%multipliers, old%multipliers)
       call move_alloc(branch%stable, old%stable)
       call move_alloc(branch%error_estimate, old%error_estimate)
@@ -116,7 +130,7 @@ contains
       associate (m => branch%meshes)
          allocate (branch%frequency(points), branch%coefficients(1 + 2*harmonics, m, points), branch%rms(m, points), &
                    branch%mean(m, points), branch%minimum(m, points), branch%maximum(m, points), &
-                   branch%error_estimate(points), branch%part(points))
+                   branch%mesh_load(m, points), branch%error_estimate(points), branch%part(points))
          if (stability) allocate (branch%multipliers(branch%states, points), branch%stable(points))
       end associate
       branch%harmonics = harmonics
@@ -129,6 +143,7 @@ contains
       branch%mean(:, :n) = old%mean(:, :n)
       branch%minimum(:, :n) = old%minimum(:, :n)
       branch%maximum(:, :n) = old%maximum(:, :n)
+      branch%mesh_load(:, :n) = old%mesh_load(:, :n)
       branch%error_estimate(:n) = old%error_estimate(:n)
       branch%part(:n) = old%part(:n)
       if (.not. stability) return

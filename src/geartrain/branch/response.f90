@@ -6,10 +6,11 @@ module geartrain_branch_response
    use geartrain_base_observer, only: observer_type
    use geartrain_base_numbers, only: text
    use geartrain_branch_branch, only: branch_type, response_settings_type, special_point_type
+   use geartrain_branch_beyond, only: came_down, left_range, pass_beyond
    use geartrain_branch_path, only: place_type
    use geartrain_branch_start, only: begin_trace, place_of, resting
    use geartrain_branch_tracer, only: came_back, cancelled, closed_loop, left_by_amplitude, met_half_period, reached_end, &
-                                      tracer_type
+                                      left_beyond, tracer_type
    use geartrain_branch_variables, only: check_response
    use geartrain_model_check, only: check_train
    use geartrain_model_train, only: train_type
@@ -34,8 +35,9 @@ contains
       class(observer_type), intent(inout), optional :: observer
       type(tracer_type) :: tracer
       type(branch_type) :: empty
-      integer :: first_outcome, outcome, last
+      integer :: outcome
       character(:), allocatable :: reason
+      logical :: whole
 
       ! All is new but where it comes from.
       call move_alloc(branch%origin, empty%origin)
@@ -50,20 +52,16 @@ contains
          tracer%analysis = 'branch'
          call trace_from_seed(tracer, seed, branch, observer)
       else
-         call trace_part(train, tracer, 1, settings%start, settings%stop, branch, first_outcome, branch%ended, observer)
-         branch%complete = first_outcome == reached_end
-         if (first_outcome /= reached_end .and. first_outcome /= cancelled) then
-            last = branch%points
-            call trace_part(train, tracer, 2, settings%stop, settings%start, branch, outcome, reason, observer)
+         call trace_part(train, tracer, settings%start, settings%stop, branch, outcome, branch%ended, observer)
+         branch%complete = outcome == reached_end
+         if (outcome /= reached_end .and. outcome /= cancelled) then
+            ! Two arcs, each followed to where it leaves the range, are the whole as well.
+            whole = outcome == came_back .or. outcome == left_beyond
+            tracer%part = tracer%part + 1
+            call trace_part(train, tracer, settings%stop, settings%start, branch, outcome, reason, observer)
+            branch%complete = outcome == reached_end .or. whole .and. (outcome == came_back .or. outcome == left_beyond)
             branch%ended = 'from Lambda = '//text(settings%start)//': '//branch%ended//'; from Lambda = ' &
                            //text(settings%stop)//': '//reason
-            branch%complete = outcome == reached_end
-            if (first_outcome == left_by_amplitude .and. outcome == left_by_amplitude) then
-               ! Two sides of one resonance meet at infinity; those of two resonances have a part of the curve between them.
-               branch%complete = maxloc(branch%rms(:, last), 1) == maxloc(branch%rms(:, branch%points), 1)
-               if (.not. branch%complete) branch%ended = branch%ended//'; what lies between these two resonances is not traced' &
-                                                         //' (a seed from between them finds it)'
-            end if
          end if
       end if
       call tracer%recorder%finish(branch)
@@ -82,43 +80,68 @@ contains
       end if
    end subroutine check_seed
 
-   !> From one end of the range towards the other.
-   subroutine trace_part(train, tracer, part, from, to, branch, outcome, reason, observer)
+   !> From one end of the range towards the other, through what lies beyond the amplitude limit.
+   subroutine trace_part(train, tracer, from, to, branch, outcome, reason, observer)
       type(train_type), intent(in) :: train
       type(tracer_type), intent(inout) :: tracer
-      integer, intent(in) :: part
       real(dp), intent(in) :: from, to
       type(branch_type), intent(inout), target :: branch
       integer, intent(out) :: outcome
       character(:), allocatable, intent(out) :: reason
       class(observer_type), intent(inout), optional :: observer
       type(place_type) :: place
-      type(motion_type) :: motion
-      type(integration_settings_type) :: integration
-      type(error_type), allocatable :: error
+      character(:), allocatable :: before
+      real(dp) :: left_at
+      integer :: beyond
       logical :: success
 
-      tracer%part = part
       outcome = 0
-      place = resting(tracer, from)
-      call tracer%path%solve_at(place, success)
-      if (.not. success) then
-         ! Newton does not get there from rest: let time integration find a motion.
-         call integrate(train, from, integration, motion, error, observer=observer)
-         if (motion%period > 0 .and. mod(tracer%settings%subharmonic, max(1, motion%period)) == 0) then
-            place = place_of(tracer, motion)
-            call tracer%path%solve_at(place, success)
-         end if
-      end if
+      call find_start(train, tracer, from, place, success, observer)
       if (.not. success) then
          reason = 'no motion of period '//text(tracer%settings%subharmonic)//' found to start from'
          return
       end if
       call tracer%path%orient(place, merge(1, -1, to > from))
       call adapt_first(tracer, place)
-      call tracer%record(place, branch)
-      call tracer%trace(place, min(from, to), max(from, to), to, branch, outcome, reason, observer)
+      before = ''
+      do
+         call tracer%record(place, branch)
+         call tracer%trace(place, min(from, to), max(from, to), to, branch, outcome, reason, observer)
+         reason = before//reason
+         if (outcome /= left_by_amplitude) return
+         left_at = place%frequency
+         call pass_beyond(tracer, place, min(from, to), max(from, to), beyond)
+         if (beyond == left_range) then
+            outcome = left_beyond
+            reason = reason//' and left the range of Lambda beyond it'
+         end if
+         if (beyond /= came_down) return
+         before = before//'beyond the amplitude limit '//text(tracer%amplitude_limit)//' from Lambda = '//text(left_at) &
+                  //' to '//text(place%frequency)//'; '
+         tracer%part = tracer%part + 1
+      end do
    end subroutine trace_part
+
+   !> A motion at exactly the frequency: from rest, or one that time integration settles on.
+   subroutine find_start(train, tracer, frequency, place, success, observer)
+      type(train_type), intent(in) :: train
+      type(tracer_type), intent(inout) :: tracer
+      real(dp), intent(in) :: frequency
+      type(place_type), intent(out) :: place
+      logical, intent(out) :: success
+      class(observer_type), intent(inout), optional :: observer
+      type(motion_type) :: motion
+      type(integration_settings_type) :: integration
+      type(error_type), allocatable :: error
+
+      place = resting(tracer, frequency)
+      call tracer%path%solve_at(place, success)
+      if (success) return
+      call integrate(train, frequency, integration, motion, error, observer=observer)
+      if (motion%period == 0 .or. mod(tracer%settings%subharmonic, max(1, motion%period)) /= 0) return
+      place = place_of(tracer, motion)
+      call tracer%path%solve_at(place, success)
+   end subroutine find_start
 
    !> Enough harmonics for the first point, where their number is left to the program.
    subroutine adapt_first(tracer, place)
@@ -171,6 +194,7 @@ contains
       call tracer%path%orient(place, merge(1, -1, tracer%settings%stop > tracer%settings%start))
       call adapt_first(tracer, place)
       call tracer%record(place, branch)
+      backward = place
       target = tracer%settings%stop
       call tracer%trace(place, low, high, target, branch, outcome, branch%ended, observer)
       forward_outcome = outcome
@@ -178,7 +202,6 @@ contains
       branch%complete = branch%closed
       if (branch%closed .or. outcome == cancelled) return
       forward = branch%points
-      backward = place
       if (size(backward%u, 1) /= tracer%path%balance%block) call tracer%refit(backward)
       call tracer%path%solve_at(backward, success)
       call tracer%path%orient(backward, merge(-1, 1, tracer%settings%stop > tracer%settings%start))
@@ -202,6 +225,7 @@ contains
       branch%mean(:, :n) = branch%mean(:, order)
       branch%minimum(:, :n) = branch%minimum(:, order)
       branch%maximum(:, :n) = branch%maximum(:, order)
+      branch%mesh_load(:, :n) = branch%mesh_load(:, order)
       branch%error_estimate(:n) = branch%error_estimate(order)
       if (allocated(branch%stable)) then
          branch%multipliers(:, :n) = branch%multipliers(:, order)

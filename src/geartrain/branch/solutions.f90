@@ -115,6 +115,7 @@ contains
             motion%mean = found%mean(:, i)
             motion%minimum = found%minimum(:, i)
             motion%maximum = found%maximum(:, i)
+            motion%mesh_load = found%mesh_load(:, i)
             motion%error_estimate = found%error_estimate(i)
             if (.not. settings%stability) cycle
             motion%multipliers = found%multipliers(:, i)
@@ -160,7 +161,7 @@ contains
       end do
    end function lies_on
 
-   !> Whether the rms of a motion is beyond the amplitude limit, where no branch goes.
+   !> Whether the rms of a motion is beyond the amplitude limit, where no branch is recorded.
    logical function beyond_limit(train, settings, motion)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings

@@ -11,8 +11,9 @@ module geartrain_branch_start
    private
    public :: begin_trace, place_of, resting
 
-   !> Amplitude limit of a train with backlash, rms over characteristic length, where none is given.
-   real(dp), parameter :: default_amplitude_limit = 12
+   !> Amplitude limit where none is given, rms over characteristic length. A linear train has none: its branch is only not
+   !> recorded between here and infinity, where it passes a multiplier +1.
+   real(dp), parameter :: default_amplitude_limit = 12, linear_amplitude_limit = 1e4_dp
 
 contains
 
@@ -28,6 +29,8 @@ contains
          tracer%amplitude_limit = settings%amplitude_limit
       else if (any(tracer%system%backlash > 0)) then
          tracer%amplitude_limit = default_amplitude_limit
+      else
+         tracer%amplitude_limit = linear_amplitude_limit
       end if
       call tracer%prepare(merge(settings%harmonics, 6*settings%subharmonic, settings%harmonics > 0))
    end subroutine begin_trace

@@ -1,10 +1,10 @@
-!> What a reader looks for on a branch: its peaks, its jumps, and where no stable motion of it exists.
+!> What a reader looks for on a branch: its peaks, its folds, and where no stable motion of it exists.
 module geartrain_branch_summary
    use geartrain_base_kinds, only: dp
    use geartrain_branch_branch, only: branch_type
    implicit none (type, external)
    private
-   public :: peak_type, band_type, peaks, jumps, bands_without_stability
+   public :: peak_type, band_type, peaks, folds, bands_without_stability, joined, change
 
    !> A local maximum of a mesh's rms along the branch.
    type :: peak_type
@@ -37,8 +37,8 @@ contains
       end do
    end function peaks
 
-   !> Lambda of the folds, where the motion jumps, ascending.
-   pure function jumps(branch) result(frequency)
+   !> Lambda of the folds, ascending.
+   pure function folds(branch) result(frequency)
       type(branch_type), intent(in) :: branch
       real(dp), allocatable :: frequency(:)
       integer :: i
@@ -49,17 +49,16 @@ contains
          if (branch%special_points(i)%kind == 'fold') frequency = [frequency, branch%special_points(i)%frequency]
       end do
       call sort(frequency)
-   end function jumps
+   end function folds
 
    !> Ranges of Lambda that the branch spans without a stable point at any of its levels, ascending.
    !>
    !> Stability changes where a special point says so, and halfway between two points where none does.
    pure function bands_without_stability(branch) result(bands)
       type(branch_type), intent(in) :: branch
-      type(band_type), allocatable :: bands(:)
+      type(band_type), allocatable :: bands(:), between(:)
       real(dp), allocatable :: low(:), high(:)
       real(dp) :: reached, last, edge, other, slack
-      logical :: apart
       integer :: i, lowest
 
       allocate (bands(0))
@@ -75,12 +74,10 @@ contains
          low = [low, min(edge, other)]
          high = [high, max(edge, other)]
       end do
-      ! Between two parts that do not meet nothing was traced, and nothing is said.
-      call find_gap(branch, apart, edge, other)
-      if (apart) then
-         low = [low, edge]
-         high = [high, other]
-      end if
+      ! Between two parts that do not meet nothing was recorded, and nothing is said.
+      between = gaps(branch)
+      low = [low, between%from]
+      high = [high, between%to]
       reached = minval(branch%frequency(:branch%points))
       last = maxval(branch%frequency(:branch%points))
       slack = 1e-9_dp*(last - reached)
@@ -94,25 +91,36 @@ contains
       if (last > reached + slack) bands = [bands, band_type(reached, last)]
    end function bands_without_stability
 
-   !> Whether the two parts of a branch span ranges of Lambda that do not meet, and the gap between them.
-   pure subroutine find_gap(branch, apart, low, high)
+   !> Ranges of Lambda between the parts of a branch, which none of them spans, ascending.
+   pure function gaps(branch) result(between)
       type(branch_type), intent(in) :: branch
-      logical, intent(out) :: apart
-      real(dp), intent(out) :: low, high
-      logical :: first(branch%points)
+      type(band_type), allocatable :: between(:)
+      real(dp), allocatable :: low(:), high(:)
+      real(dp) :: reached
+      integer :: first, last, lowest
 
-      apart = .false.
-      low = 0
-      high = 0
+      allocate (between(0), low(0), high(0))
       if (.not. allocated(branch%part)) return
-      first = branch%part(:branch%points) == 1
-      if (all(first) .or. .not. any(first)) return
-      associate (f => branch%frequency(:branch%points))
-         low = min(maxval(f, first), maxval(f, .not. first))
-         high = max(minval(f, first), minval(f, .not. first))
-      end associate
-      apart = low < high
-   end subroutine find_gap
+      first = 1
+      do while (first <= branch%points)
+         last = first
+         do while (last < branch%points)
+            if (.not. joined(branch, last)) exit
+            last = last + 1
+         end do
+         low = [low, minval(branch%frequency(first:last))]
+         high = [high, maxval(branch%frequency(first:last))]
+         first = last + 1
+      end do
+      reached = minval(low)
+      do while (size(low) > 0)
+         lowest = minloc(low, dim=1)
+         if (low(lowest) > reached) between = [between, band_type(reached, low(lowest))]
+         reached = max(reached, high(lowest))
+         low = [low(:lowest - 1), low(lowest + 1:)]
+         high = [high(:lowest - 1), high(lowest + 1:)]
+      end do
+   end function gaps
 
    !> Lambda at which stability changes between points i and i + 1.
    pure real(dp) function change(branch, i)

@@ -11,11 +11,12 @@ module geartrain_branch_tracer
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: tracer_type, reached_end, came_back, closed_loop, left_by_amplitude, cancelled, stuck, full, met_half_period
+   public :: tracer_type, acceptable, next_step
+   public :: reached_end, came_back, closed_loop, left_by_amplitude, cancelled, stuck, full, met_half_period, left_beyond
 
-   !> How a trace ended.
+   !> How a trace ended; left_beyond: out of the range of Lambda beyond the amplitude limit.
    integer, parameter :: reached_end = 1, came_back = 2, closed_loop = 3, left_by_amplitude = 4, cancelled = 5, stuck = 6, &
-                         full = 7, met_half_period = 8
+                         full = 7, met_half_period = 8, left_beyond = 9
 
    real(dp), parameter :: first_step = 0.01_dp, smallest_step = 1e-9_dp
    !> Cosine of the largest angle between tangents of neighbouring points, and the angle aimed at [rad].
@@ -24,6 +25,8 @@ module geartrain_branch_tracer
    real(dp), parameter :: correction_aim = 0.05_dp, correction_limit = 0.35_dp
    !> A change of orientation is a jump to another branch, unless it persists below this step: then branches cross here.
    real(dp), parameter :: jump_step = 1e-4_dp
+   !> Amplitude above which the largest step grows in proportion to it.
+   real(dp), parameter :: large = 5
    integer, parameter :: fewest_harmonics = 4, most_harmonics = 256
 
    type :: tracer_type
@@ -34,7 +37,7 @@ module geartrain_branch_tracer
       type(recorder_type) :: recorder
       !> What the observer is told: 'response', or 'branch' for a further one.
       character(8) :: analysis = 'response'
-      !> 1: traced from `from`; 2: from `to`.
+      !> Number of the part of the branch that is traced.
       integer :: part = 1
       real(dp), private :: estimate = 0
    contains
@@ -92,31 +95,32 @@ contains
                                             self%path%matrix, self%estimate)
    end subroutine estimate_error
 
-   !> Follows the branch from `start` (solved, oriented, already a point of the branch) within [low, high]. Of the two bounds
-   !> `target` is the end and the other one a return.
-   subroutine trace(self, start, low, high, target, branch, outcome, reason, observer)
+   !> Follows the branch from `here` (solved, oriented, already a point of the branch) within [low, high]. Of the two bounds
+   !> `target` is the end and the other one a return. `here` becomes the place where the
+   !> branch left by the amplitude limit, if it did.
+   subroutine trace(self, here, low, high, target, branch, outcome, reason, observer)
       class(tracer_type), intent(inout) :: self
-      type(place_type), intent(in) :: start
+      type(place_type), intent(inout) :: here
       real(dp), intent(in) :: low, high, target
       type(branch_type), intent(inout), target :: branch
       integer, intent(out) :: outcome
       character(:), allocatable, intent(out) :: reason
       class(observer_type), intent(inout), optional :: observer
-      type(place_type) :: here, next, origin
+      type(place_type) :: next, origin
       real(dp) :: h, longer, gap
       integer :: steps, mesh
       logical :: success, keep_going, begins_at_latest
 
-      begins_at_latest = abs(branch%frequency(branch%points) - start%frequency) <= 0
-      here = start
-      next = start
-      origin = start
+      begins_at_latest = abs(branch%frequency(branch%points) - here%frequency) <= 0
+      next = here
+      origin = here
       h = min(first_step, self%settings%step)
       steps = 0
       outcome = 0
       do
          call self%path%advance(here, h, next, success)
          if (success) success = acceptable(self, here, next, h)
+         if (success) success = h < jump_step .or. .not. hides_folds(here, next, h)
          if (success .and. (next%frequency < low .or. next%frequency > high)) then
             call self%stop_at(merge(low, high, next%frequency < low), here, next, h, success)
             if (success) then
@@ -136,7 +140,7 @@ contains
             return
          end if
 
-         longer = next_step(self, here, next, h)
+         longer = next_step(self, here, next, h, self%settings%step*max(1.0_dp, sqrt(inner(next%u, next%u))/large))
          if (self%settings%harmonics == 0) call self%adapt(next, here, origin)
          if (turns(here, next)) call self%add_fold(here, next, h, branch)
          call self%record(next, branch)
@@ -160,10 +164,12 @@ contains
             return
          end if
          mesh = maxloc(branch%rms(:, branch%points), 1)
-         if (branch%rms(mesh, branch%points) > self%amplitude_limit) then
+         ! It may begin beyond the limit and fall.
+         if (branch%rms(mesh, branch%points) > max(self%amplitude_limit, branch%rms(mesh, branch%points - 1))) then
             outcome = left_by_amplitude
             reason = 'rms of mesh '//text(mesh)//' passed the amplitude limit '//text(self%amplitude_limit) &
                      //' at Lambda = '//text(next%frequency)
+            here = next
             return
          end if
          if (branch%points >= self%settings%max_points) then
@@ -224,6 +230,24 @@ contains
               .and. max(abs(here%tangent_frequency), abs(next%tangent_frequency)) > 1e-6_dp
    end function turns
 
+   !> Whether Lambda seems to turn twice between two points: whether the cubic through them, with their slopes, does.
+   pure logical function hides_folds(here, next, h)
+      type(place_type), intent(in) :: here, next
+      real(dp), intent(in) :: h
+      real(dp) :: bend, share, chord
+
+      hides_folds = .false.
+      chord = (next%frequency - here%frequency)/h
+      associate (first => here%tangent_frequency, last => next%tangent_frequency)
+         if (first*last <= 0) return
+         bend = first + last - 2*chord
+         if (abs(bend) <= 0) return
+         share = (2*first + last - 3*chord)/(3*bend)
+         if (share <= 0 .or. share >= 1) return
+         hides_folds = first*(first - 3*bend*share**2) < 0
+      end associate
+   end function hides_folds
+
    !> Of the angle between two tangents.
    pure real(dp) function cosine(here, next)
       type(place_type), intent(in) :: here, next
@@ -231,17 +255,17 @@ contains
       cosine = inner(here%tangent, next%tangent) + here%tangent_frequency*next%tangent_frequency
    end function cosine
 
-   !> Aims at a certain turn and a certain first Newton correction (which goes with the square of the step).
-   real(dp) function next_step(self, here, next, h)
+   !> Aims at a certain turn and a certain first Newton correction (which goes with the square of the step); at most `longest`.
+   real(dp) function next_step(self, here, next, h, longest)
       class(tracer_type), intent(in) :: self
       type(place_type), intent(in) :: here, next
-      real(dp), intent(in) :: h
+      real(dp), intent(in) :: h, longest
       real(dp) :: angle
 
       angle = acos(max(-1.0_dp, min(1.0_dp, cosine(here, next))))
       next_step = h*max(0.4_dp, min(1.8_dp, angle_aim/max(angle, 1e-8_dp), &
                                     sqrt(correction_aim/max(self%path%correction, 1e-8_dp))))
-      next_step = min(next_step, self%settings%step)
+      next_step = min(next_step, longest)
    end function next_step
 
    !> Whether `origin` lies ahead, within the next step and close to the tangent; `gap` is the way there.

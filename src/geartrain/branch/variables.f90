@@ -33,8 +33,9 @@ contains
       call v%on_integer(row('subharmonic', '', 'period of the motion in fundamental mesh periods, eta', least=one, most=1000*one), &
                         settings%subharmonic)
       call v%on_logical(row('stability', '', 'Floquet multipliers of every point'), settings%stability)
-      call v%on_real(row('amplitude_limit', '', 'rms over characteristic length at which the branch is given up; -1: 12 with &
-                         &backlash, none for a linear train', above=zero, automatic=-one), settings%amplitude_limit)
+      call v%on_real(row('amplitude_limit', '', 'rms over characteristic length beyond which the branch is followed but not &
+                         &recorded; -1: 12 with backlash, none for a linear train', above=zero, automatic=-one), &
+                     settings%amplitude_limit)
       word = trim(settings%coefficients)
       call v%on_text(row('coefficients', '', 'Fourier coefficients of the mesh force: exact from the contact events, or sampled &
                          &(the discrete transform of the paper)', choices='exact sampled'), word)

@@ -17,9 +17,27 @@ contains
       character(*), parameter :: newline = new_line('a')
 
       text = '! A case for geartrain. Run it with: geartrain CASE.nml'//newline// &
-             '! SI units throughout. Lines that begin with ! are comments: remove the ! to give that variable.'//newline// &
-             commented_text(paper_case())
+             '! SI units throughout. Lines that begin with ! are comments: remove the ! to give that variable or group.'// &
+             newline// &
+             set_aside(commented_text(paper_case()), 'attractors')
    end function template_text
+
+   !> The text with a group turned into comments: many random starts are for those who ask for them.
+   function set_aside(text, group) result(changed)
+      character(*), intent(in) :: text, group
+      character(:), allocatable :: changed
+      character(*), parameter :: newline = new_line('a')
+      integer :: first, last, i
+
+      first = index(text, newline//'&'//group//newline)
+      last = first + index(text(first + 1:), newline//'/'//newline)
+      changed = text(:first)
+      do i = first + 1, last + 1
+         if (text(i - 1:i - 1) == newline) changed = changed//'! '
+         changed = changed//text(i:i)
+      end do
+      changed = changed//text(last + 2:)
+   end function set_aside
 
    !> The train of table 1 and the analyses of figure 3, and what coexists at Lambda = 0.6.
    function paper_case() result(case)

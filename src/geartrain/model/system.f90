@@ -40,8 +40,8 @@ module geartrain_model_system
       type(body_type), allocatable :: bodies(:)
       !> Shaft element of each body, 0 where rigid, (meshes + 1).
       integer, allocatable :: body_element(:)
-      !> omega_c [rad/s].
-      real(dp) :: characteristic_frequency = 0
+      !> omega_c [rad/s] and b_c [m].
+      real(dp) :: characteristic_frequency = 0, characteristic_length = 0
       !> Greatest common divisor of the orders that excite the train: Lambda harmonics that are no multiple of it stay zero.
       integer :: excitation_order = 1
    end type system_type
@@ -62,6 +62,7 @@ contains
       system%meshes = m
       system%elements = m + count(.not. train%shafts%rigid)
       system%characteristic_frequency = wc
+      system%characteristic_length = bc
       allocate (system%bodies(m + 1), system%body_element(m + 1), system%mesh_element(m), system%mesh_stiffness(m), &
                 system%transmission_error(m), inertia(system%elements + 1), system%backlash(m))
       n = system%elements

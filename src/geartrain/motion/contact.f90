@@ -37,6 +37,7 @@ module geartrain_motion_contact
    contains
       procedure :: setup
       procedure :: update
+      procedure :: shares
       procedure, private :: find_events
       procedure, private :: exact_spectra
       procedure, private :: sampled_spectra
@@ -104,6 +105,26 @@ contains
       end do
       if (self%backlash > 0) self%offset = self%first_contact*self%stiffness
    end subroutine update
+
+   !> Shares of the period without contact and with contact of the back flanks, at the last `update`.
+   pure subroutine shares(self, separation, back_contact)
+      class(contact_type), intent(in) :: self
+      real(dp), intent(out) :: separation, back_contact
+      real(dp) :: share(-1:1), last
+      integer :: i, now
+
+      share = 0
+      last = 0
+      now = self%first_contact
+      do i = 1, self%events
+         share(now) = share(now) + (self%instant(i) - last)/(2*pi)
+         last = self%instant(i)
+         now = self%contact(i)
+      end do
+      share(now) = share(now) + (2*pi - last)/(2*pi)
+      separation = share(0)
+      back_contact = share(-1)
+   end subroutine shares
 
    !> Samples bracket the crossings of +-b, Newton polishes them; where two samples on one side of a wall turn back between
    !> them, the extreme decides whether the wall was crossed twice.

@@ -43,6 +43,7 @@ module geartrain_motion_flow
       procedure :: step
       procedure :: advance
       procedure :: displacement
+      procedure :: velocity
       procedure, private :: expand
       procedure, private :: step_length
       procedure, private :: first_event
@@ -409,5 +410,19 @@ contains
          displacement = displacement*tau + self%p(1, n, k)
       end do
    end function displacement
+
+   !> Its derivative with respect to time.
+   pure real(dp) function velocity(self, mesh, tau)
+      class(flow_type), intent(in) :: self
+      integer, intent(in) :: mesh
+      real(dp), intent(in) :: tau
+      integer :: k, n
+
+      n = self%system%mesh_element(mesh)
+      velocity = self%v(1, n, self%order)
+      do k = self%order - 1, 0, -1
+         velocity = velocity*tau + self%v(1, n, k)
+      end do
+   end function velocity
 
 end module geartrain_motion_flow

@@ -1,6 +1,7 @@
 !> A periodic motion of a train: what every method (balance, integration, shooting) gives.
 module geartrain_motion_motion
    use geartrain_base_kinds, only: dp
+   use geartrain_motion_mesh_load, only: mesh_load_type
    implicit none (type, external)
    private
    public :: motion_type
@@ -16,6 +17,8 @@ module geartrain_motion_motion
       !> Per mesh, over characteristic length: the paper's rms (square root of the sum of squared harmonic
       !> amplitudes, which is sqrt(2) times the true AC rms), mean, minimum and maximum.
       real(dp), allocatable :: rms(:), mean(:), minimum(:), maximum(:)
+      !> Largest force, dynamic factor, shares of separation and back contact, (mesh).
+      type(mesh_load_type), allocatable :: mesh_load(:)
       !> State at time 0: displacement of every element, then its velocity; allocated where integration gave it.
       real(dp), allocatable :: state(:)
       !> Floquet multipliers over one period of the motion; allocated where they were asked for.

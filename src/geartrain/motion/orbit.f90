@@ -4,6 +4,7 @@ module geartrain_motion_orbit
    use geartrain_base_kinds, only: dp, pi
    use geartrain_model_system, only: system_type
    use geartrain_motion_flow, only: flow_type
+   use geartrain_motion_mesh_load, only: elastic, mesh_load_type, put_force, stiffness_samples
    use geartrain_motion_motion, only: motion_type
    implicit none (type, external)
    private
@@ -45,53 +46,72 @@ contains
       monodromy = transpose(flow%x(2:, :))
    end subroutine propagate
 
-   !> Mesh displacement at `samples` equidistant instants of one period of the orbit, (samples, mesh).
-   subroutine sample_orbit(system, frequency, period, state, displacement)
+   !> Mesh displacement, and mesh force over k b_c where asked for, at `samples` equidistant instants of one period of the
+   !> orbit, (samples, mesh); shares of the period that each mesh spends on the back flank, in separation and on the drive flank.
+   subroutine sample_orbit(system, frequency, period, state, displacement, force, share)
       type(system_type), intent(in) :: system
       real(dp), intent(in) :: frequency, state(:)
       integer, intent(in) :: period
       real(dp), intent(out) :: displacement(:, :)
+      real(dp), intent(out), optional :: force(:, :)
+      !> (-1:1, mesh)
+      real(dp), intent(out), optional :: share(-1:, :)
       type(flow_type) :: flow
-      real(dp) :: spacing, mesh_period, begun
-      integer :: i, j, q
+      real(dp) :: spacing, mesh_period, begun, spent(-1:1, system%meshes), velocity(size(displacement, 1), system%meshes)
+      integer :: i, j, q, contact(system%meshes)
 
       call flow%setup(system, 1, .true., flow_order, flow_tolerance)
       flow%x(1, :) = state
       mesh_period = 2*pi/frequency
       spacing = period*mesh_period/size(displacement, 1)
       displacement(1, :) = state(system%mesh_element)
+      velocity(1, :) = state(system%elements + system%mesh_element)
+      spent = 0
       q = 2
       do i = 1, period
          call flow%start(frequency, 0.0_dp)
          do while (flow%time < mesh_period)
             begun = flow%time
+            contact = flow%contact
             call flow%step(mesh_period)
+            do j = 1, system%meshes
+               spent(contact(j), j) = spent(contact(j), j) + flow%length
+            end do
             do while (q <= size(displacement, 1))
                associate (t => (q - 1)*spacing - (i - 1)*mesh_period)
                   if (t > flow%time) exit
                   do j = 1, system%meshes
                      displacement(q, j) = flow%displacement(j, t - begun)
+                     velocity(q, j) = flow%velocity(j, t - begun)
                   end do
                end associate
                q = q + 1
             end do
          end do
       end do
+      if (present(share)) share = spent/(period*mesh_period)
+      if (.not. present(force)) return
+      force = stiffness_samples(system, period, size(force, 1))
+      do j = 1, system%meshes
+         force(:, j) = force(:, j)*elastic(displacement(:, j), system%backlash(j)) &
+                       + system%damping(system%mesh_element(j))*velocity(:, j)
+      end do
    end subroutine sample_orbit
 
    !> Fills in a motion of given frequency, period and state: coefficients up to `harmonics` of Lambda (harmonics*period of
-   !> Lambda/period), rms over all harmonics, mean and extremes.
+   !> Lambda/period), rms over all harmonics, mean and extremes, what the meshes bear.
    subroutine measure(system, harmonics, motion)
       type(system_type), intent(in) :: system
       integer, intent(in) :: harmonics
       type(motion_type), intent(inout) :: motion
       type(transform_type) :: transform
-      real(dp), allocatable :: p(:, :)
+      real(dp), allocatable :: p(:, :), force(:, :)
+      real(dp) :: share(-1:1, system%meshes)
       integer :: j, k, q
 
       q = samples_per_period*motion%period
-      allocate (p(q, system%meshes))
-      call sample_orbit(system, motion%frequency, motion%period, motion%state, p)
+      allocate (p(q, system%meshes), force(q, system%meshes))
+      call sample_orbit(system, motion%frequency, motion%period, motion%state, p, force, share)
       call transform%plan(q)
       if (allocated(motion%coefficients)) deallocate (motion%coefficients)
       allocate (motion%coefficients(1 + 2*harmonics*motion%period, system%meshes))
@@ -99,6 +119,14 @@ contains
       motion%rms = [(sqrt(2*sum((p(:, j) - motion%mean(j))**2)/q), j=1, system%meshes)]
       motion%minimum = [(-peak(-p(:, j)), j=1, system%meshes)]
       motion%maximum = [(peak(p(:, j)), j=1, system%meshes)]
+      if (allocated(motion%mesh_load)) deallocate (motion%mesh_load)
+      allocate (motion%mesh_load(system%meshes))
+      do j = 1, system%meshes
+         call put_force(system, j, peak(force(:, j)), peak(-force(:, j)), motion%mesh_load(j))
+         if (.not. system%backlash(j) > 0) cycle
+         motion%mesh_load(j)%separation = share(0, j)
+         motion%mesh_load(j)%back_contact = share(-1, j)
+      end do
       do j = 1, system%meshes
          transform%sample = p(:, j)
          call transform%to_coefficients()
@@ -110,19 +138,32 @@ contains
       end do
    end subroutine measure
 
-   !> Largest value of a periodic sequence, a parabola through the largest sample and its neighbours.
+   !> Largest value of a periodic sequence: of the polynomial through the largest sample and two neighbours on either side.
    pure real(dp) function peak(p)
       real(dp), intent(in) :: p(:)
-      real(dp) :: left, right, curvature
-      integer :: i, n
+      !> Differences from the largest sample.
+      real(dp) :: d(-2:2), c(4), x, slope, curvature
+      integer :: i, k, n
 
       n = size(p)
       i = maxloc(p, 1)
-      left = p(merge(n, i - 1, i == 1))
-      right = p(merge(1, i + 1, i == n))
-      curvature = left - 2*p(i) + right
       peak = p(i)
-      if (curvature < 0) peak = p(i) - (right - left)**2/(8*curvature)
+      do k = -2, 2
+         d(k) = p(modulo(i - 1 + k, n) + 1) - p(i)
+      end do
+      ! c(1) x + c(2) x**2 + c(3) x**3 + c(4) x**4, x counting samples from the largest.
+      c(1) = (8*(d(1) - d(-1)) - (d(2) - d(-2)))/12
+      c(2) = (16*(d(1) + d(-1)) - (d(2) + d(-2)))/24
+      c(3) = ((d(2) - d(-2)) - 2*(d(1) - d(-1)))/12
+      c(4) = ((d(2) + d(-2)) - 4*(d(1) + d(-1)))/24
+      x = 0
+      do k = 1, 4
+         slope = c(1) + x*(2*c(2) + x*(3*c(3) + x*4*c(4)))
+         curvature = 2*c(2) + x*(6*c(3) + x*12*c(4))
+         if (.not. curvature < 0) return
+         x = max(-1.0_dp, min(1.0_dp, x - slope/curvature))
+      end do
+      peak = max(peak, p(i) + x*(c(1) + x*(c(2) + x*(c(3) + x*c(4)))))
    end function peak
 
 end module geartrain_motion_orbit

@@ -19,11 +19,12 @@ contains
       end do
    end function fine_samples
 
-   !> Value, slope and curvature with respect to theta.
-   pure subroutine evaluate(u, harmonic, theta, p, slope, curvature)
+   !> Value, slope, curvature and, where asked for, the third derivative with respect to theta.
+   pure subroutine evaluate(u, harmonic, theta, p, slope, curvature, third)
       real(dp), intent(in) :: u(:), theta
       integer, intent(in) :: harmonic(:)
       real(dp), intent(out) :: p, slope, curvature
+      real(dp), intent(out), optional :: third
       complex(dp) :: z, power, advance, term
       integer :: k, step
 
@@ -34,6 +35,7 @@ contains
       p = u(1)
       slope = 0
       curvature = 0
+      if (present(third)) third = 0
       do k = 1, size(harmonic)
          if (k == 1) then
             step = harmonic(1)
@@ -47,6 +49,7 @@ contains
          p = p + term%re
          slope = slope - harmonic(k)*term%im
          curvature = curvature - real(harmonic(k), dp)**2*term%re
+         if (present(third)) third = third + real(harmonic(k), dp)**3*term%im
       end do
    end subroutine evaluate
 
@@ -73,7 +76,8 @@ contains
       call transform%to_samples()
    end subroutine sample
 
-   !> Smallest and largest value over a period: the best sample, then Newton on the slope. Destroys transform%sample.
+   !> Smallest and largest value over a period: the best sample, then Newton on the slope. Leaves the samples in
+   !> transform%sample.
    subroutine extremes(u, harmonic, transform, smallest, largest)
       real(dp), intent(in) :: u(:)
       integer, intent(in) :: harmonic(:)

@@ -3,9 +3,11 @@ module geartrain_results_integration
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain_base_kinds, only: dp
    use geartrain_motion_integration_settings, only: sweep_type
+   use geartrain_motion_mesh_load, only: mesh_load_type
    use geartrain_motion_motion, only: motion_type
    use geartrain_results_labels, only: about_coefficients, about_multipliers, about_rms, about_stable, about_true_ac_rms, &
       as_parts, coefficient_labels, frequency_description
+   use geartrain_results_mesh_load, only: write_mesh_loads
    use geartrain_results_store, only: store_type
    implicit none (type, external)
    private
@@ -47,6 +49,8 @@ contains
       type(motion_type), intent(in) :: motions(:)
       real(dp), allocatable :: values(:, :, :), coefficients(:, :, :)
       character(11) :: dimensions(3)
+      type(mesh_load_type), allocatable :: loads(:, :)
+      logical :: known(size(motions))
       integer :: i, n, meshes, length
 
       dimensions(1) = along
@@ -61,12 +65,16 @@ contains
       end do
       ! A motion that ran away has no figures.
       allocate (values(meshes, n, 4), coefficients(length, meshes, n), source=ieee_value(1.0_dp, ieee_quiet_nan))
+      allocate (loads(meshes, n))
+      known = .false.
       do i = 1, n
          if (.not. allocated(motions(i)%coefficients)) cycle
          values(:, i, 1) = motions(i)%rms
          values(:, i, 2) = motions(i)%mean
          values(:, i, 3) = motions(i)%minimum
          values(:, i, 4) = motions(i)%maximum
+         known(i) = allocated(motions(i)%mesh_load)
+         if (known(i)) loads(:, i) = motions(i)%mesh_load
          coefficients(:size(motions(i)%coefficients, 1), :, i) = motions(i)%coefficients
       end do
       call store%axis(home//'/mesh', meshes, 'mesh, in the order of the train')
@@ -81,6 +89,7 @@ contains
       call store%put(home//'/mean', values(:, :, 2), dimensions(:2), '1', 'mean mesh displacement / characteristic_length')
       call store%put(home//'/minimum', values(:, :, 3), dimensions(:2), '1', 'smallest mesh displacement / characteristic_length')
       call store%put(home//'/maximum', values(:, :, 4), dimensions(:2), '1', 'largest mesh displacement / characteristic_length')
+      call write_mesh_loads(store, home, along, loads, known)
       call store%put(home//'/coefficients', coefficients, dimensions, '1', &
                      about_coefficients)
       if (any(has_multipliers(motions))) call write_stability(store, home, along, motions)

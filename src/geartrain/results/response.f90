@@ -4,7 +4,9 @@ module geartrain_results_response
    use geartrain_branch_branch, only: branch_type
    use geartrain_results_labels, only: about_coefficients, about_multipliers, about_rms, about_stable, about_true_ac_rms, &
       as_parts, coefficient_labels, frequency_description
+   use geartrain_results_mesh_load, only: write_mesh_loads
    use geartrain_results_store, only: store_type
+   use geartrain_results_summary, only: write_summary
    implicit none (type, external)
    private
    public :: write_response
@@ -27,6 +29,7 @@ contains
       if (branch%points > 0) then
          call write_points(store, home, branch, branch%points)
          if (allocated(branch%stable)) call write_stability(store, home, branch, branch%points)
+         call write_summary(store, home, branch)
       end if
       if (.not. allocated(branch%special_points)) return
       if (size(branch%special_points) > 0) call write_special_points(store, home, branch)
@@ -65,6 +68,8 @@ contains
                      'smallest mesh displacement over the period / characteristic_length')
       call store%put(home//'/maximum', branch%maximum(:, :n), by_mesh, '1', &
                      'largest mesh displacement over the period / characteristic_length')
+      if (allocated(branch%mesh_load)) &
+         call write_mesh_loads(store, home, 'point', branch%mesh_load(:, :n), spread(.true., 1, n))
       call store%axis(home//'/coefficient', coefficient_labels(size(branch%coefficients, 1)), &
                       'order of the coefficient in multiples of Lambda/subharmonic')
       call store%put(home//'/coefficients', branch%coefficients(:, :, :n), ['point      ', 'mesh       ', 'coefficient'], '1', &
@@ -72,7 +77,8 @@ contains
       call store%put(home//'/error_estimate', branch%error_estimate(:n), ['point'], '1', &
                      'estimated relative error of the waveform')
       call store%put(home//'/part', branch%part(:n), ['point'], '1', &
-                     '1 = traced from the first end (from), 2 = from the other (to)')
+                     'number of the part: a new one begins where the branch comes back from beyond the amplitude limit, or with &
+                     &the points traced from the other end (to)')
    end subroutine write_points
 
    subroutine write_stability(store, home, branch, n)

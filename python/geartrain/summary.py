@@ -1,0 +1,60 @@
+"""What one reads off a branch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Jump", "Peak"]
+
+
+@dataclass(frozen=True)
+class Peak:
+    """A local maximum of the rms of a mesh along a branch, at one of its points.
+
+    Attributes
+    ----------
+    frequency : float
+        Lambda.
+    rms : float
+    point : int
+        Index of the point.
+    stable : bool or None
+        None where stability was not asked for.
+    """
+
+    frequency: float
+    rms: float
+    point: int
+    stable: bool | None
+
+
+@dataclass(frozen=True, eq=False)
+class Jump:
+    """Where a sweep in speed jumps: the stable motion that it follows ends there.
+
+    Attributes
+    ----------
+    frequency : float
+        Lambda.
+    kind : str
+        ``'jump up'`` or ``'jump down'``: to a larger or a smaller amplitude, all meshes together. ``'leaves'``: the branch has no
+        other stable motion there.
+    speed : str
+        ``'rising'`` or ``'falling'``: the way in which the sweep goes that jumps here.
+    cause : str
+        Kind of the special point at which the stable motion ends.
+    before : ndarray, (meshes,)
+        rms before the jump.
+    after : ndarray, (meshes,)
+        rms after it: of the stable motion of the branch with the nearest rms; nan where the jump leaves the branch.
+    """
+
+    frequency: float
+    kind: str
+    speed: str
+    cause: str
+    before: NDArray[np.float64]
+    after: NDArray[np.float64]
