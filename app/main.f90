@@ -6,7 +6,7 @@ program main
       template_text, version
    use geartrain_case_text, only: reference_text
    use progress, only: begin_progress, progress_type
-   use report, only: report_integration, report_modes, report_response
+   use report, only: report_attractors, report_branches, report_integration, report_modes, report_response
    implicit none (type, external)
    type(arguments_type) :: asked
    type(case_type) :: case
@@ -65,8 +65,10 @@ contains
       if (allocated(results%modes)) call report_modes(results%modes)
       if (allocated(results%response)) call report_response(results%response, progress%response_seconds)
       if (allocated(results%integration)) call report_integration(results%integration, progress%integration_seconds)
-      if (.not. (case%modes .or. allocated(case%response) .or. allocated(case%integration))) &
-         write (output_unit, '(a)') 'Nothing to compute: the case has no &modes, &response or &integration'
+      if (allocated(results%attractors)) call report_attractors(results%attractors, progress%attractors_seconds)
+      if (allocated(results%branches)) call report_branches(results%branches, progress%branch_seconds)
+      if (.not. (case%modes .or. allocated(case%response) .or. allocated(case%integration) .or. allocated(case%attractors))) &
+         write (output_unit, '(a)') 'Nothing to compute: the case has no &modes, &response, &integration or &attractors'
       if (allocated(error)) status = error%status
       if (status == 0 .or. status == status_ended_early) write (output_unit, '(2a)') 'Written: ', path
       flush (output_unit)

@@ -11,8 +11,8 @@ module progress
       logical, private :: shown = .false.
       !> Clock counts: of the last line written, between two lines, of the last step.
       integer(int64), private :: last = 0, pause = 0, step = 0, rate = 1
-      !> Time spent on &response and &integration [s].
-      real(dp) :: response_seconds = 0, integration_seconds = 0
+      !> Time spent on each analysis [s].
+      real(dp) :: response_seconds = 0, branch_seconds = 0, integration_seconds = 0, attractors_seconds = 0
    contains
       procedure :: on_step
       procedure :: clear
@@ -54,15 +54,21 @@ contains
       call system_clock(now)
       seconds = real(now - self%step, dp)/real(self%rate, dp)
       self%step = now
-      if (analysis == 'response') then
+      select case (analysis)
+      case ('response')
          self%response_seconds = self%response_seconds + seconds
-      else
+      case ('branch')
+         self%branch_seconds = self%branch_seconds + seconds
+      case ('attractors')
+         self%attractors_seconds = self%attractors_seconds + seconds
+      case default
          self%integration_seconds = self%integration_seconds + seconds
-      end if
+      end select
       if (.not. self%shown .or. .not. keep_going .or. analysis == 'settling') return
       if (now - self%last < self%pause) return
       self%last = now
-      write (error_unit, '(3a, i0, a, f8.4)', advance='no') to_line_start, analysis, ': ', done, ' points, Lambda =', frequency
+      write (error_unit, '(3a, i0, a, f8.4)', advance='no') to_line_start, analysis, ': ', done, &
+         trim(merge(' starts, Lambda =', ' points, Lambda =', analysis == 'attractors')), frequency
       flush (error_unit)
    end subroutine on_step
 

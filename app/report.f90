@@ -1,13 +1,13 @@
 !> The short table at the end of a run.
 module report
    use, intrinsic :: iso_fortran_env, only: output_unit
-   use geartrain, only: branch_type, dp, modes_type, sweep_type
+   use geartrain, only: attractors_type, branch_type, dp, modes_type, sweep_type
    use geartrain_branch_contact_ranges, only: back_collision_ranges, separation_ranges
    use geartrain_branch_jumps, only: jump_type, jumps
    use geartrain_branch_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
    implicit none (type, external)
    private
-   public :: report_modes, report_response, report_integration
+   public :: report_modes, report_response, report_branches, report_integration, report_attractors
 
 contains
 
@@ -22,12 +22,32 @@ contains
       type(branch_type), intent(in) :: branch
       !> Time taken [s].
       real(dp), intent(in) :: seconds
+
+      write (output_unit, '(a, i0, 3a)') 'Response: ', branch%points, ' points in ', fixed(seconds, 2), ' s'
+      call report_branch(branch)
+   end subroutine report_response
+
+   subroutine report_branches(branches, seconds)
+      type(branch_type), intent(in) :: branches(:)
+      !> Time taken by all of them [s].
+      real(dp), intent(in) :: seconds
+      integer :: i
+
+      write (output_unit, '(a, i0, a, i0, 3a)') 'Further branches: ', size(branches), ', ', sum(branches%points), ' points in ', &
+         fixed(seconds, 2), ' s'
+      do i = 1, size(branches)
+         write (output_unit, '(a, i0, a, i0, 2a)') 'Branch ', i, ', period ', branches(i)%subharmonic, ': ', branches(i)%origin
+         call report_branch(branches(i))
+      end do
+   end subroutine report_branches
+
+   subroutine report_branch(branch)
+      type(branch_type), intent(in) :: branch
       type(band_type), allocatable :: bands(:)
       real(dp), allocatable :: at_fold(:)
       character(16) :: name
       integer :: mesh, i
 
-      write (output_unit, '(a, i0, 3a)') 'Response: ', branch%points, ' points in ', fixed(seconds, 2), ' s'
       if (branch%points > 0) then
          write (output_unit, '(a)') '    mesh  peak at Lambda         rms'
          do mesh = 1, branch%meshes
@@ -51,7 +71,7 @@ contains
          call report_loads(branch)
       end if
       if (allocated(branch%ended)) write (output_unit, '(2a)') '    ended: ', branch%ended
-   end subroutine report_response
+   end subroutine report_branch
 
    subroutine report_peaks(branch, mesh)
       type(branch_type), intent(in) :: branch
@@ -153,6 +173,25 @@ contains
       end do
       if (allocated(sweep%ended)) write (output_unit, '(2a)') '    ended: ', sweep%ended
    end subroutine report_integration
+
+   subroutine report_attractors(found, seconds)
+      type(attractors_type), intent(in) :: found
+      !> Time taken [s].
+      real(dp), intent(in) :: seconds
+      integer :: i
+
+      write (output_unit, '(3a, i0, a, i0, 5a)') 'Attractors at Lambda = ', fixed(found%frequency, 4), ': ', size(found%motions), &
+         ' from ', found%starts, ' starts in ', fixed(seconds, 2), ' s, ', fixed(100*found%unsettled, 1), ' % did not settle'
+      if (size(found%motions) > 0) write (output_unit, '(a)') '    motion  period     share            rms of each mesh'
+      do i = 1, size(found%motions)
+         associate (motion => found%motions(i))
+            write (output_unit, '(i10, i8, f8.1, a, 2x, a)', advance='no') i, motion%period, 100*motion%share, ' %', &
+               merge('stable  ', merge('unstable', '        ', allocated(motion%multipliers)), motion%stable)
+            write (output_unit, '(*(f12.5))') motion%rms
+         end associate
+      end do
+      if (allocated(found%ended)) write (output_unit, '(2a)') '    ended: ', found%ended
+   end subroutine report_attractors
 
    !> A number with a zero before the point, which f0.d leaves out.
    function fixed(value, decimals) result(text)

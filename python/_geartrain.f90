@@ -73,10 +73,10 @@ subroutine find_modes(handle, status)
    status = close_with(box, error)
 end subroutine find_modes
 
-! The seed is the box's first motion, if it has one.
+! The seed is the box's first motion, if it has one. The branches that follow from period doublings are the box's further ones.
 subroutine follow_response(handle, progress, status)
-   use geartrain, only: error_type, motion_type, response
-   use geartrain_python_box, only: box_type, box_of, close_with, motion_list, watch_type
+   use geartrain, only: error_type, follow_doublings, motion_type, response
+   use geartrain_python_box, only: box_type, box_of, close_with, loose, motion_list, watch_type
    implicit none
    integer(8), intent(in) :: handle
    double precision, intent(inout), target :: progress(3)
@@ -89,11 +89,13 @@ subroutine follow_response(handle, progress, status)
 
    box => box_of(handle)
    watch%progress => progress
-   motions => motion_list(box)
+   motions => motion_list(box, loose)
    nullify (seed)
    if (associated(motions)) seed => motions(1)
    allocate (box%results%response)
    call response(box%case%train, box%case%response, box%results%response, error, seed, watch)
+   if (.not. (allocated(error) .or. box%results%response%cancelled)) &
+      call follow_doublings(box%case%train, box%case%response, box%results%response, box%results%branches, error, watch)
    status = close_with(box, error)
 end subroutine follow_response
 
@@ -140,7 +142,7 @@ end subroutine solve_at
 ! Starts from the box's first motion, if it has one; the result takes its place.
 subroutine integrate_at(handle, frequency, progress, status)
    use geartrain, only: error_type, integrate, motion_type
-   use geartrain_python_box, only: box_type, box_of, close_with, motion_list, watch_type
+   use geartrain_python_box, only: box_type, box_of, close_with, loose, motion_list, watch_type
    implicit none
    integer(8), intent(in) :: handle
    double precision, intent(in) :: frequency
@@ -155,7 +157,7 @@ subroutine integrate_at(handle, frequency, progress, status)
 
    box => box_of(handle)
    watch%progress => progress
-   motions => motion_list(box)
+   motions => motion_list(box, loose)
    nullify (start)
    if (associated(motions)) start => motions(1)
    call integrate(box%case%train, frequency, box%case%integration, motion, error, start, watch)
@@ -182,13 +184,12 @@ subroutine sweep_range(handle, progress, status)
    status = close_with(box, error)
 end subroutine sweep_range
 
-subroutine find_attractors(handle, frequency, starts, random_seed, progress, status)
-   use geartrain, only: attractors, error_type
+! Where the box holds a response, motions on neither it nor the box's further branches are followed; the new branches come last.
+subroutine find_attractors(handle, progress, status)
+   use geartrain, only: attractors, error_type, follow_attractors
    use geartrain_python_box, only: box_type, box_of, close_with, watch_type
    implicit none
    integer(8), intent(in) :: handle
-   double precision, intent(in) :: frequency
-   integer, intent(in) :: starts, random_seed
    double precision, intent(inout), target :: progress(3)
    integer, intent(out) :: status
    type(box_type), pointer :: box
@@ -198,7 +199,11 @@ subroutine find_attractors(handle, frequency, starts, random_seed, progress, sta
 
    box => box_of(handle)
    watch%progress => progress
-   call attractors(box%case%train, frequency, starts, random_seed, box%case%integration, box%motions, error, watch)
+   allocate (box%results%attractors)
+   call attractors(box%case%train, box%case%attractors, box%results%attractors, error, watch)
+   if (.not. allocated(error) .and. box%results%attractors%complete .and. allocated(box%results%response)) &
+      call follow_attractors(box%case%train, box%case%response, box%results%attractors, box%results%response, &
+                             box%results%branches, error, watch)
    status = close_with(box, error)
 end subroutine find_attractors
 
@@ -270,27 +275,29 @@ end subroutine write_path
 
 ! ------------------------------------------------------------------------------------------------------------- text
 
-! Number of bytes of a text of the box: 'message', 'case' (the resolved namelist), 'elements', 'response',
-! 'integration' (why each ended), 'directions', 'version'. Lists have one item a line.
-subroutine text_size(handle, name, bytes)
+! Number of bytes of a text of the box: 'message', 'case' (the resolved namelist), 'elements', 'integration', 'attractors' (why
+! each ended), 'directions', 'version'; of the branch at a place (0: the response, else a further one): 'branch' (why it ended),
+! 'origin', 'special points', 'jump kinds', 'jump causes'. Lists have one item a line.
+subroutine text_size(handle, name, place, bytes)
    use geartrain_python_box, only: box_of, box_text
    implicit none
    integer(8), intent(in) :: handle
    character(*), intent(in) :: name
+   integer, intent(in) :: place
    integer, intent(out) :: bytes
 
-   bytes = len(box_text(box_of(handle), name))
+   bytes = len(box_text(box_of(handle), name, place))
 end subroutine text_size
 
-subroutine copy_text(handle, name, bytes, text)
+subroutine copy_text(handle, name, place, bytes, text)
    use geartrain_python_box, only: box_of, box_text
    implicit none
    integer(8), intent(in) :: handle
    character(*), intent(in) :: name
-   integer, intent(in) :: bytes
+   integer, intent(in) :: place, bytes
    integer(1), intent(out) :: text(bytes)
 
-   text = transfer(box_text(box_of(handle), name), text)
+   text = transfer(box_text(box_of(handle), name, place), text)
 end subroutine copy_text
 
 ! ------------------------------------------------------------------------------------------------------------ modes
@@ -349,34 +356,36 @@ end subroutine put_modes
 
 ! ---------------------------------------------------------------------------------------------------------- motions
 
-! How many motions the box holds; complete: 1 for a sweep that reached its end.
-subroutine motions_sizes(handle, sizes)
+! How many motions of a kind the box holds, -1: none were asked for; 1 for a sweep done to its end.
+! Kinds: 0 motions on their own, 1 those of the sweep, 2 those of the search for attractors.
+subroutine motions_sizes(handle, kind, sizes)
    use geartrain, only: motion_type
-   use geartrain_python_box, only: box_type, box_of, motion_list
+   use geartrain_python_box, only: box_type, box_of, motion_list, of_integration
    implicit none
    integer(8), intent(in) :: handle
+   integer, intent(in) :: kind
    integer, intent(out) :: sizes(2)
    type(box_type), pointer :: box
    type(motion_type), pointer :: motions(:)
 
    box => box_of(handle)
-   sizes = 0
-   motions => motion_list(box)
+   sizes = [-1, 0]
+   motions => motion_list(box, kind)
    if (associated(motions)) sizes(1) = size(motions)
-   if (allocated(box%results%integration)) sizes(2) = merge(1, 0, box%results%integration%complete)
+   if (kind == of_integration .and. allocated(box%results%integration)) sizes(2) = merge(1, 0, box%results%integration%complete)
 end subroutine motions_sizes
 
 ! terms (1 + 2*harmonics), meshes, states, multipliers, period, stable; 0 where not allocated. Places count from 1.
-subroutine motion_sizes(handle, place, sizes)
+subroutine motion_sizes(handle, kind, place, sizes)
    use geartrain, only: motion_type
    use geartrain_python_box, only: box_of, motion_list
    implicit none
    integer(8), intent(in) :: handle
-   integer, intent(in) :: place
+   integer, intent(in) :: kind, place
    integer, intent(out) :: sizes(6)
    type(motion_type), pointer :: motions(:)
 
-   motions => motion_list(box_of(handle))
+   motions => motion_list(box_of(handle), kind)
    sizes = 0
    if (allocated(motions(place)%coefficients)) sizes(1) = size(motions(place)%coefficients, 1)
    if (allocated(motions(place)%rms)) sizes(2) = size(motions(place)%rms)
@@ -386,17 +395,17 @@ subroutine motion_sizes(handle, place, sizes)
 end subroutine motion_sizes
 
 ! numbers: frequency, error estimate, share; values: rms, mean, minimum, maximum, those of the mesh load (box.f90).
-subroutine copy_motion(handle, place, terms, meshes, states, roots, numbers, coefficients, values, state, multipliers)
+subroutine copy_motion(handle, kind, place, terms, meshes, states, roots, numbers, coefficients, values, state, multipliers)
    use geartrain, only: motion_type
    use geartrain_python_box, only: as_values, box_of, motion_list
    implicit none
    integer(8), intent(in) :: handle
-   integer, intent(in) :: place, terms, meshes, states, roots
+   integer, intent(in) :: kind, place, terms, meshes, states, roots
    double precision, intent(out) :: numbers(3), coefficients(terms, meshes), values(meshes, 8), state(states)
    double precision, intent(out) :: multipliers(2, roots)
    type(motion_type), pointer :: motions(:)
 
-   motions => motion_list(box_of(handle))
+   motions => motion_list(box_of(handle), kind)
    associate (motion => motions(place))
       numbers = [motion%frequency, motion%error_estimate, motion%share]
       if (terms > 0) coefficients = motion%coefficients
@@ -481,140 +490,210 @@ subroutine put_sweep(handle, directions, ended, complete)
    end associate
 end subroutine put_sweep
 
-! ----------------------------------------------------------------------------------------------------------- branch
-
-! points, meshes, states (0: no stability), terms (1 + 2*harmonics), special points, subharmonic, complete, closed.
-subroutine branch_sizes(handle, sizes)
+! numbers: frequency, unsettled share; whole: random seed, starts, complete.
+subroutine copy_attractors(handle, numbers, whole)
    use geartrain_python_box, only: box_type, box_of
    implicit none
    integer(8), intent(in) :: handle
-   integer, intent(out) :: sizes(8)
+   double precision, intent(out) :: numbers(2)
+   integer, intent(out) :: whole(3)
    type(box_type), pointer :: box
 
    box => box_of(handle)
-   sizes = 0
-   if (.not. allocated(box%results%response)) return
-   associate (branch => box%results%response)
-      sizes(1:2) = [branch%points, branch%meshes]
-      if (allocated(branch%multipliers)) sizes(3) = size(branch%multipliers, 1)
-      if (allocated(branch%coefficients)) sizes(4) = size(branch%coefficients, 1)
-      if (allocated(branch%special_points)) sizes(5) = size(branch%special_points)
-      sizes(6:8) = [branch%subharmonic, merge(1, 0, branch%complete), merge(1, 0, branch%closed)]
+   associate (found => box%results%attractors)
+      numbers = [found%frequency, found%unsettled]
+      whole = [found%random_seed, found%starts, merge(1, 0, found%complete)]
    end associate
-end subroutine branch_sizes
+end subroutine copy_attractors
 
-! numbers: frequency, error estimate; values: rms, mean, minimum, maximum, those of the mesh load; marks: part, stable.
-subroutine copy_branch(handle, points, meshes, states, terms, numbers, coefficients, values, marks, multipliers)
-   use geartrain_python_box, only: as_values, box_type, box_of
-   implicit none
-   integer(8), intent(in) :: handle
-   integer, intent(in) :: points, meshes, states, terms
-   double precision, intent(out) :: numbers(points, 2), coefficients(terms, meshes, points), values(meshes, points, 8)
-   integer, intent(out) :: marks(points, 2)
-   double precision, intent(out) :: multipliers(2, states, points)
-   type(box_type), pointer :: box
-   integer :: i
-
-   box => box_of(handle)
-   if (points == 0) return
-   associate (branch => box%results%response)
-      numbers(:, 1) = branch%frequency(:points)
-      numbers(:, 2) = branch%error_estimate(:points)
-      coefficients = branch%coefficients(:, :, :points)
-      values(:, :, 1) = branch%rms(:, :points)
-      values(:, :, 2) = branch%mean(:, :points)
-      values(:, :, 3) = branch%minimum(:, :points)
-      values(:, :, 4) = branch%maximum(:, :points)
-      do i = 1, points
-         values(:, i, 5:) = as_values(branch%mesh_load(:, i))
-      end do
-      marks(:, 1) = branch%part(:points)
-      marks(:, 2) = 0
-      if (states == 0) return
-      marks(:, 2) = merge(1, 0, branch%stable(:points))
-      multipliers(1, :, :) = real(branch%multipliers(:, :points))
-      multipliers(2, :, :) = aimag(branch%multipliers(:, :points))
-   end associate
-end subroutine copy_branch
-
-! The inverse of copy_branch; flags: subharmonic, complete, closed, number of special points.
-subroutine put_branch(handle, ended, flags, numbers, coefficients, values, marks, multipliers, points, meshes, states, terms)
-   use geartrain_python_box, only: as_loads, box_type, box_of
+! Makes the box's motions those of a search for attractors; numbers and whole as in copy_attractors.
+subroutine put_attractors(handle, ended, numbers, whole)
+   use geartrain_python_box, only: box_type, box_of
    implicit none
    integer(8), intent(in) :: handle
    character(*), intent(in) :: ended
-   integer, intent(in) :: points, meshes, states, terms, flags(4), marks(points, 2)
+   double precision, intent(in) :: numbers(2)
+   integer, intent(in) :: whole(3)
+   type(box_type), pointer :: box
+
+   box => box_of(handle)
+   allocate (box%results%attractors)
+   associate (found => box%results%attractors)
+      call move_alloc(box%motions, found%motions)
+      found%ended = ended
+      found%frequency = numbers(1)
+      found%unsettled = numbers(2)
+      found%random_seed = whole(1)
+      found%starts = whole(2)
+      found%complete = whole(3) == 1
+   end associate
+end subroutine put_attractors
+
+! ----------------------------------------------------------------------------------------------------------- branch
+
+! Number of further branches.
+subroutine count_branches(handle, branches)
+   use geartrain_python_box, only: box_type, box_of
+   implicit none
+   integer(8), intent(in) :: handle
+   integer, intent(out) :: branches
+   type(box_type), pointer :: box
+
+   box => box_of(handle)
+   branches = 0
+   if (allocated(box%results%branches)) branches = size(box%results%branches)
+end subroutine count_branches
+
+! Room for the further branches that are put next.
+subroutine reserve_branches(handle, branches)
+   use geartrain_python_box, only: box_type, box_of
+   implicit none
+   integer(8), intent(in) :: handle
+   integer, intent(in) :: branches
+   type(box_type), pointer :: box
+
+   box => box_of(handle)
+   allocate (box%results%branches(branches))
+end subroutine reserve_branches
+
+! points, meshes, states (0: no stability), terms (1 + 2*harmonics), special points, subharmonic, complete, closed.
+! Here and below, place 0 is the response, 1, 2, ... are the further branches.
+subroutine branch_sizes(handle, place, sizes)
+   use geartrain, only: branch_type
+   use geartrain_python_box, only: box_of, branch_at
+   implicit none
+   integer(8), intent(in) :: handle
+   integer, intent(in) :: place
+   integer, intent(out) :: sizes(8)
+   type(branch_type), pointer :: branch
+
+   branch => branch_at(box_of(handle), place)
+   sizes = 0
+   if (.not. associated(branch)) return
+   sizes(1:2) = [branch%points, branch%meshes]
+   if (allocated(branch%multipliers)) sizes(3) = size(branch%multipliers, 1)
+   if (allocated(branch%coefficients)) sizes(4) = size(branch%coefficients, 1)
+   if (allocated(branch%special_points)) sizes(5) = size(branch%special_points)
+   sizes(6:8) = [branch%subharmonic, merge(1, 0, branch%complete), merge(1, 0, branch%closed)]
+end subroutine branch_sizes
+
+! numbers: frequency, error estimate; values: rms, mean, minimum, maximum, those of the mesh load; marks: part, stable.
+subroutine copy_branch(handle, place, points, meshes, states, terms, numbers, coefficients, values, marks, multipliers)
+   use geartrain, only: branch_type
+   use geartrain_python_box, only: as_values, box_of, branch_at
+   implicit none
+   integer(8), intent(in) :: handle
+   integer, intent(in) :: place, points, meshes, states, terms
+   double precision, intent(out) :: numbers(points, 2), coefficients(terms, meshes, points), values(meshes, points, 8)
+   integer, intent(out) :: marks(points, 2)
+   double precision, intent(out) :: multipliers(2, states, points)
+   type(branch_type), pointer :: branch
+   integer :: i
+
+   if (points == 0) return
+   branch => branch_at(box_of(handle), place)
+   numbers(:, 1) = branch%frequency(:points)
+   numbers(:, 2) = branch%error_estimate(:points)
+   coefficients = branch%coefficients(:, :, :points)
+   values(:, :, 1) = branch%rms(:, :points)
+   values(:, :, 2) = branch%mean(:, :points)
+   values(:, :, 3) = branch%minimum(:, :points)
+   values(:, :, 4) = branch%maximum(:, :points)
+   do i = 1, points
+      values(:, i, 5:) = as_values(branch%mesh_load(:, i))
+   end do
+   marks(:, 1) = branch%part(:points)
+   marks(:, 2) = 0
+   if (states == 0) return
+   marks(:, 2) = merge(1, 0, branch%stable(:points))
+   multipliers(1, :, :) = real(branch%multipliers(:, :points))
+   multipliers(2, :, :) = aimag(branch%multipliers(:, :points))
+end subroutine copy_branch
+
+! The inverse of copy_branch; flags: subharmonic, complete, closed, number of special points.
+subroutine put_branch(handle, place, ended, origin, flags, numbers, coefficients, values, marks, multipliers, &
+                      points, meshes, states, terms)
+   use geartrain, only: branch_type
+   use geartrain_python_box, only: as_loads, box_type, box_of, branch_at
+   implicit none
+   integer(8), intent(in) :: handle
+   character(*), intent(in) :: ended, origin
+   integer, intent(in) :: place, points, meshes, states, terms, flags(4), marks(points, 2)
    double precision, intent(in) :: numbers(points, 2), coefficients(terms, meshes, points), values(meshes, points, 8)
    double precision, intent(in) :: multipliers(2, states, points)
    type(box_type), pointer :: box
+   type(branch_type), pointer :: branch
    integer :: i
 
    box => box_of(handle)
-   allocate (box%results%response)
-   associate (branch => box%results%response)
-      branch%points = points
-      branch%meshes = meshes
-      branch%states = states
-      branch%harmonics = (terms - 1)/2
-      branch%ended = ended
-      branch%subharmonic = flags(1)
-      branch%complete = flags(2) == 1
-      branch%closed = flags(3) == 1
-      allocate (branch%special_points(flags(4)))
-      branch%frequency = numbers(:, 1)
-      branch%error_estimate = numbers(:, 2)
-      branch%coefficients = coefficients
-      branch%rms = values(:, :, 1)
-      branch%mean = values(:, :, 2)
-      branch%minimum = values(:, :, 3)
-      branch%maximum = values(:, :, 4)
-      allocate (branch%mesh_load(meshes, points))
-      do i = 1, points
-         branch%mesh_load(:, i) = as_loads(values(:, i, 5:))
-      end do
-      associate (train => box%case%train)
-         branch%backlash = train%meshes%half_backlash/train%characteristic_length
-      end associate
-      branch%part = marks(:, 1)
-      if (states == 0) return
-      branch%stable = marks(:, 2) == 1
-      branch%multipliers = cmplx(multipliers(1, :, :), multipliers(2, :, :), kind(0d0))
+   if (place == 0) allocate (box%results%response)
+   branch => branch_at(box, place)
+   if (origin /= '') branch%origin = origin
+   branch%points = points
+   branch%meshes = meshes
+   branch%states = states
+   branch%harmonics = (terms - 1)/2
+   branch%ended = ended
+   branch%subharmonic = flags(1)
+   branch%complete = flags(2) == 1
+   branch%closed = flags(3) == 1
+   allocate (branch%special_points(flags(4)))
+   branch%frequency = numbers(:, 1)
+   branch%error_estimate = numbers(:, 2)
+   branch%coefficients = coefficients
+   branch%rms = values(:, :, 1)
+   branch%mean = values(:, :, 2)
+   branch%minimum = values(:, :, 3)
+   branch%maximum = values(:, :, 4)
+   allocate (branch%mesh_load(meshes, points))
+   do i = 1, points
+      branch%mesh_load(:, i) = as_loads(values(:, i, 5:))
+   end do
+   associate (train => box%case%train)
+      branch%backlash = train%meshes%half_backlash/train%characteristic_length
    end associate
+   branch%part = marks(:, 1)
+   if (states == 0) return
+   branch%stable = marks(:, 2) == 1
+   branch%multipliers = cmplx(multipliers(1, :, :), multipliers(2, :, :), kind(0d0))
 end subroutine put_branch
 
-! point counts from 1, as in Fortran; the kinds are the text 'special points'.
-subroutine copy_special(handle, place, meshes, frequency, point, rms)
-   use geartrain_python_box, only: box_type, box_of
+! The special point number `special` of the branch at `place`; point counts from 1, as in Fortran; the kinds are the text
+! 'special points'.
+subroutine copy_special(handle, place, special, meshes, frequency, point, rms)
+   use geartrain, only: branch_type
+   use geartrain_python_box, only: box_of, branch_at
    implicit none
    integer(8), intent(in) :: handle
-   integer, intent(in) :: place, meshes
+   integer, intent(in) :: place, special, meshes
    double precision, intent(out) :: frequency, rms(meshes)
    integer, intent(out) :: point
-   type(box_type), pointer :: box
+   type(branch_type), pointer :: branch
 
-   box => box_of(handle)
-   associate (special => box%results%response%special_points(place))
-      frequency = special%frequency
-      point = special%point
-      rms = special%rms
+   branch => branch_at(box_of(handle), place)
+   associate (this => branch%special_points(special))
+      frequency = this%frequency
+      point = this%point
+      rms = this%rms
    end associate
 end subroutine copy_special
 
-subroutine put_special(handle, place, kind, frequency, point, rms, meshes)
-   use geartrain_python_box, only: box_type, box_of
+subroutine put_special(handle, place, special, kind, frequency, point, rms, meshes)
+   use geartrain, only: branch_type
+   use geartrain_python_box, only: box_of, branch_at
    implicit none
    integer(8), intent(in) :: handle
    character(*), intent(in) :: kind
-   integer, intent(in) :: place, point, meshes
+   integer, intent(in) :: place, special, point, meshes
    double precision, intent(in) :: frequency, rms(meshes)
-   type(box_type), pointer :: box
+   type(branch_type), pointer :: branch
 
-   box => box_of(handle)
-   associate (special => box%results%response%special_points(place))
-      special%kind = kind
-      special%frequency = frequency
-      special%point = point
-      special%rms = rms
+   branch => branch_at(box_of(handle), place)
+   associate (this => branch%special_points(special))
+      this%kind = kind
+      this%frequency = frequency
+      this%point = point
+      this%rms = rms
    end associate
 end subroutine put_special
 

@@ -2,19 +2,23 @@
 module geartrain_python_box
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_ptr
    use, intrinsic :: iso_fortran_env, only: int64, real64
-   use geartrain, only: band_type, back_collision_ranges, bands_without_stability, case_text, case_type, error_type, jump_type, &
-                        jumps, mesh_load_type, motion_type, observer_type, peak_type, peaks, results_type, separation_ranges, &
-                        version
+   use geartrain, only: band_type, back_collision_ranges, bands_without_stability, branch_type, case_text, case_type, error_type, &
+                        jump_type, jumps, mesh_load_type, motion_type, observer_type, peak_type, peaks, results_type, &
+                        separation_ranges, version
    implicit none (type, external)
    private
-   public :: box_type, watch_type, handle_of, box_of, box_text, close_with, motion_list, summarize, as_values, as_loads
+   public :: box_type, watch_type, handle_of, box_of, box_text, branch_at, close_with, motion_list
+   public :: loose, of_integration, of_attractors, summarize, as_values, as_loads
+
+   !> Which motions of a box: those on their own, of the sweep, of the search for attractors.
+   integer, parameter :: loose = 0, of_integration = 1, of_attractors = 2
 
    !> One call's data; Python knows it by a handle and frees it before the call returns.
    type :: box_type
       type(case_type) :: case
       !> What was computed, or what is to be written; `results%response` is also the branch of `solve_at`.
       type(results_type) :: results
-      !> Motions in (seed, start, the motion to refine) or out (attractors, solutions at a frequency).
+      !> Motions in (seed, start, the motion to refine) or out (solutions at a frequency).
       type(motion_type), allocatable :: motions(:)
       !> What was last read off the branch, see `summarize`, (column, row).
       real(real64), allocatable :: table(:, :)
@@ -74,26 +78,52 @@ contains
       box%message = error%message
    end function close_with
 
-   !> The motions that the box holds: those of a sweep, or else the loose ones; null where there are none.
-   function motion_list(box) result(motions)
+   !> The motions of one kind that the box holds; null where none were computed.
+   function motion_list(box, kind) result(motions)
       type(box_type), target, intent(in) :: box
+      integer, intent(in) :: kind
       type(motion_type), pointer :: motions(:)
 
       nullify (motions)
-      if (allocated(box%motions)) motions => box%motions
-      if (.not. allocated(box%results%integration)) return
-      if (allocated(box%results%integration%motions)) motions => box%results%integration%motions
+      select case (kind)
+      case (loose)
+         if (allocated(box%motions)) motions => box%motions
+      case (of_integration)
+         if (.not. allocated(box%results%integration)) return
+         if (allocated(box%results%integration%motions)) motions => box%results%integration%motions
+      case (of_attractors)
+         if (.not. allocated(box%results%attractors)) return
+         if (allocated(box%results%attractors%motions)) motions => box%results%attractors%motions
+      end select
    end function motion_list
 
+   !> The response (place 0) or a further branch; null where there is none.
+   function branch_at(box, place) result(branch)
+      type(box_type), target, intent(in) :: box
+      integer, intent(in) :: place
+      type(branch_type), pointer :: branch
+
+      nullify (branch)
+      if (place == 0) then
+         if (allocated(box%results%response)) branch => box%results%response
+      else if (allocated(box%results%branches)) then
+         if (place <= size(box%results%branches)) branch => box%results%branches(place)
+      end if
+   end function branch_at
+
    !> A text of the box by its name, see `text_size`; lists have one item a line.
-   function box_text(box, name) result(text)
+   function box_text(box, name, place) result(text)
       type(box_type), intent(in) :: box
       character(*), intent(in) :: name
+      !> Which branch, see `branch_at`.
+      integer, intent(in) :: place
       character(:), allocatable :: text
+      type(branch_type), pointer :: branch
       type(jump_type), allocatable :: found(:)
       integer :: i
 
       text = ''
+      branch => branch_at(box, place)
       select case (name)
       case ('version')
          text = version
@@ -106,19 +136,21 @@ contains
       case ('directions')
          text = lines(box%results%integration%direction)
       case ('integration')
-         text = box%results%integration%ended
-      case ('response')
-         text = box%results%response%ended
+         if (allocated(box%results%integration%ended)) text = box%results%integration%ended
+      case ('attractors')
+         if (allocated(box%results%attractors%ended)) text = box%results%attractors%ended
+      case ('branch')
+         if (allocated(branch%ended)) text = branch%ended
+      case ('origin')
+         if (allocated(branch%origin)) text = branch%origin
       case ('jump kinds')
-         found = jumps(box%results%response)
+         found = jumps(branch)
          text = lines(found%kind)
       case ('jump causes')
-         found = jumps(box%results%response)
+         found = jumps(branch)
          text = lines(found%cause)
       case ('special points')
-         associate (special_points => box%results%response%special_points)
-            text = lines([(special_points(i)%kind, i=1, size(special_points))])
-         end associate
+         text = lines([(branch%special_points(i)%kind, i=1, size(branch%special_points))])
       end select
    end function box_text
 

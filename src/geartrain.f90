@@ -6,6 +6,8 @@ module geartrain
    use geartrain_branch_branch, only: branch_type, response_settings_type, special_point_type
    use geartrain_branch_contact_ranges, only: back_collision_ranges, separation_ranges
    use geartrain_branch_doubling, only: period_doubled
+   use geartrain_branch_doublings, only: follow_doublings
+   use geartrain_branch_islands, only: follow_attractors
    use geartrain_branch_jumps, only: jump_type, jumps
    use geartrain_branch_response, only: response
    use geartrain_branch_solutions, only: solutions_at
@@ -21,6 +23,7 @@ module geartrain
    use geartrain_model_shaft, only: shaft_type
    use geartrain_model_train, only: train_type
    use geartrain_motion_attractors, only: attractors
+   use geartrain_motion_attractors_settings, only: attractors_settings_type, attractors_type
    use geartrain_motion_integration, only: integrate
    use geartrain_motion_integration_settings, only: integration_settings_type, sweep_type
    use geartrain_motion_mesh_load, only: mesh_load_type

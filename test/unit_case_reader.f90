@@ -100,7 +100,7 @@ contains
                    'x.nml:7:9: error: unknown variable "qqqqqqq" in &output (there are file)')
       call refused(tests, good//'&respnse from=1 /', 'x.nml:7:1: error: unknown group &respnse (did you mean &response?)')
       call refused(tests, good//'&modes /'//n//'&xyzzy /', 'x.nml:8:1: error: unknown group &xyzzy (there are &train &shaft &mesh &
-                   &&modes &response &integration &output)')
+                   &&modes &response &integration &attractors &output)')
       call refused(tests, good//'&response from=0.2, to=2.6, from = 0.3 /', &
                    'x.nml:7:29: error: &response: from is given twice; the first is on line 7')
    end subroutine names
@@ -196,6 +196,13 @@ contains
                    'x.nml:7:22: error: &response: to = 1.0: must differ from from: a branch needs a range')
       call refused(tests, good//'&integration from=1, to=1.0 /', &
                    'x.nml:7:1: error: &integration: points = 121: must be 1 where from and to are equal')
+      call refused(tests, good//'&response from=0.2, to=2.6, period_doublings = 1, stability = .false. /', 'x.nml:7:48: error: &
+                   &&response: period_doublings = 1: needs stability = .true.: the multipliers tell where a period doubles')
+      call refused(tests, good//'&attractors starts=10 /', 'x.nml:7:1: error: &attractors: lacks frequency (>= 0.0001)')
+      call refused(tests, good//'&attractors frequency=1.0, follow=.true. /', 'x.nml:7:35: error: &attractors: follow = .true.: &
+                   &needs &response: its range and settings are those of the branches')
+      call refused(tests, good//response//'&attractors frequency=3.0, follow=.true. /', 'x.nml:8:23: error: &attractors: &
+                   &frequency = 3.0: must lie in the range of &response, 0.2 to 2.6, where follow = .true.')
       ! Everything at once, in the order of the file.
       call refused(tests, train//'&shaft stiffness=-1.0 /'//n//mesh//shaft//'&response from=0.2 harmonics=x /', &
                    'x.nml:3:18: error: &shaft 1: stiffness = -1.0: must be > 0 N m/rad'//n// &

@@ -7,7 +7,7 @@ module unit_case_text
    use geartrain_case_case, only: case_type
    use geartrain_case_reader, only: read_case, read_case_text
    use geartrain_case_template, only: paper_case, template_text
-   use geartrain_case_text, only: case_text, reference_text
+   use geartrain_case_text, only: case_text, commented_text, reference_text
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -75,6 +75,8 @@ contains
       case%response%amplitude_limit = random(4)
       case%response%coefficients = 'sampled'
       case%integration%tolerance = random(5)*1e-12_dp
+      case%attractors%random_seed = -huge(1)
+      case%attractors%follow = .true.
       case%output_file = 'a b.h5'
       call read_case_text(case_text(case), 'x.nml', again, error)
       call tests%is_true(.not. allocated(error), 'the resolved text is a case')
@@ -89,6 +91,7 @@ contains
       call tests%is_true(all(same(again%train%meshes(2)%error_cos, case%train%meshes(2)%error_cos)), 'identical bits: errors')
       call tests%is_true(again%train%shafts(1)%rigid .and. again%train%shafts(2)%damping_given .and. &
                          .not. again%train%shafts(3)%damping_given, 'rigid, damping or ratio')
+      call tests%is_true(again%attractors%random_seed == -huge(1) .and. again%attractors%follow, 'attractors')
       call tests%is_true(same(again%train%shafts(2)%damping, case%train%shafts(2)%damping), 'identical bits: damping')
    end subroutine round_trip
 
@@ -111,6 +114,10 @@ contains
       if (allocated(error)) return
       figure%output_file = ''
       call tests%is_text(case_text(case), case_text(figure), 'the template is figure 3')
+      call tests%is_true(.not. allocated(case%attractors) .and. index(template_text(), new_line('a')//'! &attractors') > 0, &
+                         'a search for attractors stands in the template as a comment')
+      call read_case_text(commented_text(paper_case()), 'template', case, error)
+      call tests%is_true(.not. allocated(error) .and. allocated(case%attractors), 'which is right without the !')
    end subroutine template
 
    subroutine reference(tests)

@@ -23,6 +23,7 @@ contains
       call only_what_was_computed(tests)
       call response_as_written(tests)
       call integration_as_written(tests)
+      call attractors_and_branches_as_written(tests)
       call failures(tests)
       call clean()
    end subroutine results_tests
@@ -145,6 +146,52 @@ contains
       call tests%is_true(.not. exists(file, '/integration/stable'), 'no stability asked for, no stable')
       call h5fclose_f(file, status)
    end subroutine integration_as_written
+
+   subroutine attractors_and_branches_as_written(tests)
+      class(tests_type), intent(inout) :: tests
+      type(case_type) :: case
+      type(results_type) :: results
+      type(error_type), allocatable :: error
+      integer(hid_t) :: file
+      integer :: status
+      real(dp) :: share(2), rms(2, 3)
+
+      call tests%begin('results file, attractors and branches')
+      call make_case(case)
+      call make_response(results)
+      allocate (results%branches(2), results%attractors)
+      results%branches(2) = results%response
+      results%branches(2)%origin = 'attractor 1 at Lambda = 0.5'
+      associate (found => results%attractors)
+         allocate (found%motions(2))
+         found%motions%frequency = 0.5_dp
+         found%motions%share = [0.5_dp, 0.25_dp]
+         found%motions(1)%coefficients = reshape([1.0_dp, 0.3_dp, 0.4_dp], [3, 1])
+         found%motions(1)%rms = [0.5_dp]
+         found%motions(1)%mean = [1.0_dp]
+         found%motions(1)%minimum = [0.5_dp]
+         found%motions(1)%maximum = [1.5_dp]
+         allocate (found%motions(1)%mesh_load(1))
+         found%motions(1)%mesh_load%dynamic_factor = 2.5_dp
+         found%motions(2) = found%motions(1)
+         found%motions(2)%share = 0.25_dp
+         found%starts = 4
+         found%unsettled = 0.25_dp
+      end associate
+      call write_results(path, case, results, error)
+      call tests%is_true(.not. allocated(error), 'is written')
+      call h5fopen_f(path, h5f_acc_rdonly_f, file, status)
+      call read_real(file, '/attractors/share', 2, share)
+      call tests%is_close(share(2), 0.25_dp, 0.0_dp, 'share of the second motion')
+      call tests%is_true(all(extents(file, '/attractors/rms', 2) == [1, 2]), 'rms (motion, mesh)')
+      call read_real(file, '/attractors/dynamic_factor', 2, share)
+      call tests%is_close(share(1), 2.5_dp, 0.0_dp, 'dynamic factor (motion, mesh)')
+      call tests%is_true(integer_attribute(file, '/attractors', 'starts') == 4, 'number of starts')
+      call tests%is_true(exists(file, '/branch_1') .and. .not. exists(file, '/branch_1/rms'), 'a branch without points')
+      call read_real(file, '/branch_2/rms', 6, rms)
+      call tests%is_close(rms(2, 3), 0.23_dp, 0.0_dp, 'a further branch is written as the response is')
+      call h5fclose_f(file, status)
+   end subroutine attractors_and_branches_as_written
 
    subroutine failures(tests)
       class(tests_type), intent(inout) :: tests

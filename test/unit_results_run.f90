@@ -25,7 +25,7 @@ module unit_results_run
    !> Counts the steps; says no at one of them.
    type, extends(observer_type) :: counter_type
       integer :: steps = 0, no_at = -1
-      logical :: response = .false., integration = .false.
+      logical :: response = .false., branch = .false., integration = .false., attractors = .false.
    contains
       procedure :: on_step
    end type counter_type
@@ -36,6 +36,7 @@ contains
       class(tests_type), intent(inout) :: tests
 
       call whole(tests)
+      call further_branches(tests)
       call cancelled(tests)
       call nowhere_to_write(tests)
       call checkpoints(tests)
@@ -68,6 +69,48 @@ contains
       call tests%is_true(.not. allocated(results%modes) .and. .not. allocated(results%integration), 'only what is asked for')
       call tests%is_true(.not. there(path), 'without a path nothing is written')
    end subroutine whole
+
+   !> Everything that follows from a response and from random starts: the single pair with backlash, strongly excited.
+   subroutine further_branches(tests)
+      class(tests_type), intent(inout) :: tests
+      type(case_type) :: case
+      type(results_type) :: results
+      type(error_type), allocatable :: error
+      type(counter_type) :: counter, told
+      integer :: i
+
+      call tests%begin('run of a case, further branches')
+      call read_pair(tests, '&response from = 1.2, to = 2.6, period_doublings = 1 /'//newline// &
+                     '&attractors frequency = 1.6, starts = 8, max_periods = 300, follow = .true. /', case)
+      case%train%meshes(1)%half_backlash = 1
+      case%train%meshes(1)%damping_ratio = 0.03_dp
+      case%train%meshes(1)%stiffness_cos = [0.4_dp]
+      call run_case(case, path, results, error, counter)
+      call tests%is_true(.not. allocated(error), 'no error')
+      call tests%is_true(allocated(results%attractors) .and. allocated(results%branches), 'attractors and branches are computed')
+      if (.not. allocated(results%branches)) return
+      call tests%is_true(counter%branch .and. counter%attractors, 'the observer is told of both')
+      call tests%is_true(size(results%branches) > 0, 'there is a further branch')
+      do i = 1, size(results%branches)
+         call tests%is_true(results%branches(i)%complete .and. results%branches(i)%points > 10, 'branch: '// &
+                            results%branches(i)%origin//': '//results%branches(i)%ended)
+      end do
+
+      ! Cancelled in the first branch after the response.
+      told%no_at = results%response%points + 2
+      call run_case(case, path, results, error, told)
+      call tests%is_true(allocated(error), 'cancelled in a branch: an error')
+      if (allocated(error)) call tests%is_true(index(error%message, 'branch 1, period doubling of the response at') > 0, &
+                                               'which says in which: '//error%message)
+      call tests%is_true(told%steps == told%no_at .and. .not. allocated(results%attractors), 'nothing goes on after it')
+
+      deallocate (case%response)
+      call run_case(case, path, results, error)
+      call tests%is_true(allocated(error), 'attractors to be followed without a response: an error')
+      if (allocated(error)) call tests%is_text(error%message, '&attractors: follow = .true.: needs &response: its range and &
+                                               &settings are those of the branches', 'message')
+      call remove(path)
+   end subroutine further_branches
 
    subroutine cancelled(tests)
       class(tests_type), intent(inout) :: tests
@@ -155,6 +198,8 @@ contains
 
       self%steps = self%steps + 1
       if (analysis == 'response') self%response = done > 0 .and. frequency > 0
+      if (analysis == 'branch') self%branch = done > 0 .and. frequency > 0
+      if (analysis == 'attractors') self%attractors = done > 0 .and. frequency > 0
       if (analysis == 'integration') self%integration = done > 0 .and. frequency > 0
       if (self%steps == self%no_at) keep_going = .false.
    end subroutine on_step

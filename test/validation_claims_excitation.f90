@@ -1,7 +1,7 @@
 !> The claims of the paper's section 4.3 (figures 6 to 11); docs/claims.md has the table.
 module validation_claims_excitation
    use fixtures, only: paper_train, settings_of
-   use geartrain, only: branch_type, dp, error_type, response, train_type
+   use geartrain, only: branch_type, dp, response, train_type
    use geartrain_base_kinds, only: pi
    use geartrain_branch_summary, only: band_type, bands_without_stability, peak_type
    use readings, only: folds_between, has_fold, is_band, largest_between, peak_between, smallest_between, stable_somewhere, &
@@ -160,7 +160,6 @@ contains
       type(branch_type), intent(in) :: zeta5
       type(branch_type) :: zeta3, zeta1
       type(train_type) :: train
-      type(error_type), allocatable :: error
 
       train = paper_train()
       train%meshes%damping_ratio = 0.03_dp

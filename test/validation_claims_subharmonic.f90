@@ -1,8 +1,8 @@
 !> The claims of the paper's section 4.4 (figures 12 and 13); docs/claims.md has the table.
 module validation_claims_subharmonic
    use fixtures, only: paper_train, settings_of
-   use geartrain, only: attractors, branch_type, dp, error_type, integrate, integration_settings_type, motion_type, response, &
-                        solutions_at, train_type
+   use geartrain, only: attractors, attractors_settings_type, attractors_type, branch_type, dp, error_type, integrate, &
+                        integration_settings_type, motion_type, response, solutions_at, train_type
    use readings, only: is_band, smallest_between, traced
    use testing, only: tests_type
    implicit none (type, external)
@@ -82,22 +82,21 @@ contains
    subroutine period_three(tests)
       class(tests_type), intent(inout) :: tests
       type(branch_type) :: island
-      type(motion_type), allocatable :: motions(:), island_motions(:)
-      type(integration_settings_type) :: settings
+      type(attractors_type) :: found
+      type(motion_type), allocatable :: island_motions(:)
       type(error_type), allocatable :: error
       integer :: i, k
 
-      settings%tolerance = 1e-7_dp
-      settings%stability = .true.
-      call attractors(paper_train(), 2.2_dp, 32, 1, settings, motions, error)
-      k = findloc(motions%period, 3, 1)
+      call attractors(paper_train(), attractors_settings_type(frequency=2.2_dp, starts=32, random_seed=1, tolerance=1e-7_dp), &
+                      found, error)
+      k = findloc(found%motions%period, 3, 1)
       call tests%is_true(k > 0, 'claim 71: random starts settle on a period-3 motion at 2.2')
       if (k == 0) return
-      call tests%is_true(motions(k)%share < 0.5_dp, 'claim 74: few starts lead to it')
-      i = findloc(motions%period, 1, 1)
+      call tests%is_true(found%motions(k)%share < 0.5_dp, 'claim 74: few starts lead to it')
+      i = findloc(found%motions%period, 1, 1)
       call tests%is_true(i > 0, 'claim 72: a stable period-1 motion beside it')
-      if (i > 0) call tests%is_true(motions(i)%stable, 'claim 72: a stable period-1 motion beside it')
-      call response(paper_train(), settings_of(1.2_dp, 3.6_dp, 18, 3), island, error, seed=motions(k))
+      if (i > 0) call tests%is_true(found%motions(i)%stable, 'claim 72: a stable period-1 motion beside it')
+      call response(paper_train(), settings_of(1.2_dp, 3.6_dp, 18, 3), island, error, seed=found%motions(k))
       call tests%is_true(island%closed, 'claim 73: an island: '//island%ended)
       call tests%is_close(minval(island%frequency(:island%points)), 1.7687_dp, 2e-3_dp, 'claim 71: its lower end')
       call tests%is_close(maxval(island%frequency(:island%points)), 2.4981_dp, 2e-3_dp, 'claim 71: it ends far below 3 w_a')

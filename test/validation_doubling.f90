@@ -1,8 +1,8 @@
 !> Branch switching at period doublings: to period 2 and on to period 4, without a seed.
 module validation_doubling
    use fixtures, only: closest, paper_train, settings_of
-   use geartrain, only: branch_type, dp, error_type, integrate, integration_settings_type, motion_type, period_doubled, refine, &
-                        response, response_settings_type, solutions_at
+   use geartrain, only: attractors, attractors_settings_type, attractors_type, branch_type, dp, error_type, follow_attractors, &
+                        follow_doublings, motion_type, period_doubled, refine, response, response_settings_type, solutions_at
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -19,6 +19,8 @@ contains
       integer :: i, last
 
       call tests%begin('period doubling')
+      call each_branch_once(tests)
+      call island(tests)
       settings = settings_of(1.2_dp, 2.6_dp, 12)
       call response(paper_train(), settings, once, error)
       last = findloc(once%special_points%kind, 'period doubling ', dim=1, back=.true.)
@@ -52,6 +54,61 @@ contains
       call period_doubled(paper_train(), settings, twice, size(twice%special_points) + 1, four, error)
       call tests%is_true(allocated(error), 'no such special point: an error')
    end subroutine doubling_tests
+
+   !> The two doublings around 2 w_b are the ends of one branch, which is traced once, whatever the number of harmonics; those
+   !> around 2 w_a are not: both their branches leave by the amplitude limit.
+   subroutine each_branch_once(tests)
+      class(tests_type), intent(inout) :: tests
+      type(branch_type) :: once
+      type(branch_type), allocatable :: branches(:)
+      type(response_settings_type) :: settings
+      type(error_type), allocatable :: error
+      integer :: harmonics, doublings
+
+      do harmonics = 2, 12, 5
+         settings = settings_of(1.7_dp, 4.2_dp, harmonics)
+         settings%period_doublings = 1
+         call response(paper_train(), settings, once, error)
+         doublings = count(once%special_points%kind == 'period doubling')
+         call follow_doublings(paper_train(), settings, once, branches, error)
+         call tests%is_true(doublings == 4, 'four doublings')
+         call tests%is_true(size(branches) == 3, 'three branches')
+         call tests%is_true(all(branches%complete) .and. all(branches%subharmonic == 2), 'all complete, of period 2')
+         if (size(branches) /= 3) return
+         call tests%is_true(index(branches(3)%origin, 'period doubling of the response at Lambda = 3.5') == 1, branches(3)%origin)
+         call tests%is_true(index(branches(3)%ended, 'met the branch of half its period') == 1, branches(3)%ended)
+         deallocate (branches)
+      end do
+
+      ! The second generation: period 4, from a branch of period 2.
+      settings = settings_of(1.2_dp, 2.6_dp, 12)
+      settings%period_doublings = 2
+      call response(paper_train(), settings, once, error)
+      call follow_doublings(paper_train(), settings, once, branches, error)
+      call tests%is_true(any(branches%subharmonic == 4) .and. all(branches%subharmonic <= 4), 'twice doubled, period 4')
+      call tests%is_true(all(branches%harmonics == 12*branches%subharmonic), 'as many harmonics of Lambda')
+      call tests%is_true(index(branches(size(branches))%origin, 'period doubling of branch ') == 1, &
+                         branches(size(branches))%origin)
+   end subroutine each_branch_once
+
+   !> A branch through an attractor is traced where it is on none that is known, and only once.
+   subroutine island(tests)
+      class(tests_type), intent(inout) :: tests
+      type(branch_type) :: once
+      type(branch_type), allocatable :: branches(:)
+      type(attractors_type) :: found
+      type(error_type), allocatable :: error
+
+      call response(paper_train(), settings_of(1.0_dp, 3.2_dp, 6), once, error)
+      call attractors(paper_train(), attractors_settings_type(frequency=2.4_dp, starts=40), found, error)
+      call follow_attractors(paper_train(), settings_of(1.0_dp, 3.2_dp, 6), found, once, branches, error)
+      call tests%is_true(size(found%motions) == 2 .and. size(branches) == 1, 'two motions at 2.4, one of them on the response')
+      if (size(branches) /= 1) return
+      call tests%is_true(branches(1)%closed .and. branches(1)%complete .and. branches(1)%subharmonic == 3, 'a closed island')
+      call tests%is_text(branches(1)%origin, 'attractor 2 at Lambda = 2.4', 'origin')
+      call follow_attractors(paper_train(), settings_of(1.0_dp, 3.2_dp, 6), found, once, branches, error)
+      call tests%is_true(size(branches) == 1, 'a second time nothing is new')
+   end subroutine island
 
    !> Shooting over four mesh periods from a point of the branch converges to an orbit that does not repeat after two.
    subroutine period_four_is_genuine(tests, four)

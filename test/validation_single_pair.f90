@@ -1,8 +1,9 @@
 !> The single gear pair x'' + 2 zeta x' + (1 + kappa cos Lambda t) g(x) = f, b = 1.
 module validation_single_pair
+   use, intrinsic :: omp_lib, only: omp_get_max_threads, omp_set_num_threads
    use fixtures, only: closest, settings_of, single_pair
-   use geartrain, only: attractors, branch_type, dp, error_type, integration_settings_type, motion_type, refine, response, &
-                        response_settings_type, solutions_at, train_type
+   use geartrain, only: attractors, attractors_settings_type, attractors_type, branch_type, dp, error_type, motion_type, &
+                        refine, response, response_settings_type, solutions_at, train_type
    use geartrain_base_kinds, only: pi
    use testing, only: tests_type
    implicit none (type, external)
@@ -53,22 +54,44 @@ contains
 
    subroutine found_from_random_starts(tests)
       class(tests_type), intent(inout) :: tests
-      type(motion_type), allocatable :: motions(:), again(:)
-      type(integration_settings_type) :: settings
+      type(attractors_type) :: found, again
+      type(attractors_settings_type) :: settings
       type(error_type), allocatable :: error
-      integer :: i
+      integer :: i, threads
 
-      call attractors(single_pair(0.05_dp, 0.3_dp, 0.4_dp), 0.8_dp, 32, 1, settings, motions, error)
-      call attractors(single_pair(0.05_dp, 0.3_dp, 0.4_dp), 0.8_dp, 32, 1, settings, again, error)
-      call tests%is_close(sum(motions%share), 1.0_dp, 1e-12_dp, 'every start settles')
-      call tests%is_true(size(again) == size(motions), 'the same from the same seed')
-      do i = 1, min(size(motions), size(again))
-         call tests%is_true(all(abs(again(i)%rms - motions(i)%rms) <= 0), 'the same bits from the same seed')
+      settings%frequency = 0.8_dp
+      settings%starts = 40
+      settings%random_seed = 1
+      threads = omp_get_max_threads()
+      call omp_set_num_threads(1)
+      call attractors(single_pair(0.05_dp, 0.3_dp, 0.4_dp), settings, found, error)
+      call omp_set_num_threads(3)
+      call attractors(single_pair(0.05_dp, 0.3_dp, 0.4_dp), settings, again, error)
+      call omp_set_num_threads(threads)
+      call tests%is_true(found%complete .and. found%starts == 40, 'all starts are done')
+      call tests%is_close(found%unsettled, 0.0_dp, 0.0_dp, 'every start settles')
+      call tests%is_close(sum(found%motions%share), 1.0_dp, 1e-12_dp, 'the shares sum to 1')
+      call tests%is_true(size(again%motions) == size(found%motions), 'as many motions with three threads as with one')
+      do i = 1, min(size(found%motions), size(again%motions))
+         associate (one => found%motions(i), three => again%motions(i))
+            call tests%is_true(all(abs(three%coefficients - one%coefficients) <= 0) .and. all(abs(three%state - one%state) <= 0) &
+                               .and. abs(three%share - one%share) <= 0, 'the same bits with any number of threads')
+         end associate
       end do
-      i = closest(motions, small*sqrt(2.0_dp))
-      call tests%is_close(motions(i)%rms(1), small*sqrt(2.0_dp), 3e-9_dp, 'the small motion is an attractor')
-      i = closest(motions, large*sqrt(2.0_dp))
-      call tests%is_close(motions(i)%rms(1), large*sqrt(2.0_dp), 3e-9_dp, 'the large motion is an attractor')
+      i = closest(found%motions, small*sqrt(2.0_dp))
+      call tests%is_close(found%motions(i)%rms(1), small*sqrt(2.0_dp), 3e-9_dp, 'the small motion is an attractor')
+      i = closest(found%motions, large*sqrt(2.0_dp))
+      call tests%is_close(found%motions(i)%rms(1), large*sqrt(2.0_dp), 3e-9_dp, 'the large motion is an attractor')
+
+      ! Nothing settles within a single mesh period: that is told, not dropped.
+      settings%max_periods = 1
+      call attractors(single_pair(0.05_dp, 0.3_dp, 0.4_dp), settings, found, error)
+      call tests%is_true(size(found%motions) == 0 .and. found%complete, 'one mesh period is too short')
+      call tests%is_close(found%unsettled, 1.0_dp, 0.0_dp, 'no start settles in one mesh period')
+      settings%starts = 0
+      call attractors(single_pair(0.05_dp, 0.3_dp, 0.4_dp), settings, found, error)
+      call tests%is_true(allocated(error), 'no starts: an error')
+      if (allocated(error)) call tests%is_text(error%message, '&attractors: starts = 0: must be >= 1', 'message')
    end subroutine found_from_random_starts
 
    !> Constant stiffness, no backlash, torque harmonic: every mesh is condensed away; the closed form of an oscillator.

@@ -36,11 +36,12 @@ from .branch import Branch, SpecialPoint
 from .case import Case, Results, read_case
 from .errors import InputError, Interrupted, SolverError
 from .modes import Modes
-from .motion import Motion, Sweep
+from .motion import Attractors, Motion, Sweep
 from .summary import Jump, Peak
 from .train import Mesh, Shaft, Train
 
 __all__ = [
+    "Attractors",
     "Branch",
     "Case",
     "InputError",

@@ -15,11 +15,13 @@ from .errors import InputError, SolverError
 if TYPE_CHECKING:
     from .branch import Branch
     from .modes import Modes
-    from .motion import Motion, Sweep
+    from .motion import Attractors, Motion, Sweep
 
-__all__ = ["Box", "file_name", "fortran"]
+__all__ = ["ATTRACTORS", "INTEGRATION", "LOOSE", "Box", "file_name", "fortran"]
 
 Array = NDArray[np.float64]
+
+LOOSE, INTEGRATION, ATTRACTORS = 0, 1, 2  # which motions of a box
 
 _INPUT, _ENDED_EARLY, _FILE = 2, 3, 4
 _VALUES = (
@@ -62,10 +64,10 @@ class Box:
         kinds = {_INPUT: InputError, _ENDED_EARLY: SolverError, _FILE: OSError}
         raise kinds.get(status, RuntimeError)(self.text("message"))
 
-    def text(self, name: str) -> str:
+    def text(self, name: str, place: int = 0) -> str:
         """A text of the box, see ``text_size`` in _geartrain.f90."""
-        size = fortran.text_size(self.handle, name)
-        return fortran.copy_text(self.handle, name, size).tobytes().decode() if size else ""
+        size = fortran.text_size(self.handle, name, place)
+        return fortran.copy_text(self.handle, name, place, size).tobytes().decode() if size else ""
 
     # ------------------------------------------------------------------------------------------------- out
 
@@ -82,13 +84,17 @@ class Box:
             "element": tuple(self.text("elements").splitlines()),
         }
 
-    def motions(self) -> list[dict[str, Any]]:
-        return [self._motion(place) for place in range(1, fortran.motions_sizes(self.handle)[0] + 1)]
+    def has(self, kind: int) -> bool:
+        """Whether motions of this kind were computed, be it none in the end."""
+        return bool(fortran.motions_sizes(self.handle, kind)[0] >= 0)
 
-    def _motion(self, place: int) -> dict[str, Any]:
-        terms, meshes, states, roots, period, stable = map(int, fortran.motion_sizes(self.handle, place))
+    def motions(self, kind: int = LOOSE) -> list[dict[str, Any]]:
+        return [self._motion(kind, place) for place in range(1, fortran.motions_sizes(self.handle, kind)[0] + 1)]
+
+    def _motion(self, kind: int, place: int) -> dict[str, Any]:
+        terms, meshes, states, roots, period, stable = map(int, fortran.motion_sizes(self.handle, kind, place))
         numbers, coefficients, values, state, multipliers = fortran.copy_motion(
-            self.handle, place, terms, meshes, states, roots
+            self.handle, kind, place, terms, meshes, states, roots
         )
         return {
             "frequency": float(numbers[0]),
@@ -106,18 +112,30 @@ class Box:
         return {
             "direction": tuple(self.text("directions").splitlines()),
             "ended": self.text("integration"),
-            "complete": bool(fortran.motions_sizes(self.handle)[1]),
+            "complete": bool(fortran.motions_sizes(self.handle, INTEGRATION)[1]),
         }
 
-    def branch(self) -> dict[str, Any] | None:
-        sizes = map(int, fortran.branch_sizes(self.handle))
+    def attractors(self) -> dict[str, Any]:
+        (frequency, unsettled), (random_seed, starts, complete) = fortran.copy_attractors(self.handle)
+        return {
+            "frequency": float(frequency),
+            "starts": int(starts),
+            "random_seed": int(random_seed),
+            "unsettled": float(unsettled),
+            "ended": self.text("attractors"),
+            "complete": bool(complete),
+        }
+
+    def branch(self, place: int = 0) -> dict[str, Any] | None:
+        """The response (place 0), None where it has no point; or a further branch."""
+        sizes = map(int, fortran.branch_sizes(self.handle, place))
         points, meshes, states, terms, _specials, subharmonic, complete, closed = sizes
-        if not points:
+        if not points and place == 0:
             return None
         numbers, coefficients, values, marks, multipliers = fortran.copy_branch(
-            self.handle, points, meshes, states, terms
+            self.handle, place, points, meshes, states, terms
         )
-        kinds = self.text("special points").splitlines()
+        kinds = self.text("special points", place).splitlines()
         return {
             "frequency": numbers[:, 0],
             **_by_name(values.T),
@@ -127,10 +145,11 @@ class Box:
             "error_estimate": np.where(numbers[:, 1] < 0, np.nan, numbers[:, 1]),
             "part": marks[:, 0],
             "special_points": [
-                (kind, *fortran.copy_special(self.handle, place, meshes)) for place, kind in enumerate(kinds, 1)
+                (kind, *fortran.copy_special(self.handle, place, special, meshes)) for special, kind in enumerate(kinds, 1)
             ],
             "subharmonic": subharmonic,
-            "ended": self.text("response"),
+            "ended": self.text("branch", place),
+            "origin": self.text("origin", place),
             "complete": bool(complete),
             "closed": bool(closed),
         }
@@ -165,11 +184,26 @@ class Box:
         self.put_motions(*sweep)
         fortran.put_sweep(self.handle, _columns(sweep.direction, 4), sweep.ended.encode(), int(sweep.complete))
 
-    def put_branch(self, branch: Branch) -> None:
+    def put_attractors(self, found: Attractors) -> None:
+        self.put_motions(*found)
+        fortran.put_attractors(
+            self.handle, found.ended.encode(), [found.frequency, found.unsettled],
+            [found.random_seed, found.starts, found.complete],
+        )
+
+    def put_branches(self, branches: list[Branch]) -> None:
+        """Put further branches."""
+        fortran.reserve_branches(self.handle, len(branches))
+        for place, branch in enumerate(branches, 1):
+            self.put_branch(branch, place)
+
+    def put_branch(self, branch: Branch, place: int = 0) -> None:
         stable = np.zeros(len(branch), bool) if branch.stable is None else branch.stable
         fortran.put_branch(
             self.handle,
+            place,
             branch.ended.encode(),
+            branch.origin.encode(),
             [branch.subharmonic, branch.complete, branch.closed, len(branch.special_points)],
             np.stack([branch.frequency, np.nan_to_num(branch.error_estimate, nan=-1.0)], axis=1),
             branch.coefficients.T,
@@ -177,9 +211,9 @@ class Box:
             np.stack([branch.part, stable], axis=1),
             np.zeros((2, 0, len(branch))) if branch.multipliers is None else _pairs(branch.multipliers),
         )
-        for place, special in enumerate(branch.special_points, 1):
+        for number, special in enumerate(branch.special_points, 1):
             fortran.put_special(
-                self.handle, place, special.kind.encode(), special.frequency, special.point + 1, special.rms
+                self.handle, place, number, special.kind.encode(), special.frequency, special.point + 1, special.rms
             )
 
 

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations, product
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +22,6 @@ _SPACING = 0.05  # Lambda from one mark to the next
 _SAME = 1e-2  # relative difference of rms up to which two motions pass for the same
 _PATIENCE = 20000  # mesh periods: a soft shaft between the gear pairs damps little
 _STARTS = 100
-_LIMIT = 12.0  # the default amplitude_limit
 _SHAFT_RANGE = np.logspace(3, 9, 241)  # stiffness of the middle shaft in figure 5, N m/rad
 
 
@@ -40,8 +37,7 @@ class Curve:
     period : int
         Of the motions in mesh periods.
     seeds : tuple of float
-        Lambdas at which random starts look for further branches: islands, sub-harmonic motions, parts of a branch of which both
-        ends leave by the amplitude limit.
+        Lambdas at which random starts look for further branches than those of the case: islands.
     """
 
     case: str
@@ -86,28 +82,22 @@ def compute(curve: Curve, cases: Path, results: Path) -> Drawn | None:
         None for a case without a response, or with an integration of its own.
     """
     case = read_case(cases / f"{curve.case}.nml")
-    branches: list[Branch] = []
-    wanted: dict[str, Any] = {**(case.response or {}), "subharmonic": curve.period}
+    result = case.run()
+    # Curves of one case are computed side by side: one of them writes.
     if curve.period == 1:
-        result = case.run()
         result.write(results / f"{curve.case}.h5")
-        if result.response is None or result.integration is not None:
-            return None
-        branches.append(result.response)
-    else:
-        wanted.update(start=0.2, stop=4.6, harmonics=8 * curve.period)
+    if result.response is None or result.integration is not None:
+        return None
+    response = result.response
+    further = list(result.branches)
     for frequency in curve.seeds:
-        for motion in case.train.attractors(frequency, starts=_STARTS):
-            if motion.period == curve.period and motion.rms.max() < _LIMIT and not _on(branches, motion):
-                branches.append(case.train.response(**wanted, seed=motion))
+        # What was found at one frequency is known at the next.
+        known = replace(response, branches=further)
+        further += case.train.attractors(frequency, starts=_STARTS, follow=known).branches
+    branches = [branch for branch in (response, *further) if branch.subharmonic == curve.period]
     if not branches:
-        raise SolverError(f"{curve.case}: no motion of period {curve.period} at Lambda = {curve.seeds}")
+        raise SolverError(f"{curve.case}: no motion of period {curve.period}")
     return _integrated(branches)
-
-
-def _on(branches: Sequence[Branch], motion: Motion) -> bool:
-    """Whether a motion, or the same motion some mesh periods later, is on a branch."""
-    return any(np.allclose(motion.rms, one.rms, rtol=_SAME) for branch in branches for one in branch.at(motion.frequency))
 
 
 def _integrated(branches: list[Branch]) -> Drawn:

@@ -70,7 +70,8 @@ class Branch:
     error_estimate : ndarray, (points,)
         Relative error of the waveform as estimated.
     part : ndarray of int, (points,)
-        1 for the points traced from ``start``, 2 for those traced from ``stop``.
+        Number of the part; a new one begins where the branch comes back from beyond the amplitude limit, or with the points
+        traced from ``stop`` where those from ``start`` do not get there.
     special_points : list of SpecialPoint
     subharmonic : int
         Period of the motions in fundamental mesh periods.
@@ -78,6 +79,10 @@ class Branch:
         Why it ended, in words.
     complete, closed : bool
         Whether it got to its other end; whether it came back to where it began.
+    origin : str
+        Where a further branch comes from, in words; empty for a response.
+    branches : list of Branch
+        Those that follow from the period doublings of a response, ``period_doublings`` generations of them.
     settings : mapping
         What it was asked for, the names of ``&response``.
     train : Train
@@ -102,6 +107,8 @@ class Branch:
     ended: str
     complete: bool
     closed: bool
+    origin: str = ""
+    branches: list[Branch] = field(default_factory=list)
     settings: Mapping[str, Any] = field(default_factory=dict)
     train: Train | None = None
 
@@ -172,16 +179,15 @@ class Branch:
             raise InputError(f"special = {special!r}: must be one of this branch's special_points")
         train = self.train
         text = train.namelist(response=self.settings)
-        settings = {**self.settings, "harmonics": 2 * self.settings["harmonics"], "subharmonic": 2 * self.subharmonic}
 
         def work(progress: NDArray[np.float64]) -> Branch:
             with Box(text) as box:
                 box.put_branch(self)
                 status = fortran.follow_doubled(box.handle, places[0], progress)
-                doubled = Branch._from(box, train, settings)
+                doubled = Branch._from(box, train, self.settings)
                 box.check(status, whole=doubled is None)
                 if doubled is None:
-                    raise SolverError(box.text("response") or "no point found")
+                    raise SolverError(box.text("branch") or "no point found")
                 return doubled
 
         return watched(work, "period doubling")
@@ -285,7 +291,7 @@ class Branch:
         return self._read_off("back collision", mesh, stable)
 
     def plot(self, mesh: int | None = None, ax: Axes | None = None, **style: Any) -> Axes:
-        """Draw rms over Lambda: stable solid, unstable dashed, special points left to the caller.
+        """Draw rms over Lambda: stable solid, unstable dashed; ``branches`` thinner. Special points are left to the caller.
 
         Parameters
         ----------
@@ -313,10 +319,18 @@ class Branch:
 
             ax = plt.subplots()[1]
         chosen = range(1, meshes + 1) if mesh is None else [mesh]
+        from matplotlib.cbook import normalize_kwargs
+        from matplotlib.lines import Line2D
+
+        style = normalize_kwargs(style, Line2D)
         label = style.pop("label", None)
         for number in chosen:
             name = label or f"mesh {number}"
             draw_curve(ax, self.frequency, self.rms[:, number - 1], self.stable, self.part, name, **style)
+            # The same colour, whether it was given or the next of the cycle.
+            thin = {"color": ax.lines[-1].get_color(), "linewidth": 0.8, **style}
+            for branch in self.branches:
+                draw_curve(ax, branch.frequency, branch.rms[:, number - 1], branch.stable, branch.part, **thin)
         label_axes(ax)
         if len(chosen) > 1:
             ax.legend()
@@ -337,12 +351,33 @@ class Branch:
         return box
 
     @classmethod
-    def _from(cls, box: Box, train: Train, settings: Mapping[str, Any]) -> Branch | None:
-        fields = box.branch()
-        if fields is None:
+    def _from(cls, box: Box, train: Train, settings: Mapping[str, Any], place: int = 0) -> Branch | None:
+        """The response of the box (place 0) or a further branch; ``settings`` are those of the response."""
+        found = box.branch(place)
+        if found is None:
             return None
         specials = [
             SpecialPoint(kind, float(frequency), int(point) - 1, rms)
-            for kind, frequency, point, rms in fields.pop("special_points")
+            for kind, frequency, point, rms in found.pop("special_points")
         ]
-        return cls(**fields, special_points=specials, settings=dict(settings), train=train)
+        settings = _settings_for(settings, found["subharmonic"], (found["coefficients"].shape[-1] - 1) // 2)
+        return cls(**found, special_points=specials, settings=settings, train=train)
+
+    @classmethod
+    def _all_from(cls, box: Box, train: Train, settings: Mapping[str, Any], first: int = 1) -> list[Branch]:
+        """The further branches of the box."""
+        places = range(first, fortran.count_branches(box.handle) + 1)
+        return [branch for place in places if (branch := cls._from(box, train, settings, place)) is not None]
+
+
+def _settings_for(settings: Mapping[str, Any], period: int, harmonics: int) -> dict[str, Any]:
+    """The settings that Fortran has used for motions of another period than the response's, see ``settings_for`` there."""
+    own = settings.get("subharmonic") or 1
+    if period == own:
+        return dict(settings)
+    changed = {**settings, "subharmonic": period}
+    if settings.get("harmonics"):
+        changed["harmonics"] = harmonics
+    if settings.get("samples"):
+        changed["samples"] = max(settings["samples"] * period // own, 6 * harmonics + 2)
+    return changed

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._box import Box, file_name, fortran
+from ._box import ATTRACTORS, INTEGRATION, Box, file_name, fortran
 from ._namelist import parse
 from ._watch import watched
 from .branch import Branch
 from .modes import Modes
-from .motion import Sweep
+from .motion import Attractors, Sweep
 from .train import Mesh, Shaft, Train
 
 __all__ = ["Case", "Results", "read_case"]
@@ -30,6 +30,9 @@ class Results:
     modes : Modes or None
     response : Branch or None
     integration : Sweep or None
+    attractors : Attractors or None
+    branches : list of Branch
+        Further branches: those of ``response.branches``, then those of ``attractors.branches``.
     ended : str
         Why it ended early, in words; empty where it did not.
     text : str
@@ -39,6 +42,8 @@ class Results:
     modes: Modes | None
     response: Branch | None
     integration: Sweep | None
+    attractors: Attractors | None = None
+    branches: list[Branch] = field(default_factory=list)
     ended: str = ""
     text: str = field(default="", repr=False)
 
@@ -60,6 +65,10 @@ class Results:
                 box.put_branch(self.response)
             if self.integration is not None:
                 box.put_sweep(self.integration)
+            if self.attractors is not None:
+                box.put_attractors(self.attractors)
+            if self.branches:
+                box.put_branches(self.branches)
             box.check(fortran.write_path(box.handle, file_name(path)))
 
 
@@ -72,8 +81,8 @@ class Case:
     train : Train
     modes : bool
         Whether they are wanted.
-    response, integration : mapping or None
-        The group's variables, as keywords of `Train.response` and `Train.sweep`; None where it is absent.
+    response, integration, attractors : mapping or None
+        The group's variables, as keywords of `Train.response`, `Train.sweep` and `Train.attractors`; None where it is absent.
     output : str or None
         The output file named in ``&output``.
     text : str
@@ -84,6 +93,7 @@ class Case:
     modes: bool
     response: Mapping[str, Any] | None
     integration: Mapping[str, Any] | None
+    attractors: Mapping[str, Any] | None
     output: str | None
     text: str = field(repr=False)
 
@@ -105,10 +115,18 @@ class Case:
             with Box(self.text) as box:
                 status = fortran.run_all(box.handle, b"", progress)
                 modes = box.modes()
+                settings = self.response or {}
+                branches = Branch._all_from(box, self.train, settings)
+                doubled = [branch for branch in branches if branch.origin.startswith("period doubling")]
+                response = Branch._from(box, self.train, settings)
+                if response is not None:
+                    response.branches.extend(doubled)
                 results = Results(
                     modes=Modes(**modes) if modes else None,
-                    response=Branch._from(box, self.train, self.response or {}),
-                    integration=Sweep._from(box, self.train) if box.motions() else None,
+                    response=response,
+                    integration=Sweep._from(box, self.train) if box.has(INTEGRATION) else None,
+                    attractors=Attractors._from(box, self.train, branches[len(doubled):]) if box.has(ATTRACTORS) else None,
+                    branches=branches,
                     ended=box.text("message"),
                     text=self.text,
                 )
@@ -146,6 +164,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         modes="modes" in one,
         response=_keywords(one.get("response")),
         integration=_keywords(one.get("integration")),
+        attractors=one.get("attractors"),
         output=one.get("output", {}).get("file"),
         text=text,
     )

@@ -97,14 +97,14 @@ FIGURES = {
         "Period-2 motions",
         (
             Curve("fig12", "period 1"),
-            Curve("fig12", "period 2", 2, (1.92, 3.7, 2.8)),
+            Curve("fig12", "period 2", 2),
         ),
         top=(5.0, 6.0),
         right=4.2,
     ),
     13: Figure(
         "Period-3 motions",
-        (Curve("fig13", "period 1"), Curve("fig13", "period 3", 3, (1.9, 2.4))),
+        (Curve("fig13", "period 1"), Curve("fig13", "period 3", 3)),
         top=(1.0, 2.8),
         left=1.4,
         right=3.0,

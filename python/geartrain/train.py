@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from itertools import zip_longest
-from numbers import Integral, Real
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from ._watch import watched
 from .branch import Branch
 from .errors import InputError, SolverError
 from .modes import Modes
-from .motion import Motion, Sweep
+from .motion import Attractors, Motion, Sweep
 
 __all__ = ["Mesh", "Shaft", "Train"]
 
@@ -40,7 +40,7 @@ _TRAIN = {
 }
 _RESPONSE = {
     **dict.fromkeys(("from", "to", "amplitude_limit", "tolerance", "step"), "number"),
-    **dict.fromkeys(("harmonics", "subharmonic", "samples", "max_points"), "integer"),
+    **dict.fromkeys(("harmonics", "subharmonic", "samples", "max_points", "period_doublings"), "integer"),
     **dict.fromkeys(("coefficients", "control"), "text"),
     "stability": "flag",
 }
@@ -49,6 +49,11 @@ _INTEGRATION = {
     **dict.fromkeys(("points", "harmonics", "max_periods"), "integer"),
     "direction": "text",
     "stability": "flag",
+}
+_ATTRACTORS = {
+    **dict.fromkeys(("frequency", "tolerance"), "number"),
+    **dict.fromkeys(("starts", "random_seed", "harmonics", "max_periods"), "integer"),
+    **dict.fromkeys(("follow", "stability"), "flag"),
 }
 
 
@@ -187,13 +192,14 @@ class Train:
         modes: bool = False,
         response: Mapping[str, Any] | None = None,
         integration: Mapping[str, Any] | None = None,
+        attractors: Mapping[str, Any] | None = None,
     ) -> str:
         """The train, and the analyses wanted, as a case file's text.
 
         Parameters
         ----------
         modes : bool
-        response, integration : mapping, optional
+        response, integration, attractors : mapping, optional
             The variables of the group, ``from`` and ``to`` under the names ``start`` and ``stop``.
         """
         text = group("train", _TRAIN, {name: getattr(self, name) for name in _TRAIN})
@@ -208,6 +214,8 @@ class Train:
             text += group("response", _RESPONSE, _range(response))
         if integration is not None:
             text += group("integration", _INTEGRATION, _range(integration))
+        if attractors is not None:
+            text += group("attractors", _ATTRACTORS, attractors)
         return text
 
     def natural_frequencies(self) -> NDArray[np.float64]:
@@ -247,6 +255,7 @@ class Train:
         tolerance: float | None = None,
         step: float | None = None,
         max_points: int | None = None,
+        period_doublings: int = 0,
     ) -> Branch:
         """Follow the periodic motions by harmonic balance and continuation, through the folds.
 
@@ -263,7 +272,8 @@ class Train:
         seed : Motion, optional
             A motion of the branch wanted, to start from in place of ``start``.
         amplitude_limit : float, optional
-            Largest rms over characteristic length; 12 unless told for a train with backlash, none for a linear one.
+            Rms over characteristic length beyond which the branch is followed but not recorded; 12 unless told for a train with
+            backlash, none for a linear one.
         coefficients : {'exact', 'sampled'}, optional
             How the force's Fourier coefficients are found; ``samples`` a period where sampled.
         samples : int, optional
@@ -273,11 +283,13 @@ class Train:
         step : float, optional
             Largest step along the branch.
         max_points : int, optional
+        period_doublings : int
+            How often a period doubling is followed: 1 gives the branches of twice the period, 2 those of four times as well, ...
 
         Returns
         -------
         Branch
-            Its ``ended`` tells why it ended.
+            Its ``ended`` tells why it ended; its ``branches`` are those that follow from period doublings.
 
         Raises
         ------
@@ -294,6 +306,12 @@ class Train:
         array([0.86, 3.05])
         >>> [round(special.frequency, 3) for special in branch.special_points if special.kind == "fold"]
         [0.462, 0.459, 0.792, 0.566, 0.732, 0.616, 1.664, 1.547]
+
+        Period-2 motions as well:
+
+        >>> both = train.response(start=2.2, stop=4.2, period_doublings=1)
+        >>> [(twice.subharmonic, twice.origin[:47]) for twice in both.branches]
+        [(2, 'period doubling of the response at Lambda = 3.5')]
         """
         settings = {
             "start": start,
@@ -308,6 +326,7 @@ class Train:
             "tolerance": tolerance,
             "step": step,
             "max_points": max_points,
+            "period_doublings": period_doublings,
         }
         text = self.namelist(response=settings)
         if seed is not None:
@@ -321,7 +340,8 @@ class Train:
                 branch = Branch._from(box, self, settings)
                 box.check(status, whole=branch is None)
                 if branch is None:
-                    raise SolverError(box.text("response") or "no point found")
+                    raise SolverError(box.text("branch") or "no point found")
+                branch.branches.extend(Branch._all_from(box, self, settings))
                 return branch
 
         return watched(work, "response")
@@ -441,11 +461,12 @@ class Train:
         *,
         starts: int = 200,
         random_seed: int = 0,
+        follow: Branch | bool = False,
         stability: bool = True,
         harmonics: int | None = None,
         max_periods: int | None = None,
         tolerance: float | None = None,
-    ) -> list[Motion]:
+    ) -> Attractors:
         """The steady motions on which random starts settle.
 
         Parameters
@@ -456,32 +477,53 @@ class Train:
             How many.
         random_seed : int
             The same seed gives the same starts.
+        follow : Branch, optional
+            A response: each motion found that lies neither on it nor on its ``branches`` is followed with the response's settings
+            over its range, as an island that closes on itself where it does.
         stability, harmonics, max_periods, tolerance
             As in `integrate`.
 
         Returns
         -------
-        list of Motion
-            Each with its ``share`` of the starts.
+        Attractors
+            A list of `Motion`, each with its ``share`` of the starts; ``unsettled`` is the share of those that settled on none,
+            ``branches`` are those followed.
 
         Examples
         --------
-        >>> for motion in train.attractors(frequency=0.6, starts=20):
+        >>> found = train.attractors(frequency=0.6, starts=20)
+        >>> for motion in found:
         ...     print(f"{motion.share:.2f} {motion.rms.round(3)}")
         0.55 [0.166 0.212]
         0.45 [0.493 2.133]
+        >>> found.unsettled
+        0.0
         """
-        text = self._at(frequency, stability, harmonics, max_periods, tolerance)
-        for name, value in (("starts", starts), ("random_seed", random_seed)):
-            if isinstance(value, bool) or not isinstance(value, Integral) or not -(2**31) <= value < 2**31:
-                raise InputError(f"{name} = {value!r}: must be a whole number")
+        if follow is True or not isinstance(follow, (bool, Branch)):
+            raise InputError(f"follow = {follow!r}: must be a gt.Branch, the response whose range and settings are meant")
+        settings = {
+            "frequency": frequency,
+            "starts": starts,
+            "random_seed": random_seed,
+            "follow": follow is not False,
+            "stability": stability,
+            "harmonics": harmonics,
+            "max_periods": max_periods,
+            "tolerance": tolerance,
+        }
+        known = follow if isinstance(follow, Branch) else None
+        asked = None if known is None else known.settings
+        text = self.namelist(response=asked, attractors=settings)
 
-        def work(progress: NDArray[np.float64]) -> list[Motion]:
+        def work(progress: NDArray[np.float64]) -> Attractors:
             with Box(text) as box:
-                status = fortran.find_attractors(box.handle, frequency, starts, random_seed, progress)
-                motions = [Motion(train=self, **found) for found in box.motions()]
-                box.check(status, whole=not motions)
-                return motions
+                if known is not None:
+                    box.put_branch(known)
+                    box.put_branches(known.branches)
+                status = fortran.find_attractors(box.handle, progress)
+                box.check(status)
+                first = 1 + (0 if known is None else len(known.branches))
+                return Attractors._from(box, self, Branch._all_from(box, self, asked or {}, first))
 
         return watched(work, "attractors", starts)
 

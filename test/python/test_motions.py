@@ -196,8 +196,61 @@ def test_attractors(train):
     found = train.attractors(0.6, starts=20)
     assert sum(motion.share for motion in found) == pytest.approx(1)
     assert len(found) == 2 and all(motion.stable for motion in found)
+    assert isinstance(found, list) and (found.starts, found.unsettled, found.complete) == (20, 0.0, True)
     again = train.attractors(0.6, starts=20)
     assert [motion.share for motion in again] == [motion.share for motion in found]
+
+
+def test_starts_that_do_not_settle_are_told(train):
+    found = train.attractors(0.6, starts=20, max_periods=100)
+    assert 0 < found.unsettled < 1
+    assert found.unsettled + sum(motion.share for motion in found) == pytest.approx(1)
+    assert f"{found.unsettled:.1%} unsettled" in repr(found)
+    same = pickle.loads(pickle.dumps(found))
+    assert same.unsettled == found.unsettled and [motion.share for motion in same] == [motion.share for motion in found]
+
+
+def test_period_doublings(train):
+    once = train.response(start=2.2, stop=4.2, period_doublings=1)
+    doublings = [special for special in once.special_points if special.kind == "period doubling"]
+    assert len(doublings) == 2 and len(once.branches) == 1  # one branch from the one to the other
+    (twice,) = once.branches
+    assert twice.subharmonic == 2 and twice.complete and twice.origin.startswith("period doubling of the response")
+    alone = once.period_doubled(doublings[0])
+    np.testing.assert_array_equal(twice.coefficients, alone.coefficients)
+    assert {motion.period for motion in twice.at(3.7)} == {2} and twice.settings["harmonics"] == 12
+    same = pickle.loads(pickle.dumps(once)).branches[0]
+    np.testing.assert_array_equal(same.at(3.7)[0].rms, twice.at(3.7)[0].rms)
+    lines = once.plot(mesh=1).lines
+    assert len({line.get_color() for line in lines}) == 1
+    assert sum(line.get_linewidth() == 0.8 for line in lines) >= 1
+    assert train.response(start=0.9, stop=1.0).branches == []
+
+
+def test_readings_of_a_doubled_branch(train):
+    """Each further branch and each attractor has what a response has."""
+    (twice,) = train.response(start=2.2, stop=4.2, period_doublings=1).branches
+    np.testing.assert_array_equal(twice.minimum < 1, twice.separation_fraction > 0)
+    highest = max(twice.peaks(1), key=lambda peak: peak.rms)
+    assert twice.rms[highest.point, 0] == highest.rms
+    (motion,) = (motion for motion in twice.at(3.7) if motion.stable)
+    (settled,) = train.attractors(3.7, starts=8)
+    assert settled.period == 2
+    for name in ("mesh_force_maximum", "separation_fraction", "back_contact_fraction"):
+        np.testing.assert_allclose(getattr(motion, name), getattr(settled, name), rtol=3e-3, atol=1e-12)
+    ranges = twice.separation_ranges(1)
+    assert all(((ranges[:, 0] <= f) & (f <= ranges[:, 1])).any() for f in twice.frequency[twice.minimum[:, 0] < 1])
+
+
+def test_attractors_are_followed(train):
+    known = train.response(start=1.0, stop=3.2)
+    found = train.attractors(2.4, starts=40, follow=known)
+    assert [motion.period for motion in found] == [1, 3]
+    (island,) = found.branches
+    assert island.closed and island.subharmonic == 3 and island.origin == "attractor 2 at Lambda = 2.4"
+    assert any(np.allclose(motion.rms, found[1].rms, atol=2e-3) for motion in island.at(2.4))
+    with pytest.raises(gt.InputError, match=r"range of &response, 1\.0 to 3\.2"):
+        train.attractors(0.6, starts=2, follow=known)
 
 
 def test_copy_and_pickle(branch, train):

@@ -130,6 +130,47 @@ def test_xarray_opens_each_group(path):
     assert special.rms.dims == ("special_point", "mesh")
 
 
+def test_attractors_and_branches(executable, tmp_path):
+    analyses = "&response from = 1.2, to = 2.6, period_doublings = 1 /\n"
+    analyses += "&attractors frequency = 2.1, starts = 8, random_seed = 3 /\n"
+    case = tmp_path / "pair.nml"
+    case.write_text(PAIR.replace("stiffness_cos = 0.3", "stiffness_cos = 0.6") + analyses, encoding="utf-8")
+    done = subprocess.run([executable, case, "--output", tmp_path / "pair.h5"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    with h5py.File(tmp_path / "pair.h5") as file:
+        branches = [name for name in file if name.startswith("branch_")]
+        assert branches
+        for name in branches:
+            assert datasets(file["response"]) == datasets(file[name]), "the same layout"
+            assert "separation_ranges" in file[name], "what one reads off each branch"
+            np.testing.assert_array_equal(file[name]["minimum"][:] < 1, file[name]["separation_fraction"][:] > 0)
+            assert set(file[name].attrs) == {*file["response"].attrs, "origin"}
+            assert file[name].attrs["origin"] in done.stdout
+            assert file[name].attrs["subharmonic"] == 2
+        attributes = file["attractors"].attrs
+        assert (attributes["starts"], attributes["random_seed"], attributes["complete"]) == (8, 3, 1)
+        assert attributes["unsettled"] + sum(file["attractors/share"]) == pytest.approx(1)
+    attractors = xarray.open_dataset(tmp_path / "pair.h5", group="attractors", engine="h5netcdf")
+    assert attractors.rms.dims == ("motion", "mesh") and attractors.multipliers.dims == ("motion", "state", "complex")
+    for name in ("mean", "minimum", "maximum", "dynamic_factor", "separation_fraction", "back_contact_fraction"):
+        assert attractors[name].dims == ("motion", "mesh")
+    np.testing.assert_allclose(attractors.dynamic_factor * 0.4, attractors.mesh_force_maximum, rtol=1e-12)
+    assert attractors.stable.all() and (np.diff(attractors.share) <= 0).all() and (attractors.frequency == 2.1).all()
+
+
+def datasets(group):
+    return {name for name, item in group.items() if isinstance(item, h5py.Dataset)}
+
+
+def test_a_branch_that_ended_early_is_told(executable, tmp_path):
+    analyses = "&response from = 1.2, to = 2.6, period_doublings = 1, max_points = 75 /\n"
+    case = tmp_path / "pair.nml"
+    case.write_text(PAIR.replace("stiffness_cos = 0.3", "stiffness_cos = 0.6") + analyses, encoding="utf-8")
+    done = subprocess.run([executable, case, "--output", tmp_path / "pair.h5"], capture_output=True, text=True, check=False)
+    assert done.returncode == 3
+    assert "branch 2, period doubling of the response at" in done.stderr and "max_points = 75 reached" in done.stderr
+
+
 def test_what_one_reads_off_the_branch(path):
     """The summary against the points that it is made of."""
     response = xarray.open_dataset(path, group="response", engine="h5netcdf")

@@ -81,7 +81,9 @@ def test_wrong_settings_are_input_errors(train, settings):
     ("integrate", {"frequency": 0.9, "start": [1.0, 2.0]}), ("integrate", {"frequency": 0.9, "start": "rest"}),
     ("integrate", {"frequency": 0.9, "start": np.full(10, np.nan)}), ("integrate", {"frequency": 0.9, "tolerance": -1}),
     ("attractors", {"frequency": 0.9, "starts": 0}), ("attractors", {"frequency": 0.9, "starts": 1.5}),
-    ("attractors", {"frequency": 0.9, "random_seed": 2**40}), ("sweep", {"start": 0.2, "stop": 1.0, "points": -1}),
+    ("attractors", {"frequency": 0.9, "random_seed": 2**40}),
+    ("attractors", {"frequency": 0.9, "follow": True}),
+    ("sweep", {"start": 0.2, "stop": 1.0, "points": -1}),
     ("sweep", {"start": 0.2, "stop": 1.0, "direction": "left"}), ("sweep", {"start": 0.2, "stop": 1.0, "points": "a"}),
 ])
 def test_wrong_calls_are_input_errors(train, call, keywords):
@@ -106,6 +108,8 @@ def test_keywords_are_the_names_of_the_case_file():
     case = gt.read_case(ROOT / "namelists" / "fig03.nml")
     assert set(case.response) == set(inspect.signature(gt.Train.response).parameters) - {"self", "seed"}
     assert set(case.integration) == set(inspect.signature(gt.Train.sweep).parameters) - {"self"}
+    case = gt.read_case(ROOT / "namelists" / "fig13.nml")
+    assert set(case.attractors) == set(inspect.signature(gt.Train.attractors).parameters) - {"self"}
 
 
 def test_file_without_the_train_is_told_with_its_line(tmp_path):

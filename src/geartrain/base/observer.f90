@@ -17,9 +17,9 @@ module geartrain_base_observer
          import :: observer_type, dp
          implicit none (type, external)
          class(observer_type), intent(inout) :: self
-         !> Name of the analysis: 'response', 'integration', ...
+         !> Name of the analysis: 'response', 'branch' (a further one), 'integration', 'attractors', or 'settling' of one motion.
          character(*), intent(in) :: analysis
-         !> Points done so far.
+         !> Points, starts or mesh periods done so far.
          integer, intent(in) :: done
          !> Lambda of the latest point [1].
          real(dp), intent(in) :: frequency

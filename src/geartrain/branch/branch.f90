@@ -26,6 +26,8 @@ module geartrain_branch_branch
       !> Largest step along the branch, in Lambda and mesh displacement together.
       real(dp) :: step = 0.05_dp
       integer :: max_points = 20000
+      !> Generations of branches that follow from period doublings, see follow_doublings.
+      integer :: period_doublings = 0
    end type response_settings_type
 
    !> A place on the branch that a reader looks for.
@@ -61,6 +63,10 @@ module geartrain_branch_branch
       !> Why it ended, in words; complete is .true. where it got to the other end or closed.
       character(:), allocatable :: ended
       logical :: complete = .false., closed = .false.
+      !> The observer ended it.
+      logical :: cancelled = .false.
+      !> Where it comes from, in words; not allocated for the response itself.
+      character(:), allocatable :: origin
    end type branch_type
 
 end module geartrain_branch_branch

@@ -10,7 +10,8 @@ module geartrain_branch_doubling
    use geartrain_branch_branch, only: branch_type, response_settings_type
    use geartrain_branch_path, only: inner, place_type
    use geartrain_branch_start, only: begin_trace, place_of
-   use geartrain_branch_tracer, only: cancelled, stuck, tracer_type
+   use geartrain_branch_tracer, only: cancelled, full, stuck, tracer_type
+   use geartrain_branch_variables, only: settings_for
    use geartrain_model_check, only: check_train
    use geartrain_model_train, only: train_type
    use geartrain_motion_motion, only: motion_type
@@ -41,7 +42,10 @@ contains
       integer :: outcome
       logical :: success
 
+      ! All is new but where it comes from.
+      call move_alloc(doubled%origin, empty%origin)
       doubled = empty
+      doubled%subharmonic = 2*branch%subharmonic
       call check_train(train, error)
       if (allocated(error)) return
       if (special < 1 .or. special > size(branch%special_points)) then
@@ -54,21 +58,21 @@ contains
                     //', not a period doubling')
          return
       end if
-      twice = settings
-      twice%subharmonic = 2*settings%subharmonic
-      twice%harmonics = 2*settings%harmonics
+      twice = settings_for(settings, 2*settings%subharmonic)
       call begin_trace(train, twice, tracer)
+      tracer%analysis = 'branch'
       if (twice%harmonics == 0) call tracer%prepare(2*branch%harmonics)
       call tracer%recorder%setup(tracer%path%balance, settings%stability, doubled)
       call start_place(tracer, branch, special, place, success)
       if (.not. success) then
-         doubled%ended = 'no critical vector found at Lambda = '//text(branch%special_points(special)%frequency)
+         doubled%ended = 'no critical vector found at Lambda = '//text(branch%special_points(special)%frequency) &
+                         //' (more harmonics place the doubling more exactly)'
          return
       end if
       call tracer%record(place, doubled)
       call tracer%trace(place, min(settings%start, settings%stop), max(settings%start, settings%stop), settings%stop, &
                         doubled, outcome, doubled%ended, observer)
-      doubled%complete = outcome /= cancelled .and. outcome /= stuck
+      doubled%complete = all(outcome /= [cancelled, stuck, full])
       call tracer%recorder%finish(doubled)
    end subroutine period_doubled
 

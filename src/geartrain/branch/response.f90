@@ -39,6 +39,8 @@ contains
       character(:), allocatable :: reason
       logical :: whole
 
+      ! All is new but where it comes from.
+      call move_alloc(branch%origin, empty%origin)
       branch = empty
       call check_train(train, error)
       if (.not. allocated(error)) call check_response(settings, error)
@@ -47,6 +49,7 @@ contains
       call begin_trace(train, settings, tracer)
       call tracer%recorder%setup(tracer%path%balance, settings%stability, branch)
       if (present(seed)) then
+         tracer%analysis = 'branch'
          call trace_from_seed(tracer, seed, branch, observer)
       else
          call trace_part(train, tracer, settings%start, settings%stop, branch, outcome, branch%ended, observer)
@@ -230,7 +233,11 @@ contains
       end if
       place(order) = [(i, i=1, n)]
       do i = 1, size(branch%special_points)
-         branch%special_points(i)%point = place(branch%special_points(i)%point)
+         associate (special => branch%special_points(i))
+            ! The order being reversed, the point after a place comes before it; a fold is a point itself.
+            if (special%point > forward .and. special%kind /= 'fold') special%point = special%point + 1
+            special%point = place(special%point)
+         end associate
       end do
    end subroutine put_in_front
 

@@ -1,4 +1,4 @@
-!> Every solution of a branch at exactly one frequency.
+!> Every solution of a branch at exactly one frequency, and whether a motion is one of them.
 module geartrain_branch_solutions
    use geartrain_base_error, only: error_type, fatal
    use geartrain_base_kinds, only: dp
@@ -12,7 +12,10 @@ module geartrain_branch_solutions
    use geartrain_motion_motion, only: motion_type
    implicit none (type, external)
    private
-   public :: solutions_at
+   public :: solutions_at, lies_on, beyond_limit
+
+   !> Solutions of one balance at one frequency whose figures agree to this, relative to the largest displacement, are one.
+   real(dp), parameter :: same = 1e-6_dp
 
 contains
 
@@ -120,5 +123,53 @@ contains
          end associate
       end do
    end subroutine gather
+
+   !> Whether a motion, or the same some mesh periods later, lies on a branch: it is solved as a balance of as many harmonics as
+   !> the branch has, so that the two can be told apart exactly.
+   logical function lies_on(train, settings, branch, motion)
+      type(train_type), intent(in) :: train
+      !> Those that the branch was traced with.
+      type(response_settings_type), intent(in) :: settings
+      type(branch_type), intent(in) :: branch
+      type(motion_type), intent(in) :: motion
+      type(tracer_type) :: tracer
+      type(place_type) :: place
+      type(branch_type) :: solved
+      type(motion_type), allocatable :: motions(:)
+      type(error_type), allocatable :: error
+      logical :: success
+      real(dp) :: scale
+      integer :: i
+
+      lies_on = .false.
+      if (branch%subharmonic /= motion%period .or. branch%points < 2) return
+      call begin_trace(train, settings, tracer)
+      if (settings%harmonics == 0) call tracer%prepare(branch%harmonics)
+      place = place_of(tracer, motion)
+      call tracer%path%solve_at(place, success)
+      if (.not. success) return
+      call tracer%path%orient(place, 1)
+      call tracer%recorder%setup(tracer%path%balance, .false., solved)
+      call tracer%record(place, solved)
+      call solutions_at(train, settings, branch, motion%frequency, motions, error)
+      scale = max(maxval(abs(solved%maximum(:, 1))), maxval(abs(solved%minimum(:, 1))))
+      do i = 1, size(motions)
+         lies_on = all(abs(motions(i)%rms - solved%rms(:, 1)) < same*scale) &
+                   .and. all(abs(motions(i)%mean - solved%mean(:, 1)) < same*scale) &
+                   .and. all(abs(motions(i)%maximum - solved%maximum(:, 1)) < same*scale)
+         if (lies_on) return
+      end do
+   end function lies_on
+
+   !> Whether the rms of a motion is beyond the amplitude limit, where no branch is recorded.
+   logical function beyond_limit(train, settings, motion)
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      type(motion_type), intent(in) :: motion
+      type(tracer_type) :: tracer
+
+      call begin_trace(train, settings, tracer)
+      beyond_limit = any(motion%rms > tracer%amplitude_limit)
+   end function beyond_limit
 
 end module geartrain_branch_solutions

@@ -36,6 +36,8 @@ module geartrain_branch_tracer
       real(dp) :: amplitude_limit = huge(1.0_dp)
       type(path_type) :: path
       type(recorder_type) :: recorder
+      !> What the observer is told: 'response', or 'branch' for a further one.
+      character(8) :: analysis = 'response'
       !> Number of the part of the branch that is traced.
       integer :: part = 1
       real(dp), private :: estimate = 0
@@ -152,9 +154,10 @@ contains
 
          if (present(observer)) then
             keep_going = .true.
-            call observer%on_step('response', branch%points, next%frequency, keep_going)
+            call observer%on_step(trim(self%analysis), branch%points, next%frequency, keep_going)
             if (.not. keep_going) then
                outcome = cancelled
+               branch%cancelled = .true.
                reason = 'cancelled at Lambda = '//text(next%frequency)
                return
             end if

@@ -9,9 +9,10 @@ module geartrain_branch_variables
    use geartrain_motion_variables, only: smallest_frequency
    implicit none (type, external)
    private
-   public :: visit_response, check_response, check_response_consistency
+   public :: visit_response, check_response, check_response_consistency, settings_for
 
    real(dp), parameter :: zero = 0, one = 1
+   integer, parameter :: most_harmonics = 1000
 
 contains
 
@@ -28,12 +29,13 @@ contains
                          least=smallest_frequency), &
                      settings%stop)
       call v%on_integer(row('harmonics', '', 'harmonics R of Lambda/subharmonic; 0: as many as tolerance needs', least=one, &
-                            most=1000*one, automatic=zero), settings%harmonics)
+                            most=most_harmonics*one, automatic=zero), settings%harmonics)
       call v%on_integer(row('subharmonic', '', 'period of the motion in fundamental mesh periods, eta', least=one, most=1000*one), &
                         settings%subharmonic)
       call v%on_logical(row('stability', '', 'Floquet multipliers of every point'), settings%stability)
-      call v%on_real(row('amplitude_limit', '', 'rms over characteristic length at which the branch is given up; -1: 12 with &
-                         &backlash, none for a linear train', above=zero, automatic=-one), settings%amplitude_limit)
+      call v%on_real(row('amplitude_limit', '', 'rms over characteristic length beyond which the branch is followed but not &
+                         &recorded; -1: 12 with backlash, none for a linear train', above=zero, automatic=-one), &
+                     settings%amplitude_limit)
       word = trim(settings%coefficients)
       call v%on_text(row('coefficients', '', 'Fourier coefficients of the mesh force: exact from the contact events, or sampled &
                          &(the discrete transform of the paper)', choices='exact sampled'), word)
@@ -49,6 +51,8 @@ contains
       call v%on_real(row('step', '', 'largest step along the branch, in Lambda and mesh displacement together', above=zero), &
                      settings%step)
       call v%on_integer(row('max_points', '', 'points after which the branch is given up', least=2*one), settings%max_points)
+      call v%on_integer(row('period_doublings', '', 'how often a period doubling is followed: 1: the branches of twice the period, &
+                            &2: those of four times as well, ...', least=zero, most=6*one), settings%period_doublings)
       call v%leave()
    end subroutine visit_response
 
@@ -85,7 +89,25 @@ contains
          call checker%complain('samples', integer_text(settings%samples), 'must be >= 8 harmonics + 2 = '// &
                                integer_text(fewest)//', or 0 to leave the choice to the program')
       end if
+      if (settings%period_doublings > 0 .and. .not. settings%stability) then
+         call checker%complain('period_doublings', integer_text(settings%period_doublings), &
+                               'needs stability = .true.: the multipliers tell where a period doubles')
+      end if
       call checker%leave()
    end subroutine check_response_consistency
+
+   !> The same settings for motions of another period: harmonics and samples of each mesh period as before.
+   pure function settings_for(settings, period) result(other)
+      type(response_settings_type), intent(in) :: settings
+      !> In fundamental mesh periods.
+      integer, intent(in) :: period
+      type(response_settings_type) :: other
+
+      other = settings
+      other%subharmonic = period
+      if (settings%harmonics > 0) &
+         other%harmonics = max(period, min(most_harmonics, settings%harmonics*period/settings%subharmonic))
+      if (settings%samples > 0) other%samples = max(settings%samples*period/settings%subharmonic, 6*other%harmonics + 2)
+   end function settings_for
 
 end module geartrain_branch_variables

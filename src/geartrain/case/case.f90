@@ -2,6 +2,7 @@
 module geartrain_case_case
    use geartrain_branch_branch, only: response_settings_type
    use geartrain_model_train, only: train_type
+   use geartrain_motion_attractors_settings, only: attractors_settings_type
    use geartrain_motion_integration_settings, only: integration_settings_type
    implicit none (type, external)
    private
@@ -14,6 +15,7 @@ module geartrain_case_case
       !> Allocated when the group is present.
       type(response_settings_type), allocatable :: response
       type(integration_settings_type), allocatable :: integration
+      type(attractors_settings_type), allocatable :: attractors
       !> Name of the output file as given in &output; empty: the case's name with .h5.
       character(:), allocatable :: output_file
    end type case_type

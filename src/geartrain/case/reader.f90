@@ -9,10 +9,10 @@ module geartrain_case_reader
    use geartrain_case_order, only: check_order
    use geartrain_case_scanner, only: group_type, scan_text
    use geartrain_case_table, only: list_variables, row_type, unknown_variable
-   use geartrain_case_variables, only: groups, visit_modes, visit_output
+   use geartrain_case_variables, only: check_agreement, groups, visit_modes, visit_output
    use geartrain_model_check, only: check_consistency
    use geartrain_model_variables, only: visit_mesh, visit_shaft, visit_train
-   use geartrain_motion_variables, only: check_integration_consistency, visit_integration
+   use geartrain_motion_variables, only: check_integration_consistency, visit_attractors, visit_integration
    implicit none (type, external)
    private
    public :: read_case, read_case_text
@@ -60,6 +60,7 @@ contains
       if (in_order == 0) call check_consistency(found%train, reader)
       if (allocated(found%response)) call check_response_consistency(found%response, reader)
       if (allocated(found%integration)) call check_integration_consistency(found%integration, reader)
+      call check_agreement(found, reader)
       call reader%locate()
       call reader%problems%raise(name, error)
       if (.not. allocated(error)) case = found
@@ -122,6 +123,9 @@ contains
             case ('integration')
                allocate (case%integration)
                call visit_integration(case%integration, reader)
+            case ('attractors')
+               allocate (case%attractors)
+               call visit_attractors(case%attractors, reader)
             case ('output')
                call visit_output(case%output_file, reader)
             end select

@@ -1,11 +1,17 @@
 !> Computes what a case asks for and writes it.
 module geartrain_case_run
+   use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type, fatal, status_ended_early
+   use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
+   use geartrain_branch_doublings, only: follow_doublings
+   use geartrain_branch_islands, only: follow_attractors
    use geartrain_branch_response, only: response
    use geartrain_case_case, only: case_type
    use geartrain_case_checkpoint, only: checkpoint_type
+   use geartrain_case_variables, only: check_agreement
    use geartrain_model_modes, only: natural_modes
+   use geartrain_motion_attractors, only: attractors
    use geartrain_motion_sweep, only: sweep
    use geartrain_results_file, only: check_place, remove_file
    use geartrain_results_results, only: results_type, write_results
@@ -15,9 +21,10 @@ module geartrain_case_run
 
 contains
 
-   !> Runs the analyses of the case in the order modes, response, integration, and writes `path`. Meanwhile path.partial holds
-   !> what there is so far, every 5 s or so. An analysis that ends early is told by an error of status_ended_early after
-   !> everything has been written; bad input and a place that cannot be written to are told before anything is computed.
+   !> Runs the analyses of the case in the order modes, response with its period doublings, integration, attractors with the
+   !> branches through them, and writes `path`. Meanwhile path.partial holds what there is so far, every 5 s or so. An analysis
+   !> that ends early is told by an error of status_ended_early after everything has been written; bad input and a place that
+   !> cannot be written to are told before anything is computed.
    subroutine run_case(case, path, results, error, observer)
       type(case_type), intent(in), target :: case
       !> The HDF5 file; empty: write nothing.
@@ -26,8 +33,12 @@ contains
       type(error_type), allocatable, intent(out) :: error
       class(observer_type), intent(inout), target, optional :: observer
       type(checkpoint_type) :: checkpoint
+      type(checker_type) :: checker
       type(error_type), allocatable :: early
 
+      call check_agreement(case, checker)
+      call checker%problems%raise('', error)
+      if (allocated(error)) return
       if (path /= '') call check_place(path, error)
       if (allocated(error)) return
       if (present(observer)) checkpoint%observer => observer
@@ -48,6 +59,7 @@ contains
       type(results_type), intent(inout), target :: results
       type(error_type), allocatable, intent(inout) :: early, error
       type(checkpoint_type), intent(inout) :: checkpoint
+      integer :: i
 
       if (case%modes) then
          allocate (results%modes)
@@ -61,8 +73,10 @@ contains
          call response(case%train, case%response, results%response, error, observer=checkpoint)
          call set_aside(error, early)
          if (allocated(error)) return
-         if (.not. results%response%complete) &
-            call fatal(early, 'response ended early: '//results%response%ended, status_ended_early)
+         call tell('response', results%response%complete, results%response%ended, early)
+         if (case%response%period_doublings > 0 .and. .not. checkpoint%cancelled) &
+            call follow_doublings(case%train, case%response, results%response, results%branches, error, checkpoint)
+         if (allocated(error)) return
       end if
       if (allocated(case%integration) .and. .not. checkpoint%cancelled) then
          ! A sweep can be long: what came before it is safe from here on.
@@ -71,10 +85,35 @@ contains
          call sweep(case%train, case%integration, results%integration, error, checkpoint)
          call set_aside(error, early)
          if (allocated(error)) return
-         if (.not. results%integration%complete) &
-            call fatal(early, 'integration ended early: '//results%integration%ended, status_ended_early)
+         call tell('integration', results%integration%complete, results%integration%ended, early)
       end if
+      if (allocated(case%attractors) .and. .not. checkpoint%cancelled) then
+         call checkpoint%write_now()
+         allocate (results%attractors)
+         call attractors(case%train, case%attractors, results%attractors, error, checkpoint)
+         if (allocated(error)) return
+         call tell('attractors', results%attractors%complete, results%attractors%ended, early)
+         if (case%attractors%follow .and. .not. checkpoint%cancelled) &
+            call follow_attractors(case%train, case%response, results%attractors, results%response, results%branches, error, &
+                                   checkpoint)
+         if (allocated(error)) return
+      end if
+      if (.not. allocated(results%branches)) return
+      do i = 1, size(results%branches)
+         associate (branch => results%branches(i))
+            call tell('branch '//text(i)//', '//branch%origin//',', branch%complete, branch%ended, early)
+         end associate
+      end do
    end subroutine compute
+
+   !> Adds to `early` why an analysis is not complete.
+   subroutine tell(name, complete, ended, early)
+      character(*), intent(in) :: name, ended
+      logical, intent(in) :: complete
+      type(error_type), allocatable, intent(inout) :: early
+
+      if (.not. complete) call fatal(early, name//' ended early: '//ended, status_ended_early)
+   end subroutine tell
 
    logical function ended_early(error)
       type(error_type), allocatable, intent(in) :: error

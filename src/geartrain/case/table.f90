@@ -38,7 +38,8 @@ contains
       type(collector_type) :: collector
       type(case_type) :: case
 
-      allocate (collector%rows(0), case%train%shafts(1), case%train%meshes(1), case%response, case%integration)
+      allocate (collector%rows(0), case%train%shafts(1), case%train%meshes(1), case%response, case%integration, &
+                case%attractors)
       call visit_case(case, collector)
       call move_alloc(collector%rows, rows)
    end subroutine list_variables

@@ -17,11 +17,29 @@ contains
       character(*), parameter :: newline = new_line('a')
 
       text = '! A case for geartrain. Run it with: geartrain CASE.nml'//newline// &
-             '! SI units throughout. Lines that begin with ! are comments: remove the ! to give that variable.'//newline// &
-             commented_text(paper_case())
+             '! SI units throughout. Lines that begin with ! are comments: remove the ! to give that variable or group.'// &
+             newline// &
+             set_aside(commented_text(paper_case()), 'attractors')
    end function template_text
 
-   !> The train of table 1 and the analyses of figure 3.
+   !> The text with a group turned into comments: many random starts are for those who ask for them.
+   function set_aside(text, group) result(changed)
+      character(*), intent(in) :: text, group
+      character(:), allocatable :: changed
+      character(*), parameter :: newline = new_line('a')
+      integer :: first, last, i
+
+      first = index(text, newline//'&'//group//newline)
+      last = first + index(text(first + 1:), newline//'/'//newline)
+      changed = text(:first)
+      do i = first + 1, last + 1
+         if (text(i - 1:i - 1) == newline) changed = changed//'! '
+         changed = changed//text(i:i)
+      end do
+      changed = changed//text(last + 2:)
+   end function set_aside
+
+   !> The train of table 1 and the analyses of figure 3, and what coexists at Lambda = 0.6.
    function paper_case() result(case)
       type(case_type) :: case
 
@@ -42,12 +60,13 @@ contains
          train%meshes%stiffness = [2.5e8_dp, 5.0e8_dp]
       end associate
       case%modes = .true.
-      allocate (case%response, case%integration)
+      allocate (case%response, case%integration, case%attractors)
       case%response%start = 0.2_dp
       case%response%stop = 2.6_dp
       case%integration%start = 0.2_dp
       case%integration%stop = 2.6_dp
       case%integration%direction = 'both'
+      case%attractors%frequency = 0.6_dp
       case%output_file = ''
    end function paper_case
 

@@ -1,17 +1,19 @@
 !> The steady motions that random starts settle on at one frequency, and the share of each.
 module geartrain_motion_attractors
    use, intrinsic :: iso_fortran_env, only: int64
-   use geartrain_base_error, only: error_type, fatal
+   use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_base_numbers, only: text
    use geartrain_model_check, only: check_train
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
-   use geartrain_motion_integration, only: check_single, settle
+   use geartrain_motion_attractors_settings, only: attractors_settings_type, attractors_type
+   use geartrain_motion_integration, only: settle
    use geartrain_motion_integration_settings, only: integration_settings_type
    use geartrain_motion_motion, only: motion_type
    use geartrain_motion_start_state, only: resting_state
+   use geartrain_motion_variables, only: check_attractors
    implicit none (type, external)
    private
    public :: attractors
@@ -23,50 +25,57 @@ module geartrain_motion_attractors
 
 contains
 
-   !> Settles `starts` random states, in parallel and with results that do not depend on the number of threads. Largest
-   !> share first; starts that found no period are not among the motions (the shares then sum to less than 1).
-   subroutine attractors(train, frequency, starts, random_seed, settings, motions, error, observer)
+   !> Settles settings%starts random states, in parallel and with results that do not depend on the number of threads.
+   subroutine attractors(train, settings, found, error, observer)
       type(train_type), intent(in) :: train
-      !> Lambda [1].
-      real(dp), intent(in) :: frequency
-      integer, intent(in) :: starts, random_seed
-      type(integration_settings_type), intent(in) :: settings
-      type(motion_type), allocatable, intent(out) :: motions(:)
+      type(attractors_settings_type), intent(in) :: settings
+      !> A target: an observer may read the motions so far through a pointer.
+      type(attractors_type), intent(inout), target :: found
       type(error_type), allocatable, intent(out) :: error
       class(observer_type), intent(inout), optional :: observer
+      type(attractors_type) :: empty
+      type(integration_settings_type) :: integration
       type(system_type) :: system
       type(motion_type) :: settled(batch)
       real(dp), allocatable :: state(:)
-      integer :: first, last, i, done
+      integer, allocatable :: hits(:)
+      integer :: first, last, i
       logical :: keep_going
 
-      allocate (motions(0))
+      found = empty
       call check_train(train, error)
-      if (allocated(error)) return
-      call check_single(settings, frequency, error)
-      if (starts < 1) call fatal(error, 'attractors: starts = '//text(starts)//': must be >= 1')
+      if (.not. allocated(error)) call check_attractors(settings, error)
       if (allocated(error)) return
       call build_system(train, system)
-      done = 0
-      do first = 1, starts, batch
-         last = min(first + batch - 1, starts)
+      integration%harmonics = settings%harmonics
+      integration%max_periods = settings%max_periods
+      integration%tolerance = settings%tolerance
+      integration%stability = settings%stability
+      found%frequency = settings%frequency
+      found%random_seed = settings%random_seed
+      allocate (found%motions(0), hits(0))
+      keep_going = .true.
+      do first = 1, settings%starts, batch
+         last = first + min(batch - 1, settings%starts - first)
          !$omp parallel do private(state) schedule(dynamic)
          do i = first, last
-            state = random_state(system, random_seed, i)
-            call settle(system, frequency, settings, state, settled(i - first + 1))
+            state = random_state(system, settings%random_seed, i)
+            call settle(system, settings%frequency, integration, state, settled(i - first + 1))
          end do
          !$omp end parallel do
-         done = last
          do i = 1, last - first + 1
-            call collect(settled(i), motions)
+            call collect(settled(i), found%motions, hits)
          end do
-         if (.not. present(observer)) cycle
-         keep_going = .true.
-         call observer%on_step('attractors', done, frequency, keep_going)
+         call sort_by_hits(found%motions, hits)
+         found%starts = last
+         found%motions%share = hits/real(last, dp)
+         found%unsettled = (last - sum(hits))/real(last, dp)
+         if (present(observer)) call observer%on_step('attractors', last, settings%frequency, keep_going)
          if (.not. keep_going) exit
       end do
-      motions%share = motions%share/done
-      call sort_by_share(motions)
+      found%complete = found%starts == settings%starts
+      found%ended = 'all starts done'
+      if (.not. found%complete) found%ended = 'cancelled after '//text(found%starts)//' of '//text(settings%starts)//' starts'
    end subroutine attractors
 
    !> Mesh displacements and velocities uniform within three times the resting displacement; shafts untwisted.
@@ -102,9 +111,11 @@ contains
    end function uniform
 
    !> Counts a settled motion among those found, or adds it.
-   subroutine collect(motion, motions)
+   subroutine collect(motion, motions, hits)
       type(motion_type), intent(in) :: motion
       type(motion_type), allocatable, intent(inout) :: motions(:)
+      !> Starts that settled on each motion.
+      integer, allocatable, intent(inout) :: hits(:)
       integer :: i
       real(dp) :: scale
 
@@ -115,26 +126,30 @@ contains
          if (any(abs(motions(i)%rms - motion%rms) > same*scale)) cycle
          if (any(abs(motions(i)%mean - motion%mean) > same*scale)) cycle
          if (any(abs(motions(i)%maximum - motion%maximum) > same*scale)) cycle
-         motions(i)%share = motions(i)%share + 1
+         hits(i) = hits(i) + 1
          return
       end do
       motions = [motions, motion]
-      motions(size(motions))%share = 1
+      hits = [hits, 1]
    end subroutine collect
 
-   pure subroutine sort_by_share(motions)
+   pure subroutine sort_by_hits(motions, hits)
       type(motion_type), intent(inout) :: motions(:)
+      integer, intent(inout) :: hits(:)
       type(motion_type) :: held
-      integer :: i, j
+      integer :: i, j, count
 
       do i = 2, size(motions)
          held = motions(i)
+         count = hits(i)
          do j = i - 1, 1, -1
-            if (motions(j)%share >= held%share) exit
+            if (hits(j) >= count) exit
             motions(j + 1) = motions(j)
+            hits(j + 1) = hits(j)
          end do
          motions(j + 1) = held
+         hits(j + 1) = count
       end do
-   end subroutine sort_by_share
+   end subroutine sort_by_hits
 
 end module geartrain_motion_attractors

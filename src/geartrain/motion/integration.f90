@@ -16,7 +16,7 @@ module geartrain_motion_integration
    use geartrain_stability_monodromy, only: eigenvalues, is_stable
    implicit none (type, external)
    private
-   public :: integrate, settle, check_single
+   public :: integrate, settle
 
    !> Longest period looked for, in mesh periods.
    integer, parameter :: longest_period = 16

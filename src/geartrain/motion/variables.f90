@@ -1,14 +1,16 @@
-!> The table of input variables: those of &integration.
+!> The table of input variables: those of &integration and &attractors.
 module geartrain_motion_variables
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text
    use geartrain_base_variable, only: row => variable_type, visitor_type
+   use geartrain_motion_attractors_settings, only: attractors_settings_type
    use geartrain_motion_integration_settings, only: integration_settings_type
    implicit none (type, external)
    private
-   public :: visit_integration, check_integration, check_integration_consistency, smallest_frequency
+   public :: visit_integration, check_integration, check_integration_consistency, visit_attractors, check_attractors, &
+      smallest_frequency
 
    !> Smallest Lambda: a mesh period below it takes more than some 1e5 steps of the flow.
    real(dp), parameter :: smallest_frequency = 1e-4_dp
@@ -66,5 +68,38 @@ contains
       call checker%complain('points', integer_text(settings%points), 'must be 1 where from and to are equal')
       call checker%leave()
    end subroutine check_integration_consistency
+
+   subroutine visit_attractors(settings, v)
+      type(attractors_settings_type), intent(inout) :: settings
+      class(visitor_type), intent(inout) :: v
+
+      call v%enter('attractors', 1)
+      call v%on_real(row('frequency', '', 'Lambda', required=.true., least=smallest_frequency), settings%frequency)
+      call v%on_integer(row('starts', '', 'random starts: mesh displacements and velocities within three times the resting &
+                            &displacement', least=one), settings%starts)
+      call v%on_integer(row('random_seed', '', 'the same seed gives the same starts'), settings%random_seed)
+      call v%on_logical(row('follow', '', 'each motion found that lies on no branch of the case yet is followed as one, over the &
+                            &range of &response and with its settings'), settings%follow)
+      call v%on_integer(row('harmonics', '', 'harmonics of each motion that are stored', least=one, most=500*one), &
+                        settings%harmonics)
+      call v%on_integer(row('max_periods', '', 'mesh periods after which an unsettled start is given up', least=one), &
+                        settings%max_periods)
+      call v%on_real(row('tolerance', '', 'relative change over a period of the motion at which it counts as settled', &
+                         above=zero, most=one), settings%tolerance)
+      call v%on_logical(row('stability', '', 'Floquet multipliers of every motion'), settings%stability)
+      call v%leave()
+   end subroutine visit_attractors
+
+   !> Checks the settings of a search however they were made; the error tells every problem, one a line.
+   subroutine check_attractors(settings, error)
+      type(attractors_settings_type), intent(in) :: settings
+      type(error_type), allocatable, intent(out) :: error
+      type(attractors_settings_type) :: copy
+      type(checker_type) :: checker
+
+      copy = settings
+      call visit_attractors(copy, checker)
+      call checker%problems%raise('', error)
+   end subroutine check_attractors
 
 end module geartrain_motion_variables

@@ -11,10 +11,9 @@ module geartrain_results_integration
    use geartrain_results_store, only: store_type
    implicit none (type, external)
    private
-   public :: write_integration
+   public :: write_integration, write_motions
 
    character(*), parameter :: home = '/integration'
-   character(5), parameter :: by_mesh(2) = ['point', 'mesh ']
 
 contains
 
@@ -38,19 +37,24 @@ contains
       call store%attribute(home, 'complete', merge(1, 0, sweep%complete))
       call store%axis(home//'/point', n, 'point, in the order visited')
       if (n == 0) return
-      call write_motions(store, sweep%motions(:n))
+      call write_motions(store, home, 'point', sweep%motions(:n))
       call store%put(home//'/direction', sweep%direction(:n), ['point'], '', 'up or down: the way in which the sweep went')
-      if (any(has_multipliers(sweep%motions(:n)))) call write_stability(store, sweep%motions(:n))
    end subroutine write_integration
 
-   subroutine write_motions(store, motions)
+   !> What is known of each motion, along the dimension `along`, whose axis stands already.
+   subroutine write_motions(store, home, along, motions)
       type(store_type), intent(inout) :: store
+      !> Path of the group.
+      character(*), intent(in) :: home, along
       type(motion_type), intent(in) :: motions(:)
       real(dp), allocatable :: values(:, :, :), coefficients(:, :, :)
+      character(11) :: dimensions(3)
       type(mesh_load_type), allocatable :: loads(:, :)
       logical :: known(size(motions))
       integer :: i, n, meshes, length
 
+      dimensions(1) = along
+      dimensions(2:) = ['mesh       ', 'coefficient']
       n = size(motions)
       meshes = 0
       length = 0
@@ -76,27 +80,32 @@ contains
       call store%axis(home//'/mesh', meshes, 'mesh, in the order of the train')
       call store%axis(home//'/coefficient', coefficient_labels(length), &
                       'order of the coefficient in multiples of Lambda/period')
-      call store%put(home//'/frequency', (motions%frequency), ['point'], '1', frequency_description)
-      call store%put(home//'/period', (motions%period), ['point'], '1', &
+      call store%put(home//'/frequency', (motions%frequency), [along], '1', frequency_description)
+      call store%put(home//'/period', (motions%period), [along], '1', &
                      'period of the motion in fundamental mesh periods; 0 = none found, the figures are then of the last &
                      &16 mesh periods')
-      call store%put(home//'/rms', values(:, :, 1), by_mesh, '1', about_rms)
-      call store%put(home//'/true_ac_rms', values(:, :, 1)/sqrt(2.0_dp), by_mesh, '1', about_true_ac_rms)
-      call store%put(home//'/mean', values(:, :, 2), by_mesh, '1', 'mean mesh displacement / characteristic_length')
-      call store%put(home//'/minimum', values(:, :, 3), by_mesh, '1', 'smallest mesh displacement / characteristic_length')
-      call store%put(home//'/maximum', values(:, :, 4), by_mesh, '1', 'largest mesh displacement / characteristic_length')
-      call write_mesh_loads(store, home, loads, known)
-      call store%put(home//'/coefficients', coefficients, ['point      ', 'mesh       ', 'coefficient'], '1', &
+      call store%put(home//'/rms', values(:, :, 1), dimensions(:2), '1', about_rms)
+      call store%put(home//'/true_ac_rms', values(:, :, 1)/sqrt(2.0_dp), dimensions(:2), '1', about_true_ac_rms)
+      call store%put(home//'/mean', values(:, :, 2), dimensions(:2), '1', 'mean mesh displacement / characteristic_length')
+      call store%put(home//'/minimum', values(:, :, 3), dimensions(:2), '1', 'smallest mesh displacement / characteristic_length')
+      call store%put(home//'/maximum', values(:, :, 4), dimensions(:2), '1', 'largest mesh displacement / characteristic_length')
+      call write_mesh_loads(store, home, along, loads, known)
+      call store%put(home//'/coefficients', coefficients, dimensions, '1', &
                      about_coefficients)
+      if (any(has_multipliers(motions))) call write_stability(store, home, along, motions)
    end subroutine write_motions
 
-   subroutine write_stability(store, motions)
+   subroutine write_stability(store, home, along, motions)
       type(store_type), intent(inout) :: store
+      character(*), intent(in) :: home, along
       type(motion_type), intent(in) :: motions(:)
       complex(dp), allocatable :: multipliers(:, :)
+      character(8) :: dimensions(3)
       real(dp) :: nan
       integer :: i, states
 
+      dimensions(1) = along
+      dimensions(2:) = ['state   ', 'complex ']
       states = 0
       do i = 1, size(motions)
          if (allocated(motions(i)%multipliers)) states = size(motions(i)%multipliers)
@@ -106,10 +115,10 @@ contains
       do i = 1, size(motions)
          if (allocated(motions(i)%multipliers)) multipliers(:, i) = motions(i)%multipliers
       end do
-      call store%put(home//'/stable', (motions%stable), ['point'], about_stable//'; 0 also where no period was found')
-      call store%axis(home//'/state', states, 'number of the multiplier, in no order that holds between points')
+      call store%put(home//'/stable', (motions%stable), [along], about_stable//'; 0 also where no period was found')
+      call store%axis(home//'/state', states, 'number of the multiplier, in no order that holds between '//along//'s')
       call store%axis(home//'/complex', ['real     ', 'imaginary'], 'part of a complex number')
-      call store%put(home//'/multipliers', as_parts(multipliers), ['point  ', 'state  ', 'complex'], '1', &
+      call store%put(home//'/multipliers', as_parts(multipliers), dimensions, '1', &
                      about_multipliers//'; NaN where no period was found')
    end subroutine write_stability
 

@@ -1,4 +1,4 @@
-!> What the meshes bear, in the group of a branch or of a sweep.
+!> What the meshes bear, in the group of a branch, of a sweep or of a search for attractors.
 module geartrain_results_mesh_load
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain_base_kinds, only: dp
@@ -8,19 +8,20 @@ module geartrain_results_mesh_load
    private
    public :: write_mesh_loads
 
-   character(5), parameter :: by_mesh(2) = ['point', 'mesh ']
-
 contains
 
-   !> Writes the loads (mesh, point) into the group `home`; NaN where `known` (point) is false.
-   subroutine write_mesh_loads(store, home, loads, known)
+   !> Writes the loads (mesh, along) into the group `home`, along the dimension `along`; NaN where `known` is false.
+   subroutine write_mesh_loads(store, home, along, loads, known)
       type(store_type), intent(inout) :: store
-      character(*), intent(in) :: home
+      character(*), intent(in) :: home, along
       type(mesh_load_type), intent(in) :: loads(:, :)
       logical, intent(in) :: known(:)
+      character(6) :: by_mesh(2)
       real(dp) :: values(size(loads, 1), size(loads, 2), 4), nan
       integer :: i
 
+      by_mesh(1) = along
+      by_mesh(2) = 'mesh'
       nan = ieee_value(1.0_dp, ieee_quiet_nan)
       values(:, :, 1) = loads%force_maximum
       values(:, :, 2) = loads%dynamic_factor

@@ -1,4 +1,4 @@
-!> The group /response of a results file: a branch, point by point.
+!> The groups /response, /branch_1, ... of a results file: a branch, point by point.
 module geartrain_results_response
    use geartrain_base_kinds, only: dp
    use geartrain_branch_branch, only: branch_type
@@ -11,34 +11,37 @@ module geartrain_results_response
    private
    public :: write_response
 
-   character(*), parameter :: home = '/response'
    character(5), parameter :: by_mesh(2) = ['point', 'mesh ']
 
 contains
 
    !> Writes the points 1:branch%points; the arrays may be longer, and `ended` may still be unknown.
-   subroutine write_response(store, branch)
+   subroutine write_response(store, home, branch)
       type(store_type), intent(inout) :: store
+      !> Path of the group.
+      character(*), intent(in) :: home
       type(branch_type), intent(in) :: branch
 
       call store%group(home)
-      call write_attributes(store, branch)
+      call write_attributes(store, home, branch)
       call store%axis(home//'/point', branch%points, 'point, in the order along the branch')
       call store%axis(home//'/mesh', branch%meshes, 'mesh, in the order of the train')
       if (branch%points > 0) then
-         call write_points(store, branch, branch%points)
-         if (allocated(branch%stable)) call write_stability(store, branch, branch%points)
+         call write_points(store, home, branch, branch%points)
+         if (allocated(branch%stable)) call write_stability(store, home, branch, branch%points)
          call write_summary(store, home, branch)
       end if
       if (.not. allocated(branch%special_points)) return
-      if (size(branch%special_points) > 0) call write_special_points(store, branch)
+      if (size(branch%special_points) > 0) call write_special_points(store, home, branch)
    end subroutine write_response
 
-   subroutine write_attributes(store, branch)
+   subroutine write_attributes(store, home, branch)
       type(store_type), intent(inout) :: store
+      character(*), intent(in) :: home
       type(branch_type), intent(in) :: branch
 
       call store%attribute(home, 'description', 'frequency response: periodic motions along one branch, through its folds')
+      if (allocated(branch%origin)) call store%attribute(home, 'origin', branch%origin)
       if (branch%points > 0) call store%attribute(home, 'coordinates', 'frequency')
       if (allocated(branch%ended)) then
          call store%attribute(home, 'ended', branch%ended)
@@ -51,8 +54,9 @@ contains
       call store%attribute(home, 'subharmonic', branch%subharmonic)
    end subroutine write_attributes
 
-   subroutine write_points(store, branch, n)
+   subroutine write_points(store, home, branch, n)
       type(store_type), intent(inout) :: store
+      character(*), intent(in) :: home
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: n
 
@@ -65,7 +69,7 @@ contains
       call store%put(home//'/maximum', branch%maximum(:, :n), by_mesh, '1', &
                      'largest mesh displacement over the period / characteristic_length')
       if (allocated(branch%mesh_load)) &
-         call write_mesh_loads(store, home, branch%mesh_load(:, :n), spread(.true., 1, n))
+         call write_mesh_loads(store, home, 'point', branch%mesh_load(:, :n), spread(.true., 1, n))
       call store%axis(home//'/coefficient', coefficient_labels(size(branch%coefficients, 1)), &
                       'order of the coefficient in multiples of Lambda/subharmonic')
       call store%put(home//'/coefficients', branch%coefficients(:, :, :n), ['point      ', 'mesh       ', 'coefficient'], '1', &
@@ -73,11 +77,13 @@ contains
       call store%put(home//'/error_estimate', branch%error_estimate(:n), ['point'], '1', &
                      'estimated relative error of the waveform')
       call store%put(home//'/part', branch%part(:n), ['point'], '1', &
-                     'number of the part: a new one begins where the branch comes back from beyond the amplitude limit')
+                     'number of the part: a new one begins where the branch comes back from beyond the amplitude limit, or with &
+                     &the points traced from the other end (to)')
    end subroutine write_points
 
-   subroutine write_stability(store, branch, n)
+   subroutine write_stability(store, home, branch, n)
       type(store_type), intent(inout) :: store
+      character(*), intent(in) :: home
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: n
 
@@ -88,13 +94,15 @@ contains
                      about_multipliers)
    end subroutine write_stability
 
-   subroutine write_special_points(store, branch)
+   subroutine write_special_points(store, home, branch)
       type(store_type), intent(inout) :: store
+      character(*), intent(in) :: home
       type(branch_type), intent(in) :: branch
-      character(*), parameter :: room = home//'/special_points'
+      character(:), allocatable :: room
       real(dp) :: rms(branch%meshes, size(branch%special_points))
       integer :: i
 
+      room = home//'/special_points'
       associate (special => branch%special_points)
          do i = 1, size(special)
             rms(:, i) = special(i)%rms

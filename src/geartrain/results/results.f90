@@ -3,11 +3,14 @@ module geartrain_results_results
    use, intrinsic :: iso_fortran_env, only: int8
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: version
+   use geartrain_base_numbers, only: text
    use geartrain_branch_branch, only: branch_type
    use geartrain_case_case, only: case_type
    use geartrain_case_text, only: case_text
    use geartrain_model_modes, only: modes_type
+   use geartrain_motion_attractors_settings, only: attractors_type
    use geartrain_motion_integration_settings, only: sweep_type
+   use geartrain_results_attractors, only: write_attractors
    use geartrain_results_file, only: replace_file
    use geartrain_results_integration, only: write_integration
    use geartrain_results_modes, only: write_modes
@@ -25,6 +28,9 @@ module geartrain_results_results
       type(modes_type), allocatable :: modes
       type(branch_type), allocatable :: response
       type(sweep_type), allocatable :: integration
+      type(attractors_type), allocatable :: attractors
+      !> Further branches, each with its origin: those from period doublings of the response, then those through attractors.
+      type(branch_type), allocatable :: branches(:)
    end type results_type
 
 contains
@@ -37,13 +43,20 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer(int8), allocatable :: content(:)
       type(store_type) :: store
+      integer :: i
 
       !$omp critical (geartrain_hdf5)
       call store%open()
       call write_root(store, case)
       if (allocated(results%modes)) call write_modes(store, results%modes)
-      if (allocated(results%response)) call write_response(store, results%response)
+      if (allocated(results%response)) call write_response(store, '/response', results%response)
       if (allocated(results%integration)) call write_integration(store, results%integration)
+      if (allocated(results%attractors)) call write_attractors(store, results%attractors)
+      if (allocated(results%branches)) then
+         do i = 1, size(results%branches)
+            call write_response(store, '/branch_'//text(i), results%branches(i))
+         end do
+      end if
       call store%close(content, error)
       !$omp end critical (geartrain_hdf5)
       if (allocated(error)) then
