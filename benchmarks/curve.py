@@ -60,7 +60,7 @@ class Reference:
         self.doubled = doublings[0], doublings[-1]
 
     def errors(self, frequency, rms, stable_only):
-        """Relative error of rms, the larger of both meshes, at points taken evenly from a curve."""
+        """Relative error of rms, the larger of both meshes, at points taken evenly from a curve: median and largest."""
         fair = [
             point
             for point, value in enumerate(frequency)
@@ -72,7 +72,7 @@ class Reference:
         for point in chosen:
             exact = nearest(self.branch.at(float(frequency[point])), rms[point]).refine()
             worst.append(np.abs(rms[point] / exact.rms - 1).max())
-        return worst
+        return {"median": np.median(worst), "largest": np.max(worst), "largest_at": frequency[chosen[np.argmax(worst)]]}
 
     def orbits(self):
         return [motion.refine() for value in (0.4, 0.7, 0.9, 1.6) for motion in self.branch.at(value)]

@@ -3,8 +3,6 @@
 import tempfile
 from pathlib import Path
 
-import numpy as np
-
 import geartrain as gt
 from cases import chain
 from timing import peak_memory, timed
@@ -34,13 +32,6 @@ def sizes(train_of, counts, settings_of, patience, say):
     return rows
 
 
-def exponent(rows, key):
-    """Slope of log time or memory over log size, over the upper half of the sizes."""
-    known = [(row["size"], np.median(row[key])) for row in rows if key in row]
-    upper = known[len(known) // 2 - 1 :]
-    return float(np.polyfit(*np.log(np.array(upper).T), 1)[0]) if len(upper) > 1 else None
-
-
 def memory(executable, counts):
     """Peak resident memory [bytes] of the executable for each number of shafts, no multipliers."""
     rows = []
@@ -55,11 +46,11 @@ def memory(executable, counts):
 
 def measure(quick, executable, say):
     """Rows by number of shafts and by number of harmonics."""
-    shafts = (3, 10, 30, 100) if quick else (3, 6, 10, 20, 30, 60, 100, 200, 300)
+    shafts = (3, 10, 30) if quick else (3, 6, 10, 20, 30, 60, 100, 200, 300)
     harmonics = (4, 16, 64) if quick else (4, 8, 16, 32, 64, 128, 256)
     patience = 2 if quick else 10
     figure3 = gt.read_case("namelists/fig03.nml").train
     by_shafts = sizes(chain, shafts, lambda _: {"harmonics": 6}, patience, lambda text: say(f"shafts: {text}"))
     by_harmonics = sizes(
         lambda _: figure3, harmonics, lambda count: {"harmonics": count}, patience, lambda text: say(f"harmonics: {text}"))
-    return {"shafts": by_shafts, "harmonics": by_harmonics, "memory": memory(executable, shafts)}
+    return {"shafts": by_shafts, "harmonics": by_harmonics, "memory": memory(executable, shafts), "points": POINTS}

@@ -10,6 +10,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+
 from figure3 import KAPPA, START, STOP, arguments, repeated, report
 
 SCRIPT = """

@@ -5,8 +5,9 @@ from importlib.metadata import version
 import jax
 import jax.numpy as jnp
 import numpy as np
-from figure3 import DAMPING, KAPPA, LOAD, MASS, MESHES, REST, START, STOP, arguments, repeated, report, rms
 from jaxcont.core.scan_continuation import pseudo_arclength_scan
+
+from figure3 import DAMPING, KAPPA, LOAD, MASS, MESHES, REST, START, STOP, arguments, repeated, report, rms
 
 jax.config.update("jax_enable_x64", True)
 

@@ -4,9 +4,10 @@ import logging
 from importlib.metadata import version
 
 import numpy as np
-from figure3 import DAMPING, KAPPA, LOAD, MASS, MESHES, REST, START, STOP, arguments, repeated, report, rms
 from pyHarm.Elements.SubstructureMatrixElements.MatrixElement import MatrixElement
 from pyHarm.Maestro import Maestro
+
+from figure3 import DAMPING, KAPPA, LOAD, MASS, MESHES, REST, START, STOP, arguments, repeated, report, rms
 
 
 class MeshForces(MatrixElement):

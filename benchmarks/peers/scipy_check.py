@@ -6,6 +6,7 @@ Reads --orbits, a JSON list of {frequency, state}; state as geartrain gives it (
 import json
 
 import numpy as np
+
 from figure3 import LOAD, MESHES, arguments, report
 from scipy_sweep import integrate, measured_rms
 

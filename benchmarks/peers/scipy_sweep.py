@@ -6,8 +6,9 @@ the time is scaled by n: each costs the same number of mesh periods.
 
 import numpy as np
 import scipy
-from figure3 import DAMPING, FLEXIBILITY, KAPPA, LOAD, MESHES, REST, START, STOP, arguments, repeated, report
 from scipy.integrate import solve_ivp
+
+from figure3 import DAMPING, FLEXIBILITY, KAPPA, LOAD, MESHES, REST, START, STOP, arguments, repeated, report
 
 try:
     from numba import __version__ as numba_version
