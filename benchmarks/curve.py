@@ -16,6 +16,7 @@ PEERS = Path(__file__).parent / "peers"
 PEER_PYTHON = Path(".venv-peers/bin/python")
 NEAR_FOLD = 0.01  # points nearer in Lambda are not judged: at a fold the error at constant Lambda is unbounded
 JUDGED = 100  # points of each curve
+ELSEWHERE = 0.3  # relative distance in rms beyond which a settled motion is another one, not a wrong one
 
 
 def geartrain_runs(quick):
@@ -36,7 +37,7 @@ def peer_runs(quick):
     yield "SciPy sweep, rtol 1e-8", "scipy", {"every": 40 if quick else 20, "rtol": 1e-8}, 0
     if quick:
         return
-    for harmonics, samples in ((12, 256), (24, 1024)):
+    for harmonics, samples in ((12, 256), (24, 512)):
         yield f"pyHarm, R = {harmonics}", "pyharm", {"harmonics": harmonics, "samples": samples}, 0
         yield f"jaxcont, R = {harmonics}", "jaxcont", {"harmonics": harmonics, "samples": samples}, 3
     yield "AUTO-07p, 40 intervals", "auto", {"intervals": 40}, 0
@@ -68,11 +69,15 @@ class Reference:
             and not (stable_only and self.doubled[0] < value < self.doubled[1])
         ]  # fmt: skip
         chosen = [fair[place] for place in np.unique(np.linspace(0, len(fair) - 1, JUDGED).astype(int))]
-        worst = []
+        found = []
         for point in chosen:
             exact = nearest(self.branch.at(float(frequency[point])), rms[point]).refine()
-            worst.append(np.abs(rms[point] / exact.rms - 1).max())
-        return {"median": np.median(worst), "largest": np.max(worst), "largest_at": frequency[chosen[np.argmax(worst)]]}
+            found.append((np.abs(rms[point] / exact.rms - 1).max(), frequency[point]))
+        # A sweep may settle on a motion that is no part of the curve (an island): that is no error of it.
+        judged = [entry for entry in found if not (stable_only and entry[0] > ELSEWHERE)]
+        largest, at = max(judged)
+        middle = np.median([error for error, _ in judged])
+        return {"median": middle, "largest": largest, "largest_at": at, "elsewhere": len(found) - len(judged)}
 
     def orbits(self):
         return [motion.refine() for value in (0.4, 0.7, 0.9, 1.6) for motion in self.branch.at(value)]
@@ -93,12 +98,12 @@ def run_geartrain(executable, train, settings, repeats, folder):
     case, output = folder / "case.nml", folder / "case.h5"
     settings = {"start": START, "stop": STOP, **settings}
     case.write_text(train.namelist(response=settings), encoding="utf-8")
-    process, _ = timed(lambda: run([executable, case, "--output", output]), repeats, patience=10)
+    process, _ = timed(lambda: run([executable, case, "--output", output]), repeats, patience=4)
     with h5py.File(output) as file:
         frequency, rms = file["response/frequency"][:], file["response/rms"][:]
     row = {"process": process, "frequency": frequency, "rms": rms, "stability": True, "points": len(frequency)}
-    row["curve"], _ = timed(lambda: train.response(**settings), repeats, patience=5)
-    row["without"], _ = timed(lambda: train.response(**settings, stability=False), repeats, patience=5)
+    row["curve"], _ = timed(lambda: train.response(**settings), repeats, patience=2)
+    row["without"], _ = timed(lambda: train.response(**settings, stability=False), repeats, patience=2)
     return row
 
 
@@ -111,7 +116,7 @@ def measure(quick, executable, say):
         folder = Path(name)
         for label, settings in geartrain_runs(quick):
             say(label)
-            row = run_geartrain(executable, train, settings, 3 if quick else 15, folder)
+            row = run_geartrain(executable, train, settings, 3 if quick else 11, folder)
             rows.append({"label": label, "tool": "geartrain", "adaptive": "tolerance" in settings, "swept": False, **row})
         for label, script, options, repeats in peer_runs(quick):
             say(label)

@@ -42,12 +42,13 @@ def draw_peers(found, path):
             axes.errorbar(time, middle, bars, color=color, marker=marker, linewidth=1, capsize=2, label=name)
             for x, row in zip(time, rows):
                 setting = row["label"].split(", ")[-1].replace("tolerance ", "").replace("intervals", "int.")
-                axes.annotate(setting, (x, row["errors"]["median"]), (5, -9), textcoords="offset points", fontsize=7, color=color)
+                offset = (4, 3) if name in ("pyHarm", "geartrain, adaptive") else (4, -9)
+                axes.annotate(setting, (x, row["errors"]["median"]), offset, textcoords="offset points", fontsize=7, color=color)
         axes.set(xscale="log", yscale="log", xlabel=what)
         axes.margins(x=0.12)
         axes.grid(alpha=0.3)
     both[0].set(ylabel="relative error of rms: median (marker), largest (bar)")
-    both[1].legend(fontsize=8)
+    both[1].legend(fontsize=8, loc="lower left")
     figure.suptitle("Figure 3's curve")
     save(figure, path)
 

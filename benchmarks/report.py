@@ -67,13 +67,18 @@ def ratio_rows(rows):
 def curve_section(found):
     rows = found["rows"]
     skipped = "".join(f"- {item['label']}: not measured: {item['reason']}\n" for item in found["skipped"])
-    swept = [f"{row['label']}: {row['run']} of its {row['points']}" for row in rows if row["swept"]]
+    swept = [
+        f"{row['label']}: {row['run']} of its {row['points']}, {row['errors']['elsewhere']} settled on motions off this curve"
+        for row in rows
+        if row["swept"]
+    ]
+    partial = f"SciPy ran a part of its frequencies, the time is scaled to all of them ({'; '.join(swept)})." if swept else ""
     tools = sorted({row["tool"] for row in rows} - {"geartrain"})
     check = ""
     if found["check"]:
-        check = f"""Shooting itself was checked by SciPy's DOP853 at rtol 1e-12 on
-{found["check"]["orbits"]} orbits, stable and unstable:
-rms agrees to {found["check"]["rms"]:.0e} (relative), and after a period the orbits close to {found["check"]["closure"]:.0e}."""
+        check = f"""Shooting itself was checked by SciPy's DOP853 at rtol 1e-12 on {found["check"]["orbits"]} orbits,
+stable and unstable: rms agrees to {found["check"]["rms"]:.0e} (relative), and after a period the orbits close to
+{found["check"]["closure"]:.0e}."""
     return f"""## Figure 3 beside other tools
 
 The whole curve, Lambda 0.2 to 2.6, through its 8 folds, in one run: {", ".join(tools)}.
@@ -85,7 +90,7 @@ of both meshes, relative to shooting at the same Lambda, at up to 100 points of 
 {table(("tool", "points", "process", "call", "a point", "stability", "error, median", "largest, at Lambda"), curve_rows(rows))}
 {check}
 
-{"SciPy ran a part of its frequencies, the time is scaled to all of them (" + "; ".join(swept) + ")." if swept else ""}
+{partial}
 pyHarm, jaxcont and SciPy compute no stability. jaxcont compiles its loop at the first call, which makes most of its process.
 The definitions of the train for these tools are ours (`benchmarks/peers/`), in all five elements: 5 (1 + 2R) unknowns.
 The largest errors stand where the curve is nearly vertical: there a small error in Lambda is a large one in rms.
@@ -109,6 +114,11 @@ def fastest(case, target):
     return f"{name}: {duration([seconds])}"
 
 
+def errors_by_harmonics(case):
+    rows = {row["harmonics"]: row["error"] for row in case["lines"]["exact"]}
+    return ", ".join(f"{rows[count]:.0e} at R = {count}" for count in (6, 12, 24) if count in rows)
+
+
 def accuracy_section(found):
     cases = found["cases"]
     choice = [(case["name"], *(fastest(case, target) for target in TARGETS)) for case in cases]
@@ -116,7 +126,7 @@ def accuracy_section(found):
         (
             case["name"], case["what"], f"{case['frequency']:g}",
             "spectral" if case["order"] is None else f"R^-{case['order']}",
-            "spectral" if case["order"] is None else f"R^-{case['fitted']:.2f}" if case["fitted"] else "not fitted",
+            errors_by_harmonics(case) if case["order"] is None else f"R^-{case['fitted']:.2f}" if case["fitted"] else "not fitted",
         )
         for case in cases
     ]  # fmt: skip
@@ -168,8 +178,8 @@ def scale_section(found):
     return f"""## Size
 
 The time of a point at R = 6 for chains of figure 3's gear pairs, teeth parting at the first of them, and the peak memory of the
-executable (all of the process: its libraries, and the {found["points"]} points of the branch). *Not measured*: the size before took
-too long.
+executable (all of the process: its libraries, and the {found["points"]} points of the branch). *Not measured*: the size
+before took too long.
 
 {table(("shafts", "a point, without multipliers", "with", "memory"), shafts)}
 And of figure 3's train for more harmonics:
@@ -212,8 +222,8 @@ def write(found, path):
     pictures.draw_scale(found["scale"], folder / "scale.png")
     measured = "; ".join(f"{name} {part['measured']}" for name, part in found.items())
     sections = (
-        machine_section(found["machine"]), curve_section(found["curve"]), accuracy_section(found["accuracy"]),
-        scale_section(found["scale"]), floor_section(found["machine"], found["curve"]), WHERE,
+        machine_section(found["machine"]), WHERE, curve_section(found["curve"]), accuracy_section(found["accuracy"]),
+        scale_section(found["scale"]), floor_section(found["machine"], found["curve"]),
     )  # fmt: skip
     intro = f"""# Speed against error
 

@@ -15,7 +15,7 @@ import curve
 import machine
 import report
 import scale
-from timing import keep_to_one_core
+from timing import one_core
 
 PARTS = {"machine": machine, "curve": curve, "accuracy": accuracy, "scale": scale}
 KEPT = Path("build/benchmarks")
@@ -32,7 +32,6 @@ def main():
     parser.add_argument("--quick", action="store_true", help="fewer rows and repeats")
     parser.add_argument("parts", nargs="*", choices=[*PARTS, []], help="those to measure; all of them unless told")
     options = parser.parse_args()
-    keep_to_one_core()
     KEPT.mkdir(parents=True, exist_ok=True)
     begun = time.perf_counter()
 
@@ -40,7 +39,8 @@ def main():
         print(f"{time.perf_counter() - begun:6.0f} s  {text}", flush=True)
 
     for name in options.parts or PARTS:
-        found = PARTS[name].measure(options.quick, EXECUTABLE, say)
+        with one_core():
+            found = PARTS[name].measure(options.quick, EXECUTABLE, say)
         found["measured"] = time.strftime("%Y-%m-%d %H:%M") + (", quick" if options.quick else "")
         (KEPT / f"{name}.json").write_text(json.dumps(found, default=plain), encoding="utf-8")
     found = {name: json.loads((KEPT / f"{name}.json").read_text(encoding="utf-8")) for name in PARTS}

@@ -1,20 +1,25 @@
-"""Wall times of calls and of whole processes, memory of processes; one core throughout."""
+"""Wall times of calls and of whole processes, memory of processes."""
 
 import os
 import statistics
 import subprocess
 import sys
 import time
-
-# Every library keeps to one thread, and every process to one core, so that no tool gets more of the machine than another.
-ONE_THREAD = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")}
+from contextlib import contextmanager
 
 
-def keep_to_one_core():
-    """This process and those it starts."""
-    os.environ.update(ONE_THREAD)
-    if hasattr(os, "sched_setaffinity"):
-        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+@contextmanager
+def one_core():
+    """This process and those it starts keep to one core, so that no tool gets more of the machine than another."""
+    if not hasattr(os, "sched_setaffinity"):
+        yield
+        return
+    allowed = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {max(allowed)})
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, allowed)
 
 
 def timed(call, repeats, patience=1.0):
