@@ -91,7 +91,8 @@ of both meshes, relative to shooting at the same Lambda, at up to 100 points of 
 {check}
 
 {partial}
-pyHarm, jaxcont and SciPy compute no stability. jaxcont compiles its loop at the first call, which makes most of its process.
+pyHarm, jaxcont and SciPy compute no stability. Most of jaxcont's process is import and compilation:
+its second curve takes what stands under *call*.
 The definitions of the train for these tools are ours (`benchmarks/peers/`), in all five elements: 5 (1 + 2R) unknowns.
 The largest errors stand where the curve is nearly vertical: there a small error in Lambda is a large one in rms.
 {skipped}
