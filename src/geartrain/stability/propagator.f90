@@ -9,14 +9,13 @@ module geartrain_stability_propagator
    use geartrain_base_lapack, only: dsteqr
    use geartrain_model_system, only: system_type
    use geartrain_stability_exponential, only: exponential_type
+   use geartrain_stability_recurrence, only: add_up, chunk, find_derivatives, most_terms
    implicit none (type, external)
    private
    public :: propagator_type
 
-   !> Columns that are carried together: a constant, so that the compiler makes straight vector code of it.
-   integer, parameter :: width = 10
-   !> Terms of kappa come by so many.
-   integer, parameter :: chunk = 4, most_terms = 32
+   !> Most columns that are carried together: their derivatives stay in a cache.
+   integer, parameter :: widest = 12
    !> Longest step [rad of the band]: rounding grows as exp(reach).
    real(dp), parameter :: longest = 16
    !> Error of a step relative to the state, and of kappa: multipliers to about 1e-9.
@@ -33,7 +32,7 @@ module geartrain_stability_propagator
       real(dp) :: fastest_decay = 0
       !> Columns of displacements, then velocities over `band`, (column, 2*elements, block of columns).
       real(dp), allocatable, private :: x(:, :, :)
-      integer, private :: elements = 0
+      integer, private :: elements = 0, width = 0
       !> Largest rates of all modes, with all meshes in contact and stiffest, and of a mesh of varying stiffness alone [1];
       !> the largest that a step has to follow, at `frequency`.
       real(dp), private :: fastest = 0, fastest_mesh = 0, band = 1, frequency = 1
@@ -45,8 +44,8 @@ module geartrain_stability_propagator
       !> p in Leibniz' rule (term, derivative, mesh) and the terms that there are (mesh).
       real(dp), allocatable, private :: derivative(:, :, :), weight(:), binomial(:, :), leibniz(:, :, :)
       integer, allocatable, private :: terms(:)
-      !> Factors of `recur` (element).
-      real(dp), allocatable, private :: before(:), after(:), spring(:), damper(:)
+      !> Factors of `find_derivatives` (column and element).
+      real(dp), allocatable, private :: before(:, :), after(:, :), spring(:, :), damper(:, :)
    contains
       procedure :: setup
       procedure :: start
@@ -63,11 +62,14 @@ contains
       class(propagator_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       real(dp) :: stiffest(system%elements), aspect
-      integer :: i, j, k, most
+      integer :: blocks, i, j, k, most
 
       self%system = system
       self%elements = system%elements
       self%states = 2*system%elements
+      ! Blocks of equal width, even for the sake of vector code.
+      blocks = (self%states + widest - 1)/widest
+      self%width = 2*((self%states + 2*blocks - 1)/(2*blocks))
       stiffest = 1
       self%highest_order = 0
       self%fastest_mesh = 0
@@ -88,16 +90,18 @@ contains
       most = maxval(self%motion%degree)
       if (allocated(self%x)) deallocate (self%x, self%binomial, self%leibniz, self%derivative, self%weight, self%before, &
                                          self%after, self%spring, self%damper, self%terms)
-      allocate (self%x(width, self%states, (self%states + width - 1)/width), self%weight(0:most), &
-                self%binomial(0:most_terms - 1, 0:most), self%leibniz(0:most_terms - 1, 0:most, system%meshes), &
-                self%derivative(width, self%elements, 1 - most_terms:most + 1), self%before(self%elements), &
-                self%after(self%elements), self%spring(self%elements), self%damper(self%elements), self%terms(system%meshes))
+      associate (w => self%width, m => self%elements)
+         allocate (self%x(w, self%states, blocks), self%weight(-3:most), self%binomial(0:most_terms - 1, 0:most), &
+                   self%leibniz(0:most_terms - 1, 0:most, system%meshes), self%derivative(w, m, 1 - most_terms:most + 1), &
+                   self%before(w, m), self%after(w, m), self%spring(w, m), self%damper(w, m), self%terms(system%meshes))
+      end associate
       self%derivative = 0
+      self%weight = 0
       self%before = 0
       self%after = 0
       do i = 2, self%elements
-         self%before(i) = system%coupling(1, i)/system%coupling(2, i - 1)
-         self%after(i - 1) = system%coupling(3, i - 1)/system%coupling(2, i)
+         self%before(:, i) = system%coupling(1, i)/system%coupling(2, i - 1)
+         self%after(:, i - 1) = system%coupling(3, i - 1)/system%coupling(2, i)
       end do
       self%binomial = 0
       do k = 0, most
@@ -128,11 +132,14 @@ contains
    subroutine start(self, frequency, refinement)
       class(propagator_type), intent(inout) :: self
       real(dp), intent(in) :: frequency, refinement
+      integer :: n
 
       self%frequency = frequency
       self%band = refinement*max(self%fastest + sidebands*self%highest_order*frequency, &
                                  self%fastest_mesh + mesh_sidebands*self%highest_order*frequency)
-      self%damper = -self%system%coupling(2, :)*self%system%damping/self%band
+      do n = 1, self%elements
+         self%damper(:, n) = -self%system%coupling(2, n)*self%system%damping(n)/self%band
+      end do
       call self%restart()
    end subroutine start
 
@@ -143,7 +150,7 @@ contains
 
       self%x = 0
       do i = 1, self%states
-         self%x(mod(i - 1, width) + 1, i, (i - 1)/width + 1) = 1
+         self%x(mod(i - 1, self%width) + 1, i, (i - 1)/self%width + 1) = 1
       end do
    end subroutine restart
 
@@ -156,7 +163,7 @@ contains
       associate (m => self%elements)
          do n = 1, self%states
             do i = 1, self%states
-               transposed(i, n) = self%x(mod(i - 1, width) + 1, n, (i - 1)/width + 1)
+               transposed(i, n) = self%x(mod(i - 1, self%width) + 1, n, (i - 1)/self%width + 1)
             end do
          end do
          transposed(:m, m + 1:) = transposed(:m, m + 1:)*self%band
@@ -173,15 +180,15 @@ contains
       integer :: i, j, n, steps
 
       if (.not. to > from) return
-      associate (w => self%system%coupling)
-         self%spring = -w(2, :)/self%band**2
-         self%terms = 0
-         do j = 1, self%system%meshes
-            n = self%system%mesh_element(j)
-            if (size(self%system%mesh_stiffness(j)%amplitude) > 0 .and. contact(j) /= 0) self%terms(j) = 1
-            if (contact(j) == 0 .or. self%terms(j) == 1) self%spring(n) = 0
-         end do
-      end associate
+      do n = 1, self%elements
+         self%spring(:, n) = -self%system%coupling(2, n)/self%band**2
+      end do
+      self%terms = 0
+      do j = 1, self%system%meshes
+         if (contact(j) /= 0 .and. size(self%system%mesh_stiffness(j)%amplitude) == 0) cycle
+         self%spring(:, self%system%mesh_element(j)) = 0
+         if (contact(j) /= 0) self%terms(j) = 1
+      end do
       limit = longest/self%band
       if (any(self%terms > 0)) limit = min(limit, longest_kappa/(self%frequency*self%highest_order))
       steps = ceiling((to - from)/limit*(1 - 1e-12_dp))
@@ -195,23 +202,24 @@ contains
       class(propagator_type), intent(inout) :: self
       real(dp), intent(in) :: time, h
       real(dp) :: power
-      integer :: series, degree, i, j, k
+      integer :: series, degree, most, i, j, k
 
       series = self%motion%index_of(h*self%band)
       degree = self%motion%degree(series)
+      most = ubound(self%weight, 1)
       power = 1
       do k = 0, degree
          self%weight(k) = self%motion%coefficient(k, series)*power
          power = power*h*self%band
       end do
-      self%weight(degree + 1:) = 0
       do j = 1, self%system%meshes
          if (self%terms(j) > 0) call self%expand_kappa(j, time, h, degree)
       end do
       do i = 1, size(self%x, 3)
-         call recur(self%elements, self%system%meshes, degree, ubound(self%weight, 1), self%system%mesh_element, self%terms, &
-                    self%spring, self%damper, self%before, self%after, self%leibniz, self%x(:, :, i), self%derivative)
-         call add_up(self%elements, degree, ubound(self%weight, 1), self%weight, self%derivative, self%x(:, :, i))
+         call find_derivatives(self%width, self%elements, self%system%meshes, degree, most, self%system%mesh_element, self%terms, &
+                               self%spring, self%damper, self%before, self%after, self%leibniz, self%x(:, :, i), &
+                               self%derivative)
+         call add_up(self%width*self%elements, degree, most, self%weight, self%derivative, self%x(:, :, i))
       end do
    end subroutine step
 
@@ -260,55 +268,5 @@ contains
       end do
       self%terms(mesh) = last + 1
    end subroutine expand_kappa
-
-   !> Derivatives of one block of columns: psi = -W_nn (kappa p + gamma p'), p'' = psi(n) + before psi(n-1) + after psi(n+1).
-   pure subroutine recur(elements, meshes, degree, most_degree, mesh_element, terms, spring, damper, before, after, leibniz, x, p)
-      integer, intent(in) :: elements, meshes, degree, most_degree, mesh_element(meshes), terms(meshes)
-      real(dp), intent(in), dimension(elements) :: spring, damper, before, after
-      real(dp), intent(in) :: leibniz(0:most_terms - 1, 0:most_degree, meshes), x(width, 2*elements)
-      real(dp), intent(inout) :: p(width, elements, 1 - most_terms:most_degree + 1)
-      real(dp) :: psi(width, 0:elements + 1)
-      integer :: j, k, l, n
-
-      p(:, :, 0) = x(:, :elements)
-      p(:, :, 1) = x(:, elements + 1:)
-      psi(:, 0) = 0
-      psi(:, elements + 1) = 0
-      do k = 0, degree - 1
-         do n = 1, elements
-            psi(:, n) = spring(n)*p(:, n, k) + damper(n)*p(:, n, k + 1)
-         end do
-         do j = 1, meshes
-            n = mesh_element(j)
-            do l = 0, terms(j) - 1, chunk
-               psi(:, n) = psi(:, n) + leibniz(l, k, j)*p(:, n, k - l) + leibniz(l + 1, k, j)*p(:, n, k - l - 1) &
-                           + leibniz(l + 2, k, j)*p(:, n, k - l - 2) + leibniz(l + 3, k, j)*p(:, n, k - l - 3)
-            end do
-         end do
-         do n = 1, elements
-            p(:, n, k + 2) = psi(:, n) + before(n)*psi(:, n - 1) + after(n)*psi(:, n + 1)
-         end do
-      end do
-   end subroutine recur
-
-   !> The end of the step: weighted sums of the derivatives of p and, one place on, of p'.
-   pure subroutine add_up(elements, degree, most_degree, weight, p, x)
-      integer, intent(in) :: elements, degree, most_degree
-      real(dp), intent(in) :: weight(0:most_degree), p(width, elements, 1 - most_terms:most_degree + 1)
-      real(dp), intent(out) :: x(width, 2*elements)
-      real(dp) :: displacement(width), velocity(width)
-      integer :: k, n
-
-      do n = 1, elements
-         displacement = weight(0)*p(:, n, 0)
-         velocity = weight(0)*p(:, n, 1)
-         do k = 1, degree
-            displacement = displacement + weight(k)*p(:, n, k)
-            velocity = velocity + weight(k)*p(:, n, k + 1)
-         end do
-         x(:, n) = displacement
-         x(:, elements + n) = velocity
-      end do
-   end subroutine add_up
 
 end module geartrain_stability_propagator
