@@ -1,8 +1,9 @@
 !> Floquet multipliers of a periodic motion from its monodromy matrix, integrated piece by piece between contact events.
 !> Liouville's formula, det M = exp(-T sum over n of W_nn gamma_n), whatever the contacts, checks every one of them.
 module geartrain_stability_monodromy
+   use geartrain_base_elimination, only: factor_matrix
    use geartrain_base_kinds, only: dp, pi
-   use geartrain_base_lapack, only: dgeev, dgemm, dgetrf
+   use geartrain_base_lapack, only: dgeev, dgemm
    use geartrain_model_system, only: system_type
    use geartrain_motion_balance, only: balance_type
    use geartrain_stability_propagator, only: propagator_type
@@ -149,7 +150,7 @@ contains
       n = self%states
       call self%propagator%get(self%piece)
       self%factors = self%piece
-      call dgetrf(n, n, self%factors, n, self%pivot, info)
+      call factor_matrix(n, self%factors, self%pivot, info)
       log_determinant = 0
       do i = 1, n
          log_determinant = log_determinant + log(max(abs(self%factors(i, i)), tiny(1.0_dp)))
