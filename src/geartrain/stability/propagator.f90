@@ -85,7 +85,7 @@ contains
       self%fastest_decay = largest_eigenvalue(system, system%damping)
       aspect = min(0.6_dp, max(0.1_dp, 2*self%fastest_decay/self%fastest))
       self%fastest = hypot(self%fastest, self%fastest_decay/aspect)
-      call self%motion%setup([(longest*i/8, i=1, 8)], aspect, tolerance)
+      call self%motion%setup([(longest*i/16, i=1, 16)], aspect, tolerance)
       call self%kappa%setup([(0.05_dp*1.5_dp**i, i=0, 11)], 0.0_dp, tolerance)
       most = maxval(self%motion%degree)
       if (allocated(self%x)) deallocate (self%x, self%binomial, self%leibniz, self%derivative, self%weight, self%before, &
