@@ -86,18 +86,30 @@ contains
       end do
       do k = 1, n - 1
          do i = k + 1, n
-            rows(:, i) = rows(:, i) - a(i, k)*rows(:, k)
+            call subtract(columns, a(i, k), rows(:, k), rows(:, i))
          end do
       end do
       do k = n, 1, -1
          held = 1/a(k, k)
          rows(:, k) = held*rows(:, k)
          do i = 1, k - 1
-            rows(:, i) = rows(:, i) - a(i, k)*rows(:, k)
+            call subtract(columns, a(i, k), rows(:, k), rows(:, i))
          end do
       end do
       b = transpose(rows)
    end subroutine solve_factored
+
+   pure subroutine subtract(columns, factor, row, from)
+      integer, intent(in) :: columns
+      real(dp), intent(in) :: factor, row(columns)
+      real(dp), intent(inout) :: from(columns)
+      integer :: i
+
+      !GCC$ unroll 1
+      do i = 1, columns
+         from(i) = from(i) - factor*row(i)
+      end do
+   end subroutine subtract
 
    pure subroutine solve_column(n, a, pivot, b)
       integer, intent(in) :: n, pivot(n)

@@ -1,9 +1,10 @@
 !> Floquet multipliers of a periodic motion from its monodromy matrix, integrated piece by piece between contact events.
 !> Liouville's formula, det M = exp(-T sum over n of W_nn gamma_n), whatever the contacts, checks every one of them.
 module geartrain_stability_monodromy
+   use geartrain_base_eigenvalues, only: find_eigenvalues
    use geartrain_base_elimination, only: factor_matrix
    use geartrain_base_kinds, only: dp, pi
-   use geartrain_base_lapack, only: dgeev, dgemm
+   use geartrain_base_lapack, only: dgemm
    use geartrain_model_system, only: system_type
    use geartrain_motion_balance, only: balance_type
    use geartrain_stability_propagator, only: propagator_type
@@ -180,17 +181,15 @@ contains
       call eigenvalues(self%product, values)
    end subroutine multipliers
 
-   !> Eigenvalues of a matrix (destroyed), largest magnitude first; NaN if LAPACK does not converge.
+   !> Eigenvalues of a matrix (destroyed), largest magnitude first; NaN where they do not converge.
    subroutine eigenvalues(matrix, values)
       use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
       real(dp), intent(inout) :: matrix(:, :)
       complex(dp), intent(out) :: values(:)
-      real(dp) :: wr(size(values)), wi(size(values)), work(8*size(values)), empty(1, 1)
       complex(dp) :: held
       integer :: info, i, j
 
-      call dgeev('N', 'N', size(values), matrix, size(values), wr, wi, empty, 1, empty, 1, work, size(work), info)
-      values = cmplx(wr, wi, dp)
+      call find_eigenvalues(size(values), matrix, values, info)
       if (info /= 0) values = ieee_value(0.0_dp, ieee_quiet_nan)
       do i = 2, size(values)
          held = values(i)

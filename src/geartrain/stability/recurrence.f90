@@ -49,6 +49,7 @@ contains
       real(dp), intent(inout) :: psi(width)
       integer :: i, n
 
+      !GCC$ unroll 1
       do i = 1, width, 2
          n = first + i
          psi(i:i + 1) = psi(i:i + 1) + c(0)*p(n:n + 1, 7) + c(1)*p(n:n + 1, 6) + c(2)*p(n:n + 1, 5) + c(3)*p(n:n + 1, 4) &
