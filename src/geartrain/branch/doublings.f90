@@ -1,21 +1,18 @@
 !> All branches that follow from the period doublings of a branch, generation by generation.
 module geartrain_branch_doublings
    use geartrain_base_error, only: error_type
-   use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
    use geartrain_branch_branch, only: branch_type, response_settings_type
-   use geartrain_branch_doubling, only: period_doubled
+   use geartrain_branch_doubling, only: trace_doubled
+   use geartrain_branch_doubling_point, only: find_doubling, same_doubling
+   use geartrain_branch_path, only: place_type
    use geartrain_branch_variables, only: settings_for
+   use geartrain_model_check, only: check_train
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
    public :: follow_doublings, add_branch
-
-   !> A doubled branch ends at that doubling of its parent which is this close in the metric of the branch. The truncated balance
-   !> and the monodromy do not place a doubling alike: measured on figure 12 and on a single pair with kappa = 0.6 they are 2e-6
-   !> to 9e-4 apart with 6 harmonics or more, 0.02 with 3; different doublings are 0.15 apart or more.
-   real(dp), parameter :: same_place = 0.05_dp
 
 contains
 
@@ -34,44 +31,66 @@ contains
       integer :: generation, first, last, i
 
       if (.not. allocated(branches)) allocate (branches(0))
+      call check_train(train, error)
+      if (allocated(error)) return
       last = size(branches)
       if (settings%period_doublings > 0) &
-         call follow(train, settings, branch, 'the response', branches, error, observer)
+         call follow(train, settings, branch, 'the response', branches, observer)
       do generation = 2, settings%period_doublings
          first = last + 1
          last = size(branches)
          do i = first, last
-            if (allocated(error) .or. branches(size(branches))%cancelled) return
+            if (branches(size(branches))%cancelled) return
             ! A copy, because the list moves when it grows.
             parent = branches(i)
-            call follow(train, settings_for(settings, parent%subharmonic), parent, 'branch '//text(i), branches, error, observer)
+            call follow(train, settings_for(settings, parent%subharmonic), parent, 'branch '//text(i), branches, observer)
          end do
       end do
    end subroutine follow_doublings
 
    !> One generation: the branches that leave `parent`.
-   subroutine follow(train, settings, parent, name, branches, error, observer)
+   subroutine follow(train, settings, parent, name, branches, observer)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
       type(branch_type), intent(in) :: parent
       character(*), intent(in) :: name
       type(branch_type), allocatable, intent(inout), target :: branches(:)
-      type(error_type), allocatable, intent(inout) :: error
       class(observer_type), intent(inout), optional :: observer
-      logical :: met(size(parent%special_points))
-      integer :: i, n
+      !> Where the branches so far begin and end.
+      type(place_type) :: known(2*size(parent%special_points)), place
+      logical :: found, met
+      integer :: i, n, count
 
-      met = .false.
+      count = 0
       do i = 1, size(parent%special_points)
-         if (parent%special_points(i)%kind /= 'period doubling' .or. met(i)) cycle
+         if (parent%special_points(i)%kind /= 'period doubling') cycle
+         call find_doubling(train, settings, parent, i, place, found)
+         if (found) then
+            if (is_known(place, known(:count), parent%subharmonic)) cycle
+            count = count + 1
+            known(count) = place
+         end if
          call add_branch(branches, 'period doubling of '//name//' at Lambda = '//text(parent%special_points(i)%frequency))
          n = size(branches)
-         call period_doubled(train, settings, parent, i, branches(n), error, observer)
-         if (allocated(error)) return
+         call trace_doubled(train, settings, parent, i, place, found, branches(n), observer, met)
          if (branches(n)%cancelled) return
-         call mark_end(parent, branches(n), i, met)
+         if (.not. met) cycle
+         count = count + 1
+         known(count) = place
       end do
    end subroutine follow
+
+   pure logical function is_known(place, known, period)
+      type(place_type), intent(in) :: place, known(:)
+      integer, intent(in) :: period
+      integer :: i
+
+      is_known = .false.
+      do i = 1, size(known)
+         is_known = same_doubling(place, known(i), period)
+         if (is_known) return
+      end do
+   end function is_known
 
    !> Room for one more branch.
    subroutine add_branch(branches, origin)
@@ -87,80 +106,5 @@ contains
       longer(size(longer))%origin = origin
       call move_alloc(longer, branches)
    end subroutine add_branch
-
-   !> Marks the doubling of `parent`, other than number `start`, at which `doubled` ends, if it does.
-   subroutine mark_end(parent, doubled, start, met)
-      type(branch_type), intent(in) :: parent, doubled
-      integer, intent(in) :: start
-      logical, intent(inout) :: met(:)
-      real(dp) :: here(size(parent%coefficients, 1), parent%meshes), place(size(parent%coefficients, 1), parent%meshes)
-      real(dp) :: share, frequency, away, nearest
-      integer :: i, closest
-
-      call meeting(doubled, share, frequency, here)
-      if (share < 0) return
-      nearest = same_place
-      closest = 0
-      do i = 1, size(met)
-         if (i == start .or. parent%special_points(i)%kind /= 'period doubling') cycle
-         call between(parent, i, place)
-         away = sqrt(sum((place(1, :) - here(1, :))**2) + 0.5_dp*sum((place(2:, :) - here(2:, :))**2) &
-                     + (parent%special_points(i)%frequency - frequency)**2)
-         if (away > nearest) cycle
-         nearest = away
-         closest = i
-      end do
-      if (closest > 0) met(closest) = .true.
-   end subroutine mark_end
-
-   !> Where the odd harmonics vanish between the last two points of a branch, and the even ones there, which are all the
-   !> harmonics of the branch of half the period; share < 0 where they do not vanish.
-   pure subroutine meeting(branch, share, frequency, coefficients)
-      type(branch_type), intent(in) :: branch
-      real(dp), intent(out) :: share, frequency, coefficients(:, :)
-      real(dp) :: product, before, after
-      integer :: j, k, n
-
-      share = -1
-      frequency = 0
-      coefficients = 0
-      n = branch%points
-      if (n < 2) return
-      product = 0
-      before = 0
-      after = 0
-      do k = 1, branch%harmonics, 2
-         associate (a => branch%coefficients(2*k:2*k + 1, :, n - 1), b => branch%coefficients(2*k:2*k + 1, :, n))
-            product = product + sum(a*b)
-            before = before + sum(a**2)
-            after = after + sum(b**2)
-         end associate
-      end do
-      if (product >= 0) return
-      share = sqrt(before)/(sqrt(before) + sqrt(after))
-      frequency = (1 - share)*branch%frequency(n - 1) + share*branch%frequency(n)
-      coefficients(1, :) = (1 - share)*branch%coefficients(1, :, n - 1) + share*branch%coefficients(1, :, n)
-      do j = 1, min((size(coefficients, 1) - 1)/2, branch%harmonics/2)
-         k = 2*j
-         coefficients(2*j:2*j + 1, :) = (1 - share)*branch%coefficients(2*k:2*k + 1, :, n - 1) &
-                                        + share*branch%coefficients(2*k:2*k + 1, :, n)
-      end do
-   end subroutine meeting
-
-   !> The coefficients of a branch at its special point number i, which lies between two points.
-   pure subroutine between(branch, i, coefficients)
-      type(branch_type), intent(in) :: branch
-      integer, intent(in) :: i
-      real(dp), intent(out) :: coefficients(:, :)
-      real(dp) :: share
-      integer :: point
-
-      point = branch%special_points(i)%point
-      share = 0
-      associate (a => branch%frequency(point), b => branch%frequency(point + 1))
-         if (abs(b - a) > 0) share = (branch%special_points(i)%frequency - a)/(b - a)
-      end associate
-      coefficients = (1 - share)*branch%coefficients(:, :, point) + share*branch%coefficients(:, :, point + 1)
-   end subroutine between
 
 end module geartrain_branch_doublings

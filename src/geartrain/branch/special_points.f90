@@ -6,7 +6,8 @@ module geartrain_branch_special_points
    use geartrain_stability_monodromy, only: monodromy_type, neutral
    implicit none (type, external)
    private
-   public :: locate_fold, locate_stability_change, add_special_point, unstable_count
+   public :: locate_fold, locate_half_period, locate_stability_change, add_special_point, unstable_count, odd_product
+   public :: between, shrink
 
    integer, parameter :: max_steps = 30
 
@@ -36,6 +37,45 @@ contains
          if (b - a < 1e-6_dp*h) return
       end do
    end subroutine locate_fold
+
+   !> The place between `here` and the point a distance h further where the odd harmonics vanish: there the branch meets that of
+   !> half its period, to 1e-6 of what they are `here`.
+   subroutine locate_half_period(path, here, next, h, place, success)
+      type(path_type), intent(inout) :: path
+      type(place_type), intent(in) :: here, next
+      real(dp), intent(in) :: h
+      type(place_type), intent(inout) :: place
+      logical, intent(out) :: success
+      real(dp) :: a, b, fa, fb, f, s, scale
+      integer :: i, kept
+
+      kept = 0
+      a = 0
+      b = h
+      scale = odd_product(path, here, here)
+      fa = scale
+      fb = odd_product(path, here, next)
+      do i = 1, max_steps
+         s = between(a, b, fa, fb)
+         call path%advance(here, s, place, success)
+         if (.not. success) return
+         f = odd_product(path, here, place)
+         if (abs(f) < 1e-6_dp*scale) return
+         call shrink(a, b, fa, fb, s, f, kept)
+      end do
+   end subroutine locate_half_period
+
+   !> Inner product of the odd harmonics of two places.
+   pure real(dp) function odd_product(path, here, next)
+      type(path_type), intent(in) :: path
+      type(place_type), intent(in) :: here, next
+      integer :: k
+
+      odd_product = 0
+      do k = 1, size(path%balance%harmonic), 2
+         odd_product = odd_product + sum(here%u(2*k:2*k + 1, :)*next%u(2*k:2*k + 1, :))
+      end do
+   end function odd_product
 
    !> Number of multipliers outside the unit circle.
    pure integer function unstable_count(multipliers)

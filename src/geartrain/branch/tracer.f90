@@ -7,7 +7,8 @@ module geartrain_branch_tracer
    use geartrain_branch_branch, only: branch_type, response_settings_type
    use geartrain_branch_path, only: inner, path_type, place_type
    use geartrain_branch_recorder, only: recorder_type
-   use geartrain_branch_special_points, only: add_special_point, locate_fold, locate_stability_change, unstable_count
+   use geartrain_branch_special_points, only: add_special_point, locate_fold, locate_half_period, locate_stability_change, &
+                                             odd_product, unstable_count
    use geartrain_model_system, only: system_type
    use geartrain_motion_truncation, only: truncation_error
    implicit none (type, external)
@@ -100,7 +101,7 @@ contains
 
    !> Follows the branch from `here` (solved, oriented, already a point of the branch) within [low, high]. Of the two bounds
    !> `target` is the end and the other one a return. `here` becomes the place where the
-   !> branch left by the amplitude limit, if it did.
+   !> branch left by the amplitude limit, or met that of half its period, if it did.
    subroutine trace(self, here, low, high, target, branch, outcome, reason, observer)
       class(tracer_type), intent(inout) :: self
       type(place_type), intent(inout) :: here
@@ -165,6 +166,9 @@ contains
          if (passes_half_period(self, here, next)) then
             outcome = met_half_period
             reason = 'met the branch of half its period at Lambda = '//text(next%frequency)
+            call locate_half_period(self%path, here, next, h, origin, success)
+            if (.not. success) origin = next
+            here = origin
             return
          end if
          mesh = maxloc(branch%rms(:, branch%points), 1)
@@ -213,16 +217,9 @@ contains
    pure logical function passes_half_period(self, here, next)
       class(tracer_type), intent(in) :: self
       type(place_type), intent(in) :: here, next
-      real(dp) :: product
-      integer :: k
 
-      passes_half_period = .false.
-      if (mod(self%settings%subharmonic, 2) /= 0) return
-      product = 0
-      do k = 1, size(self%path%balance%harmonic), 2
-         product = product + sum(here%u(2*k:2*k + 1, :)*next%u(2*k:2*k + 1, :))
-      end do
-      passes_half_period = product < 0
+      passes_half_period = mod(self%settings%subharmonic, 2) == 0
+      if (passes_half_period) passes_half_period = odd_product(self%path, here, next) < 0
    end function passes_half_period
 
    !> Whether Lambda turns between two points. Where a branch leaves vertically (a period-2 branch does, until contact is lost)
