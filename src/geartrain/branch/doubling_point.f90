@@ -4,7 +4,8 @@
 !> a step from the place of the one misses the branch of the other. So the balance's own doubling is found: with J the Jacobian of
 !> the balance of twice the period, at a motion of the single one, the solution v, g of
 !>    [J b; c 0] [v; g] = [0; 1],   b and c on the odd harmonics, which the motion lacks,
-!> has g = 0 exactly where J is singular on the odd harmonics, and v is the critical vector there.
+!> has g = 0 exactly where J is singular on the odd harmonics, and v is the critical vector there. Where the bordered matrix is
+!> singular g has a pole; it is far away when b and c are near to the left and right critical vectors.
 module geartrain_branch_doubling_point
    use geartrain_base_kinds, only: dp, pi
    use geartrain_branch_branch, only: branch_type, response_settings_type
@@ -41,6 +42,7 @@ contains
       logical, intent(out) :: success
       type(tracer_type) :: single, double
       type(place_type) :: side(2), next
+      real(dp), allocatable :: border(:, :, :)
       real(dp) :: g(2), step(2), way(2), g_next, h
       logical :: open_end(2)
       integer :: i, k
@@ -58,7 +60,8 @@ contains
       side(2) = side(1)
       side(2)%tangent = -side(1)%tangent
       side(2)%tangent_frequency = -side(1)%tangent_frequency
-      call test_function(double, single, side(1), g(1), place)
+      call find_borders(double, single, side(1), border)
+      call test_function(double, single, side(1), border, g(1), place)
       g(2) = g(1)
       step = h
       way = 0
@@ -74,9 +77,9 @@ contains
             open_end(k) = step(k) > 1e-6_dp
             cycle
          end if
-         call test_function(double, single, next, g_next, place)
+         call test_function(double, single, next, border, g_next, place)
          if (g_next*g(k) <= 0) then
-            call find_zero(double, single, side(k), step(k), g(k), g_next, place, success)
+            call find_zero(double, single, border, side(k), step(k), g(k), g_next, place, success)
             if (success) return
          end if
          way(k) = way(k) + step(k)
@@ -128,8 +131,9 @@ contains
    end subroutine told_place
 
    !> The zero of g between `here` and the place `h` further.
-   subroutine find_zero(double, single, here, h, g_here, g_next, place, success)
+   subroutine find_zero(double, single, border, here, h, g_here, g_next, place, success)
       type(tracer_type), intent(inout) :: double, single
+      real(dp), intent(in) :: border(:, :, :)
       type(place_type), intent(in) :: here
       real(dp), intent(in) :: h, g_here, g_next
       type(place_type), intent(inout) :: place
@@ -148,7 +152,7 @@ contains
          s = between(a, b, ga, gb)
          call single%path%advance(here, s, middle, success)
          if (.not. success) return
-         call test_function(double, single, middle, g, place)
+         call test_function(double, single, middle, border, g, place)
          success = abs(g) < 1e-10_dp*scale
          if (success) return
          call shrink(a, b, ga, gb, s, g, kept)
@@ -158,19 +162,53 @@ contains
       success = abs(g) < 1e-3_dp*scale
    end subroutine find_zero
 
-   !> g and, in `place`, the motion `here` in the balance of twice the period with the vector v of unit length as its tangent.
-   !> Where the bordered matrix is singular g is huge.
-   subroutine test_function(double, single, here, g, place)
+   !> b and c for the test function near `here`, (block, unknowns, 2): unit vectors, made from the bordered matrix with two others.
+   subroutine find_borders(double, single, here, border)
       type(tracer_type), intent(inout) :: double, single
       type(place_type), intent(in) :: here
+      real(dp), allocatable, intent(out) :: border(:, :, :)
+      type(place_type) :: place
+      real(dp) :: g, unit(double%path%balance%block, double%path%balance%unknowns)
+      integer :: i, k, l
+
+      associate (balance => double%path%balance)
+         allocate (border(balance%block, balance%unknowns, 2), source=0.0_dp)
+         do k = 1, size(balance%harmonic), 2
+            border(2*k, :, :) = 1.0_dp/balance%harmonic(k)
+            border(2*k + 1, :, :) = 0.7_dp/balance%harmonic(k)
+         end do
+         call test_function(double, single, here, border, g, place)
+         if (.not. g < huge(1.0_dp)) return
+         ! The last unknown, for each unit vector on the right, is the left vector's component.
+         border = 0
+         do i = 1, balance%unknowns
+            do k = 1, size(balance%harmonic), 2
+               do l = 2*k, 2*k + 1
+                  unit = 0
+                  unit(l, i) = 1
+                  call double%path%matrix%solve(unit, border(l, i, 1))
+               end do
+               border(2*k:2*k + 1, i, 2) = place%tangent(2*k:2*k + 1, i)
+            end do
+         end do
+      end associate
+      border(:, :, 1) = border(:, :, 1)/norm2(border(:, :, 1))
+      border(:, :, 2) = border(:, :, 2)/norm2(border(:, :, 2))
+   end subroutine find_borders
+
+   !> g and, in `place`, the motion `here` in the balance of twice the period with the vector v of unit length as its tangent.
+   !> Where the bordered matrix is singular g is huge.
+   subroutine test_function(double, single, here, border, g, place)
+      type(tracer_type), intent(inout) :: double, single
+      type(place_type), intent(in) :: here
+      !> b and c.
+      real(dp), intent(in) :: border(:, :, :)
       real(dp), intent(out) :: g
       type(place_type), intent(inout) :: place
-      real(dp) :: length
-      integer :: i, k, r, info
+      integer :: k, r, info
 
       associate (balance => double%path%balance, matrix => double%path%matrix, harmonic => single%path%balance%harmonic)
-         if (allocated(place%u)) deallocate (place%u)
-         if (allocated(place%tangent)) deallocate (place%tangent)
+         if (allocated(place%u)) deallocate (place%u, place%tangent)
          allocate (place%u(balance%block, balance%unknowns), place%tangent(balance%block, balance%unknowns), source=0.0_dp)
          place%u(1, :) = here%u(1, :)
          do k = 1, size(harmonic)
@@ -182,23 +220,16 @@ contains
          place%orientation = 0
          call balance%evaluate(place%u, place%frequency)
          call balance%jacobian(matrix)
-         do i = 1, balance%unknowns
-            do k = 1, size(balance%harmonic), 2
-               place%tangent(2*k:2*k + 1, i) = [1.0_dp, 0.7_dp]/balance%harmonic(k)
-            end do
-         end do
-         matrix%column = place%tangent
-         matrix%row = place%tangent
+         matrix%column = border(:, :, 1)
+         matrix%row = border(:, :, 2)
          matrix%corner = 0
          call matrix%factor(info)
          g = huge(1.0_dp)
          if (info /= 0) return
-         place%tangent = 0
          g = 1
          call matrix%solve(place%tangent, g)
       end associate
-      length = sqrt(inner(place%tangent, place%tangent))
-      place%tangent = place%tangent/length
+      place%tangent = place%tangent/sqrt(inner(place%tangent, place%tangent))
    end subroutine test_function
 
    !> Whether two motions of the balance of twice the period `period` (odd harmonics aside) are one, or the same some mesh periods
