@@ -376,26 +376,30 @@ subroutine motions_sizes(handle, kind, sizes)
 end subroutine motions_sizes
 
 ! terms (1 + 2*harmonics), meshes, states, multipliers, period, stable; 0 where not allocated. Places count from 1.
+! A motion that ran away has one term of each mesh.
 subroutine motion_sizes(handle, kind, place, sizes)
    use geartrain, only: motion_type
-   use geartrain_python_box, only: box_of, motion_list
+   use geartrain_python_box, only: box_type, box_of, motion_list
    implicit none
    integer(8), intent(in) :: handle
    integer, intent(in) :: kind, place
    integer, intent(out) :: sizes(6)
+   type(box_type), pointer :: box
    type(motion_type), pointer :: motions(:)
 
-   motions => motion_list(box_of(handle), kind)
-   sizes = 0
+   box => box_of(handle)
+   motions => motion_list(box, kind)
+   sizes = [1, size(box%case%train%meshes), 0, 0, 0, 0]
    if (allocated(motions(place)%coefficients)) sizes(1) = size(motions(place)%coefficients, 1)
-   if (allocated(motions(place)%rms)) sizes(2) = size(motions(place)%rms)
    if (allocated(motions(place)%state)) sizes(3) = size(motions(place)%state)
    if (allocated(motions(place)%multipliers)) sizes(4) = size(motions(place)%multipliers)
    sizes(5:6) = [motions(place)%period, merge(1, 0, motions(place)%stable)]
 end subroutine motion_sizes
 
-! numbers: frequency, error estimate, share; values: rms, mean, minimum, maximum, those of the mesh load (box.f90).
+! numbers: frequency, error estimate, share; values: rms, mean, minimum, maximum, those of the mesh load (box.f90); NaN for a
+! motion that ran away.
 subroutine copy_motion(handle, kind, place, terms, meshes, states, roots, numbers, coefficients, values, state, multipliers)
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain, only: motion_type
    use geartrain_python_box, only: as_values, box_of, motion_list
    implicit none
@@ -408,8 +412,10 @@ subroutine copy_motion(handle, kind, place, terms, meshes, states, roots, number
    motions => motion_list(box_of(handle), kind)
    associate (motion => motions(place))
       numbers = [motion%frequency, motion%error_estimate, motion%share]
-      if (terms > 0) coefficients = motion%coefficients
-      if (meshes > 0) then
+      coefficients = ieee_value(1d0, ieee_quiet_nan)
+      values = ieee_value(1d0, ieee_quiet_nan)
+      if (allocated(motion%coefficients)) then
+         coefficients = motion%coefficients
          values(:, 1) = motion%rms
          values(:, 2) = motion%mean
          values(:, 3) = motion%minimum
@@ -610,25 +616,27 @@ subroutine copy_branch(handle, place, points, meshes, states, terms, numbers, co
    multipliers(2, :, :) = aimag(branch%multipliers(:, :points))
 end subroutine copy_branch
 
-! The inverse of copy_branch; flags: subharmonic, complete, closed, number of special points.
+! The inverse of copy_branch; flags: subharmonic, complete, closed, number of special points, points. Where there are no points
+! the arrays have one that is not read: f2py passes none that are empty.
 subroutine put_branch(handle, place, ended, origin, flags, numbers, coefficients, values, marks, multipliers, &
-                      points, meshes, states, terms)
+                      rows, meshes, states, terms)
    use geartrain, only: branch_type
    use geartrain_python_box, only: as_loads, box_type, box_of, branch_at
    implicit none
    integer(8), intent(in) :: handle
    character(*), intent(in) :: ended, origin
-   integer, intent(in) :: place, points, meshes, states, terms, flags(4), marks(points, 2)
-   double precision, intent(in) :: numbers(points, 2), coefficients(terms, meshes, points), values(meshes, points, 8)
-   double precision, intent(in) :: multipliers(2, states, points)
+   integer, intent(in) :: place, rows, meshes, states, terms, flags(5), marks(rows, 2)
+   double precision, intent(in) :: numbers(rows, 2), coefficients(terms, meshes, rows), values(meshes, rows, 8)
+   double precision, intent(in) :: multipliers(2, states, rows)
    type(box_type), pointer :: box
    type(branch_type), pointer :: branch
-   integer :: i
+   integer :: i, points
 
    box => box_of(handle)
    if (place == 0) allocate (box%results%response)
    branch => branch_at(box, place)
    if (origin /= '') branch%origin = origin
+   points = flags(5)
    branch%points = points
    branch%meshes = meshes
    branch%states = states
@@ -638,13 +646,13 @@ subroutine put_branch(handle, place, ended, origin, flags, numbers, coefficients
    branch%complete = flags(2) == 1
    branch%closed = flags(3) == 1
    allocate (branch%special_points(flags(4)))
-   branch%frequency = numbers(:, 1)
-   branch%error_estimate = numbers(:, 2)
-   branch%coefficients = coefficients
-   branch%rms = values(:, :, 1)
-   branch%mean = values(:, :, 2)
-   branch%minimum = values(:, :, 3)
-   branch%maximum = values(:, :, 4)
+   branch%frequency = numbers(:points, 1)
+   branch%error_estimate = numbers(:points, 2)
+   branch%coefficients = coefficients(:, :, :points)
+   branch%rms = values(:, :points, 1)
+   branch%mean = values(:, :points, 2)
+   branch%minimum = values(:, :points, 3)
+   branch%maximum = values(:, :points, 4)
    allocate (branch%mesh_load(meshes, points))
    do i = 1, points
       branch%mesh_load(:, i) = as_loads(values(:, i, 5:))
@@ -652,10 +660,10 @@ subroutine put_branch(handle, place, ended, origin, flags, numbers, coefficients
    associate (train => box%case%train)
       branch%backlash = train%meshes%half_backlash/train%characteristic_length
    end associate
-   branch%part = marks(:, 1)
+   branch%part = marks(:points, 1)
    if (states == 0) return
-   branch%stable = marks(:, 2) == 1
-   branch%multipliers = cmplx(multipliers(1, :, :), multipliers(2, :, :), kind(0d0))
+   branch%stable = marks(:points, 2) == 1
+   branch%multipliers = cmplx(multipliers(1, :, :points), multipliers(2, :, :points), kind(0d0))
 end subroutine put_branch
 
 ! The special point number `special` of the branch at `place`; point counts from 1, as in Fortran; the kinds are the text

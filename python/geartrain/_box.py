@@ -199,17 +199,18 @@ class Box:
 
     def put_branch(self, branch: Branch, place: int = 0) -> None:
         stable = np.zeros(len(branch), bool) if branch.stable is None else branch.stable
+        roots = np.zeros((len(branch), 0)) if branch.multipliers is None else branch.multipliers
         fortran.put_branch(
             self.handle,
             place,
             branch.ended.encode(),
             branch.origin.encode(),
-            [branch.subharmonic, branch.complete, branch.closed, len(branch.special_points)],
-            np.stack([branch.frequency, np.nan_to_num(branch.error_estimate, nan=-1.0)], axis=1),
-            branch.coefficients.T,
-            _in_columns(branch),
-            np.stack([branch.part, stable], axis=1),
-            np.zeros((2, 0, len(branch))) if branch.multipliers is None else _pairs(branch.multipliers),
+            [branch.subharmonic, branch.complete, branch.closed, len(branch.special_points), len(branch)],
+            _some(np.stack([branch.frequency, np.nan_to_num(branch.error_estimate, nan=-1.0)], axis=1)),
+            _some(branch.coefficients).T,
+            _some(_in_columns(branch).swapaxes(0, 1)).swapaxes(0, 1),
+            _some(np.stack([branch.part, stable], axis=1)),
+            _pairs(_some(roots).astype(complex)),
         )
         for number, special in enumerate(branch.special_points, 1):
             fortran.put_special(
@@ -245,6 +246,11 @@ def _complex(pairs: Array) -> NDArray[np.complex128]:
 def _pairs(values: NDArray[np.complex128]) -> Array:
     """The inverse of ``_complex``, in Fortran's order of dimensions."""
     return np.ascontiguousarray(values)[..., np.newaxis].view(np.float64).T
+
+
+def _some(rows: NDArray[Any]) -> NDArray[Any]:
+    """One row of zeros for none: f2py passes no empty array."""
+    return rows if len(rows) else np.zeros((1, *rows.shape[1:]), rows.dtype)
 
 
 def _known(value: float) -> float:

@@ -30,6 +30,9 @@ STYLE: dict[str, Any] = {
 def runs(stable: ArrayLike | None, part: ArrayLike) -> Iterator[tuple[slice, bool]]:
     """Pieces of one stability, each up to the first point of the next piece of the same part."""
     part = np.asarray(part)
+    if not part.size:  # an empty piece, which has a name and a colour
+        yield slice(0, 0), True
+        return
     verdict = np.ones(part.shape, bool) if stable is None else np.asarray(stable, bool)
     new_part = np.flatnonzero(np.diff(part)) + 1
     cuts = np.union1d(new_part, np.flatnonzero(np.diff(verdict)) + 1)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ._box import ATTRACTORS, INTEGRATION, Box, fortran
 from ._draw import check_mesh
-from .errors import InputError
+from .errors import InputError, SolverError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -81,6 +81,11 @@ class Motion:
     error_estimate: float = float("nan")
     share: float = float("nan")
     train: Train | None = field(default=None, repr=False)
+
+    @property
+    def unbounded(self) -> bool:
+        """Whether integration gave it up because it grew without bound: a state, but no figures and no waveform; period 0."""
+        return bool(np.isnan(self.rms).all())
 
     @property
     def time(self) -> Array:
@@ -221,6 +226,8 @@ class Motion:
     def _box(self) -> Box:
         if self.train is None:
             raise ValueError("this motion has no train")
+        if self.unbounded:
+            raise SolverError(f"the motion grows without bound at Lambda = {self.frequency:g}: it has no waveform")
         box = Box(self.train.namelist())
         box.put_motions(self)
         return box
@@ -228,6 +235,8 @@ class Motion:
 
 class Sweep(list[Motion]):
     """Motions over frequency, in the order in which they were visited: a list of `Motion`.
+
+    Where a motion grew without bound (`Motion.unbounded`) its figures are nan, and the sweep goes on from rest.
 
     Attributes
     ----------

@@ -378,6 +378,11 @@ class Train:
         Motion
             Its ``period`` is 0 where none was found.
 
+        Raises
+        ------
+        SolverError
+            Where the motion grows without bound.
+
         Examples
         --------
         >>> motion = train.integrate(frequency=1.92)

@@ -19,8 +19,8 @@ module geartrain_branch_doubling
    private
    public :: period_doubled, trace_doubled
 
-   !> Way along the critical vector to the first point, in the metric of the branch.
-   real(dp), parameter :: first_step = 0.01_dp
+   !> Way along the critical vector to the first point, in the metric of the branch, and the least that is tried.
+   real(dp), parameter :: first_step = 0.01_dp, least_step = 1e-4_dp
 
 contains
 
@@ -72,6 +72,7 @@ contains
       type(tracer_type) :: tracer
       type(branch_type) :: empty
       type(place_type) :: start
+      real(dp) :: h
       integer :: outcome
       logical :: success
 
@@ -88,12 +89,19 @@ contains
       if (.not. found) then
          doubled%ended = 'the balance has no doubling of its own near Lambda = ' &
                          //text(branch%special_points(special)%frequency)//' (more harmonics place it more exactly)'
+         call tracer%recorder%finish(doubled)
          return
       end if
       ! The doubling itself is a singular point; the branch is recorded from a short way along it.
       start = place
-      call tracer%path%advance(start, first_step, place, success)
+      h = first_step
+      do
+         call tracer%path%advance(start, h, place, success)
+         h = h/3
+         if (success .or. h < least_step) exit
+      end do
       if (.not. success) then
+         call tracer%recorder%finish(doubled)
          doubled%ended = 'no branch found along the critical vector at Lambda = '//text(start%frequency)
          return
       end if

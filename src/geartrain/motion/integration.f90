@@ -1,6 +1,6 @@
 !> Time integration to a steady motion, and its period: 1 to 16 mesh periods, else none found.
 module geartrain_motion_integration
-   use geartrain_base_error, only: error_type, fatal
+   use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_observer, only: observer_type
    use geartrain_base_numbers, only: text
@@ -22,13 +22,17 @@ module geartrain_motion_integration
    integer, parameter :: longest_period = 16
    !> Sections that differ by less than this (relative) may still be the same motion converging slowly.
    real(dp), parameter :: clearly_different = 1e-5_dp
+   !> State over the largest of the characteristic length, the resting state and the start beyond which a motion is given up: it
+   !> runs away, in a range of Lambda where the train without separation is unstable.
+   real(dp), parameter :: unbounded = 1e6_dp
    !> Time between two looks at the observer [1].
    real(dp), parameter :: between_looks = 200
 
 contains
 
    !> Integrates from `start` (default: at rest under the mean load) until the motion is steady. motion%period is 0 where no
-   !> period was found within settings%max_periods, and its figures are then those of the last 16 mesh periods.
+   !> period was found within settings%max_periods, and its figures are then those of the last 16 mesh periods. Fails where the
+   !> motion grows without bound.
    subroutine integrate(train, frequency, settings, motion, error, start, observer)
       type(train_type), intent(in) :: train
       !> Lambda [1], > 0.
@@ -54,6 +58,9 @@ contains
          call state_of(system, start, state)
       end if
       call settle(system, frequency, settings, state, motion, observer)
+      if (.not. allocated(motion%coefficients)) &
+         call fatal(error, 'the motion grows without bound at Lambda = '//text(frequency)//': it was given up at a displacement &
+                    &of '//text(maxval(abs(state(:system%elements))))//' characteristic lengths', status_ended_early)
    end subroutine integrate
 
    !> Settings for a single frequency, which takes the place of the range.
@@ -92,7 +99,8 @@ contains
       end if
    end subroutine check_start
 
-   !> Integrates mesh period by mesh period until the section at phase 0 repeats itself; `state` is carried along.
+   !> Integrates mesh period by mesh period until the section at phase 0 repeats itself; `state` is carried along. A motion that
+   !> grows without bound has a state, but neither coefficients nor figures.
    subroutine settle(system, frequency, settings, state, motion, observer, stopped)
       type(system_type), intent(in) :: system
       real(dp), intent(in) :: frequency
@@ -104,6 +112,7 @@ contains
       logical, intent(out), optional :: stopped
       type(flow_type) :: flow
       real(dp) :: section(size(state), 0:2*longest_period)
+      real(dp) :: limit
       integer :: k, period, look
       logical :: keep_going
 
@@ -113,13 +122,14 @@ contains
       section = huge(1.0_dp)
       section(:, 0) = state
       period = 0
+      limit = unbounded*max(1.0_dp, maxval(abs(resting_state(system))), maxval(abs(state)))
       look = max(1, nint(between_looks*frequency/(2*pi)))
       do k = 1, settings%max_periods
          call flow%start(frequency, 0.0_dp)
          call flow%advance(2*pi/frequency)
          section = eoshift(section, -1, dim=2)
          section(:, 0) = flow%x(1, :)
-         if (.not. all(abs(section(:, 0)) < 1e100_dp)) exit
+         if (.not. all(abs(section(:, 0)) < limit)) exit
          call find_period(section, k, settings%tolerance, period)
          if (period > 0) exit
          if (.not. present(observer) .or. mod(k, look) /= 0) cycle
@@ -130,7 +140,7 @@ contains
          exit
       end do
       state = section(:, 0)
-      call describe(system, frequency, settings, state, period, motion)
+      call describe(system, frequency, settings, state, period, all(abs(state) < limit), motion)
    end subroutine settle
 
    !> The smallest period whose section repeats itself to `tolerance`, the remaining error being judged by the rate at
@@ -167,18 +177,19 @@ contains
    end subroutine find_period
 
    !> The motion that starts at `state`.
-   subroutine describe(system, frequency, settings, state, period, motion)
+   subroutine describe(system, frequency, settings, state, period, bounded, motion)
       type(system_type), intent(in) :: system
       real(dp), intent(in) :: frequency, state(:)
       type(integration_settings_type), intent(in) :: settings
       integer, intent(in) :: period
+      logical, intent(in) :: bounded
       type(motion_type), intent(inout) :: motion
       real(dp) :: final(size(state)), monodromy(size(state), size(state))
 
       motion%frequency = frequency
       motion%state = state
       motion%period = merge(period, longest_period, period > 0)
-      if (all(abs(state) < 1e100_dp)) call measure(system, settings%harmonics, motion)
+      if (bounded) call measure(system, settings%harmonics, motion)
       motion%period = period
       if (period == 0) return
       motion%error_estimate = settings%tolerance

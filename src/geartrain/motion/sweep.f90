@@ -18,7 +18,7 @@ module geartrain_motion_sweep
 contains
 
    !> Visits settings%points frequencies between start and stop, upwards, downwards or both. A frequency without a steady
-   !> motion has period 0; the sweep goes on from the state reached.
+   !> motion has period 0; the sweep goes on from the state reached, or from rest where the motion grew without bound.
    subroutine sweep(train, settings, result, error, observer)
       type(train_type), intent(in) :: train
       type(integration_settings_type), intent(in) :: settings
@@ -56,7 +56,7 @@ contains
          if (result%direction(i) == 'down') frequency = low + high - frequency
          call settle(system, frequency, settings, state, result%motions(i), observer, stopped)
          if (stopped) exit
-         if (.not. all(abs(state) < 1e100_dp)) state = resting_state(system)
+         if (.not. allocated(result%motions(i)%coefficients)) state = resting_state(system)
          done = i
          if (.not. present(observer)) cycle
          keep_going = .true.
