@@ -20,6 +20,7 @@ contains
 
       call tests%begin('period doubling')
       call each_branch_once(tests)
+      call doublings_in_pairs(tests)
       call island(tests)
       settings = settings_of(1.2_dp, 2.6_dp, 12)
       call response(paper_train(), settings, once, error)
@@ -90,6 +91,46 @@ contains
       call tests%is_true(index(branches(size(branches))%origin, 'period doubling of branch ') == 1, &
                          branches(size(branches))%origin)
    end subroutine each_branch_once
+
+   !> Every doubling of the two branches of period 2 is one end of one branch of period 4, with few harmonics as with many. Which
+   !> doublings belong together does not depend on the harmonics; the multipliers place them independently of where the branches
+   !> of period 4 begin and end.
+   subroutine doublings_in_pairs(tests)
+      class(tests_type), intent(inout) :: tests
+      type(branch_type) :: once
+      type(branch_type), allocatable :: branches(:)
+      type(response_settings_type) :: settings
+      type(error_type), allocatable :: error
+      !> By the multipliers of 16 harmonics (of Lambda).
+      real(dp), parameter :: pairs(2, 5) = reshape([1.2426_dp, 1.3624_dp, 1.4296_dp, 1.5003_dp, 1.4458_dp, 1.5333_dp, &
+                                                    1.5121_dp, 1.7049_dp, 1.6098_dp, 1.7633_dp], [2, 5])
+      !> Harmonics, and how far they leave the doublings from those places.
+      integer, parameter :: harmonics(3) = [4, 6, 8]
+      real(dp), parameter :: accuracy(3) = [4e-3_dp, 1.5e-3_dp, 1e-3_dp]
+      !> Times that each pair was met.
+      integer :: met(5)
+      real(dp) :: ends(2)
+      integer :: i, j, n
+
+      do i = 1, size(harmonics)
+         settings = settings_of(0.9_dp, 2.6_dp, harmonics(i))
+         settings%period_doublings = 2
+         call response(paper_train(), settings, once, error)
+         if (allocated(branches)) deallocate (branches)
+         call follow_doublings(paper_train(), settings, once, branches, error)
+         met = 0
+         n = 0
+         do j = 1, size(branches)
+            if (branches(j)%subharmonic == 2) n = n + count(branches(j)%special_points%kind == 'period doubling')
+            if (branches(j)%subharmonic /= 4 .or. branches(j)%points < 2) cycle
+            ends = [branches(j)%frequency(1), branches(j)%frequency(branches(j)%points)]
+            where (maxval(abs(pairs - spread([minval(ends), maxval(ends)], 2, 5)), 1) < accuracy(i)) met = met + 1
+         end do
+         call tests%is_true(n == 10, 'ten doublings of the branches of period 2')
+         call tests%is_true(count(branches%subharmonic == 4) == 5 .and. all(met == 1), 'five branches of period 4 join them')
+         call tests%is_true(all(branches%complete), 'each to its end')
+      end do
+   end subroutine doublings_in_pairs
 
    !> A branch through an attractor is traced where it is on none that is known, and only once.
    subroutine island(tests)

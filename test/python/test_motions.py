@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+from dataclasses import replace
 
 import matplotlib
 import numpy as np
@@ -225,6 +226,41 @@ def test_period_doublings(train):
     assert len({line.get_color() for line in lines}) == 1
     assert sum(line.get_linewidth() == 0.8 for line in lines) >= 1
     assert train.response(start=0.9, stop=1.0).branches == []
+
+
+def test_a_branch_without_points(branch, tmp_path):
+    """It reads as empty, and is written, drawn and pickled like any other."""
+    arrays = [name for name, value in vars(branch).items() if isinstance(value, np.ndarray)]
+    empty = replace(branch, special_points=[], ended="nothing found", **{name: getattr(branch, name)[:0] for name in arrays})
+    assert len(empty) == 0 and empty.at(1.6) == [] and empty.peaks(1) == [] and empty.jumps == []
+    for ranges in (empty.bands_without_stability, empty.separation_ranges(1), empty.back_collision_ranges(2, stable=True)):
+        assert ranges.shape == (0, 2)
+    with pytest.raises(gt.InputError, match="mesh = 3"):
+        empty.peaks(3)
+    ax = empty.plot()
+    assert [len(line.get_xdata()) for line in ax.lines] == [0, 0] and len({line.get_color() for line in ax.lines}) == 2
+    with_it = replace(branch, branches=[empty])
+    assert len(with_it.plot(mesh=1).lines) == len(branch.plot(mesh=1).lines) + 1
+    unknown = replace(empty, stable=None, multipliers=None)
+    assert unknown.at(1.6) == [] and unknown.jumps == []
+
+
+def test_a_motion_without_bound(train):
+    """At 1.9 the train in contact is unstable: far out, where the backlash is nothing, so is every motion."""
+    far = np.zeros(10)
+    far[[1, 3]] = 1e3
+    with pytest.raises(gt.SolverError, match=r"grows without bound at Lambda = 1\.9"):
+        train.integrate(1.9, start=far)
+    linear = paper_train(half_backlash=0.0)
+    static = linear.response(start=1.9, stop=1.91).at(1.9)[0]
+    assert not static.stable  # by its multipliers, hence the sweep must run away
+    motions = linear.sweep(start=1.9, stop=2.4, points=2)
+    assert [motion.unbounded for motion in motions] == [True, False] and [motion.period for motion in motions] == [0, 1]
+    assert motions.complete and motions.rms.shape == (2, 2) and np.isnan(motions.rms[0]).all()
+    for ask in (lambda: motions[0].time, lambda: motions[0].displacement, motions[0].refine, motions[0].plot):
+        with pytest.raises(gt.SolverError, match="grows without bound"):
+            ask()
+    assert linear.attractors(1.9, starts=3).unsettled == 1
 
 
 def test_readings_of_a_doubled_branch(train):

@@ -201,16 +201,26 @@ contains
       end do
    end subroutine trace
 
-   !> Whether a step stayed on the branch: a small correction, a small turn, the same orientation.
+   !> Whether a step stayed on the branch: a small correction, a small turn, the same orientation, and not a jump onto the branch of
+   !> half the period, which it crosses.
    logical function acceptable(self, here, next, h)
       class(tracer_type), intent(in) :: self
       type(place_type), intent(in) :: here, next
       real(dp), intent(in) :: h
 
       acceptable = self%path%correction < correction_limit .and. cosine(here, next) > cosine_limit
+      if (mod(self%settings%subharmonic, 2) == 0) &
+         acceptable = acceptable .and. .not. loses_odd(odd_product(self%path, here, here), odd_product(self%path, next, next))
       if (self%path%local_control) return
       acceptable = acceptable .and. (here%orientation == next%orientation .or. here%orientation == 0 .or. h < jump_step)
    end function acceptable
+
+   !> Whether the odd harmonics, whose squares sum to `before` and `after`, vanish from one point to the next.
+   elemental logical function loses_odd(before, after)
+      real(dp), intent(in) :: before, after
+
+      loses_odd = before > 1e-12_dp .and. after < 1e-12_dp*before
+   end function loses_odd
 
    !> Whether the odd harmonics of a motion of even period change sign between two points: the branch passes through one of
    !> half its period there, and goes on as its own mirror image, shifted by half a period.
