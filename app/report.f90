@@ -94,14 +94,16 @@ contains
       integer :: i
 
       found = jumps(branch)
-      if (size(found) > 0) write (output_unit, '(a)') '    speed    Lambda  what happens there, rms of the meshes'
+      if (size(found) > 0) write (output_unit, '(a)') '    speed    Lambda  to the nearest stable motion, rms of the meshes'
       do i = 1, size(found)
          write (output_unit, '(4x, a, f9.4, 2x)', advance='no') merge('rising ', 'falling', found(i)%rising), found(i)%frequency
          if (found(i)%kind == 'leaves') then
             write (output_unit, '(3a)') 'leaves the branch (', trim(found(i)%cause), ')'
          else
             write (output_unit, '(a, *(f9.5))', advance='no') found(i)%kind, found(i)%before
-            write (output_unit, '(a, *(f9.5))') ' ->', found(i)%after
+            write (output_unit, '(a, *(f9.5))', advance='no') ' ->', found(i)%after
+            if (found(i)%candidates > 1) write (output_unit, '(a, i0)', advance='no') '  nearest of ', found(i)%candidates
+            write (output_unit, '()')
          end if
       end do
    end subroutine report_jumps

@@ -156,7 +156,7 @@ contains
 
    !> Reads a list off the box's branch into its table; the columns are
    !> 'peaks' (of a mesh): Lambda, rms, point, stable;
-   !> 'jumps': Lambda, rising, then the rms before and after, mesh by mesh (after is negative where the jump leaves the branch);
+   !> 'jumps': Lambda, rising, then the rms before and after, mesh by mesh (after is negative where the jump leaves the branch), candidates;
    !> 'bands', 'separation', 'back collision' (the last two of a mesh, at any or at stable motions): from, to.
    subroutine summarize(box, what, mesh, stable_only)
       type(box_type), intent(inout) :: box
@@ -183,10 +183,10 @@ contains
          case ('jumps')
             at_jump = jumps(branch)
             n = size(at_jump)
-            allocate (box%table(2 + 2*branch%meshes, n))
+            allocate (box%table(3 + 2*branch%meshes, n))
             do i = 1, n
                box%table(:, i) = [at_jump(i)%frequency, merge(1.0_real64, 0.0_real64, at_jump(i)%rising), &
-                                  at_jump(i)%before, at_jump(i)%after]
+                                  at_jump(i)%before, at_jump(i)%after, real(at_jump(i)%candidates, real64)]
             end do
             return
          case ('bands')

@@ -230,9 +230,9 @@ class Branch:
         with self._box() as box:
             rows = box.read_off("jumps")
             kinds, causes = box.text("jump kinds").splitlines(), box.text("jump causes").splitlines()
-        after = np.where(rows[:, 2 + meshes :] < 0, np.nan, rows[:, 2 + meshes :])
+        after = np.where(rows[:, 2 + meshes : -1] < 0, np.nan, rows[:, 2 + meshes : -1])
         return [
-            Jump(float(row[0]), kind, "rising" if row[1] else "falling", cause, row[2 : 2 + meshes], reached)
+            Jump(float(row[0]), kind, "rising" if row[1] else "falling", cause, row[2 : 2 + meshes], reached, int(row[-1]))
             for row, kind, cause, reached in zip(rows, kinds, causes, after)
         ]
 

@@ -363,7 +363,7 @@ class Train:
         frequency : float
             Lambda.
         start : Motion or array_like, optional
-            Where to start: a motion, or displacement and then velocity of every elastic element, (2*elements,).
+            Where to start: a motion, or displacement and then velocity of every elastic element, (2*elements,), as `Motion.state`.
         stability : bool
             Floquet multipliers of the motion.
         harmonics : int, optional

@@ -213,16 +213,20 @@ contains
    pure logical function passes_half_period(self, here, next)
       class(tracer_type), intent(in) :: self
       type(place_type), intent(in) :: here, next
-      real(dp) :: product
+      !> Odd harmonics below this share of the motion are rounding: a motion of half the period has none.
+      real(dp), parameter :: none = 1e-7_dp
+      real(dp) :: product, odd
       integer :: k
 
       passes_half_period = .false.
       if (mod(self%settings%subharmonic, 2) /= 0) return
       product = 0
+      odd = 0
       do k = 1, size(self%path%balance%harmonic), 2
          product = product + sum(here%u(2*k:2*k + 1, :)*next%u(2*k:2*k + 1, :))
+         odd = odd + sum(next%u(2*k:2*k + 1, :)**2)
       end do
-      passes_half_period = product < 0
+      passes_half_period = product < 0 .and. odd > none**2*sum(next%u**2)
    end function passes_half_period
 
    !> Whether Lambda turns between two points. Where a branch leaves vertically (a period-2 branch does, until contact is lost)

@@ -34,7 +34,8 @@ contains
                         settings%subharmonic)
       call v%on_logical(row('stability', '', 'Floquet multipliers of every point'), settings%stability)
       call v%on_real(row('amplitude_limit', '', 'rms over characteristic length beyond which the branch is followed but not &
-                         &recorded; -1: 12 with backlash, none for a linear train', above=zero, automatic=-one), &
+                         &recorded; -1: 12 with backlash, none for a linear train (beyond 10000 it is not recorded)', above=zero, &
+                         automatic=-one), &
                      settings%amplitude_limit)
       word = trim(settings%coefficients)
       call v%on_text(row('coefficients', '', 'Fourier coefficients of the mesh force: exact from the contact events, or sampled &
