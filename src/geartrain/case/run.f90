@@ -7,6 +7,7 @@ module geartrain_case_run
    use geartrain_branch_doublings, only: follow_doublings
    use geartrain_branch_islands, only: follow_attractors
    use geartrain_branch_response, only: response
+   use geartrain_branch_stability_map, only: stability_map
    use geartrain_case_case, only: case_type
    use geartrain_case_checkpoint, only: checkpoint_type
    use geartrain_case_variables, only: check_agreement
@@ -22,7 +23,7 @@ module geartrain_case_run
 contains
 
    !> Runs the analyses of the case in the order modes, response with its period doublings, integration, attractors with the
-   !> branches through them, and writes `path`. Meanwhile path.partial holds what there is so far, every 5 s or so. An analysis
+   !> branches through them, stability map, and writes `path`. Meanwhile path.partial holds what there is so far, every 5 s or so. An analysis
    !> that ends early is told by an error of status_ended_early after everything has been written; bad input and a place that
    !> cannot be written to are told before anything is computed.
    subroutine run_case(case, path, results, error, observer)
@@ -97,6 +98,13 @@ contains
             call follow_attractors(case%train, case%response, results%attractors, results%response, results%branches, error, &
                                    checkpoint)
          if (allocated(error)) return
+      end if
+      if (allocated(case%stability_map) .and. .not. checkpoint%cancelled) then
+         call checkpoint%write_now()
+         allocate (results%stability_map)
+         call stability_map(case%train, case%stability_map, results%stability_map, error, checkpoint)
+         if (allocated(error)) return
+         call tell('stability map', results%stability_map%complete, results%stability_map%ended, early)
       end if
       if (.not. allocated(results%branches)) return
       do i = 1, size(results%branches)
