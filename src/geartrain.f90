@@ -9,6 +9,7 @@ module geartrain
    use geartrain_branch_doublings, only: follow_doublings
    use geartrain_branch_islands, only: follow_attractors
    use geartrain_branch_jumps, only: jump_type, jumps
+   use geartrain_branch_refinement, only: refine_branch
    use geartrain_branch_response, only: response
    use geartrain_branch_solutions, only: solutions_at
    use geartrain_branch_stability_map, only: stability_map

@@ -89,12 +89,15 @@ contains
       logical, intent(out) :: success
       type(motion_type) :: motion
       type(place_type) :: start
-      real(dp) :: weight, chord
+      real(dp) :: weight, chord, drift
       integer :: attempt
 
       motion%frequency = frequency
       motion%period = branch%subharmonic
       chord = norm2(branch%coefficients(:, :, i + 1) - branch%coefficients(:, :, i))
+      ! Refined points lie off the balance's solutions by their corrections.
+      drift = 0
+      if (allocated(branch%correction)) drift = maxval(branch%correction(i:i + 1))*norm2(branch%coefficients(2:, :, i))
       do attempt = 1, 3
          weight = merge(share, real(attempt - 2, dp), attempt == 1)
          motion%coefficients = (1 - weight)*branch%coefficients(:, :, i) + weight*branch%coefficients(:, :, i + 1)
@@ -104,7 +107,7 @@ contains
          ! The solution between two neighbours is no further from either than twice their distance.
          motion%coefficients = branch%coefficients(:, :, i)
          start = place_of(tracer, motion)
-         success = sqrt(inner(place%u - start%u, place%u - start%u)) <= 2*chord + 1e-9_dp
+         success = sqrt(inner(place%u - start%u, place%u - start%u)) <= 2*(chord + max(drift, 0.0_dp)) + 1e-9_dp
          if (success) return
       end do
    end subroutine solve_between

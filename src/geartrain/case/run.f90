@@ -6,6 +6,7 @@ module geartrain_case_run
    use geartrain_base_observer, only: observer_type
    use geartrain_branch_doublings, only: follow_doublings
    use geartrain_branch_islands, only: follow_attractors
+   use geartrain_branch_refinement, only: refine_branch
    use geartrain_branch_response, only: response
    use geartrain_branch_stability_map, only: stability_map
    use geartrain_case_case, only: case_type
@@ -106,6 +107,8 @@ contains
          if (allocated(error)) return
          call tell('stability map', results%stability_map%complete, results%stability_map%ended, early)
       end if
+      call refine_all(case, results, early, error, checkpoint)
+      if (allocated(error)) return
       if (.not. allocated(results%branches)) return
       do i = 1, size(results%branches)
          associate (branch => results%branches(i))
@@ -113,6 +116,27 @@ contains
          end associate
       end do
    end subroutine compute
+
+   !> Last, since branches are followed and told apart by their balances.
+   subroutine refine_all(case, results, early, error, checkpoint)
+      type(case_type), intent(in) :: case
+      type(results_type), intent(inout), target :: results
+      type(error_type), allocatable, intent(inout) :: early, error
+      type(checkpoint_type), intent(inout) :: checkpoint
+      integer :: i
+
+      if (.not. allocated(case%response) .or. checkpoint%cancelled) return
+      if (.not. case%response%refine) return
+      call checkpoint%write_now()
+      call refine_branch(case%train, results%response, error, checkpoint)
+      if (allocated(error)) return
+      if (checkpoint%cancelled) call tell('response', .false., results%response%ended, early)
+      if (.not. allocated(results%branches)) return
+      do i = 1, size(results%branches)
+         if (allocated(error) .or. checkpoint%cancelled) return
+         call refine_branch(case%train, results%branches(i), error, checkpoint)
+      end do
+   end subroutine refine_all
 
    !> Adds to `early` why an analysis is not complete.
    subroutine tell(name, complete, ended, early)
