@@ -99,9 +99,11 @@ subroutine follow_response(handle, progress, status)
       call follow_doublings(box%case%train, box%case%response, box%results%response, box%results%branches, error, watch)
    if (box%case%response%refine .and. .not. (allocated(error) .or. box%results%response%cancelled)) then
       call refine_branch(box%case%train, box%results%response, error, watch)
-      do i = 1, size(box%results%branches)
-         if (.not. allocated(error)) call refine_branch(box%case%train, box%results%branches(i), error, watch)
-      end do
+      if (allocated(box%results%branches)) then
+         do i = 1, size(box%results%branches)
+            if (.not. allocated(error)) call refine_branch(box%case%train, box%results%branches(i), error, watch)
+         end do
+      end if
    end if
    status = close_with(box, error)
 end subroutine follow_response
@@ -328,8 +330,8 @@ end subroutine write_path
 ! ------------------------------------------------------------------------------------------------------------- text
 
 ! Number of bytes of a text of the box: 'message', 'case' (the resolved namelist), 'elements', 'integration', 'attractors' (why
-! each ended), 'map', 'map name', 'map unit', 'directions', 'version'; of the branch at a place (0: the response, else a further one): 'branch' (why it ended),
-! 'origin', 'special points', 'jump kinds', 'jump causes'. Lists have one item a line.
+! each ended), 'map' (why it ended), 'map name', 'map unit', 'directions', 'version'; of the branch at a place (0: the response, else
+! a further one): 'branch' (why it ended), 'origin', 'special points', 'jump kinds', 'jump causes'. Lists have one item a line.
 subroutine text_size(handle, name, place, bytes)
    use geartrain_python_box, only: box_of, box_text
    implicit none
