@@ -139,6 +139,12 @@ contains
          if (allocated(box%results%integration%ended)) text = box%results%integration%ended
       case ('attractors')
          if (allocated(box%results%attractors%ended)) text = box%results%attractors%ended
+      case ('map')
+         if (allocated(box%results%stability_map%ended)) text = box%results%stability_map%ended
+      case ('map name')
+         text = box%results%stability_map%name
+      case ('map unit')
+         text = box%results%stability_map%unit
       case ('branch')
          if (allocated(branch%ended)) text = branch%ended
       case ('origin')

@@ -22,7 +22,9 @@ program main
    use validation_jumps, only: jumps_tests
    use validation_mesh_load, only: mesh_load_tests
    use validation_paper_train, only: paper_train_tests
+   use validation_refinement, only: refinement_tests
    use validation_single_pair, only: single_pair_tests
+   use validation_stability_map, only: stability_map_tests
    use validation_whole_model, only: whole_model_tests
    implicit none (type, external)
    type(tests_type) :: tests
@@ -50,5 +52,7 @@ program main
    call claims_shafts_tests(tests)
    call claims_excitation_tests(tests)
    call claims_subharmonic_tests(tests)
+   call stability_map_tests(tests)
+   call refinement_tests(tests)
    call tests%finish()
 end program main

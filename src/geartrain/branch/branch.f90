@@ -28,6 +28,8 @@ module geartrain_branch_branch
       integer :: max_points = 20000
       !> Generations of branches that follow from period doublings, see follow_doublings.
       integer :: period_doublings = 0
+      !> The points are polished by shooting, see refine_branch.
+      logical :: refine = .false.
    end type response_settings_type
 
    !> A place on the branch that a reader looks for.
@@ -56,6 +58,9 @@ module geartrain_branch_branch
       logical, allocatable :: stable(:)
       !> Relative error of the waveform as estimated, (point).
       real(dp), allocatable :: error_estimate(:)
+      !> Relative change of the waveform by refine_branch, which is the error that the point had, (point); negative where it was
+      !> not refined; not allocated where that was not asked for.
+      real(dp), allocatable :: correction(:)
       !> Number of the part that a point belongs to, (point): a new one begins where the branch comes back from beyond the
       !> amplitude limit, and with the points traced from `stop` where those from `start` do not get there.
       integer, allocatable :: part(:)

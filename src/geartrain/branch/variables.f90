@@ -54,6 +54,8 @@ contains
       call v%on_integer(row('max_points', '', 'points after which the branch is given up', least=2*one), settings%max_points)
       call v%on_integer(row('period_doublings', '', 'how often a period doubling is followed: 1: the branches of twice the period, &
                             &2: those of four times as well, ...', least=zero, most=6*one), settings%period_doublings)
+      call v%on_logical(row('refine', '', 'every point polished by shooting to about 1e-11, multipliers included; in the end, &
+                            &further branches as well'), settings%refine)
       call v%leave()
    end subroutine visit_response
 

@@ -76,6 +76,9 @@ contains
                      about_coefficients)
       call store%put(home//'/error_estimate', branch%error_estimate(:n), ['point'], '1', &
                      'estimated relative error of the waveform')
+      if (allocated(branch%correction)) &
+         call store%put(home//'/correction', branch%correction(:n), ['point'], '1', 'relative change of the waveform by &
+                        &refinement: the error that the point had; -1: not refined, shooting finds no orbit near it')
       call store%put(home//'/part', branch%part(:n), ['point'], '1', &
                      'number of the part: a new one begins where the branch comes back from beyond the amplitude limit, or with &
                      &the points traced from the other end (to)')
