@@ -56,6 +56,11 @@ module geartrain_branch_branch
       logical, allocatable :: stable(:)
       !> Relative error of the waveform as estimated, (point).
       real(dp), allocatable :: error_estimate(:)
+      !> Where that may be off by more than a small factor: a fold as near as it is itself misplaced, a contact that begins or
+      !> ends within the error, or an error beyond 0.1, (point).
+      logical, allocatable :: estimate_doubtful(:)
+      !> Harmonics that each point was solved with, at most `harmonics`, (point).
+      integer, allocatable :: point_harmonics(:)
       !> Number of the part that a point belongs to, (point): a new one begins where the branch comes back from beyond the
       !> amplitude limit, and with the points traced from `stop` where those from `start` do not get there.
       integer, allocatable :: part(:)

@@ -38,6 +38,7 @@ module geartrain_motion_contact
       procedure :: setup
       procedure :: update
       procedure :: shares
+      procedure :: clearance
       procedure, private :: find_events
       procedure, private :: exact_spectra
       procedure, private :: sampled_spectra
@@ -125,6 +126,29 @@ contains
       separation = share(0)
       back_contact = share(-1)
    end subroutine shares
+
+   !> How near an extreme of p, by the parabola through three samples, comes to one of the walls, at the last `update`: a change of p
+   !> by as much makes a contact or ends one. Huge for a linear mesh.
+   pure real(dp) function clearance(self)
+      class(contact_type), intent(in) :: self
+      real(dp) :: before, here, after, extreme
+      integer :: q, n
+
+      clearance = huge(1.0_dp)
+      if (.not. self%backlash > 0) return
+      n = size(self%p)
+      before = self%p(n)
+      here = self%p(1)
+      do q = 1, n
+         after = self%p(merge(1, q + 1, q == n))
+         if ((here - before)*(after - here) <= 0 .and. abs(before - 2*here + after) > 0) then
+            extreme = here - (after - before)**2/(8*(before - 2*here + after))
+            clearance = min(clearance, abs(abs(extreme) - self%backlash))
+         end if
+         before = here
+         here = after
+      end do
+   end function clearance
 
    !> Samples bracket the crossings of +-b, Newton polishes them; where two samples on one side of a wall turn back between
    !> them, the extreme decides whether the wall was crossed twice.

@@ -6,31 +6,123 @@ module geartrain_motion_truncation
    use geartrain_motion_bordered, only: bordered_type
    implicit none (type, external)
    private
-   public :: truncation_error
+   public :: truncation_type, find_truncation, harmonics_for
+
+   !> Beyond this the estimate is doubtful: 2 bend y/slope**2 (1: the fold lies at the point itself), relative error.
+   real(dp), parameter :: near_fold = 0.3_dp, large = 0.1_dp
+   !> Steepest branch, dLambda along it, on which a number of harmonics is to hold a tolerance: at a fold itself an error at constant
+   !> Lambda falls with the root of the shift of the fold only.
+   real(dp), parameter :: steepest = 0.05_dp
+
+   type :: truncation_type
+      !> Relative error of the waveform at the same Lambda, to first order.
+      real(dp) :: estimate = 0
+      !> The same on a branch that is nowhere steeper than `steepest`: what the number of harmonics is chosen by.
+      real(dp) :: limited = 0
+      !> The first order may not hold: a fold as near as it is itself misplaced, a contact that begins or ends within the error,
+      !> or an error that is not small.
+      logical :: doubtful = .false.
+      !> Root of the sum of squares of the amplitudes above harmonic r, all meshes together, (0:3*highest).
+      real(dp), allocatable :: remainder(:)
+   end type truncation_type
 
 contains
 
-   !> Relative error of the waveform, to first order: the missing tail follows from the force at harmonics highest+1 ..
-   !> 3 highest, and its effect on the kept harmonics, at constant Lambda, costs one solve with `matrix`, factored at this
-   !> solution with any border row; the tangent (and its Lambda part) takes out what that row lets Lambda move.
+   !> The missing tail follows from the force at harmonics highest+1 .. 3 highest, and its effect on the kept harmonics, at
+   !> constant Lambda, costs one solve with `matrix`, factored at this solution with any border row; the tangent (and its
+   !> Lambda part) takes out what that row lets Lambda move.
    !>
-   !> Where that is y and Lambda = slope s + bend s**2/2 along the branch, the way back along it is about y/slope, and
-   !> sqrt(2 y/bend) at a fold, which moves by y.
-   subroutine truncation_error(balance, u, frequency, tangent, tangent_frequency, bend, matrix, estimate)
+   !> Where that is y and Lambda = slope s + bend s**2/2 along the branch, the way back along it is the nearer root s of
+   !> y + slope s + bend s**2/2 = 0.
+   subroutine find_truncation(balance, u, frequency, tangent, slope, bend, matrix, truncation)
       type(balance_type), intent(in) :: balance
-      !> The solution, the unit tangent there and the change of its Lambda part along the branch.
-      real(dp), intent(in) :: u(:, :), frequency, tangent(:, :), tangent_frequency, bend
+      !> The solution, the unit tangent there, its Lambda part and the change of that along the branch.
+      real(dp), intent(in) :: u(:, :), frequency, tangent(:, :), slope, bend
       type(bordered_type), intent(inout) :: matrix
-      real(dp), intent(out) :: estimate
-      complex(dp) :: tail(2*balance%highest, balance%unknowns), shift
-      real(dp) :: correction(balance%block, balance%unknowns), d_phi(balance%block, balance%unknowns), y, slope
+      type(truncation_type), intent(inout) :: truncation
+      complex(dp) :: tail(2*balance%highest, balance%unknowns)
+      real(dp) :: correction(balance%block, balance%unknowns), error(balance%block, balance%unknowns), y, way, scale
+      integer :: i
+
+      truncation%estimate = 0
+      truncation%limited = 0
+      truncation%doubtful = .false.
+      call find_tail(balance, u, frequency, tail)
+      call find_remainder(balance, u, tail, truncation%remainder)
+      if (balance%unknowns == 0 .or. size(balance%harmonic) == 0) return
+      call find_shift(balance, tail, correction)
+      y = 0
+      call matrix%solve(correction, y)
+      scale = sqrt(max(sum(u(2:, :)**2), tiny(1.0_dp)))
+      way = -y/sign(max(abs(slope), steepest), slope)
+      error = correction + way*tangent
+      truncation%limited = sqrt(sum(abs(tail)**2) + 2*sum(error(1, :)**2) + sum(error(2:, :)**2))/scale
+      error = correction + way_back(y, slope, bend)*tangent
+      truncation%estimate = sqrt(sum(abs(tail)**2) + 2*sum(error(1, :)**2) + sum(error(2:, :)**2))/scale
+      truncation%doubtful = truncation%estimate > large .or. abs(2*bend*y) > near_fold*slope**2
+      do i = 1, balance%unknowns
+         if (balance%contact(i)%clearance() < sqrt(sum(abs(tail(:, i))**2) + 2*error(1, i)**2 + sum(error(2:, i)**2))) &
+            truncation%doubtful = .true.
+      end do
+   end subroutine find_truncation
+
+   !> The nearer root s of y + slope s + bend s**2/2 = 0; where there is none, as far as if the fold had moved the other way.
+   pure real(dp) function way_back(y, slope, bend)
+      real(dp), intent(in) :: y, slope, bend
+      real(dp) :: inside
+
+      inside = slope**2 - 2*bend*y
+      if (inside < 0) inside = slope**2 + abs(2*bend*y)
+      way_back = -2*y/sign(max(abs(slope) + sqrt(inside), tiny(1.0_dp)), slope)
+   end function way_back
+
+   !> Fewest harmonics for which the error is to be `share` of what it is, by the decay of the harmonics; at most twice as many as
+   !> there are, because more of the tail is not known.
+   pure integer function harmonics_for(truncation, share) result(highest)
+      type(truncation_type), intent(in) :: truncation
+      real(dp), intent(in) :: share
+      integer :: now
+
+      now = ubound(truncation%remainder, 1)/3
+      do highest = 1, 2*now - 1
+         if (truncation%remainder(highest) <= share*truncation%remainder(now)) return
+      end do
+   end function harmonics_for
+
+   !> Root of the sum of squares above each harmonic.
+   pure subroutine find_remainder(balance, u, tail, remainder)
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: u(:, :)
+      complex(dp), intent(in) :: tail(:, :)
+      real(dp), allocatable, intent(inout) :: remainder(:)
+      integer :: k, m
+
+      if (allocated(remainder)) then
+         if (ubound(remainder, 1) /= 3*balance%highest) deallocate (remainder)
+      end if
+      if (.not. allocated(remainder)) allocate (remainder(0:3*balance%highest))
+      remainder = 0
+      do k = 1, size(balance%harmonic)
+         remainder(balance%harmonic(k) - 1) = sum(u(2*k:2*k + 1, :)**2)
+      end do
+      do m = 1, size(tail, 1)
+         remainder(balance%highest + m - 1) = sum(abs(tail(m, :))**2)
+      end do
+      do k = ubound(remainder, 1) - 1, 0, -1
+         remainder(k) = remainder(k) + remainder(k + 1)
+      end do
+      remainder = sqrt(remainder)
+   end subroutine find_remainder
+
+   !> What the tail's force moves the kept harmonics by, before the balance answers.
+   pure subroutine find_shift(balance, tail, correction)
+      type(balance_type), intent(in) :: balance
+      complex(dp), intent(in) :: tail(:, :)
+      real(dp), intent(out) :: correction(:, :)
+      real(dp) :: d_phi(balance%block, balance%unknowns)
+      complex(dp) :: shift
       integer :: i, k, neighbour
 
-      if (balance%unknowns == 0 .or. size(balance%harmonic) == 0) then
-         estimate = 0
-         return
-      end if
-      call find_tail(balance, u, frequency, tail)
       do i = 1, balance%unknowns
          d_phi(:, i) = tail_force(balance, i, tail(:, i))
       end do
@@ -46,13 +138,7 @@ contains
             correction(2*k + 1, i) = -shift%im
          end do
       end do
-      y = 0
-      call matrix%solve(correction, y)
-      slope = abs(tangent_frequency)/2 + sqrt(tangent_frequency**2/4 + abs(bend*y)/2)
-      correction = correction - y/sign(max(slope, tiny(1.0_dp)), tangent_frequency)*tangent
-      estimate = sqrt((sum(abs(tail)**2) + 2*sum(correction(1, :)**2) + sum(correction(2:, :)**2)) &
-                      /max(sum(u(2:, :)**2), tiny(1.0_dp)))
-   end subroutine truncation_error
+   end subroutine find_shift
 
    !> Complex amplitudes at harmonics highest+1 .. 3 highest, (2*highest, unknowns): each harmonic by itself under the force of the
    !> kept ones, the meshes coupled and with their mean stiffness in contact (a harmonic near a natural frequency resonates).
