@@ -7,6 +7,8 @@ program main
    use unit_case_text, only: case_text_tests
    use unit_check, only: check_tests
    use unit_contact, only: contact_tests
+   use unit_eigenvalues, only: eigenvalues_tests
+   use unit_elimination, only: elimination_tests
    use unit_flow, only: flow_tests
    use unit_results, only: results_tests
    use unit_results_run, only: results_run_tests
@@ -31,6 +33,8 @@ program main
    call check_tests(tests)
    call branch_summary_tests(tests)
    call balance_tests(tests)
+   call eigenvalues_tests(tests)
+   call elimination_tests(tests)
    call flow_tests(tests)
    call results_tests(tests)
    call results_run_tests(tests)

@@ -6,6 +6,7 @@ module unit_flow
    use geartrain_model_system, only: build_system, system_type
    use geartrain_motion_flow, only: flow_type
    use geartrain_motion_orbit, only: propagate
+   use geartrain_stability_propagator, only: propagator_type
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -19,6 +20,8 @@ contains
       call tests%begin('flow')
       call bouncing(tests)
       call tangents(tests)
+      call interrupted(tests)
+      call along_contacts(tests)
    end subroutine flow_tests
 
    !> x'' + g(x) = f without damping: from rest at x0 > b the mass leaves contact, flies through the gap under the constant
@@ -31,7 +34,7 @@ contains
       real(dp) :: leave, speed, flight
 
       call build_system(single_pair(0.0_dp, 0.0_dp, f), system)
-      call flow%setup(system, 1, .true., 20, 1e-15_dp)
+      call flow%setup(system, 1, 20, 1e-15_dp)
       ! In contact x = 1 + f + amplitude cos t: it leaves at cos t = -f/amplitude with speed -amplitude sin t.
       flow%x(1, :) = [1 + f + amplitude, 0.0_dp]
       call flow%start(1.0_dp, 0.0_dp)
@@ -75,5 +78,70 @@ contains
       ! The flow is C^1: the difference quotient is right to O(h) times the jump of curvature at an event.
       call tests%is_close(worst/maxval(abs(monodromy)), 0.0_dp, 1e-4_dp, 'monodromy against differences')
    end subroutine tangents
+
+   !> A step that is cut short must not make the next one less exact: one way in one go, and with a stop after a tiny step.
+   subroutine interrupted(tests)
+      class(tests_type), intent(inout) :: tests
+      type(system_type) :: system
+      type(flow_type) :: flow
+      real(dp), allocatable :: state(:)
+      integer :: run
+
+      call build_system(long_train(4), system)
+      call flow%setup(system, 1, 20, 1e-15_dp)
+      allocate (state(2*system%elements))
+      do run = 1, 2
+         flow%x = 0
+         flow%x(1, system%mesh_element) = [1.5_dp, 0.3_dp, -0.2_dp]
+         call flow%start(0.8_dp, 0.0_dp)
+         call flow%advance(1.0_dp)
+         if (run == 2) call flow%advance(1.0_dp + 1e-5_dp)
+         call flow%advance(4.0_dp)
+         if (run == 1) state = flow%x(1, :)
+      end do
+      call tests%is_close(maxval(abs(flow%x(1, :) - state)), 0.0_dp, 1e-12_dp, 'a short step does no harm')
+   end subroutine interrupted
+
+   !> The propagator of monodromy matrices, given the contacts that the flow met, against the flow's own tangents: separation,
+   !> both flanks, a linear mesh, harmonics and orders of kappa.
+   subroutine along_contacts(tests)
+      class(tests_type), intent(inout) :: tests
+      type(system_type) :: system
+      type(flow_type) :: flow
+      type(propagator_type) :: propagator
+      real(dp), allocatable :: state(:), final(:), monodromy(:, :), transposed(:, :)
+      integer, allocatable :: contact(:)
+      real(dp), parameter :: frequencies(*) = [0.15_dp, 0.8_dp, 3.0_dp]
+      real(dp) :: time, period
+      integer :: i, n
+
+      call build_system(long_train(4), system)
+      n = 2*system%elements
+      allocate (state(n), final(n), monodromy(n, n), transposed(n, n), contact(system%meshes))
+      state = 0
+      state(system%mesh_element) = [4.0_dp, -3.5_dp, 2.0_dp]
+      call flow%setup(system, 1, 20, 1e-15_dp)
+      call propagator%setup(system)
+      do i = 1, size(frequencies)
+         period = 2*pi/frequencies(i)
+         call propagate(system, frequencies(i), 1, state, final, monodromy)
+         flow%x(1, :) = state
+         call flow%start(frequencies(i), 0.0_dp)
+         call propagator%start(frequencies(i), 1.0_dp)
+         time = 0
+         contact = flow%contact
+         do while (flow%time < period)
+            call flow%step(period)
+            if (flow%time < period .and. .not. flow%event) cycle
+            call propagator%advance(time, flow%time, contact)
+            time = flow%time
+            contact = flow%contact
+         end do
+         call propagator%get(transposed)
+         call tests%is_true(flow%events > 0, 'the motion meets events')
+         call tests%is_close(maxval(abs(transpose(transposed) - monodromy))/maxval(abs(monodromy)), 0.0_dp, 1e-8_dp, &
+                             'propagator along the contacts of the flow')
+      end do
+   end subroutine along_contacts
 
 end module unit_flow

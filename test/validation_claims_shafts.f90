@@ -3,7 +3,7 @@ module validation_claims_shafts
    use fixtures, only: closest, paper_train, settings_of
    use geartrain, only: branch_type, dp, error_type, integrate, integration_settings_type, modes_type, motion_type, &
                         natural_modes, solutions_at, train_type
-   use geartrain_branch_summary, only: folds, peak_type
+   use geartrain_branch_summary, only: folds, peak_type, peaks
    use readings, only: folds_between, has_fold, is_band, largest_between, peak_between, smallest_between, traced
    use testing, only: tests_type
    implicit none (type, external)
@@ -92,7 +92,8 @@ contains
       type(motion_type) :: motion
       type(integration_settings_type) :: settings
       type(error_type), allocatable :: error
-      real(dp), parameter :: inside(4) = [1.76_dp, 1.85_dp, 1.95_dp, 2.03_dp]
+      real(dp), parameter :: inside(4) = [1.76_dp, 1.85_dp, 1.95_dp, 2.03_dp], three(3) = [0.479_dp, 0.957_dp, 1.85_dp]
+      type(peak_type), allocatable :: found(:)
       integer :: i
 
       peak = peak_between(linear, 2, 0.8_dp, 1.1_dp)
@@ -108,6 +109,11 @@ contains
       peak = peak_between(branch, 2, 0.4_dp, 0.55_dp)
       call tests%is_close(peak%frequency, 0.4587_dp, 2e-3_dp, 'claim 7: with backlash it softens to 0.459')
       call tests%is_close(peak%rms, 0.507_dp, 5e-3_dp, 'claim 7: its amplitude')
+      found = [peaks(linear, 1), peaks(linear, 2)]
+      found = pack(found, found%rms > 0.5_dp)
+      call tests%is_true(all([(minval(abs(found(i)%frequency - three)) < 0.02_dp, i=1, size(found))]) .and. &
+                         all([(minval(abs(found%frequency - three(i))) < 0.02_dp, i=1, 3)]), &
+                         'claim 28: the linear train has peaks above 0.5 at w_a/2, w_a and w_b alone')
       call tests%is_true(has_fold(branch, 0.7923_dp, 2e-3_dp) .and. has_fold(branch, 0.6163_dp, 2e-3_dp), &
                          'claim 9: softening at resonance a')
       call tests%is_true(has_fold(branch, 1.6645_dp, 2e-3_dp) .and. has_fold(branch, 1.5473_dp, 2e-3_dp), &
@@ -212,9 +218,34 @@ contains
       end associate
       call tests%is_close(largest_between(branch, 1, 1.2_dp, 2.2_dp), 1.294_dp, 0.02_dp, 'claim 25: resonance of mesh 1')
       call tests%is_close(largest_between(branch, 2, 1.2_dp, 2.2_dp), 1.267_dp, 0.02_dp, 'claim 25: resonance of mesh 2')
+      call uncoupled(tests, train)
       call tests%is_true(largest_between(branch, 1, 0.2_dp, 1.2_dp) < 0.35_dp, 'claim 25: the only primary resonance')
       call tests%is_true(largest_between(branch, 2, 0.2_dp, 1.2_dp) < 0.35_dp, 'claim 25: the only primary resonance')
    end subroutine soft_shaft
+
+   !> Claim 23: mesh 1 of the train moves as it does in a train of this pair alone.
+   subroutine uncoupled(tests, train)
+      class(tests_type), intent(inout) :: tests
+      type(train_type), intent(in) :: train
+      real(dp), parameter :: frequency(6) = [0.3_dp, 0.62_dp, 1.2_dp, 1.7_dp, 2.1_dp, 2.5_dp]
+      type(train_type) :: pair
+      type(branch_type) :: branch, alone
+      type(motion_type), allocatable :: motion(:), motion_alone(:)
+      type(error_type), allocatable :: error
+      integer :: i
+
+      pair = train
+      pair%shafts = train%shafts([1, 3])
+      pair%meshes = train%meshes(:1)
+      branch = traced(tests, train, 0.2_dp, 2.6_dp, 6, 'claim 23: the train')
+      alone = traced(tests, pair, 0.2_dp, 2.6_dp, 6, 'claim 23: the pair alone')
+      do i = 1, size(frequency)
+         call solutions_at(train, settings_of(0.2_dp, 2.6_dp, 6), branch, frequency(i), motion, error)
+         call solutions_at(pair, settings_of(0.2_dp, 2.6_dp, 6), alone, frequency(i), motion_alone, error)
+         call tests%is_true(size(motion) == 1 .and. size(motion_alone) == 1, 'claim 23: one motion')
+         call tests%is_close(motion(1)%rms(1)/motion_alone(1)%rms(1), 1.0_dp, 0.01_dp, 'claim 23: as the pair alone within 1%')
+      end do
+   end subroutine uncoupled
 
    !> Claims 30 to 33: k3 = 5e5 and 1e6.
    subroutine intermediate_shafts(tests)

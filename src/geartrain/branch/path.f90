@@ -116,7 +116,8 @@ contains
    end subroutine advance
 
    !> Newton on S = 0 with row . (U - U_predicted) = 0. It fails when it stops contracting, needs too many iterations, or
-   !> when the first correction is longer than `longest` (then the solution may lie on another branch).
+   !> when the first correction is longer than `longest` (then the solution may lie on another branch). Where the next step is
+   !> going to be the last one, going by how the steps shrink, it is made with the factors at hand.
    subroutine newton(self, place, row, row_frequency, longest, success)
       class(path_type), intent(inout) :: self
       type(place_type), intent(inout) :: place
@@ -124,17 +125,21 @@ contains
       logical, intent(out) :: success
       real(dp) :: y, length, before, scale
       integer :: info, iteration
+      logical :: last
 
       success = .false.
+      last = .false.
       before = huge(1.0_dp)
       do iteration = 1, max_iterations
          self%iterations = iteration
          call self%balance%evaluate(place%u, place%frequency)
-         call self%balance%jacobian(self%matrix)
-         self%matrix%row = row
-         self%matrix%corner = row_frequency
-         call self%matrix%factor(info)
-         if (info /= 0) return
+         if (.not. last) then
+            call self%balance%jacobian(self%matrix)
+            self%matrix%row = row
+            self%matrix%corner = row_frequency
+            call self%matrix%factor(info)
+            if (info /= 0) return
+         end if
          self%step = -self%balance%residual
          y = 0
          call self%matrix%solve(self%step, y)
@@ -147,6 +152,8 @@ contains
          scale = 1 + sqrt(inner(place%u, place%u))
          success = length < converged*scale .and. place%frequency > 0
          if (success) return
+         ! Quadratic convergence: the ratio of a step to the square of the one before stays about the same.
+         last = iteration > 1 .and. length*(length/before)**2 < 0.1_dp*converged*scale
          before = length
       end do
    end subroutine newton

@@ -20,8 +20,9 @@ contains
       type(place_type), intent(inout) :: fold
       logical, intent(out) :: success
       real(dp) :: a, b, fa, fb, s
-      integer :: i
+      integer :: i, kept
 
+      kept = 0
       a = 0
       b = h
       fa = here%tangent_frequency
@@ -31,7 +32,7 @@ contains
          call path%advance(here, s, fold, success)
          if (.not. success) return
          if (abs(fold%tangent_frequency) < 1e-7_dp) return
-         call shrink(a, b, fa, fb, s, fold%tangent_frequency)
+         call shrink(a, b, fa, fb, s, fold%tangent_frequency, kept)
          if (b - a < 1e-6_dp*h) return
       end do
    end subroutine locate_fold
@@ -56,10 +57,11 @@ contains
       logical, intent(out) :: success
       complex(dp) :: multipliers(size(multipliers_here)), crossing
       real(dp) :: a, b, fa, fb, f, s
-      integer :: i, critical
+      integer :: i, critical, kept
 
       ! Sorted by magnitude, the multiplier with this index is the one that crosses.
       critical = max(unstable_count(multipliers_here), unstable_count(multipliers_next))
+      kept = 0
       a = 0
       b = h
       fa = abs(multipliers_here(critical)) - (1 - neutral)
@@ -72,7 +74,7 @@ contains
          call monodromy%multipliers(multipliers)
          crossing = multipliers(critical)
          f = abs(crossing) - (1 - neutral)
-         call shrink(a, b, fa, fb, s, f)
+         call shrink(a, b, fa, fb, s, f, kept)
          if (abs(f) < 1e-7_dp .or. b - a < 1e-4_dp*h) exit
       end do
       kind = 'torus'
@@ -84,22 +86,26 @@ contains
    pure real(dp) function between(a, b, fa, fb)
       real(dp), intent(in) :: a, b, fa, fb
 
-      between = a + (b - a)*min(0.95_dp, max(0.05_dp, fa/(fa - fb)))
+      between = a + (b - a)*min(0.999_dp, max(0.001_dp, fa/(fa - fb)))
    end function between
 
-   !> Illinois' variant of regula falsi: the value at an end that stays is halved.
-   pure subroutine shrink(a, b, fa, fb, s, f)
+   !> Illinois' variant of regula falsi: the value at an end that stays a second time is halved. `kept` is the end that stayed
+   !> before, -1 for a and +1 for b, 0 at first.
+   pure subroutine shrink(a, b, fa, fb, s, f, kept)
       real(dp), intent(inout) :: a, b, fa, fb
       real(dp), intent(in) :: s, f
+      integer, intent(inout) :: kept
 
       if ((f > 0) .eqv. (fa > 0)) then
          a = s
          fa = f
-         fb = fb/2
+         if (kept == 1) fb = fb/2
+         kept = 1
       else
          b = s
          fb = f
-         fa = fa/2
+         if (kept == -1) fa = fa/2
+         kept = -1
       end if
    end subroutine shrink
 

@@ -1,8 +1,9 @@
 !> A block-tridiagonal matrix with one border row and column: factors and solves, cost linear in the number of blocks.
 !> The border closes the last block, so the whole stays regular at folds, where the matrix without it is singular.
 module geartrain_motion_bordered
+   use geartrain_base_elimination, only: factor_matrix, solve_factored
    use geartrain_base_kinds, only: dp
-   use geartrain_base_lapack, only: dgemm, dgemv, dgetrf, dgetrs
+   use geartrain_base_lapack, only: dgemm, dgemv
    implicit none (type, external)
    private
    public :: bordered_type
@@ -44,7 +45,7 @@ contains
    subroutine factor(self, info)
       class(bordered_type), intent(inout) :: self
       integer, intent(out) :: info
-      integer :: j, n, status
+      integer :: j, n
 
       n = self%block
       info = 0
@@ -52,11 +53,11 @@ contains
       if (self%blocks == 0) return
       do j = 1, self%blocks - 1
          associate (d => self%diagonal(:, :, j), pivot => self%pivot(:, j))
-            call dgetrf(n, n, d, n, pivot, info)
+            call factor_matrix(n, d, pivot, info)
             if (info /= 0) return
             self%orientation = self%orientation*determinant_sign(d, pivot)
-            call dgetrs('N', n, n, d, n, pivot, self%upper(:, :, j), n, status)
-            call dgetrs('N', n, 1, d, n, pivot, self%column(:, j), n, status)
+            call solve_factored(n, n, d, pivot, self%upper(:, :, j))
+            call solve_factored(n, 1, d, pivot, self%column(:, j))
          end associate
          call dgemm('N', 'N', n, n, n, -1.0_dp, self%lower(:, :, j + 1), n, self%upper(:, :, j), n, 1.0_dp, &
                     self%diagonal(:, :, j + 1), n)
@@ -69,11 +70,11 @@ contains
       self%last(:n, n + 1) = self%column(:, j)
       self%last(n + 1, :n) = self%row(:, j)
       self%last(n + 1, n + 1) = self%corner
-      call dgetrf(n + 1, n + 1, self%last, n + 1, self%last_pivot, info)
+      call factor_matrix(n + 1, self%last, self%last_pivot, info)
       self%orientation = self%orientation*determinant_sign(self%last, self%last_pivot)
    end subroutine factor
 
-   !> Sign of the determinant of a matrix factored by dgetrf.
+   !> Sign of the determinant of a matrix factored by `factor_matrix`.
    pure integer function determinant_sign(a, pivot)
       real(dp), intent(in) :: a(:, :)
       integer, intent(in) :: pivot(:)
@@ -89,7 +90,7 @@ contains
    subroutine solve(self, x, y)
       class(bordered_type), intent(inout) :: self
       real(dp), intent(inout) :: x(:, :), y
-      integer :: j, n, status
+      integer :: j, n
 
       if (self%blocks == 0) then
          y = y/self%corner
@@ -97,14 +98,14 @@ contains
       end if
       n = self%block
       do j = 1, self%blocks - 1
-         call dgetrs('N', n, 1, self%diagonal(:, :, j), n, self%pivot(:, j), x(:, j), n, status)
+         call solve_factored(n, 1, self%diagonal(:, :, j), self%pivot(:, j), x(:, j))
          call dgemv('N', n, n, -1.0_dp, self%lower(:, :, j + 1), n, x(:, j), 1, 1.0_dp, x(:, j + 1), 1)
          y = y - dot_product(self%row(:, j), x(:, j))
       end do
       j = self%blocks
       self%joint(:n) = x(:, j)
       self%joint(n + 1) = y
-      call dgetrs('N', n + 1, 1, self%last, n + 1, self%last_pivot, self%joint, n + 1, status)
+      call solve_factored(n + 1, 1, self%last, self%last_pivot, self%joint)
       x(:, j) = self%joint(:n)
       y = self%joint(n + 1)
       do j = self%blocks - 1, 1, -1

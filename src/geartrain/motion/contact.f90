@@ -167,6 +167,10 @@ contains
       spacing = 2*pi/self%fine%samples
       do q = 1, self%fine%samples
          next = merge(1, q + 1, q == self%fine%samples)
+         ! Nothing happens between two samples of one contact, the first of which is too far from a wall to reach it and turn.
+         if (abs(abs(self%p(q)) - self%backlash) >= spacing*abs(self%slope(q)) .and. &
+             (self%p(q) > self%backlash .eqv. self%p(next) > self%backlash) .and. &
+             (self%p(q) < -self%backlash .eqv. self%p(next) < -self%backlash)) cycle
          first = self%events + 1
          do side = 1, -1, -2
             wall = side*self%backlash

@@ -16,9 +16,8 @@ module geartrain_motion_flow
    type :: flow_type
       type(system_type) :: system
       real(dp) :: frequency = 1
-      !> Columns of `x`; with `has_state` the first is the state, the others are tangents to the flow.
+      !> Columns of `x`: the first is the state, the others are tangents to the flow.
       integer :: columns = 1
-      logical :: has_state = .true.
       !> Time [1] and columns, (column, 2*elements).
       real(dp) :: time = 0
       real(dp), allocatable :: x(:, :)
@@ -37,6 +36,8 @@ module geartrain_motion_flow
       real(dp) :: tolerance = 1e-15_dp
       real(dp), allocatable, private :: phi(:, :), kappa(:, :), excitation(:, :)
       integer, private :: event_mesh = 0, event_side = 0, stuck = 0
+      !> Length within which the series in hand hold: kappa is cut where it does not show there; 0: all terms.
+      real(dp), private :: reach = 0
    contains
       procedure :: setup
       procedure :: start
@@ -51,19 +52,17 @@ module geartrain_motion_flow
 
 contains
 
-   !> Prepares for `columns` columns; a flow without state carries tangents along contacts that the caller sets.
-   subroutine setup(self, system, columns, has_state, order, tolerance)
+   !> Prepares for `columns` columns.
+   subroutine setup(self, system, columns, order, tolerance)
       class(flow_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       integer, intent(in) :: columns
-      logical, intent(in) :: has_state
       integer, intent(in) :: order
       !> Relative error of one step.
       real(dp), intent(in) :: tolerance
 
       self%system = system
       self%columns = columns
-      self%has_state = has_state
       self%order = order
       self%tolerance = tolerance
       if (allocated(self%x)) deallocate (self%x, self%p, self%v, self%phi, self%kappa, self%excitation, self%contact)
@@ -85,11 +84,11 @@ contains
       self%frequency = frequency
       self%time = time
       self%length = 0
+      self%reach = 0
       self%event_mesh = 0
       self%stuck = 0
       self%events = 0
       self%slowest_event = huge(1.0_dp)
-      if (.not. self%has_state) return
       do j = 1, self%system%meshes
          n = self%system%mesh_element(j)
          self%contact(j) = contact_at(self%x(1, n), self%x(1, self%system%elements + n), self%system%backlash(j))
@@ -130,10 +129,13 @@ contains
 
       call self%expand()
       h = self%step_length()
+      if (self%reach > 0) h = min(h, self%reach)
+      ! The next step may be longer, but not by much, even where an event or the end cuts this one short.
+      self%reach = 2*h
       reaches_end = h >= end_time - self%time
       if (reaches_end) h = end_time - self%time
       self%event = .false.
-      if (self%has_state) call self%first_event(h, self%event, mesh, side)
+      call self%first_event(h, self%event, mesh, side)
       n = self%system%elements
       call sum_series(self%columns*n, self%order, self%p, h, self%x(:, :n))
       call sum_series(self%columns*n, self%order, self%v, h, self%x(:, n + 1:))
@@ -182,9 +184,8 @@ contains
          self%v(:, :, 0) = self%x(:, n + 1:)
          spring = 1
          terms = -1
-         ! Terms of kappa beyond this reach do not show at the length that the step is going to have.
-         reach = 2*self%length
-         if (.not. reach > 0) reach = huge(1.0_dp)
+         reach = huge(1.0_dp)
+         if (self%reach > 0) reach = self%reach
          do j = 1, system%meshes
             n = system%mesh_element(j)
             if (self%contact(j) == 0) spring(n) = 0
@@ -195,9 +196,9 @@ contains
             call add_series(system%mesh_stiffness(j), self%frequency, self%time, 1.0_dp, self%kappa(:, j))
             terms(j) = last_term(self%kappa(:, j), reach, 0.01_dp*self%tolerance)
          end do
-         if (self%has_state) call expand_excitation(self)
+         call expand_excitation(self)
          call recur(self%columns, system%elements, system%meshes, self%order, spring, terms, self%kappa, system, &
-                    self%contact, self%has_state, self%excitation, self%phi, self%p, self%v)
+                    self%contact, self%excitation, self%phi, self%p, self%v)
       end associate
    end subroutine expand
 
@@ -218,12 +219,10 @@ contains
 
    !> The recurrence: p(k+1) = v(k)/(k+1), v(k+1) = (-W phi(k) + s(k))/(k+1) with phi = kappa g + gamma v. The columns of
    !> element n are the numbers (n-1)*columns + 1 .. n*columns, so that each line is one long loop over all elements.
-   pure subroutine recur(columns, elements, meshes, order, spring, terms, kappa, system, contact, has_state, excitation, &
-                         phi, p, v)
+   pure subroutine recur(columns, elements, meshes, order, spring, terms, kappa, system, contact, excitation, phi, p, v)
       integer, intent(in) :: columns, elements, meshes, order, terms(meshes), contact(meshes)
       real(dp), intent(in) :: spring(elements), kappa(0:order, meshes), excitation(0:order, elements)
       type(system_type), intent(in) :: system
-      logical, intent(in) :: has_state
       !> One element of zeros before the first and after the last.
       real(dp), intent(inout) :: phi(1 - columns:columns*(elements + 1)), p(columns*elements, 0:order), &
                                  v(columns*elements, 0:order)
@@ -252,7 +251,6 @@ contains
             do l = 0, min(k, terms(j))
                phi(first:last) = phi(first:last) + kappa(l, j)*p(first:last, k - l)
             end do
-            if (.not. has_state) cycle
             if (terms(j) >= 0) then
                phi(first) = phi(first) - contact(j)*system%backlash(j)*kappa(k, j)
             else if (k == 0) then
@@ -264,7 +262,6 @@ contains
          p(:, k + 1) = inverse*v(:, k)
          v(:, k + 1) = inverse*(before*phi(1 - columns:all_ - columns) + own*phi(1:all_) &
                                 + after*phi(1 + columns:all_ + columns))
-         if (.not. has_state) cycle
          do n = 1, elements
             first = (n - 1)*columns + 1
             v(first, k + 1) = v(first, k + 1) + inverse*excitation(k, n)
@@ -328,15 +325,10 @@ contains
    !> Step at which the last two terms fall below the tolerance, for the state and for the tangents.
    pure real(dp) function step_length(self) result(h)
       class(flow_type), intent(in) :: self
-      integer :: first
 
       h = huge(1.0_dp)
-      first = 1
-      if (self%has_state) then
-         call limit(1, 1, self%smallest)
-         first = 2
-      end if
-      if (self%columns >= first) call limit(first, self%columns, sqrt(tiny(1.0_dp)))
+      call limit(1, 1, self%smallest)
+      if (self%columns > 1) call limit(2, self%columns, sqrt(tiny(1.0_dp)))
 
    contains
 

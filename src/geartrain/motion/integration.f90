@@ -108,7 +108,7 @@ contains
       logical :: keep_going
 
       if (present(stopped)) stopped = .false.
-      call flow%setup(system, 1, .true., flow_order, flow_tolerance)
+      call flow%setup(system, 1, flow_order, flow_tolerance)
       flow%x(1, :) = state
       section = huge(1.0_dp)
       section(:, 0) = state

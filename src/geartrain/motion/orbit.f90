@@ -30,7 +30,7 @@ contains
       integer :: i, n
 
       n = size(state)
-      call flow%setup(system, n + 1, .true., flow_order, flow_tolerance)
+      call flow%setup(system, n + 1, flow_order, flow_tolerance)
       flow%x = 0
       flow%x(1, :) = state
       do i = 1, n
@@ -60,7 +60,7 @@ contains
       real(dp) :: spacing, mesh_period, begun, spent(-1:1, system%meshes), velocity(size(displacement, 1), system%meshes)
       integer :: i, j, q, contact(system%meshes)
 
-      call flow%setup(system, 1, .true., flow_order, flow_tolerance)
+      call flow%setup(system, 1, flow_order, flow_tolerance)
       flow%x(1, :) = state
       mesh_period = 2*pi/frequency
       spacing = period*mesh_period/size(displacement, 1)

@@ -1,9 +1,9 @@
 !> Shooting: a periodic orbit to integration accuracy by Newton on the flow over its period. The force is continuous at contact
 !> events, so the monodromy matrix that comes with the flow is the exact derivative.
 module geartrain_motion_shooting
+   use geartrain_base_elimination, only: factor_matrix, solve_factored
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_kinds, only: dp
-   use geartrain_base_lapack, only: dgetrf, dgetrs
    use geartrain_base_numbers, only: text
    use geartrain_model_check, only: check_train
    use geartrain_model_system, only: build_system, system_type
@@ -54,8 +54,8 @@ contains
          do k = 1, n
             matrix(k, k) = matrix(k, k) - 1
          end do
-         call dgetrf(n, n, matrix, n, pivot, info)
-         if (info == 0) call dgetrs('N', n, 1, matrix, n, pivot, step, n, info)
+         call factor_matrix(n, matrix, pivot, info)
+         if (info == 0) call solve_factored(n, 1, matrix, pivot, step)
          scale = maxval(abs(state))
          length = maxval(abs(step))/scale
          if (info /= 0 .or. .not. length < 10) exit

@@ -1,11 +1,13 @@
 !> Floquet multipliers of a periodic motion from its monodromy matrix, integrated piece by piece between contact events.
 !> Liouville's formula, det M = exp(-T sum over n of W_nn gamma_n), whatever the contacts, checks every one of them.
 module geartrain_stability_monodromy
+   use geartrain_base_eigenvalues, only: find_eigenvalues
+   use geartrain_base_elimination, only: factor_matrix
    use geartrain_base_kinds, only: dp, pi
-   use geartrain_base_lapack, only: dgeev, dgemm, dgetrf
+   use geartrain_base_lapack, only: dgemm
    use geartrain_model_system, only: system_type
    use geartrain_motion_balance, only: balance_type
-   use geartrain_motion_flow, only: flow_type
+   use geartrain_stability_propagator, only: propagator_type
    implicit none (type, external)
    private
    public :: monodromy_type, eigenvalues, is_stable, neutral
@@ -13,11 +15,10 @@ module geartrain_stability_monodromy
    !> A multiplier as near as this to the unit circle counts as neutral, which is not stable.
    real(dp), parameter :: neutral = 1e-9_dp
 
-   !> Relative error of a step and the order of the series: multipliers to about 1e-9. A high order is cheap, because the
-   !> recurrence costs the same for every term.
-   real(dp), parameter :: tolerance = 1e-10_dp
-   integer, parameter :: order = 28
-   !> A piece is cut where its determinant falls below exp(-6): a smaller one drowns in rounding and checks nothing.
+   !> Largest error of the determinant before a matrix is integrated again with shorter steps, and how often that is done.
+   real(dp), parameter :: largest_defect = 1e-7_dp
+   integer, parameter :: most_attempts = 3
+   !> A piece is cut where some motion may have fallen to exp(-6): the determinant of a longer one drowns in rounding.
    real(dp), parameter :: largest_decay = 6
 
    !> Work space of one branch.
@@ -27,13 +28,14 @@ module geartrain_stability_monodromy
       real(dp), allocatable :: transposed(:, :)
       !> |log(det M) - log(Liouville)| summed over the pieces [1].
       real(dp) :: liouville_defect = 0
-      type(flow_type), private :: flow
-      real(dp), allocatable, private :: product(:, :), factors(:, :), instant(:)
-      integer, allocatable, private :: mesh(:), contact(:), pivot(:)
+      type(propagator_type), private :: propagator
+      real(dp), allocatable, private :: product(:, :), piece(:, :), factors(:, :), instant(:)
+      integer, allocatable, private :: mesh(:), contact(:), now(:), pivot(:)
    contains
       procedure :: setup
       procedure :: integrate
       procedure :: multipliers
+      procedure, private :: carry
       procedure, private :: collect_events
       procedure, private :: close_piece
    end type monodromy_type
@@ -45,8 +47,10 @@ contains
       type(system_type), intent(in) :: system
 
       self%states = 2*system%elements
-      call self%flow%setup(system, self%states, .false., order, tolerance)
+      call self%propagator%setup(system)
+      allocate (self%now(system%meshes))
       allocate (self%transposed(self%states, self%states), self%product(self%states, self%states), &
+                self%piece(self%states, self%states), &
                 self%factors(self%states, self%states), self%pivot(self%states), self%instant(64), self%mesh(64), &
                 self%contact(64))
    end subroutine setup
@@ -56,38 +60,52 @@ contains
       class(monodromy_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
       real(dp), intent(in) :: frequency
-      real(dp) :: period, decay, piece_start, piece_limit, next
-      integer :: events, i, j
+      real(dp) :: period
+      integer :: events, attempt
 
       period = 2*pi*balance%eta/frequency
-      decay = sum(self%flow%system%coupling(2, :)*self%flow%system%damping)
-      piece_limit = period
-      if (decay > 0) piece_limit = period/ceiling(max(1.0_dp, decay*period/largest_decay))
       call self%collect_events(balance, period, events)
-      self%flow%contact = 1
-      do i = 1, balance%unknowns
-         self%flow%contact(balance%mesh(i)) = balance%contact(i)%first_contact
+      do attempt = 0, most_attempts - 1
+         call self%propagator%start(frequency, 2.0_dp**attempt)
+         call self%carry(balance, period, events)
+         if (self%liouville_defect < largest_defect) exit
       end do
-      call identity(self%flow%x)
+   end subroutine integrate
+
+   !> The product of the pieces from event to event over the period.
+   subroutine carry(self, balance, period, events)
+      class(monodromy_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: period
+      integer, intent(in) :: events
+      real(dp) :: decay, piece_start, piece_limit, time, next
+      integer :: i
+
+      decay = sum(balance%system%coupling(2, :)*balance%system%damping)
+      piece_limit = period/ceiling(max(1.0_dp, self%propagator%fastest_decay*period/largest_decay))
+      self%now = 1
+      do i = 1, balance%unknowns
+         self%now(balance%mesh(i)) = balance%contact(i)%first_contact
+      end do
       call identity(self%transposed)
-      call self%flow%start(frequency, 0.0_dp)
       self%liouville_defect = 0
       piece_start = 0
+      time = 0
       do i = 1, events + 1
          next = period
          if (i <= events) next = self%instant(i)
          do while (next > piece_start + piece_limit)
-            call self%flow%advance(piece_start + piece_limit)
-            call self%close_piece(decay*(self%flow%time - piece_start))
-            piece_start = self%flow%time
+            call self%propagator%advance(time, piece_start + piece_limit, self%now)
+            time = piece_start + piece_limit
+            call self%close_piece(decay*(time - piece_start))
+            piece_start = time
          end do
-         call self%flow%advance(next)
-         if (i > events) exit
-         j = self%mesh(i)
-         self%flow%contact(j) = self%contact(i)
+         call self%propagator%advance(time, next, self%now)
+         time = next
+         if (i <= events) self%now(self%mesh(i)) = self%contact(i)
       end do
-      call self%close_piece(decay*(self%flow%time - piece_start))
-   end subroutine integrate
+      call self%close_piece(decay*(time - piece_start))
+   end subroutine carry
 
    !> Events of all meshes in order of time.
    subroutine collect_events(self, balance, period, events)
@@ -131,16 +149,17 @@ contains
       integer :: n, i, info
 
       n = self%states
-      self%factors = self%flow%x
-      call dgetrf(n, n, self%factors, n, self%pivot, info)
+      call self%propagator%get(self%piece)
+      self%factors = self%piece
+      call factor_matrix(n, self%factors, self%pivot, info)
       log_determinant = 0
       do i = 1, n
          log_determinant = log_determinant + log(max(abs(self%factors(i, i)), tiny(1.0_dp)))
       end do
       self%liouville_defect = self%liouville_defect + abs(log_determinant + decay)
-      call dgemm('N', 'N', n, n, n, 1.0_dp, self%transposed, n, self%flow%x, n, 0.0_dp, self%product, n)
+      call dgemm('N', 'N', n, n, n, 1.0_dp, self%transposed, n, self%piece, n, 0.0_dp, self%product, n)
       self%transposed = self%product
-      call identity(self%flow%x)
+      call self%propagator%restart()
    end subroutine close_piece
 
    pure subroutine identity(a)
@@ -162,17 +181,15 @@ contains
       call eigenvalues(self%product, values)
    end subroutine multipliers
 
-   !> Eigenvalues of a matrix (destroyed), largest magnitude first; NaN if LAPACK does not converge.
+   !> Eigenvalues of a matrix (destroyed), largest magnitude first; NaN where they do not converge.
    subroutine eigenvalues(matrix, values)
       use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
       real(dp), intent(inout) :: matrix(:, :)
       complex(dp), intent(out) :: values(:)
-      real(dp) :: wr(size(values)), wi(size(values)), work(8*size(values)), empty(1, 1)
       complex(dp) :: held
       integer :: info, i, j
 
-      call dgeev('N', 'N', size(values), matrix, size(values), wr, wi, empty, 1, empty, 1, work, size(work), info)
-      values = cmplx(wr, wi, dp)
+      call find_eigenvalues(size(values), matrix, values, info)
       if (info /= 0) values = ieee_value(0.0_dp, ieee_quiet_nan)
       do i = 2, size(values)
          held = values(i)

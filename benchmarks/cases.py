@@ -1,0 +1,76 @@
+"""What is measured: motions of every kind of contact, and chains of any length."""
+
+from dataclasses import dataclass, replace
+from math import pi, sin
+
+import numpy as np
+
+import geartrain as gt
+
+STORED = 1000  # harmonics of a reference's waveform
+
+
+@dataclass(frozen=True)
+class Case:
+    """A motion of a train, and the stretch of its branch on which the time of a point is taken."""
+
+    name: str
+    what: str
+    train: gt.Train
+    frequency: float  # where errors are taken
+    stop: float  # end of the stretch that begins at `frequency`
+    traced: tuple[float, float]  # range of Lambda over which the branch is traced that holds the motion
+    near: tuple[float, float]  # rms of the motion meant, to tell it from others at the same frequency
+    order: int | None  # of the waveform's largest error in 1/R by theory; None: spectral
+
+    def find(self):
+        """The motion at `frequency`, and one a little farther along the stretch, to start from."""
+        start, stop = self.traced
+        branch = self.train.response(start=start, stop=stop, harmonics=12, stability=False)
+        motion = nearest(branch.at(self.frequency), self.near)
+        before = nearest(branch.at(self.frequency + 0.02 * (self.stop - self.frequency)), motion.rms)
+        return motion, before
+
+
+def cases():
+    figure3 = gt.read_case("namelists/fig03.nml").train
+    square = gt.read_case("namelists/fig08_rectangular.nml").train
+    light = gt.read_case("namelists/fig09_001.nml").train
+    # The whole square wave whose harmonics 1, 3 and 5 figure 8 has.
+    wave = [0.42 * sin(k * pi / 2) / k for k in range(1, 512)]
+    whole = replace(square, meshes=[replace(mesh, stiffness_cos=wave) for mesh in square.meshes])
+    return (
+        Case("smooth", "figure 3, contact never lost", figure3, 0.22, 0.3, (0.2, 0.3), (0.135, 0.142), None),
+        Case("separated", "figure 3, teeth part at both meshes", figure3, 0.9, 1.0, (0.85, 1.0), (0.410, 0.714), 3),
+        Case("back contact", "figure 8, the back flanks collide as well", square, 0.7, 0.65, (0.2, 2.6), (0.693, 3.166), 3),
+        Case("square wave", "stiffness a square wave, contact never lost", whole, 0.4, 0.43, (0.4, 0.43), (0.263, 0.315), 2),
+        Case("low damping", "figure 9, damping ratio 0.01, back contact", light, 0.65, 0.69, (0.2, 2.6), (2.664, 2.461), 3),
+    )
+
+
+def nearest(motions, rms):
+    """The motion whose rms is nearest, relative."""
+    return min(motions, key=lambda motion: np.abs(motion.rms / np.asarray(rms) - 1).max())
+
+
+def reference(motion):
+    """The same orbit by shooting, its waveform stored with so many harmonics that cutting it off does not show."""
+    padded = np.zeros((len(motion.rms), 1 + 2 * STORED * motion.period))
+    kept = min(padded.shape[1], motion.coefficients.shape[1])
+    padded[:, :kept] = motion.coefficients[:, :kept]
+    return replace(motion, coefficients=padded).refine()
+
+
+def chain(shafts):
+    """A train of that many shafts: figure 3's pairs by turns, the second one turned round so that no torque grows."""
+    figure3 = gt.read_case("namelists/fig03.nml").train
+    down, after = figure3.meshes
+    up = replace(
+        after, driving_radius=after.driven_radius, driven_radius=after.driving_radius,
+        driving_inertia=after.driven_inertia, driven_inertia=after.driving_inertia,
+    )  # fmt: skip
+    first, middle, last = figure3.shafts
+    return replace(
+        figure3, title=f"chain of {shafts} shafts", shafts=[first, *[middle] * (shafts - 2), last],
+        meshes=[(down, up)[number % 2] for number in range(shafts - 1)],
+    )  # fmt: skip

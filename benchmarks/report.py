@@ -1,0 +1,235 @@
+"""The report: docs/speed.md. Its numbers come from the rows, and no sentence claims what no row shows."""
+
+from pathlib import Path
+
+import numpy as np
+
+import pictures
+from timing import spread
+
+TARGETS = (1e-2, 1e-4, 1e-6, 1e-8)
+
+
+WHERE = """## Where each method should be used
+
+| for | use | rows that show it |
+|---|---|---|
+| a whole curve, folds and unstable motions included | harmonic balance, `harmonics = 6` to `24` | figure 3, R = 6 to 24 |
+| a curve to a given error | `harmonics = 0` with `tolerance` | figure 3, the rows with a tolerance |
+| motions to more digits than the fastest balance gives | `motion.refine()`, shooting | fastest method, columns 1e-6 and 1e-8 |
+| a stiffness that jumps | few harmonics, then `refine()` | fastest method, square wave |
+| where given initial conditions lead, unknown periods | time integration | needs no start; times in the picture |
+| comparing with the paper and other codes | `coefficients = 'sampled'` | error over R: its lines level off |
+"""
+
+
+def table(header, rows):
+    """A markdown table."""
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines) + "\n"
+
+
+def duration(seconds):
+    return spread([float(np.median(seconds))])
+
+
+def machine_section(found):
+    versions = ", ".join(f"{name} {value}" for name, value in found["versions"].items())
+    return f"""{found["processor"]}, {found["cores"]} cores, {found["system"]}; one core and one thread for every tool. {versions}.
+The load before the first measurement was {found["load"]:.1f}. Times are medians, with the shortest and the longest in brackets.
+"""
+
+
+def curve_rows(rows):
+    for row in rows:
+        errors = row["errors"]
+        yield (
+            row["label"], row["points"], spread(row["process"]), spread(row["curve"]) if row["curve"] else "",
+            duration([value / row["points"] for value in row["curve"] or row["process"]]), "yes" if row["stability"] else "no",
+            f"{errors['median']:.0e}", f"{errors['largest']:.0e} at {errors['largest_at']:.3f}",
+        )  # fmt: skip
+
+
+def ratio_rows(rows):
+    """How many times geartrain (R = 6, multipliers at every point) is faster than the tools beside it."""
+    own = next(row for row in rows if row["label"] == "geartrain, R = 6")
+    for row in rows:
+        if row["tool"] == "geartrain":
+            continue
+        process = np.median(row["process"]) / np.median(own["process"])
+        calls = ""
+        if row["curve"] and not row["swept"]:
+            like = own["curve"] if row["stability"] else own["without"]
+            calls = f"{np.median(row['curve']) / np.median(like):,.3g}"
+        yield row["label"], f"{process:,.3g}", calls
+
+
+def curve_section(found):
+    rows = found["rows"]
+    skipped = "".join(f"- {item['label']}: not measured: {item['reason']}\n" for item in found["skipped"])
+    swept = [
+        f"{row['label']}: {row['run']} of its {row['points']}, {row['errors']['elsewhere']} settled on motions off this curve"
+        for row in rows
+        if row["swept"]
+    ]
+    partial = f"SciPy ran a part of its frequencies, the time is scaled to all of them ({'; '.join(swept)})." if swept else ""
+    tools = sorted({row["tool"] for row in rows} - {"geartrain"})
+    check = ""
+    if found["check"]:
+        check = f"""Shooting itself was checked by SciPy's DOP853 at rtol 1e-12 on {found["check"]["orbits"]} orbits,
+stable and unstable: rms agrees to {found["check"]["rms"]:.0e} (relative), and after a period the orbits close to
+{found["check"]["closure"]:.0e}."""
+    return f"""## Figure 3 beside other tools
+
+The whole curve, Lambda 0.2 to 2.6, through its 8 folds, in one run: {", ".join(tools)}.
+*Process* is from the start of the process to its end; for geartrain that is the executable, the case read and the HDF5 file closed,
+multipliers at every point. *Call* is the same curve within a process that has run one before. The error is that of rms, the larger
+of both meshes, relative to shooting at the same Lambda, at up to 100 points of each tool's own, those left out that are nearer than
+0.01 to a fold.
+
+{table(("tool", "points", "process", "call", "a point", "stability", "error, median", "largest, at Lambda"), curve_rows(rows))}
+{check}
+
+{partial}
+pyHarm, jaxcont and SciPy compute no stability. Most of jaxcont's process is import and compilation:
+its second curve takes what stands under *call*.
+The definitions of the train for these tools are ours (`benchmarks/peers/`), in all five elements: 5 (1 + 2R) unknowns.
+The largest errors stand where the curve is nearly vertical: there a small error in Lambda is a large one in rms.
+{skipped}
+How many times longer than geartrain at R = 6 with multipliers; calls of tools without stability are set beside the call without it:
+
+{table(("tool", "process", "call"), ratio_rows(rows))}
+![Error of rms over time of a point, geartrain and peers](speed/peers.png)
+"""
+
+
+def fastest(case, target):
+    """Name and time of the method that first gets a point of this case below an error."""
+    reached = [
+        (np.median(row["seconds"]), f"{name}, {row['setting']}")
+        for name, rows in case["lines"].items()
+        for row in rows
+        if row["error"] <= target
+    ]  # fmt: skip
+    seconds, name = min(reached)
+    return f"{name}: {duration([seconds])}"
+
+
+def errors_by_harmonics(case):
+    rows = {row["harmonics"]: row["error"] for row in case["lines"]["exact"]}
+    return ", ".join(f"{rows[count]:.0e} at R = {count}" for count in (6, 12, 24) if count in rows)
+
+
+def accuracy_section(found):
+    cases = found["cases"]
+    choice = [(case["name"], *(fastest(case, target) for target in TARGETS)) for case in cases]
+    orders = [
+        (
+            case["name"], case["what"], f"{case['frequency']:g}",
+            "spectral" if case["order"] is None else f"R^-{case['order']}",
+            errors_by_harmonics(case) if case["order"] is None else f"R^-{case['fitted']:.2f}" if case["fitted"] else "not fitted",
+        )
+        for case in cases
+    ]  # fmt: skip
+    return f"""## Error against time of a point
+
+The error here is that of the waveform: the largest deviation of any mesh at any instant from shooting, over the largest
+alternating displacement. Time is that of a point of a branch without multipliers; for integration that of settling from the steady
+motion of a neighbouring frequency. The error of shooting is its agreement with DOP853 on figure 3, above.
+
+![Error of the waveform over time of a point, five cases](speed/accuracy.png)
+
+![Error of the waveform over number of harmonics, five cases](speed/order.png)
+
+{table(("case", "what", "Lambda", "order by theory", "fitted, R >= 12"), orders)}
+Teeth that part make a jump in the third derivative of p, so that |p_k| falls as k^-4 and the largest error as R^-3; a jump of
+the stiffness is one in the second derivative, k^-3 and R^-2.
+
+Which method gets a point fastest below an error of the waveform, and its time; *shooting* is harmonic balance at R = 12 and
+`refine` together:
+
+{table(("case", *(f"{target:.0e}" for target in TARGETS)), choice)}"""
+
+
+def above_first(rows):
+    """Memory of each size less that of the smallest, which is mostly that of the libraries; none where it is no more."""
+    first = rows[0]["memory"][0]
+    return [{"size": row["size"], "memory": [row["memory"][0] - first]} for row in rows if row["memory"][0] > 1.02 * first]
+
+
+def size_rows(rows):
+    return [
+        (row["size"], *(spread(row[key]) if key in row else "not measured" for key in ("without", "with")))
+        for row in rows
+    ]  # fmt: skip
+
+
+def scale_section(found):
+    memory = {row["size"]: f"{row['memory'][0] / 2**20:.1f} MiB" for row in found["memory"]}
+    shafts = [(*row, memory.get(row[0], "")) for row in size_rows(found["shafts"])]
+    slopes = [
+        (what, f"{value:.2f}" if value is not None else "")
+        for what, value in (
+            ("time by shafts, without multipliers", pictures.exponent(found["shafts"], "without")),
+            ("time by shafts, with multipliers", pictures.exponent(found["shafts"], "with")),
+            ("time by harmonics, without multipliers", pictures.exponent(found["harmonics"], "without")),
+            ("memory above that of the smallest train, by shafts", pictures.exponent(above_first(found["memory"]), "memory")),
+        )
+    ]
+    return f"""## Size
+
+The time of a point at R = 6 for chains of figure 3's gear pairs, teeth parting at the first of them, and the peak memory of the
+executable (all of the process: its libraries, and the {found["points"]} points of the branch). *Not measured*: the size
+before took too long.
+
+{table(("shafts", "a point, without multipliers", "with", "memory"), shafts)}
+And of figure 3's train for more harmonics:
+
+{table(("R", "a point, without multipliers", "with"), size_rows(found["harmonics"]))}
+![Time of a point and memory over size](speed/scale.png)
+
+Exponents, fitted over the upper half of the sizes:
+
+{table(("what", "exponent"), slopes)}"""
+
+
+def floor_section(machine, curve):
+    own = next(row for row in curve["rows"] if row["label"] == "geartrain, R = 6")
+    floor = 3 * machine["solve"] + machine["eigenvalues"]
+    with_, without = (np.median(own[key]) / own["points"] for key in ("curve", "without"))
+    rows = [
+        ("LAPACK dgesv, 27 unknowns", duration([machine["solve"]])),
+        ("LAPACK dgeev, 10 states", duration([machine["eigenvalues"]])),
+        ("floor of a point: 3 solves and the eigenvalues", duration([floor])),
+        ("geartrain, a point without multipliers", f"{duration([without])}, {without / (3 * machine['solve']):.1f} x its solves"),
+        ("geartrain, a point with multipliers", f"{duration([with_])}, {with_ / floor:.1f} x the floor"),
+    ]
+    return f"""## How far from what the machine could do
+
+A point of figure 3 at R = 6 takes about three Newton steps, each a solve for 27 unknowns, and the eigenvalues of a monodromy
+matrix of 10 states; LAPACK's times for these (called from Python) are the floor, the matrices' assembly not counted.
+This core multiplies matrices at {machine["flops"] / 1e9:.0f} GFLOP/s.
+
+{table(("what", "time"), rows)}"""
+
+
+def write(found, path):
+    """docs/speed.md and its pictures, from the rows of all parts."""
+    folder = path.with_suffix("")
+    folder.mkdir(exist_ok=True)
+    pictures.draw_peers(found["curve"], folder / "peers.png")
+    pictures.draw_accuracy(found["accuracy"], folder / "accuracy.png")
+    pictures.draw_orders(found["accuracy"], folder / "order.png")
+    pictures.draw_scale(found["scale"], folder / "scale.png")
+    measured = "; ".join(f"{name} {part['measured']}" for name, part in found.items())
+    sections = (
+        machine_section(found["machine"]), WHERE, curve_section(found["curve"]), accuracy_section(found["accuracy"]),
+        scale_section(found["scale"]), floor_section(found["machine"], found["curve"]),
+    )  # fmt: skip
+    intro = f"""# Speed against error
+
+Written by `benchmarks/run`, which installs the peers that packages provide, measures everything below on the machine at hand and
+draws the pictures. Measured: {measured}.
+
+"""
+    Path(path).write_text(intro + "\n".join(sections), encoding="utf-8")

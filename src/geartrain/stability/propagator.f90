@@ -1,0 +1,272 @@
+!> Carries tangents of the motion along given contacts, for monodromy matrices: many columns, one accuracy, no events to find.
+!>
+!> Between contact events the equations are linear and the solution is, but for small sidebands, a sum of exponentials whose
+!> rates lie in an ellipse along the imaginary axis that is known beforehand. So the derivatives of the solution at the beginning
+!> of a step, weighted with the coefficients of an economised exponential series, give its end: no step control, and two
+!> thirds of the terms of Taylor's series. kappa within a step is a short polynomial, made likewise.
+module geartrain_stability_propagator
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_lapack, only: dsteqr
+   use geartrain_model_system, only: system_type
+   use geartrain_stability_exponential, only: exponential_type
+   use geartrain_stability_recurrence, only: add_up, chunk, find_derivatives, most_terms
+   implicit none (type, external)
+   private
+   public :: propagator_type
+
+   !> Most columns that are carried together: their derivatives stay in a cache.
+   integer, parameter :: widest = 12
+   !> Longest step [rad of the band]: rounding grows as exp(reach).
+   real(dp), parameter :: longest = 16
+   !> Error of a step relative to the state, and of kappa: multipliers to about 1e-9.
+   real(dp), parameter :: tolerance = 5e-10_dp
+   !> Sidebands of kappa's highest harmonic that the band makes room for: beside the fastest mode of all, in which meshes
+   !> hardly take part or which lies above what a mesh can do alone, and beside the rate of a mesh alone.
+   real(dp), parameter :: sidebands = 1, mesh_sidebands = 6
+   !> Longest step [rad of kappa's highest harmonic].
+   real(dp), parameter :: longest_kappa = 2
+
+   type :: propagator_type
+      integer :: states = 0
+      !> Largest rate of decay of any motion [1].
+      real(dp) :: fastest_decay = 0
+      !> Columns of displacements, then velocities over `band`, (column, 2*elements, block of columns).
+      real(dp), allocatable, private :: x(:, :, :)
+      integer, private :: elements = 0, width = 0
+      !> Largest rates of all modes, with all meshes in contact and stiffest, and of a mesh of varying stiffness alone [1];
+      !> the largest that a step has to follow, at `frequency`.
+      real(dp), private :: fastest = 0, fastest_mesh = 0, band = 1, frequency = 1
+      type(system_type), private :: system
+      type(exponential_type), private :: motion, kappa
+      !> Highest order of Lambda in any kappa.
+      integer, private :: highest_order = 0
+      !> Derivatives of one block of columns (column, element, derivative), with zeros before the first; their weights; factors of
+      !> p in Leibniz' rule (term, derivative, mesh) and the terms that there are (mesh).
+      real(dp), allocatable, private :: derivative(:, :, :), weight(:), binomial(:, :), leibniz(:, :, :)
+      integer, allocatable, private :: terms(:)
+      !> Factors of `find_derivatives` (column and element).
+      real(dp), allocatable, private :: before(:, :), after(:, :), spring(:, :), damper(:, :)
+   contains
+      procedure :: setup
+      procedure :: start
+      procedure :: advance
+      procedure :: restart
+      procedure :: get
+      procedure, private :: step
+      procedure, private :: expand_kappa
+   end type propagator_type
+
+contains
+
+   subroutine setup(self, system)
+      class(propagator_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      real(dp) :: stiffest(system%elements), aspect
+      integer :: blocks, i, j, k, most
+
+      self%system = system
+      self%elements = system%elements
+      self%states = 2*system%elements
+      ! Blocks of equal width, even for the sake of vector code.
+      blocks = (self%states + widest - 1)/widest
+      self%width = 2*((self%states + 2*blocks - 1)/(2*blocks))
+      stiffest = 1
+      self%highest_order = 0
+      self%fastest_mesh = 0
+      do j = 1, system%meshes
+         associate (s => system%mesh_stiffness(j), n => system%mesh_element(j))
+            if (size(s%amplitude) == 0) cycle
+            stiffest(n) = 1 + sum(abs(s%amplitude))
+            self%fastest_mesh = max(self%fastest_mesh, sqrt(system%coupling(2, n)*stiffest(n)))
+            self%highest_order = max(self%highest_order, s%order*size(s%amplitude))
+         end associate
+      end do
+      self%fastest = sqrt(largest_eigenvalue(system, stiffest))
+      self%fastest_decay = largest_eigenvalue(system, system%damping)
+      aspect = min(0.6_dp, max(0.1_dp, 2*self%fastest_decay/self%fastest))
+      self%fastest = hypot(self%fastest, self%fastest_decay/aspect)
+      call self%motion%setup([(longest*i/16, i=1, 16)], aspect, tolerance)
+      call self%kappa%setup([(0.05_dp*1.5_dp**i, i=0, 11)], 0.0_dp, tolerance)
+      most = maxval(self%motion%degree)
+      if (allocated(self%x)) deallocate (self%x, self%binomial, self%leibniz, self%derivative, self%weight, self%before, &
+                                         self%after, self%spring, self%damper, self%terms)
+      associate (w => self%width, m => self%elements)
+         allocate (self%x(w, self%states, blocks), self%weight(-3:most), self%binomial(0:most_terms - 1, 0:most), &
+                   self%leibniz(0:most_terms - 1, 0:most, system%meshes), self%derivative(w, m, 1 - most_terms:most + 1), &
+                   self%before(w, m), self%after(w, m), self%spring(w, m), self%damper(w, m), self%terms(system%meshes))
+      end associate
+      self%derivative = 0
+      self%weight = 0
+      self%before = 0
+      self%after = 0
+      do i = 2, self%elements
+         self%before(:, i) = system%coupling(1, i)/system%coupling(2, i - 1)
+         self%after(:, i - 1) = system%coupling(3, i - 1)/system%coupling(2, i)
+      end do
+      self%binomial = 0
+      do k = 0, most
+         self%binomial(0, k) = 1
+         do i = 1, min(k, most_terms - 1)
+            self%binomial(i, k) = self%binomial(i - 1, k)*(k - i + 1)/i
+         end do
+      end do
+   end subroutine setup
+
+   !> Of W diag(factor), which is similar to a symmetric tridiagonal matrix.
+   real(dp) function largest_eigenvalue(system, factor) result(largest)
+      type(system_type), intent(in) :: system
+      real(dp), intent(in) :: factor(:)
+      real(dp) :: diagonal(size(factor)), off(size(factor)), empty(1, 1), work(1)
+      integer :: n, info
+
+      off = 0
+      do n = 1, size(factor)
+         diagonal(n) = system%coupling(2, n)*factor(n)
+         if (n > 1) off(n - 1) = sqrt(system%coupling(1, n)*factor(n - 1)*system%coupling(3, n - 1)*factor(n))
+      end do
+      call dsteqr('N', size(factor), diagonal, off, empty, 1, work, info)
+      largest = maxval(diagonal)
+   end function largest_eigenvalue
+
+   !> Begins with the identity at `frequency`; steps are shortened by `refinement`.
+   subroutine start(self, frequency, refinement)
+      class(propagator_type), intent(inout) :: self
+      real(dp), intent(in) :: frequency, refinement
+      integer :: n
+
+      self%frequency = frequency
+      self%band = refinement*max(self%fastest + sidebands*self%highest_order*frequency, &
+                                 self%fastest_mesh + mesh_sidebands*self%highest_order*frequency)
+      do n = 1, self%elements
+         self%damper(:, n) = -self%system%coupling(2, n)*self%system%damping(n)/self%band
+      end do
+      call self%restart()
+   end subroutine start
+
+   !> Puts the identity in place of the columns.
+   subroutine restart(self)
+      class(propagator_type), intent(inout) :: self
+      integer :: i
+
+      self%x = 0
+      do i = 1, self%states
+         self%x(mod(i - 1, self%width) + 1, i, (i - 1)/self%width + 1) = 1
+      end do
+   end subroutine restart
+
+   !> The columns as the transpose of a matrix (state, state), velocities in plain units.
+   subroutine get(self, transposed)
+      class(propagator_type), intent(in) :: self
+      real(dp), intent(out) :: transposed(:, :)
+      integer :: i, n
+
+      associate (m => self%elements)
+         do n = 1, self%states
+            do i = 1, self%states
+               transposed(i, n) = self%x(mod(i - 1, self%width) + 1, n, (i - 1)/self%width + 1)
+            end do
+         end do
+         transposed(:m, m + 1:) = transposed(:m, m + 1:)*self%band
+         transposed(m + 1:, :m) = transposed(m + 1:, :m)/self%band
+      end associate
+   end subroutine get
+
+   !> From one time to another along constant contacts (mesh), 0 for separation.
+   subroutine advance(self, from, to, contact)
+      class(propagator_type), intent(inout) :: self
+      real(dp), intent(in) :: from, to
+      integer, intent(in) :: contact(:)
+      real(dp) :: h, limit
+      integer :: i, j, n, steps
+
+      if (.not. to > from) return
+      do n = 1, self%elements
+         self%spring(:, n) = -self%system%coupling(2, n)/self%band**2
+      end do
+      self%terms = 0
+      do j = 1, self%system%meshes
+         if (contact(j) /= 0 .and. size(self%system%mesh_stiffness(j)%amplitude) == 0) cycle
+         self%spring(:, self%system%mesh_element(j)) = 0
+         if (contact(j) /= 0) self%terms(j) = 1
+      end do
+      limit = longest/self%band
+      if (any(self%terms > 0)) limit = min(limit, longest_kappa/(self%frequency*self%highest_order))
+      steps = ceiling((to - from)/limit*(1 - 1e-12_dp))
+      h = (to - from)/steps
+      do i = 1, steps
+         call self%step(from + (i - 1)*h, h)
+      end do
+   end subroutine advance
+
+   subroutine step(self, time, h)
+      class(propagator_type), intent(inout) :: self
+      real(dp), intent(in) :: time, h
+      real(dp) :: power
+      integer :: series, degree, most, i, j, k
+
+      series = self%motion%index_of(h*self%band)
+      degree = self%motion%degree(series)
+      most = ubound(self%weight, 1)
+      power = 1
+      do k = 0, degree
+         self%weight(k) = self%motion%coefficient(k, series)*power
+         power = power*h*self%band
+      end do
+      do j = 1, self%system%meshes
+         if (self%terms(j) > 0) call self%expand_kappa(j, time, h, degree)
+      end do
+      do i = 1, size(self%x, 3)
+         call find_derivatives(self%width, self%elements, self%system%meshes, degree, most, self%system%mesh_element, self%terms, &
+                               self%spring, self%damper, self%before, self%after, self%leibniz, self%x(:, :, i), &
+                               self%derivative)
+         call add_up(self%width*self%elements, degree, most, self%weight, self%derivative, self%x(:, :, i))
+      end do
+   end subroutine step
+
+   !> -W_nn binomial(k, l) times derivative l of kappa at the beginning of a step, for Leibniz' rule: kappa as a polynomial
+   !> about the middle of the step, shifted to its beginning.
+   subroutine expand_kappa(self, mesh, time, h, degree)
+      class(propagator_type), intent(inout) :: self
+      integer, intent(in) :: mesh, degree
+      real(dp), intent(in) :: time, h
+      real(dp) :: polynomial(0:most_terms - 1), rate, power, factor
+      complex(dp) :: phase
+      integer :: i, k, l, last, series
+
+      polynomial = 0
+      polynomial(0) = 1
+      last = 0
+      associate (stiffness => self%system%mesh_stiffness(mesh))
+         do i = 1, size(stiffness%amplitude)
+            rate = i*stiffness%order*self%frequency
+            series = self%kappa%index_of(rate*h/2)
+            phase = stiffness%amplitude(i)*exp(cmplx(0, rate*(time + h/2), dp))
+            power = 1
+            last = max(last, self%kappa%degree(series))
+            do l = 0, self%kappa%degree(series)
+               polynomial(l) = polynomial(l) + self%kappa%coefficient(l, series)*power*phase%re
+               phase = cmplx(-phase%im, phase%re, dp)
+               power = power*rate
+            end do
+         end do
+      end associate
+      do i = 0, last - 1
+         do l = last - 1, i, -1
+            polynomial(l) = polynomial(l) - h/2*polynomial(l + 1)
+         end do
+      end do
+      last = (last/chunk + 1)*chunk - 1
+      factor = -self%system%coupling(2, self%system%mesh_element(mesh))/self%band**2
+      do l = 0, last
+         polynomial(l) = factor*polynomial(l)
+         factor = factor*(l + 1)/self%band
+      end do
+      do k = 0, degree
+         do l = 0, last
+            self%leibniz(l, k, mesh) = self%binomial(l, k)*polynomial(l)
+         end do
+      end do
+      self%terms(mesh) = last + 1
+   end subroutine expand_kappa
+
+end module geartrain_stability_propagator
