@@ -62,7 +62,6 @@ def main():
         reference = case.train.response(**{**settings, "harmonics": 0, "tolerance": 1e-6})
         for harmonics in HARMONICS:
             rows = ratios(case.train.response(**{**settings, "harmonics": harmonics}), reference)
-            np.save(f"/tmp/w_est_{name}_{harmonics}.npy", rows)
             everything.append(rows)
             report(name, harmonics, rows)
     report("all", "", np.concatenate(everything))

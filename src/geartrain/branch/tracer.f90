@@ -47,7 +47,7 @@ module geartrain_branch_tracer
       integer :: part = 1
       !> Points that miss the tolerance, where the number of harmonics is left to the program.
       integer :: missed = 0
-      type(truncation_type), private :: truncation
+      type(truncation_type) :: truncation
       !> Change of the tangent's Lambda part along the branch, at the latest step.
       real(dp), private :: bend = 0
    contains
