@@ -706,7 +706,7 @@ subroutine branch_sizes(handle, place, sizes)
 end subroutine branch_sizes
 
 ! numbers: frequency, error estimate, correction; values: rms, mean, minimum, maximum, those of the mesh load; marks: part, stable,
-! refined (one for all points).
+! estimate doubtful, harmonics, refined (one for all points).
 subroutine copy_branch(handle, place, points, meshes, states, terms, numbers, coefficients, values, marks, multipliers)
    use geartrain, only: branch_type
    use geartrain_python_box, only: as_values, box_of, branch_at
@@ -714,7 +714,7 @@ subroutine copy_branch(handle, place, points, meshes, states, terms, numbers, co
    integer(8), intent(in) :: handle
    integer, intent(in) :: place, points, meshes, states, terms
    double precision, intent(out) :: numbers(points, 3), coefficients(terms, meshes, points), values(meshes, points, 8)
-   integer, intent(out) :: marks(points, 3)
+   integer, intent(out) :: marks(points, 5)
    double precision, intent(out) :: multipliers(2, states, points)
    type(branch_type), pointer :: branch
    integer :: i
@@ -735,7 +735,9 @@ subroutine copy_branch(handle, place, points, meshes, states, terms, numbers, co
    end do
    marks(:, 1) = branch%part(:points)
    marks(:, 2) = 0
-   marks(:, 3) = merge(1, 0, allocated(branch%correction))
+   marks(:, 3) = merge(1, 0, branch%estimate_doubtful(:points))
+   marks(:, 4) = branch%point_harmonics(:points)
+   marks(:, 5) = merge(1, 0, allocated(branch%correction))
    if (states == 0) return
    marks(:, 2) = merge(1, 0, branch%stable(:points))
    multipliers(1, :, :) = real(branch%multipliers(:, :points))
@@ -750,7 +752,7 @@ subroutine put_branch(handle, place, ended, origin, flags, numbers, coefficients
    implicit none
    integer(8), intent(in) :: handle
    character(*), intent(in) :: ended, origin
-   integer, intent(in) :: place, points, meshes, states, terms, flags(4), marks(points, 3)
+   integer, intent(in) :: place, points, meshes, states, terms, flags(4), marks(points, 5)
    double precision, intent(in) :: numbers(points, 3), coefficients(terms, meshes, points), values(meshes, points, 8)
    double precision, intent(in) :: multipliers(2, states, points)
    type(box_type), pointer :: box
@@ -772,7 +774,7 @@ subroutine put_branch(handle, place, ended, origin, flags, numbers, coefficients
    allocate (branch%special_points(flags(4)))
    branch%frequency = numbers(:, 1)
    branch%error_estimate = numbers(:, 2)
-   if (all(marks(:, 3) == 1)) branch%correction = numbers(:, 3)
+   if (all(marks(:, 5) == 1)) branch%correction = numbers(:, 3)
    branch%coefficients = coefficients
    branch%rms = values(:, :, 1)
    branch%mean = values(:, :, 2)
@@ -786,6 +788,8 @@ subroutine put_branch(handle, place, ended, origin, flags, numbers, coefficients
       branch%backlash = train%meshes%half_backlash/train%characteristic_length
    end associate
    branch%part = marks(:, 1)
+   branch%estimate_doubtful = marks(:, 3) == 1
+   branch%point_harmonics = marks(:, 4)
    if (states == 0) return
    branch%stable = marks(:, 2) == 1
    branch%multipliers = cmplx(multipliers(1, :, :), multipliers(2, :, :), kind(0d0))

@@ -144,8 +144,10 @@ class Box:
             "multipliers": _complex(multipliers.T) if states else None,
             "coefficients": coefficients.T,
             "error_estimate": np.where(numbers[:, 1] < 0, np.nan, numbers[:, 1]),
+            "estimate_doubtful": marks[:, 2] == 1,
+            "harmonics": marks[:, 3],
             "part": marks[:, 0],
-            "correction": np.where(numbers[:, 2] < 0, np.nan, numbers[:, 2]) if marks[:, 2].all() else None,
+            "correction": np.where(numbers[:, 2] < 0, np.nan, numbers[:, 2]) if marks[:, 4].all() else None,
             "special_points": [
                 (kind, *fortran.copy_special(self.handle, place, special, meshes)) for special, kind in enumerate(kinds, 1)
             ],
@@ -248,7 +250,9 @@ class Box:
             np.stack([branch.frequency, *np.nan_to_num([branch.error_estimate, correction], nan=-1.0)], axis=1),
             branch.coefficients.T,
             _in_columns(branch),
-            np.stack([branch.part, stable, np.full(len(branch), branch.correction is not None)], axis=1),
+            np.stack(
+                [branch.part, stable, branch.estimate_doubtful, branch.harmonics, np.full(len(branch), branch.correction is not None)], axis=1
+            ),
             np.zeros((2, 0, len(branch))) if branch.multipliers is None else _pairs(branch.multipliers),
         )
         for number, special in enumerate(branch.special_points, 1):

@@ -69,6 +69,11 @@ class Branch:
         Mean, cos 1, sin 1, cos 2, ... of the frequency Lambda/subharmonic.
     error_estimate : ndarray, (points,)
         Relative error of the waveform as estimated.
+    estimate_doubtful : ndarray of bool, (points,)
+        Where that may be off by more than a small factor: a fold as near as it is itself misplaced, a contact that begins or ends
+        within the error, or an error beyond 0.1.
+    harmonics : ndarray of int, (points,)
+        Harmonics that each point was solved with.
     part : ndarray of int, (points,)
         Number of the part; a new one begins where the branch comes back from beyond the amplitude limit, or with the points
         traced from ``stop`` where those from ``start`` do not get there.
@@ -104,6 +109,8 @@ class Branch:
     multipliers: NDArray[np.complex128] | None
     coefficients: Array
     error_estimate: Array
+    estimate_doubtful: NDArray[np.bool_]
+    harmonics: NDArray[np.intc]
     part: NDArray[np.intc]
     special_points: list[SpecialPoint]
     subharmonic: int

@@ -61,6 +61,11 @@ module geartrain_branch_branch
       !> Relative change of the waveform by refine_branch, which is the error that the point had, (point); negative where it was
       !> not refined; not allocated where that was not asked for.
       real(dp), allocatable :: correction(:)
+      !> Where that may be off by more than a small factor: a fold as near as it is itself misplaced, a contact that begins or
+      !> ends within the error, or an error beyond 0.1, (point).
+      logical, allocatable :: estimate_doubtful(:)
+      !> Harmonics that each point was solved with, at most `harmonics`, (point).
+      integer, allocatable :: point_harmonics(:)
       !> Number of the part that a point belongs to, (point): a new one begins where the branch comes back from beyond the
       !> amplitude limit, and with the points traced from `stop` where those from `start` do not get there.
       integer, allocatable :: part(:)

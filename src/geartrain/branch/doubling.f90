@@ -61,7 +61,7 @@ contains
       twice = settings_for(settings, 2*settings%subharmonic)
       call begin_trace(train, twice, tracer)
       tracer%analysis = 'branch'
-      if (twice%harmonics == 0) call tracer%prepare(2*branch%harmonics)
+      if (twice%harmonics == 0) call tracer%prepare(2*branch%point_harmonics(branch%special_points(special)%point))
       call tracer%recorder%setup(tracer%path%balance, settings%stability, doubled)
       call start_place(tracer, branch, special, place, success)
       if (.not. success) then
@@ -69,10 +69,12 @@ contains
                          //' (more harmonics place the doubling more exactly)'
          return
       end if
+      call tracer%adapt(place, success)
       call tracer%record(place, doubled)
       call tracer%trace(place, min(settings%start, settings%stop), max(settings%start, settings%stop), settings%stop, &
                         doubled, outcome, doubled%ended, observer)
       doubled%complete = all(outcome /= [cancelled, stuck, full])
+      call tracer%tell_missed(doubled)
       call tracer%recorder%finish(doubled)
    end subroutine period_doubled
 

@@ -7,6 +7,7 @@ module geartrain_branch_recorder
    use geartrain_motion_balance, only: balance_type
    use geartrain_motion_mesh_load, only: force_reader_type
    use geartrain_motion_trigonometric, only: extremes, fine_samples, rms
+   use geartrain_motion_truncation, only: truncation_type
    use geartrain_stability_monodromy, only: is_stable, monodromy_type
    implicit none (type, external)
    private
@@ -50,11 +51,11 @@ contains
    end subroutine setup
 
    !> Adds the place at which the balance was last evaluated.
-   subroutine add(self, balance, place, error_estimate, part, branch)
+   subroutine add(self, balance, place, truncation, part, branch)
       class(recorder_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
       type(place_type), intent(in) :: place
-      real(dp), intent(in) :: error_estimate
+      type(truncation_type), intent(in) :: truncation
       integer, intent(in) :: part
       type(branch_type), intent(inout), target :: branch
       real(dp) :: coefficients(1 + 2*balance%highest, balance%system%meshes)
@@ -74,7 +75,9 @@ contains
       branch%frequency(n) = place%frequency
       branch%coefficients(:, :, n) = 0
       branch%coefficients(:size(coefficients, 1), :, n) = coefficients
-      branch%error_estimate(n) = error_estimate
+      branch%error_estimate(n) = truncation%estimate
+      branch%estimate_doubtful(n) = truncation%doubtful
+      branch%point_harmonics(n) = balance%highest
       branch%part(n) = part
       do j = 1, branch%meshes
          branch%rms(j, n) = rms(coefficients(:, j))
@@ -126,11 +129,14 @@ contains
       call move_alloc(branch%multipliers, old%multipliers)
       call move_alloc(branch%stable, old%stable)
       call move_alloc(branch%error_estimate, old%error_estimate)
+      call move_alloc(branch%estimate_doubtful, old%estimate_doubtful)
+      call move_alloc(branch%point_harmonics, old%point_harmonics)
       call move_alloc(branch%part, old%part)
       associate (m => branch%meshes)
          allocate (branch%frequency(points), branch%coefficients(1 + 2*harmonics, m, points), branch%rms(m, points), &
                    branch%mean(m, points), branch%minimum(m, points), branch%maximum(m, points), &
-                   branch%mesh_load(m, points), branch%error_estimate(points), branch%part(points))
+                   branch%mesh_load(m, points), branch%error_estimate(points), branch%estimate_doubtful(points), &
+                   branch%point_harmonics(points), branch%part(points))
          if (stability) allocate (branch%multipliers(branch%states, points), branch%stable(points))
       end associate
       branch%harmonics = harmonics
@@ -145,6 +151,8 @@ contains
       branch%maximum(:, :n) = old%maximum(:, :n)
       branch%mesh_load(:, :n) = old%mesh_load(:, :n)
       branch%error_estimate(:n) = old%error_estimate(:n)
+      branch%estimate_doubtful(:n) = old%estimate_doubtful(:n)
+      branch%point_harmonics(:n) = old%point_harmonics(:n)
       branch%part(:n) = old%part(:n)
       if (.not. stability) return
       branch%multipliers(:, :n) = old%multipliers(:, :n)

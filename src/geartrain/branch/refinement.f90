@@ -108,6 +108,7 @@ contains
       branch%maximum(:, i) = motion%maximum
       branch%mesh_load(:, i) = motion%mesh_load
       branch%error_estimate(i) = motion%error_estimate
+      branch%estimate_doubtful(i) = .false.
       branch%correction(i) = correction
       if (.not. allocated(branch%stable)) return
       branch%multipliers(:, i) = motion%multipliers

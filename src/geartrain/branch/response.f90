@@ -64,6 +64,7 @@ contains
                            //text(settings%stop)//': '//reason
          end if
       end if
+      call tracer%tell_missed(branch)
       call tracer%recorder%finish(branch)
    end subroutine response
 
@@ -102,7 +103,7 @@ contains
          return
       end if
       call tracer%path%orient(place, merge(1, -1, to > from))
-      call adapt_first(tracer, place)
+      call tracer%adapt(place, success, fixed=.true.)
       before = ''
       do
          call tracer%record(place, branch)
@@ -116,6 +117,7 @@ contains
             reason = reason//' and left the range of Lambda beyond it'
          end if
          if (beyond /= came_down) return
+         call tracer%adapt(place, success)
          before = before//'beyond the amplitude limit '//text(tracer%amplitude_limit)//' from Lambda = '//text(left_at) &
                   //' to '//text(place%frequency)//'; '
          tracer%part = tracer%part + 1
@@ -142,23 +144,6 @@ contains
       place = place_of(tracer, motion)
       call tracer%path%solve_at(place, success)
    end subroutine find_start
-
-   !> Enough harmonics for the first point, where their number is left to the program.
-   subroutine adapt_first(tracer, place)
-      type(tracer_type), intent(inout) :: tracer
-      type(place_type), intent(inout) :: place
-      type(place_type) :: here, origin
-      logical :: success
-
-      if (tracer%settings%harmonics > 0) return
-      here = place
-      origin = place
-      call tracer%adapt(place, here, origin)
-      ! Back to exactly the frequency asked for.
-      place%frequency = here%frequency
-      call tracer%path%solve_at(place, success)
-      call tracer%path%orient(place, merge(1, -1, here%tangent_frequency > 0))
-   end subroutine adapt_first
 
    !> Both ways from a seed; the backward part is put in front, so that the branch is one curve.
    subroutine trace_from_seed(tracer, seed, branch, observer)
@@ -192,7 +177,7 @@ contains
          return
       end if
       call tracer%path%orient(place, merge(1, -1, tracer%settings%stop > tracer%settings%start))
-      call adapt_first(tracer, place)
+      call tracer%adapt(place, success, fixed=.true.)
       call tracer%record(place, branch)
       backward = place
       target = tracer%settings%stop
@@ -227,6 +212,8 @@ contains
       branch%maximum(:, :n) = branch%maximum(:, order)
       branch%mesh_load(:, :n) = branch%mesh_load(:, order)
       branch%error_estimate(:n) = branch%error_estimate(order)
+      branch%estimate_doubtful(:n) = branch%estimate_doubtful(order)
+      branch%point_harmonics(:n) = branch%point_harmonics(order)
       if (allocated(branch%stable)) then
          branch%multipliers(:, :n) = branch%multipliers(:, order)
          branch%stable(:n) = branch%stable(order)

@@ -40,7 +40,6 @@ contains
          return
       end if
       call begin_trace(train, settings, tracer)
-      if (settings%harmonics == 0) call tracer%prepare(branch%harmonics)
       call tracer%recorder%setup(tracer%path%balance, settings%stability, found)
       call record_crossings(tracer, branch, frequency, found)
       call gather(found, settings, motions)
@@ -63,9 +62,11 @@ contains
          share = 0
          if (abs(branch%frequency(i + 1) - branch%frequency(i)) > 0) &
             share = (frequency - branch%frequency(i))/(branch%frequency(i + 1) - branch%frequency(i))
+         if (tracer%settings%harmonics == 0) call tracer%prepare(maxval(branch%point_harmonics(i:i + 1)))
          call solve_between(tracer, branch, i, share, frequency, place, success)
          if (.not. success) cycle
          call tracer%path%orient(place, 1)
+         call tracer%adapt(place, success, fixed=.true.)
          call tracer%record(place, found)
       end do
    end subroutine record_crossings
@@ -145,6 +146,7 @@ contains
       type(response_settings_type), intent(in) :: settings
       type(branch_type), intent(in) :: branch
       type(motion_type), intent(in) :: motion
+      type(response_settings_type) :: same_balance
       type(tracer_type) :: tracer
       type(place_type) :: place
       type(branch_type) :: solved
@@ -156,15 +158,16 @@ contains
 
       lies_on = .false.
       if (branch%subharmonic /= motion%period .or. branch%points < 2) return
-      call begin_trace(train, settings, tracer)
-      if (settings%harmonics == 0) call tracer%prepare(branch%harmonics)
+      same_balance = settings
+      if (settings%harmonics == 0) same_balance%harmonics = branch%harmonics
+      call begin_trace(train, same_balance, tracer)
       place = place_of(tracer, motion)
       call tracer%path%solve_at(place, success)
       if (.not. success) return
       call tracer%path%orient(place, 1)
       call tracer%recorder%setup(tracer%path%balance, .false., solved)
       call tracer%record(place, solved)
-      call solutions_at(train, settings, branch, motion%frequency, motions, error)
+      call solutions_at(train, same_balance, branch, motion%frequency, motions, error)
       scale = max(maxval(abs(solved%maximum(:, 1))), maxval(abs(solved%minimum(:, 1))))
       do i = 1, size(motions)
          lies_on = all(abs(motions(i)%rms - solved%rms(:, 1)) < same*scale) &

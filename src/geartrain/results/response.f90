@@ -2,8 +2,8 @@
 module geartrain_results_response
    use geartrain_base_kinds, only: dp
    use geartrain_branch_branch, only: branch_type
-   use geartrain_results_labels, only: about_coefficients, about_multipliers, about_rms, about_stable, about_true_ac_rms, &
-      as_parts, coefficient_labels, frequency_description
+   use geartrain_results_labels, only: about_coefficients, about_doubtful, about_multipliers, about_rms, about_stable, &
+      about_true_ac_rms, as_parts, coefficient_labels, frequency_description
    use geartrain_results_mesh_load, only: write_mesh_loads
    use geartrain_results_store, only: store_type
    use geartrain_results_summary, only: write_summary
@@ -79,6 +79,8 @@ contains
       if (allocated(branch%correction)) &
          call store%put(home//'/correction', branch%correction(:n), ['point'], '1', 'relative change of the waveform by &
                         &refinement: the error that the point had; -1: not refined, shooting finds no orbit near it')
+      call store%put(home//'/estimate_doubtful', branch%estimate_doubtful(:n), ['point'], about_doubtful)
+      call store%put(home//'/harmonics', branch%point_harmonics(:n), ['point'], '1', 'harmonics that the point was solved with')
       call store%put(home//'/part', branch%part(:n), ['point'], '1', &
                      'number of the part: a new one begins where the branch comes back from beyond the amplitude limit, or with &
                      &the points traced from the other end (to)')
