@@ -52,7 +52,7 @@ def ratios(branch, reference):
 def main():
     folder = Path(__file__).parent.parent / "namelists"
     names = sys.argv[1:] or [path.stem for path in sorted(folder.glob("*.nml"))]
-    print(f"{'case':20s} {'R':>3s} {'points':>6s} {'doubtful':>8s} {'median':>6s} {'within 3':>8s} {'not doubtful within 3, 6':>25s}")
+    print("case                   R points doubtful median within 3  not doubtful within 3, 6")
     everything = []
     for name in names:
         case = gt.read_case(folder / f"{name}.nml")

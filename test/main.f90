@@ -17,6 +17,7 @@ program main
    use validation_claims_subharmonic, only: claims_subharmonic_tests
    use validation_doubling, only: doubling_tests
    use validation_errata, only: errata_tests
+   use validation_error_estimate, only: error_estimate_tests
    use validation_excitations, only: excitations_tests
    use validation_figures, only: figures_tests
    use validation_jumps, only: jumps_tests
@@ -49,6 +50,7 @@ program main
    call excitations_tests(tests)
    call figures_tests(tests)
    call errata_tests(tests)
+   call error_estimate_tests(tests)
    call claims_shafts_tests(tests)
    call claims_excitation_tests(tests)
    call claims_subharmonic_tests(tests)

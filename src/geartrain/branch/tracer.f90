@@ -30,7 +30,7 @@ module geartrain_branch_tracer
    !> Amplitude above which the largest step grows in proportion to it.
    real(dp), parameter :: large = 5
    !> Harmonics of Lambda by tolerance: fewest; most, of Lambda/subharmonic.
-   integer, parameter :: fewest_harmonics = 4, most_harmonics = 256
+   integer, parameter :: fewest_harmonics = 4, most_harmonics = 384
    !> Share of the tolerance aimed at, so that a few points more keep within it, and how much lower the number of harmonics must be
    !> able to get to be lowered: each change plans the balance anew.
    real(dp), parameter :: tolerance_share = 0.3_dp, worth_lowering = 0.75_dp
@@ -335,8 +335,8 @@ contains
       call add_special_point(branch, kind, place%frequency, before, branch%rms(:, n))
    end subroutine add_stability_change
 
-   !> Where the number of harmonics is left to the program: raises it until `place`, just solved, is within the tolerance; the places
-   !> that go with it are padded alike. Where the balance of more harmonics finds no solution, all is as it was and `success` is
+   !> Where the number of harmonics is left to the program: raises it until `place`, just solved, is within the tolerance; the
+   !> places that go with it are padded alike. Where the balance of more harmonics finds no solution, all is as it was and `success` is
    !> false.
    subroutine adapt(self, place, success, here, origin, fixed)
       class(tracer_type), intent(inout) :: self

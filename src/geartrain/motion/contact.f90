@@ -134,8 +134,8 @@ contains
       back_contact = share(-1)
    end subroutine shares
 
-   !> How near an extreme of p, by the parabola through three samples, comes to one of the walls, at the last `update`: a change of p
-   !> by as much makes a contact or ends one. Huge for a linear mesh.
+   !> How near an extreme of p, by the parabola through three samples, comes to one of the walls, at the last `update`: a change
+   !> of p by as much makes a contact or ends one. Huge for a linear mesh.
    pure real(dp) function clearance(self)
       class(contact_type), intent(in) :: self
       real(dp) :: before, here, after, extreme

@@ -10,8 +10,8 @@ module geartrain_motion_truncation
 
    !> Beyond this the estimate is doubtful: 2 bend y/slope**2 (1: the fold lies at the point itself), relative error.
    real(dp), parameter :: near_fold = 0.3_dp, large = 0.1_dp
-   !> Steepest branch, dLambda along it, on which a number of harmonics is to hold a tolerance: at a fold itself an error at constant
-   !> Lambda falls with the root of the shift of the fold only.
+   !> Steepest branch, dLambda along it, on which a number of harmonics is to hold a tolerance: at a fold itself an error at
+   !> constant Lambda falls with the root of the shift of the fold only.
    real(dp), parameter :: steepest = 0.05_dp
 
    !> The tail is taken up to `near` times the highest kept harmonic, and up to `far` times that where a harmonic may meet a natural
