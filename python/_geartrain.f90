@@ -429,14 +429,14 @@ subroutine motions_sizes(handle, kind, sizes)
    if (kind == of_integration .and. allocated(box%results%integration)) sizes(2) = merge(1, 0, box%results%integration%complete)
 end subroutine motions_sizes
 
-! terms (1 + 2*harmonics), meshes, states, multipliers, period, stable; 0 where not allocated. Places count from 1.
+! terms (1 + 2*harmonics), meshes, states, multipliers, period, stable, undecided; 0 where not allocated. Places count from 1.
 subroutine motion_sizes(handle, kind, place, sizes)
    use geartrain, only: motion_type
    use geartrain_python_box, only: box_of, motion_list
    implicit none
    integer(8), intent(in) :: handle
    integer, intent(in) :: kind, place
-   integer, intent(out) :: sizes(6)
+   integer, intent(out) :: sizes(7)
    type(motion_type), pointer :: motions(:)
 
    motions => motion_list(box_of(handle), kind)
@@ -445,23 +445,25 @@ subroutine motion_sizes(handle, kind, place, sizes)
    if (allocated(motions(place)%rms)) sizes(2) = size(motions(place)%rms)
    if (allocated(motions(place)%state)) sizes(3) = size(motions(place)%state)
    if (allocated(motions(place)%multipliers)) sizes(4) = size(motions(place)%multipliers)
-   sizes(5:6) = [motions(place)%period, merge(1, 0, motions(place)%stable)]
+   sizes(5:7) = [motions(place)%period, merge(1, 0, motions(place)%stable), merge(1, 0, motions(place)%undecided)]
 end subroutine motion_sizes
 
-! numbers: frequency, error estimate, share; values: rms, mean, minimum, maximum, those of the mesh load (box.f90).
+! numbers: frequency, error estimate, share, Lyapunov exponent (NaN: none); values: rms, mean, minimum, maximum, those of the mesh load (box.f90).
 subroutine copy_motion(handle, kind, place, terms, meshes, states, roots, numbers, coefficients, values, state, multipliers)
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain, only: motion_type
    use geartrain_python_box, only: as_values, box_of, motion_list
    implicit none
    integer(8), intent(in) :: handle
    integer, intent(in) :: kind, place, terms, meshes, states, roots
-   double precision, intent(out) :: numbers(3), coefficients(terms, meshes), values(meshes, 8), state(states)
+   double precision, intent(out) :: numbers(4), coefficients(terms, meshes), values(meshes, 8), state(states)
    double precision, intent(out) :: multipliers(2, roots)
    type(motion_type), pointer :: motions(:)
 
    motions => motion_list(box_of(handle), kind)
    associate (motion => motions(place))
-      numbers = [motion%frequency, motion%error_estimate, motion%share]
+      numbers = [motion%frequency, motion%error_estimate, motion%share, ieee_value(1d0, ieee_quiet_nan)]
+      if (allocated(motion%lyapunov_exponent)) numbers(4) = motion%lyapunov_exponent
       if (terms > 0) coefficients = motion%coefficients
       if (meshes > 0) then
          values(:, 1) = motion%rms
@@ -491,13 +493,14 @@ subroutine reserve_motions(handle, motions)
 end subroutine reserve_motions
 
 ! The inverse of copy_motion; what has no size stays unallocated.
-subroutine put_motion(handle, place, period, stable, numbers, coefficients, values, state, multipliers, &
+subroutine put_motion(handle, place, period, stable, undecided, numbers, coefficients, values, state, multipliers, &
                       terms, meshes, states, roots)
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use geartrain_python_box, only: as_loads, box_type, box_of
    implicit none
    integer(8), intent(in) :: handle
-   integer, intent(in) :: place, period, stable, terms, meshes, states, roots
-   double precision, intent(in) :: numbers(3), coefficients(terms, meshes), values(meshes, 8), state(states)
+   integer, intent(in) :: place, period, stable, undecided, terms, meshes, states, roots
+   double precision, intent(in) :: numbers(4), coefficients(terms, meshes), values(meshes, 8), state(states)
    double precision, intent(in) :: multipliers(2, roots)
    type(box_type), pointer :: box
 
@@ -505,9 +508,11 @@ subroutine put_motion(handle, place, period, stable, numbers, coefficients, valu
    associate (motion => box%motions(place))
       motion%period = period
       motion%stable = stable == 1
+      motion%undecided = undecided == 1
       motion%frequency = numbers(1)
       motion%error_estimate = numbers(2)
       motion%share = numbers(3)
+      if (.not. ieee_is_nan(numbers(4))) motion%lyapunov_exponent = numbers(4)
       if (terms > 0) motion%coefficients = coefficients
       if (meshes > 0) then
          motion%rms = values(:, 1)
@@ -705,16 +710,16 @@ subroutine branch_sizes(handle, place, sizes)
    sizes(6:8) = [branch%subharmonic, merge(1, 0, branch%complete), merge(1, 0, branch%closed)]
 end subroutine branch_sizes
 
-! numbers: frequency, error estimate, correction; values: rms, mean, minimum, maximum, those of the mesh load; marks: part, stable,
-! estimate doubtful, harmonics, refined (one for all points).
+! numbers: frequency, error estimate, second estimate, correction; values: rms, mean, minimum, maximum, those of the mesh load;
+! marks: part, stable, estimate doubtful, harmonics, undecided, refined (one for all points).
 subroutine copy_branch(handle, place, points, meshes, states, terms, numbers, coefficients, values, marks, multipliers)
    use geartrain, only: branch_type
    use geartrain_python_box, only: as_values, box_of, branch_at
    implicit none
    integer(8), intent(in) :: handle
    integer, intent(in) :: place, points, meshes, states, terms
-   double precision, intent(out) :: numbers(points, 3), coefficients(terms, meshes, points), values(meshes, points, 8)
-   integer, intent(out) :: marks(points, 5)
+   double precision, intent(out) :: numbers(points, 4), coefficients(terms, meshes, points), values(meshes, points, 8)
+   integer, intent(out) :: marks(points, 6)
    double precision, intent(out) :: multipliers(2, states, points)
    type(branch_type), pointer :: branch
    integer :: i
@@ -723,8 +728,8 @@ subroutine copy_branch(handle, place, points, meshes, states, terms, numbers, co
    branch => branch_at(box_of(handle), place)
    numbers(:, 1) = branch%frequency(:points)
    numbers(:, 2) = branch%error_estimate(:points)
-   numbers(:, 3) = -1
-   if (allocated(branch%correction)) numbers(:, 3) = branch%correction(:points)
+   numbers(:, 3:4) = -1
+   if (allocated(branch%correction)) numbers(:, 4) = branch%correction(:points)
    coefficients = branch%coefficients(:, :, :points)
    values(:, :, 1) = branch%rms(:, :points)
    values(:, :, 2) = branch%mean(:, :points)
@@ -734,12 +739,14 @@ subroutine copy_branch(handle, place, points, meshes, states, terms, numbers, co
       values(:, i, 5:) = as_values(branch%mesh_load(:, i))
    end do
    marks(:, 1) = branch%part(:points)
-   marks(:, 2) = 0
+   marks(:, [2, 5]) = 0
    marks(:, 3) = merge(1, 0, branch%estimate_doubtful(:points))
    marks(:, 4) = branch%point_harmonics(:points)
-   marks(:, 5) = merge(1, 0, allocated(branch%correction))
+   marks(:, 6) = merge(1, 0, allocated(branch%correction))
    if (states == 0) return
    marks(:, 2) = merge(1, 0, branch%stable(:points))
+   marks(:, 5) = merge(1, 0, branch%undecided(:points))
+   numbers(:, 3) = branch%second_estimate(:points)
    multipliers(1, :, :) = real(branch%multipliers(:, :points))
    multipliers(2, :, :) = aimag(branch%multipliers(:, :points))
 end subroutine copy_branch
@@ -752,8 +759,8 @@ subroutine put_branch(handle, place, ended, origin, flags, numbers, coefficients
    implicit none
    integer(8), intent(in) :: handle
    character(*), intent(in) :: ended, origin
-   integer, intent(in) :: place, points, meshes, states, terms, flags(4), marks(points, 5)
-   double precision, intent(in) :: numbers(points, 3), coefficients(terms, meshes, points), values(meshes, points, 8)
+   integer, intent(in) :: place, points, meshes, states, terms, flags(4), marks(points, 6)
+   double precision, intent(in) :: numbers(points, 4), coefficients(terms, meshes, points), values(meshes, points, 8)
    double precision, intent(in) :: multipliers(2, states, points)
    type(box_type), pointer :: box
    type(branch_type), pointer :: branch
@@ -774,7 +781,7 @@ subroutine put_branch(handle, place, ended, origin, flags, numbers, coefficients
    allocate (branch%special_points(flags(4)))
    branch%frequency = numbers(:, 1)
    branch%error_estimate = numbers(:, 2)
-   if (all(marks(:, 5) == 1)) branch%correction = numbers(:, 3)
+   if (all(marks(:, 6) == 1)) branch%correction = numbers(:, 4)
    branch%coefficients = coefficients
    branch%rms = values(:, :, 1)
    branch%mean = values(:, :, 2)
@@ -792,6 +799,8 @@ subroutine put_branch(handle, place, ended, origin, flags, numbers, coefficients
    branch%point_harmonics = marks(:, 4)
    if (states == 0) return
    branch%stable = marks(:, 2) == 1
+   branch%undecided = marks(:, 5) == 1
+   branch%second_estimate = numbers(:, 3)
    branch%multipliers = cmplx(multipliers(1, :, :), multipliers(2, :, :), kind(0d0))
 end subroutine put_branch
 

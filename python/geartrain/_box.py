@@ -93,7 +93,7 @@ class Box:
         return [self._motion(kind, place) for place in range(1, fortran.motions_sizes(self.handle, kind)[0] + 1)]
 
     def _motion(self, kind: int, place: int) -> dict[str, Any]:
-        terms, meshes, states, roots, period, stable = map(int, fortran.motion_sizes(self.handle, kind, place))
+        terms, meshes, states, roots, period, stable, undecided = map(int, fortran.motion_sizes(self.handle, kind, place))
         numbers, coefficients, values, state, multipliers = fortran.copy_motion(
             self.handle, kind, place, terms, meshes, states, roots
         )
@@ -103,10 +103,12 @@ class Box:
             "coefficients": coefficients.T,
             **_by_name(values.T),
             "stable": bool(stable) if roots else None,
+            "undecided": bool(undecided),
             "multipliers": _complex(multipliers.T) if roots else None,
             "state": state if states else None,
             "error_estimate": _known(numbers[1]),
             "share": _known(numbers[2]),
+            "lyapunov_exponent": float(numbers[3]),
         }
 
     def sweep(self) -> dict[str, Any]:
@@ -141,13 +143,15 @@ class Box:
             "frequency": numbers[:, 0],
             **_by_name(values.T),
             "stable": marks[:, 1] == 1 if states else None,
+            "undecided": marks[:, 4] == 1 if states else None,
+            "second_estimate": np.where(numbers[:, 2] < 0, np.nan, numbers[:, 2]) if states else None,
             "multipliers": _complex(multipliers.T) if states else None,
             "coefficients": coefficients.T,
             "error_estimate": np.where(numbers[:, 1] < 0, np.nan, numbers[:, 1]),
             "estimate_doubtful": marks[:, 2] == 1,
             "harmonics": marks[:, 3],
             "part": marks[:, 0],
-            "correction": np.where(numbers[:, 2] < 0, np.nan, numbers[:, 2]) if marks[:, 4].all() else None,
+            "correction": np.where(numbers[:, 3] < 0, np.nan, numbers[:, 3]) if marks[:, 5].all() else None,
             "special_points": [
                 (kind, *fortran.copy_special(self.handle, place, special, meshes)) for special, kind in enumerate(kinds, 1)
             ],
@@ -198,7 +202,8 @@ class Box:
                 place,
                 motion.period,
                 int(bool(motion.stable)),
-                [motion.frequency, *np.nan_to_num([motion.error_estimate, motion.share], nan=-1.0)],
+                int(motion.undecided),
+                [motion.frequency, *np.nan_to_num([motion.error_estimate, motion.share], nan=-1.0), motion.lyapunov_exponent],
                 motion.coefficients.T,
                 _in_columns(motion),
                 np.zeros(0) if motion.state is None else motion.state,
@@ -241,18 +246,19 @@ class Box:
     def put_branch(self, branch: Branch, place: int = 0) -> None:
         stable = np.zeros(len(branch), bool) if branch.stable is None else branch.stable
         correction = np.full(len(branch), np.nan) if branch.correction is None else branch.correction
+        refined = np.full(len(branch), branch.correction is not None)
+        undecided = np.zeros(len(branch), bool) if branch.undecided is None else branch.undecided
+        second = np.full(len(branch), np.nan) if branch.second_estimate is None else branch.second_estimate
         fortran.put_branch(
             self.handle,
             place,
             branch.ended.encode(),
             branch.origin.encode(),
             [branch.subharmonic, branch.complete, branch.closed, len(branch.special_points)],
-            np.stack([branch.frequency, *np.nan_to_num([branch.error_estimate, correction], nan=-1.0)], axis=1),
+            np.stack([branch.frequency, *np.nan_to_num([branch.error_estimate, second, correction], nan=-1.0)], axis=1),
             branch.coefficients.T,
             _in_columns(branch),
-            np.stack(
-                [branch.part, stable, branch.estimate_doubtful, branch.harmonics, np.full(len(branch), branch.correction is not None)], axis=1
-            ),
+            np.stack([branch.part, stable, branch.estimate_doubtful, branch.harmonics, undecided, refined], axis=1),
             np.zeros((2, 0, len(branch))) if branch.multipliers is None else _pairs(branch.multipliers),
         )
         for number, special in enumerate(branch.special_points, 1):

@@ -63,6 +63,10 @@ class Branch:
         As in `Motion`.
     stable : ndarray of bool, (points,), or None
         None where stability was not asked for.
+    undecided : ndarray of bool, (points,), or None
+        Where ``stable`` is a guess: the largest multiplier is as near to the unit circle as it is uncertain.
+    second_estimate : ndarray, (points,), or None
+        Largest magnitude of a multiplier of the motion corrected by its estimated error; nan where it was not needed.
     multipliers : ndarray of complex, (points, states), or None
         Floquet multipliers over one period of the motion.
     coefficients : ndarray, (points, meshes, 1 + 2*harmonics)
@@ -106,6 +110,8 @@ class Branch:
     separation_fraction: Array
     back_contact_fraction: Array
     stable: NDArray[np.bool_] | None
+    undecided: NDArray[np.bool_] | None
+    second_estimate: Array | None
     multipliers: NDArray[np.complex128] | None
     coefficients: Array
     error_estimate: Array

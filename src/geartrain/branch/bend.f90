@@ -2,6 +2,7 @@
 module geartrain_branch_bend
    use geartrain_base_kinds, only: dp
    use geartrain_branch_path, only: inner, place_type
+   use geartrain_branch_units, only: units_type
    implicit none (type, external)
    private
    public :: cosine_limit, turns, hides_folds, cosine, closes
@@ -13,11 +14,12 @@ contains
 
    !> Whether Lambda turns between two points. Where a branch leaves vertically (a period-2 branch does, until contact is lost)
    !> the sign of the tangent's Lambda part is rounding: that is no fold.
-   pure logical function turns(here, next)
+   pure logical function turns(here, next, units)
       type(place_type), intent(in) :: here, next
+      type(units_type), intent(in) :: units
 
       turns = here%tangent_frequency*next%tangent_frequency < 0 &
-              .and. max(abs(here%tangent_frequency), abs(next%tangent_frequency)) > 1e-6_dp
+              .and. max(abs(here%tangent_frequency), abs(next%tangent_frequency)) > 1e-6_dp*units%frequency
    end function turns
 
    !> Whether Lambda seems to turn twice between two points: whether the cubic through them, with their slopes, does.
@@ -39,23 +41,27 @@ contains
    end function hides_folds
 
    !> Of the angle between two tangents.
-   pure real(dp) function cosine(here, next)
+   pure real(dp) function cosine(here, next, units)
       type(place_type), intent(in) :: here, next
+      type(units_type), intent(in) :: units
 
-      cosine = inner(here%tangent, next%tangent) + here%tangent_frequency*next%tangent_frequency
+      cosine = inner(here%tangent, next%tangent)/units%length**2 &
+               + here%tangent_frequency*next%tangent_frequency/units%frequency**2
    end function cosine
 
    !> Whether `origin` lies ahead, within the next step and close to the tangent; `gap` is the way there.
-   logical function closes(here, origin, h, gap)
+   logical function closes(here, origin, h, units, gap)
       type(place_type), intent(in) :: here, origin
       real(dp), intent(in) :: h
+      type(units_type), intent(in) :: units
       real(dp), intent(out) :: gap
       real(dp) :: du(size(here%u, 1), size(here%u, 2)), df
 
-      du = origin%u - here%u
-      df = origin%frequency - here%frequency
-      gap = inner(du, here%tangent) + df*here%tangent_frequency
-      closes = gap > 0 .and. gap <= h .and. inner(du, du) + df**2 < 1.1_dp*gap**2 .and. cosine(here, origin) > cosine_limit
+      du = (origin%u - here%u)/units%length
+      df = (origin%frequency - here%frequency)/units%frequency
+      gap = inner(du, here%tangent)/units%length + df*here%tangent_frequency/units%frequency
+      closes = gap > 0 .and. gap <= h .and. inner(du, du) + df**2 < 1.1_dp*gap**2 &
+               .and. cosine(here, origin, units) > cosine_limit
    end function closes
 
 end module geartrain_branch_bend

@@ -56,6 +56,10 @@ module geartrain_branch_branch
       !> (state, point) and (point); not allocated when stability was not asked for.
       complex(dp), allocatable :: multipliers(:, :)
       logical, allocatable :: stable(:)
+      !> Where `stable` is a guess, because the largest multiplier is as near to the unit circle as it is uncertain; its magnitude
+      !> by a second estimate, negative where none was needed; (point), see geartrain_branch_verdict.
+      logical, allocatable :: undecided(:)
+      real(dp), allocatable :: second_estimate(:)
       !> Relative error of the waveform as estimated, (point).
       real(dp), allocatable :: error_estimate(:)
       !> Relative change of the waveform by refine_branch, which is the error that the point had, (point); negative where it was

@@ -8,7 +8,7 @@ module geartrain_branch_doubling
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
    use geartrain_branch_branch, only: branch_type, response_settings_type
-   use geartrain_branch_path, only: inner, place_type
+   use geartrain_branch_path, only: place_type
    use geartrain_branch_start, only: begin_trace, place_of
    use geartrain_branch_tracer, only: cancelled, full, stuck, tracer_type
    use geartrain_branch_variables, only: settings_for
@@ -118,7 +118,7 @@ contains
          place%tangent = 0
          y = 1
          call matrix%solve(place%tangent, y)
-         length = sqrt(inner(place%tangent, place%tangent))
+         length = path%length_of(place%tangent)
          place%tangent = place%tangent/length
          place%tangent_frequency = 0
          ! The doubling itself is a singular point; the branch is recorded from a short way along it.

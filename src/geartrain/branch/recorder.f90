@@ -4,11 +4,12 @@ module geartrain_branch_recorder
    use geartrain_base_kinds, only: dp
    use geartrain_branch_branch, only: branch_type
    use geartrain_branch_path, only: place_type
+   use geartrain_branch_verdict, only: judge, verdict_type
    use geartrain_motion_balance, only: balance_type
    use geartrain_motion_mesh_load, only: force_reader_type
    use geartrain_motion_trigonometric, only: extremes, fine_samples, rms
    use geartrain_motion_truncation, only: truncation_type
-   use geartrain_stability_monodromy, only: is_stable, monodromy_type
+   use geartrain_stability_monodromy, only: monodromy_type
    implicit none (type, external)
    private
    public :: recorder_type
@@ -59,6 +60,7 @@ contains
       integer, intent(in) :: part
       type(branch_type), intent(inout), target :: branch
       real(dp) :: coefficients(1 + 2*balance%highest, balance%system%meshes)
+      type(verdict_type) :: verdict
       integer :: j, k, n
 
       if (branch%points == size(branch%frequency) .or. balance%highest > branch%harmonics) then
@@ -97,7 +99,10 @@ contains
          call self%monodromy%integrate(balance, place%frequency)
          call self%monodromy%multipliers(self%multipliers)
          branch%multipliers(:, n) = self%multipliers
-         branch%stable(n) = is_stable(self%multipliers)
+         call judge(self%monodromy, balance, place%u, place%frequency, truncation, self%multipliers, verdict)
+         branch%stable(n) = verdict%stable
+         branch%undecided(n) = verdict%undecided
+         branch%second_estimate(n) = verdict%second
       end if
       branch%points = n
    end subroutine add
@@ -128,6 +133,8 @@ contains
       call move_alloc(branch%mesh_load, old%mesh_load)
       call move_alloc(branch%multipliers, old%multipliers)
       call move_alloc(branch%stable, old%stable)
+      call move_alloc(branch%undecided, old%undecided)
+      call move_alloc(branch%second_estimate, old%second_estimate)
       call move_alloc(branch%error_estimate, old%error_estimate)
       call move_alloc(branch%estimate_doubtful, old%estimate_doubtful)
       call move_alloc(branch%point_harmonics, old%point_harmonics)
@@ -137,7 +144,8 @@ contains
                    branch%mean(m, points), branch%minimum(m, points), branch%maximum(m, points), &
                    branch%mesh_load(m, points), branch%error_estimate(points), branch%estimate_doubtful(points), &
                    branch%point_harmonics(points), branch%part(points))
-         if (stability) allocate (branch%multipliers(branch%states, points), branch%stable(points))
+         if (stability) allocate (branch%multipliers(branch%states, points), branch%stable(points), branch%undecided(points), &
+                                  branch%second_estimate(points))
       end associate
       branch%harmonics = harmonics
       if (.not. allocated(old%frequency)) return
@@ -157,6 +165,8 @@ contains
       if (.not. stability) return
       branch%multipliers(:, :n) = old%multipliers(:, :n)
       branch%stable(:n) = old%stable(:n)
+      branch%undecided(:n) = old%undecided(:n)
+      branch%second_estimate(:n) = old%second_estimate(:n)
    end subroutine resize
 
 end module geartrain_branch_recorder

@@ -113,6 +113,7 @@ contains
       if (.not. allocated(branch%stable)) return
       branch%multipliers(:, i) = motion%multipliers
       branch%stable(i) = motion%stable
+      branch%undecided(i) = .false.
    end subroutine replace_point
 
 end module geartrain_branch_refinement

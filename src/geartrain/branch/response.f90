@@ -13,6 +13,7 @@ module geartrain_branch_response
                                       left_beyond, tracer_type
    use geartrain_branch_variables, only: check_response
    use geartrain_model_check, only: check_train
+   use geartrain_model_system, only: system_type
    use geartrain_model_train, only: train_type
    use geartrain_motion_integration, only: integrate
    use geartrain_motion_integration_settings, only: integration_settings_type
@@ -100,6 +101,8 @@ contains
       call find_start(train, tracer, from, place, success, observer)
       if (.not. success) then
          reason = 'no motion of period '//text(tracer%settings%subharmonic)//' found to start from'
+         if (floats(tracer%system)) reason = reason//' (without a mean torque a train with backlash floats in its gaps, where &
+            &its mean position is not unique)'
          return
       end if
       call tracer%path%orient(place, merge(1, -1, to > from))
@@ -123,6 +126,13 @@ contains
          tracer%part = tracer%part + 1
       end do
    end subroutine trace_part
+
+   !> Whether nothing holds the teeth together at rest.
+   pure logical function floats(system)
+      type(system_type), intent(in) :: system
+
+      floats = any(system%backlash > 0) .and. .not. any(abs(system%load) > 0)
+   end function floats
 
    !> A motion at exactly the frequency: from rest, or one that time integration settles on.
    subroutine find_start(train, tracer, frequency, place, success, observer)
@@ -217,6 +227,8 @@ contains
       if (allocated(branch%stable)) then
          branch%multipliers(:, :n) = branch%multipliers(:, order)
          branch%stable(:n) = branch%stable(order)
+         branch%undecided(:n) = branch%undecided(order)
+         branch%second_estimate(:n) = branch%second_estimate(order)
       end if
       place(order) = [(i, i=1, n)]
       do i = 1, size(branch%special_points)

@@ -108,7 +108,8 @@ contains
          ! The solution between two neighbours is no further from either than twice their distance.
          motion%coefficients = branch%coefficients(:, :, i)
          start = place_of(tracer, motion)
-         success = sqrt(inner(place%u - start%u, place%u - start%u)) <= 2*(chord + max(drift, 0.0_dp)) + 1e-9_dp
+         success = sqrt(inner(place%u - start%u, place%u - start%u)) <= 2*(chord + max(drift, 0.0_dp)) &
+                   + 1e-9_dp*tracer%path%units%length
          if (success) return
       end do
    end subroutine solve_between
@@ -134,6 +135,7 @@ contains
             if (.not. settings%stability) cycle
             motion%multipliers = found%multipliers(:, i)
             motion%stable = found%stable(i)
+            motion%undecided = found%undecided(i)
          end associate
       end do
    end subroutine gather

@@ -6,7 +6,7 @@ module geartrain_branch_tracer
    use geartrain_base_numbers, only: text
    use geartrain_branch_bend, only: closes, cosine, cosine_limit, hides_folds, turns
    use geartrain_branch_branch, only: branch_type, response_settings_type
-   use geartrain_branch_path, only: inner, path_type, place_type
+   use geartrain_branch_path, only: path_type, place_type
    use geartrain_branch_recorder, only: recorder_type
    use geartrain_branch_special_points, only: add_special_point, locate_fold, locate_stability_change, unstable_count
    use geartrain_model_system, only: system_type
@@ -27,7 +27,7 @@ module geartrain_branch_tracer
    real(dp), parameter :: correction_aim = 0.05_dp, correction_limit = 0.35_dp
    !> A change of orientation is a jump to another branch, unless it persists below this step: then branches cross here.
    real(dp), parameter :: jump_step = 1e-4_dp
-   !> Amplitude above which the largest step grows in proportion to it.
+   !> Amplitude, in the unit of the branch, above which the largest step grows in proportion to it.
    real(dp), parameter :: large = 5
    !> Harmonics of Lambda by tolerance: fewest; most, of Lambda/subharmonic.
    integer, parameter :: fewest_harmonics = 4, most_harmonics = 384
@@ -105,7 +105,7 @@ contains
       type(place_type), intent(in) :: place
 
       call find_truncation(self%path%balance, place%u, place%frequency, place%tangent, place%tangent_frequency, self%bend, &
-                           self%path%matrix, self%truncation)
+                           self%path%units%frequency, self%path%matrix, self%truncation)
    end subroutine estimate_error
 
    !> Follows the branch from `here` (solved, oriented, already a point of the branch) within [low, high]. Of the two bounds
@@ -147,7 +147,7 @@ contains
             end if
          end if
          if (success) then
-            longer = next_step(self, here, next, h, self%settings%step*max(1.0_dp, sqrt(inner(next%u, next%u))/large))
+            longer = next_step(self, here, next, h, self%settings%step*max(1.0_dp, self%path%length_of(next%u)/large))
             self%bend = (next%tangent_frequency - here%tangent_frequency)/h
             call self%adapt(next, success, here, origin)
          end if
@@ -159,7 +159,7 @@ contains
             return
          end if
 
-         if (turns(here, next)) call self%add_fold(here, next, origin, h, branch)
+         if (turns(here, next, self%path%units)) call self%add_fold(here, next, origin, h, branch)
          call self%record(next, branch)
          steps = steps + 1
          if (self%recorder%stability .and. (steps > 1 .or. begins_at_latest)) &
@@ -199,7 +199,7 @@ contains
          here = next
          call self%relax(here, origin)
          if (steps > 3) then
-            if (closes(here, origin, h, gap)) then
+            if (closes(here, origin, h, self%path%units, gap)) then
                call self%path%advance(here, gap, next, success)
                if (success) call self%adapt(next, success)
                if (success) call self%record(next, branch)
@@ -217,7 +217,7 @@ contains
       type(place_type), intent(in) :: here, next
       real(dp), intent(in) :: h
 
-      acceptable = self%path%correction < correction_limit .and. cosine(here, next) > cosine_limit
+      acceptable = self%path%correction < correction_limit .and. cosine(here, next, self%path%units) > cosine_limit
       if (self%path%local_control) return
       acceptable = acceptable .and. (here%orientation == next%orientation .or. here%orientation == 0 .or. h < jump_step)
    end function acceptable
@@ -250,7 +250,7 @@ contains
       real(dp), intent(in) :: h, longest
       real(dp) :: angle
 
-      angle = acos(max(-1.0_dp, min(1.0_dp, cosine(here, next))))
+      angle = acos(max(-1.0_dp, min(1.0_dp, cosine(here, next, self%path%units))))
       next_step = h*max(0.4_dp, min(1.8_dp, angle_aim/max(angle, 1e-8_dp), &
                                     sqrt(correction_aim/max(self%path%correction, 1e-8_dp))))
       next_step = min(next_step, longest)
@@ -273,7 +273,7 @@ contains
       next = guess
       call self%path%solve_at(next, success)
       if (.not. success) return
-      success = sqrt(inner(next%u - guess%u, next%u - guess%u)) < max(h, 1e-8_dp)
+      success = self%path%length_of(next%u - guess%u) < max(h, 1e-8_dp)
       if (success) call self%path%orient(next, merge(1, -1, bound > here%frequency))
    end subroutine stop_at
 
@@ -316,7 +316,7 @@ contains
       logical :: success, fold
 
       n = branch%points
-      fold = turns(here, next)
+      fold = turns(here, next, self%path%units)
       before = n - 1
       if (fold) before = n - 2
       if (before < 1) return
@@ -331,7 +331,7 @@ contains
       if (kind == 'symmetry' .and. last > 0) then
          if (branch%special_points(last)%kind == 'fold' .and. branch%special_points(last)%point > n - 6) return
       end if
-      if (kind == 'symmetry' .and. abs(place%tangent_frequency) < 0.1_dp) return
+      if (kind == 'symmetry' .and. abs(place%tangent_frequency) < 0.1_dp*self%path%units%frequency) return
       call add_special_point(branch, kind, place%frequency, before, branch%rms(:, n))
    end subroutine add_stability_change
 

@@ -4,6 +4,7 @@ module geartrain_motion_truncation
    use geartrain_model_receptance, only: find_receptance, receptance_type
    use geartrain_motion_balance, only: balance_type
    use geartrain_motion_bordered, only: bordered_type
+   use geartrain_motion_trigonometric, only: evaluate
    implicit none (type, external)
    private
    public :: truncation_type, find_truncation, harmonics_for
@@ -35,7 +36,10 @@ module geartrain_motion_truncation
       integer, private :: count = 0
       integer, allocatable, private :: harmonic(:)
       complex(dp), allocatable, private :: tail(:, :), stiffness(:, :), offset(:, :)
+      !> The error of the kept coefficients, (block, unknowns), which corrects the motion to first order.
+      real(dp), allocatable, private :: error(:, :)
    contains
+      procedure :: waveform_error
       procedure, private :: reserve
       procedure, private :: choose_tail
    end type truncation_type
@@ -48,10 +52,12 @@ contains
    !>
    !> Where that is y and Lambda = slope s + bend s**2/2 along the branch, the way back along it is the nearer root s of
    !> y + slope s + bend s**2/2 = 0.
-   subroutine find_truncation(balance, u, frequency, tangent, slope, bend, matrix, truncation)
+   subroutine find_truncation(balance, u, frequency, tangent, slope, bend, unit, matrix, truncation)
       type(balance_type), intent(in) :: balance
       !> The solution, the unit tangent there, its Lambda part and the change of that along the branch.
       real(dp), intent(in) :: u(:, :), frequency, tangent(:, :), slope, bend
+      !> Of Lambda, for what counts as steep.
+      real(dp), intent(in) :: unit
       type(bordered_type), intent(inout) :: matrix
       type(truncation_type), intent(inout) :: truncation
       real(dp) :: correction(balance%block, balance%unknowns), error(balance%block, balance%unknowns), y, way, scale
@@ -63,6 +69,7 @@ contains
       call truncation%reserve(balance)
       call truncation%choose_tail(balance, frequency)
       truncation%remainder = 0
+      truncation%error = 0*u
       if (truncation%count == 0) return
       associate (n => truncation%count, tail => truncation%tail(:truncation%count, :), harmonic => truncation%harmonic)
          reach = harmonic(n) + balance%highest
@@ -75,11 +82,12 @@ contains
          y = 0
          call matrix%solve(correction, y)
          scale = sqrt(max(sum(u(2:, :)**2), tiny(1.0_dp)))
-         way = -y/sign(max(abs(slope), steepest), slope)
+         way = -y/sign(max(abs(slope), steepest*unit), slope)
          error = correction + way*tangent
          truncation%limited = sqrt(sum(abs(tail)**2) + 2*sum(error(1, :)**2) + sum(error(2:, :)**2))/scale
          error = correction + way_back(y, slope, bend)*tangent
          truncation%estimate = sqrt(sum(abs(tail)**2) + 2*sum(error(1, :)**2) + sum(error(2:, :)**2))/scale
+         truncation%error = error
          truncation%doubtful = truncation%estimate > large .or. abs(2*bend*y) > near_fold*slope**2
          do i = 1, balance%unknowns
             if (balance%contact(i)%clearance() < sqrt(sum(abs(tail(:, i))**2) + 2*error(1, i)**2 + sum(error(2:, i)**2))) &
@@ -131,6 +139,21 @@ contains
          self%harmonic(self%count) = k
       end do
    end subroutine choose_tail
+
+   !> The estimated error of unknown mesh i at theta [rad], with the sign of what is missing.
+   pure real(dp) function waveform_error(self, balance, i, theta)
+      class(truncation_type), intent(in) :: self
+      type(balance_type), intent(in) :: balance
+      integer, intent(in) :: i
+      real(dp), intent(in) :: theta
+      real(dp) :: slope, curvature
+      integer :: m
+
+      call evaluate(self%error(:, i), balance%harmonic, theta, waveform_error, slope, curvature)
+      do m = 1, self%count
+         waveform_error = waveform_error + real(self%tail(m, i)*exp(cmplx(0, self%harmonic(m)*theta, dp)), dp)
+      end do
+   end function waveform_error
 
    !> The nearer root s of y + slope s + bend s**2/2 = 0; where there is none, as far as if the fold had moved the other way.
    pure real(dp) function way_back(y, slope, bend)
