@@ -1,5 +1,6 @@
 !> The groups /response, /branch_1, ... of a results file: a branch, point by point.
 module geartrain_results_response
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain_base_kinds, only: dp
    use geartrain_branch_branch, only: branch_type
    use geartrain_results_labels, only: about_coefficients, about_multipliers, about_rms, about_stable, about_true_ac_rms, &
@@ -77,8 +78,9 @@ contains
       call store%put(home//'/error_estimate', branch%error_estimate(:n), ['point'], '1', &
                      'estimated relative error of the waveform')
       if (allocated(branch%correction)) &
-         call store%put(home//'/correction', branch%correction(:n), ['point'], '1', 'relative change of the waveform by &
-                        &refinement: the error that the point had; -1: not refined, shooting finds no orbit near it')
+         call store%put(home//'/correction', merge(ieee_value(0.0_dp, ieee_quiet_nan), branch%correction(:n), &
+                                                   branch%correction(:n) < 0), ['point'], '1', 'relative change of the &
+                        &waveform by refinement: the error that the point had; NaN: not refined, shooting finds no orbit near it')
       call store%put(home//'/part', branch%part(:n), ['point'], '1', &
                      'number of the part: a new one begins where the branch comes back from beyond the amplitude limit, or with &
                      &the points traced from the other end (to)')
