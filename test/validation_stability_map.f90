@@ -232,7 +232,8 @@ contains
       call stability_map(paper_train(), chart(0.4_dp, 1.92_dp, 77, 0.1_dp, 0.3_dp, 2, .false.), map, error)
       call tests%is_true(map%motions(11, 2) == 3 .and. map%stable_motions(11, 2) == 2, 'three motions at 0.6, two stable')
       call tests%is_true(map%motions(77, 2) == 1 .and. map%stable_motions(77, 2) == 0, 'one motion at 1.92, unstable')
-      call tests%is_true(all(ieee_is_nan(map%rms(:, 77, 2))) .and. .not. any(ieee_is_nan(map%rms(:, 11, :))), 'rms where there is a stable motion')
+      call tests%is_true(all(ieee_is_nan(map%rms(:, 77, 2))) .and. .not. any(ieee_is_nan(map%rms(:, 11, :))), &
+                         'rms where there is a stable motion')
       call response(paper_train(), settings_of(0.4_dp, 1.92_dp, 6), branch, error)
       call solutions_at(paper_train(), settings_of(0.4_dp, 1.92_dp, 6), branch, map%frequency(11), motions, error)
       call tests%is_true(size(motions) == 3, 'three solutions on the branch')
