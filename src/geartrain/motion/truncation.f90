@@ -26,7 +26,7 @@ module geartrain_motion_truncation
       !> Root of the sum of squares of the amplitudes above harmonic r, all meshes together, (0:3*highest).
       real(dp), allocatable :: remainder(:)
       !> The error itself, which corrects the motion to first order: of the kept coefficients (block, unknowns), and the complex
-      !> amplitudes at harmonics highest+1 .. 3 highest, (2*highest, unknowns).
+      !> amplitudes at the missing harmonics, (missing, unknowns).
       real(dp), allocatable, private :: error(:, :)
       complex(dp), allocatable, private :: tail(:, :)
    contains
@@ -49,7 +49,7 @@ contains
       real(dp), intent(in) :: unit
       type(bordered_type), intent(inout) :: matrix
       type(truncation_type), intent(inout) :: truncation
-      complex(dp) :: tail(2*balance%highest, balance%unknowns)
+      complex(dp) :: tail(size(balance%missing), balance%unknowns)
       real(dp) :: correction(balance%block, balance%unknowns), error(balance%block, balance%unknowns), y, way, scale
       integer :: i
 
@@ -83,16 +83,12 @@ contains
       type(balance_type), intent(in) :: balance
       integer, intent(in) :: i
       real(dp), intent(in) :: theta
-      complex(dp) :: z, power
       real(dp) :: slope, curvature
       integer :: m
 
       call evaluate(self%error(:, i), balance%harmonic, theta, waveform_error, slope, curvature)
-      z = exp(cmplx(0, theta, dp))
-      power = exp(cmplx(0, balance%highest*theta, dp))
       do m = 1, size(self%tail, 1)
-         power = power*z
-         waveform_error = waveform_error + real(self%tail(m, i)*power, dp)
+         waveform_error = waveform_error + real(self%tail(m, i)*exp(cmplx(0, balance%missing(m)*theta, dp)), dp)
       end do
    end function waveform_error
 
@@ -136,7 +132,7 @@ contains
          remainder(balance%harmonic(k) - 1) = sum(u(2*k:2*k + 1, :)**2)
       end do
       do m = 1, size(tail, 1)
-         remainder(balance%highest + m - 1) = sum(abs(tail(m, :))**2)
+         remainder(balance%missing(m) - 1) = sum(abs(tail(m, :))**2)
       end do
       do k = ubound(remainder, 1) - 1, 0, -1
          remainder(k) = remainder(k) + remainder(k + 1)
@@ -170,7 +166,7 @@ contains
       end do
    end subroutine find_shift
 
-   !> Complex amplitudes at harmonics highest+1 .. 3 highest, (2*highest, unknowns): each harmonic by itself under the force of the
+   !> Complex amplitudes at the missing harmonics, (missing, unknowns): each harmonic by itself under the force of the
    !> kept ones, the meshes coupled and with their mean stiffness in contact (a harmonic near a natural frequency resonates).
    pure subroutine find_tail(balance, u, frequency, tail)
       type(balance_type), intent(in) :: balance
@@ -182,12 +178,11 @@ contains
 
       tail = 0
       do m = 1, size(tail, 1)
-         r = balance%highest + m
+         r = balance%missing(m)
          do i = 1, balance%unknowns
             force(i) = force_at(balance, i, u(:, i), r)
             stiffness(i) = cmplx(real(balance%contact(i)%stiffness(0), dp), balance%damping_of(i)*r*frequency/balance%eta, dp)
          end do
-         if (all(abs(force) < tiny(1.0_dp)) .and. balance%eta == 1 .and. mod(r, balance%system%excitation_order) /= 0) cycle
          call find_receptance(balance%system, balance%unknown, frequency, r, balance%eta, local)
          ! Elimination down the chain and back; the diagonal is 1 plus something small, save at a resonance.
          associate (p => tail(m, :), h => local%h(:, balance%mesh))
@@ -221,11 +216,19 @@ contains
       associate (w => balance%contact(i)%stiffness, contact => balance%contact(i))
          force_at = 2*w(r)*u(1) - 2*contact%backlash*contact%offset(r)
          do k = 1, size(balance%harmonic)
-            force_at = force_at + w(r - balance%harmonic(k))*cmplx(u(2*k), -u(2*k + 1), dp) &
+            force_at = force_at + two_sided(w, r - balance%harmonic(k))*cmplx(u(2*k), -u(2*k + 1), dp) &
                        + w(r + balance%harmonic(k))*cmplx(u(2*k), u(2*k + 1), dp)
          end do
       end associate
    end function force_at
+
+   pure complex(dp) function two_sided(w, k)
+      complex(dp), intent(in) :: w(0:)
+      integer, intent(in) :: k
+
+      two_sided = w(abs(k))
+      if (k < 0) two_sided = conjg(two_sided)
+   end function two_sided
 
    !> Force at the kept harmonics that the missing tail causes, to first order.
    pure function tail_force(balance, i, tail) result(d_phi)
@@ -239,13 +242,13 @@ contains
       associate (w => balance%contact(i)%stiffness)
          d_phi(1) = 0
          do m = 1, size(tail)
-            d_phi(1) = d_phi(1) + real(conjg(w(balance%highest + m))*tail(m), dp)
+            d_phi(1) = d_phi(1) + real(conjg(w(balance%missing(m)))*tail(m), dp)
          end do
          do k = 1, size(balance%harmonic)
             total = 0
             do m = 1, size(tail)
-               r = balance%highest + m
-               total = total + conjg(w(r - balance%harmonic(k)))*tail(m) + w(r + balance%harmonic(k))*conjg(tail(m))
+               r = balance%missing(m)
+               total = total + conjg(two_sided(w, r - balance%harmonic(k)))*tail(m) + w(r + balance%harmonic(k))*conjg(tail(m))
             end do
             d_phi(2*k) = total%re
             d_phi(2*k + 1) = -total%im
