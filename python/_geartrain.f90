@@ -577,7 +577,7 @@ subroutine branch_sizes(handle, place, sizes)
    sizes(6:8) = [branch%subharmonic, merge(1, 0, branch%complete), merge(1, 0, branch%closed)]
 end subroutine branch_sizes
 
-! numbers: frequency, error estimate; values: rms, mean, minimum, maximum, those of the mesh load; 
+! numbers: frequency, error estimate; values: rms, mean, minimum, maximum, those of the mesh load;
 ! marks: part, stable, estimate doubtful, harmonics.
 subroutine copy_branch(handle, place, points, meshes, states, terms, numbers, coefficients, values, marks, multipliers)
    use geartrain, only: branch_type
