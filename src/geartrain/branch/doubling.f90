@@ -8,7 +8,7 @@ module geartrain_branch_doubling
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
    use geartrain_branch_branch, only: branch_type, response_settings_type
-   use geartrain_branch_doubling_point, only: find_doubling
+   use geartrain_branch_doubling_point, only: find_doubling, harmonics_at
    use geartrain_branch_path, only: place_type
    use geartrain_branch_start, only: begin_trace
    use geartrain_branch_tracer, only: cancelled, full, met_half_period, stuck, tracer_type
@@ -84,7 +84,7 @@ contains
       twice = settings_for(settings, 2*settings%subharmonic)
       call begin_trace(train, twice, tracer)
       tracer%analysis = 'branch'
-      if (twice%harmonics == 0) call tracer%prepare(2*branch%harmonics)
+      if (twice%harmonics == 0) call tracer%prepare(2*harmonics_at(branch, special))
       call tracer%recorder%setup(tracer%path%balance, settings%stability, doubled)
       if (.not. found) then
          doubled%ended = 'the balance has no doubling of its own near Lambda = ' &
@@ -105,11 +105,13 @@ contains
          doubled%ended = 'no branch found along the critical vector at Lambda = '//text(start%frequency)
          return
       end if
+      call tracer%adapt(place, success)
       call tracer%record(place, doubled)
       call tracer%trace(place, min(settings%start, settings%stop), max(settings%start, settings%stop), settings%stop, &
                         doubled, outcome, doubled%ended, observer)
       doubled%complete = all(outcome /= [cancelled, stuck, full])
       if (present(met)) met = outcome == met_half_period
+      call tracer%tell_missed(doubled)
       call tracer%recorder%finish(doubled)
    end subroutine trace_doubled
 

@@ -8,17 +8,19 @@
 !> singular g has a pole; it is far away when b and c are near to the left and right critical vectors.
 module geartrain_branch_doubling_point
    use geartrain_base_kinds, only: dp, pi
+   use geartrain_branch_bend, only: cosine
    use geartrain_branch_branch, only: branch_type, response_settings_type
-   use geartrain_branch_path, only: inner, place_type
+   use geartrain_branch_path, only: place_type
    use geartrain_branch_special_points, only: between, shrink
    use geartrain_branch_start, only: begin_trace, place_of
    use geartrain_branch_tracer, only: tracer_type
+   use geartrain_branch_units, only: units_type
    use geartrain_branch_variables, only: settings_for
    use geartrain_model_train, only: train_type
    use geartrain_motion_motion, only: motion_type
    implicit none (type, external)
    private
-   public :: find_doubling, same_doubling
+   public :: find_doubling, harmonics_at, same_doubling
 
    !> Farthest from the doubling that the multipliers told, in the metric of the branch, and most steps there.
    real(dp), parameter :: farthest = 0.25_dp
@@ -50,8 +52,8 @@ contains
       call begin_trace(train, settings, single)
       call begin_trace(train, settings_for(settings, 2*settings%subharmonic), double)
       if (settings%harmonics == 0) then
-         call single%prepare(branch%harmonics)
-         call double%prepare(2*branch%harmonics)
+         call single%prepare(harmonics_at(branch, special))
+         call double%prepare(2*harmonics_at(branch, special))
       end if
       ! The way along the branch is what counts here, whatever the control of the trace.
       single%path%local_control = .false.
@@ -71,7 +73,7 @@ contains
          k = minloc(way, 1, open_end)
          if (k == 0) exit
          call single%path%advance(side(k), step(k), next, success)
-         if (success) success = inner(next%tangent, side(k)%tangent) + next%tangent_frequency*side(k)%tangent_frequency > 0.8_dp
+         if (success) success = cosine(side(k), next, single%path%units) > 0.8_dp
          if (.not. success) then
             step(k) = step(k)/3
             open_end(k) = step(k) > 1e-6_dp
@@ -90,6 +92,16 @@ contains
       end do
       success = .false.
    end subroutine find_doubling
+
+   !> Harmonics of the points next to the special point: the more of the two.
+   pure integer function harmonics_at(branch, special)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: special
+
+      associate (point => branch%special_points(special)%point)
+         harmonics_at = maxval(branch%point_harmonics(point:point + 1))
+      end associate
+   end function harmonics_at
 
    !> The branch solved next to the special point, the tangent included, and a first step `h` from there.
    subroutine told_place(single, branch, special, place, h, success)
@@ -114,7 +126,7 @@ contains
       after = place_of(single, motion)
       place%tangent = after%u - place%u
       place%tangent_frequency = after%frequency - place%frequency
-      chord = sqrt(inner(place%tangent, place%tangent) + place%tangent_frequency**2)
+      chord = single%path%length_of(place%tangent, place%tangent_frequency)
       h = min(first_step, chord/4)
       success = chord > 0
       if (.not. success) return
@@ -229,15 +241,16 @@ contains
          g = 1
          call matrix%solve(place%tangent, g)
       end associate
-      place%tangent = place%tangent/sqrt(inner(place%tangent, place%tangent))
+      place%tangent = place%tangent/double%path%length_of(place%tangent)
    end subroutine test_function
 
    !> Whether two motions of the balance of twice the period `period` (odd harmonics aside) are one, or the same some mesh periods
    !> later.
-   pure logical function same_doubling(one, other, period)
+   pure logical function same_doubling(one, other, period, units)
       type(place_type), intent(in) :: one, other
       !> Of the single motion, in mesh periods.
       integer, intent(in) :: period
+      type(units_type), intent(in) :: units
       real(dp) :: difference
       complex(dp) :: a, b
       integer :: i, k, shift, orders
@@ -245,13 +258,13 @@ contains
       same_doubling = .false.
       orders = (max(size(one%u, 1), size(other%u, 1)) - 1)/2
       do shift = 0, period - 1
-         difference = (one%frequency - other%frequency)**2
+         difference = ((one%frequency - other%frequency)/units%frequency)**2
          do i = 1, size(one%u, 2)
-            difference = difference + (one%u(1, i) - other%u(1, i))**2
+            difference = difference + ((one%u(1, i) - other%u(1, i))/units%length)**2
             do k = 2, orders, 2
                a = harmonic_of(one%u(:, i), k)
                b = harmonic_of(other%u(:, i), k)*exp(cmplx(0, pi*k*shift/period, dp))
-               difference = difference + 0.5_dp*abs(a - b)**2
+               difference = difference + 0.5_dp*(abs(a - b)/units%length)**2
             end do
          end do
          same_doubling = difference < same_place**2

@@ -7,8 +7,10 @@ module geartrain_branch_doublings
    use geartrain_branch_doubling, only: trace_doubled
    use geartrain_branch_doubling_point, only: find_doubling, same_doubling
    use geartrain_branch_path, only: place_type
+   use geartrain_branch_units, only: units_of, units_type
    use geartrain_branch_variables, only: settings_for
    use geartrain_model_check, only: check_train
+   use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -58,15 +60,19 @@ contains
       class(observer_type), intent(inout), optional :: observer
       !> Where the branches so far begin and end.
       type(place_type) :: known(2*size(parent%special_points)), place
+      type(system_type) :: system
+      type(units_type) :: units
       logical :: found, met
       integer :: i, n, count
 
+      call build_system(train, system)
+      units = units_of(system)
       count = 0
       do i = 1, size(parent%special_points)
          if (parent%special_points(i)%kind /= 'period doubling') cycle
          call find_doubling(train, settings, parent, i, place, found)
          if (found) then
-            if (is_known(place, known(:count), parent%subharmonic)) cycle
+            if (is_known(place, known(:count), parent%subharmonic, units)) cycle
             count = count + 1
             known(count) = place
          end if
@@ -80,14 +86,15 @@ contains
       end do
    end subroutine follow
 
-   pure logical function is_known(place, known, period)
+   pure logical function is_known(place, known, period, units)
       type(place_type), intent(in) :: place, known(:)
       integer, intent(in) :: period
+      type(units_type), intent(in) :: units
       integer :: i
 
       is_known = .false.
       do i = 1, size(known)
-         is_known = same_doubling(place, known(i), period)
+         is_known = same_doubling(place, known(i), period, units)
          if (is_known) return
       end do
    end function is_known

@@ -7,6 +7,7 @@ module geartrain_motion_balance
    use geartrain_model_system, only: system_type
    use geartrain_motion_bordered, only: bordered_type
    use geartrain_motion_contact, only: contact_type
+   use geartrain_motion_needed_harmonics, only: needed_harmonics
    implicit none (type, external)
    private
    public :: balance_type
@@ -17,6 +18,8 @@ module geartrain_motion_balance
       integer :: eta = 1
       integer, allocatable :: harmonic(:)
       integer :: block = 1
+      !> Those that are not, up to three times the highest, in which the error shows.
+      integer, allocatable :: missing(:)
       !> Highest harmonic asked for (harmonics 1..highest that the excitation reaches are carried).
       integer :: highest = 0
       !> Meshes that are unknowns, and which they are.
@@ -47,14 +50,18 @@ contains
       class(balance_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       integer, intent(in) :: highest, eta, samples
-      integer :: i, r, step
+      integer :: i, r
 
       self%system = system
       self%eta = eta
       self%highest = highest
-      step = 1
-      if (eta == 1) step = system%excitation_order
-      self%harmonic = [(r, r=step, highest, step)]
+      if (eta == 1) then
+         self%harmonic = needed_harmonics(system, highest)
+      else
+         self%harmonic = [(r, r=1, highest)]
+      end if
+      self%missing = pack([(r, r=1, 3*highest)], [(.not. any(self%harmonic == r), r=1, 3*highest)])
+      if (eta == 1) self%missing = pack(self%missing, mod(self%missing, system%excitation_order) == 0)
       self%block = 1 + 2*size(self%harmonic)
       self%unknown = is_unknown(system)
       self%mesh = pack([(i, i=1, system%meshes)], self%unknown)
@@ -62,7 +69,7 @@ contains
       if (.not. allocated(self%contact)) allocate (self%contact(self%unknowns))
       do i = 1, self%unknowns
          associate (j => self%mesh(i))
-            call self%contact(i)%setup(system%backlash(j), system%mesh_stiffness(j), eta, self%harmonic, 4*highest, samples)
+            call self%contact(i)%setup(system%backlash(j), system%mesh_stiffness(j), eta, self%harmonic, 2*highest, samples)
          end associate
       end do
       if (allocated(self%residual)) deallocate (self%residual, self%d_frequency, self%force, self%tangent, self%receptance)
