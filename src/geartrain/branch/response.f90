@@ -134,7 +134,8 @@ contains
       floats = any(system%backlash > 0) .and. .not. any(abs(system%load) > 0)
    end function floats
 
-   !> A motion at exactly the frequency: from rest, or one that time integration settles on.
+   !> A motion at exactly the frequency: from rest, one that time integration settles on, or on the branch of a frequency at
+   !> which there is one from rest.
    subroutine find_start(train, tracer, frequency, place, success, observer)
       type(train_type), intent(in) :: train
       type(tracer_type), intent(inout) :: tracer
@@ -145,15 +146,57 @@ contains
       type(motion_type) :: motion
       type(integration_settings_type) :: integration
       type(error_type), allocatable :: error
+      real(dp), parameter :: elsewhere(*) = [0.5_dp, 2.0_dp, 0.2_dp, 5.0_dp]
+      integer :: i
 
       place = resting(tracer, frequency)
       call tracer%path%solve_at(place, success)
       if (success) return
       call integrate(train, frequency, integration, motion, error, observer=observer)
-      if (motion%period == 0 .or. mod(tracer%settings%subharmonic, max(1, motion%period)) /= 0) return
-      place = place_of(tracer, motion)
-      call tracer%path%solve_at(place, success)
+      if (motion%period > 0 .and. mod(tracer%settings%subharmonic, max(1, motion%period)) == 0) then
+         place = place_of(tracer, motion)
+         call tracer%path%solve_at(place, success)
+      end if
+      do i = 1, size(elsewhere)
+         if (success) return
+         call scout(train, tracer%settings, elsewhere(i)*frequency, frequency, motion, success)
+         if (.not. success) cycle
+         place = place_of(tracer, motion)
+         call tracer%path%solve_at(place, success)
+      end do
    end subroutine find_start
+
+   !> Follows the branch from rest at one frequency to another, unrecorded.
+   subroutine scout(train, settings, from, to, motion, success)
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      real(dp), intent(in) :: from, to
+      type(motion_type), intent(out) :: motion
+      logical, intent(out) :: success
+      type(response_settings_type) :: unjudged
+      type(tracer_type) :: tracer
+      type(branch_type), target :: way
+      type(place_type) :: place
+      character(:), allocatable :: reason
+      integer :: outcome
+
+      unjudged = settings
+      unjudged%stability = .false.
+      unjudged%max_points = min(2000, settings%max_points)
+      if (settings%harmonics == 0) unjudged%harmonics = 6*settings%subharmonic
+      call begin_trace(train, unjudged, tracer)
+      place = resting(tracer, from)
+      call tracer%path%solve_at(place, success)
+      if (.not. success) return
+      call tracer%path%orient(place, merge(1, -1, to > from))
+      call tracer%recorder%setup(tracer%path%balance, .false., way)
+      call tracer%record(place, way)
+      call tracer%trace(place, min(from, to), max(from, to), to, way, outcome, reason)
+      success = outcome == reached_end
+      motion%frequency = to
+      motion%period = settings%subharmonic
+      motion%coefficients = way%coefficients(:, :, way%points)
+   end subroutine scout
 
    !> Both ways from a seed; the backward part is put in front, so that the branch is one curve.
    subroutine trace_from_seed(tracer, seed, branch, observer)

@@ -42,6 +42,10 @@ contains
          call fatal(error, 'refine: no period was found for this motion, so there is no orbit to refine')
          return
       end if
+      if (.not. (allocated(motion%state) .or. allocated(motion%coefficients))) then
+         call fatal(error, 'refine: the motion has neither a state nor coefficients')
+         return
+      end if
       call build_system(train, system)
       n = 2*system%elements
       allocate (state(n), final(n), step(n), monodromy(n, n), matrix(n, n), pivot(n))
