@@ -57,7 +57,9 @@ class Motion:
     multipliers : ndarray of complex, (states,), or None
         Floquet multipliers over one period of the motion.
     state : ndarray, (2*elements,), or None
-        Displacement of every elastic element at time 0, then its velocity, where integration gave the motion.
+        Displacement of every elastic element at time 0, then its velocity (per 1/characteristic_frequency), where integration gave
+        the motion: a mesh's displacement, a shaft's twist less its static twist times the base radius of the gear at its end (the
+        driving one of the mesh that follows; for the last shaft the driven one before it), all over characteristic_length.
     error_estimate : float
         Relative error of the waveform as estimated; nan where there is no estimate.
     share : float

@@ -5,6 +5,7 @@ module geartrain_branch_start
    use geartrain_branch_path, only: place_type
    use geartrain_branch_tracer, only: tracer_type
    use geartrain_branch_units, only: largest_unit, units_of
+   use geartrain_model_modes, only: natural_frequencies
    use geartrain_model_system, only: build_system
    use geartrain_model_train, only: train_type
    use geartrain_motion_motion, only: motion_type
@@ -34,6 +35,7 @@ contains
       else
          tracer%amplitude_limit = linear_amplitude_limit*largest_unit(tracer%system)
       end if
+      tracer%truncation%natural_frequency = natural_frequencies(tracer%system)
       call tracer%prepare(merge(settings%harmonics, 6*settings%subharmonic, settings%harmonics > 0))
    end subroutine begin_trace
 

@@ -30,7 +30,7 @@ module geartrain_branch_tracer
    !> Amplitude, in the unit of the branch, above which the largest step grows in proportion to it.
    real(dp), parameter :: large = 5
    !> Harmonics of Lambda by tolerance: fewest; most, of Lambda/subharmonic.
-   integer, parameter :: fewest_harmonics = 4, most_harmonics = 256
+   integer, parameter :: fewest_harmonics = 4, most_harmonics = 384
    !> Share of the tolerance aimed at, so that a few points more keep within it, and how much lower the number of harmonics must be
    !> able to get to be lowered: each change plans the balance anew.
    real(dp), parameter :: tolerance_share = 0.3_dp, worth_lowering = 0.75_dp
@@ -47,7 +47,7 @@ module geartrain_branch_tracer
       integer :: part = 1
       !> Points that miss the tolerance, where the number of harmonics is left to the program.
       integer :: missed = 0
-      type(truncation_type), private :: truncation
+      type(truncation_type) :: truncation
       !> Change of the tangent's Lambda part along the branch, at the latest step.
       real(dp), private :: bend = 0
    contains
@@ -227,16 +227,20 @@ contains
    pure logical function passes_half_period(self, here, next)
       class(tracer_type), intent(in) :: self
       type(place_type), intent(in) :: here, next
-      real(dp) :: product
+      !> Odd harmonics below this share of the motion are rounding: a motion of half the period has none.
+      real(dp), parameter :: none = 1e-7_dp
+      real(dp) :: product, odd
       integer :: k
 
       passes_half_period = .false.
       if (mod(self%settings%subharmonic, 2) /= 0) return
       product = 0
+      odd = 0
       do k = 1, size(self%path%balance%harmonic), 2
          product = product + sum(here%u(2*k:2*k + 1, :)*next%u(2*k:2*k + 1, :))
+         odd = odd + sum(next%u(2*k:2*k + 1, :)**2)
       end do
-      passes_half_period = product < 0
+      passes_half_period = product < 0 .and. odd > none**2*sum(next%u**2)
    end function passes_half_period
 
    !> Aims at a certain turn and a certain first Newton correction (which goes with the square of the step); at most `longest`.
@@ -331,9 +335,9 @@ contains
       call add_special_point(branch, kind, place%frequency, before, branch%rms(:, n))
    end subroutine add_stability_change
 
-   !> Where the number of harmonics is left to the program: raises it until `place`, just solved, is within the tolerance; the places
-   !> that go with it are padded alike. Where the balance of more harmonics finds no solution, all is as it was and `success` is
-   !> false.
+   !> Where the number of harmonics is left to the program: raises it until `place`, just solved, is within the tolerance; the
+   !> places that go with it are padded alike. Where the balance of more harmonics finds no solution, all is as it was and
+   !> `success` is false.
    subroutine adapt(self, place, success, here, origin, fixed)
       class(tracer_type), intent(inout) :: self
       type(place_type), intent(inout) :: place

@@ -77,6 +77,10 @@ contains
                      about_coefficients)
       call store%put(home//'/error_estimate', branch%error_estimate(:n), ['point'], '1', &
                      'estimated relative error of the waveform')
+      if (allocated(branch%correction)) &
+         call store%put(home//'/correction', merge(ieee_value(0.0_dp, ieee_quiet_nan), branch%correction(:n), &
+                                                   branch%correction(:n) < 0), ['point'], '1', 'relative change of the &
+                        &waveform by refinement: the error that the point had; NaN: not refined, shooting finds no orbit near it')
       call store%put(home//'/estimate_doubtful', branch%estimate_doubtful(:n), ['point'], about_doubtful)
       call store%put(home//'/harmonics', branch%point_harmonics(:n), ['point'], '1', 'harmonics that the point was solved with')
       call store%put(home//'/part', branch%part(:n), ['point'], '1', &
