@@ -10,6 +10,8 @@ module arguments
       character(:), allocatable :: case_file
       !> As given by --output; '' where it was not.
       character(:), allocatable :: output_file
+      !> Go on from the checkpoint of a run that was killed.
+      logical :: resume = .false.
       !> What is wrong with the command line; '' where all is well.
       character(:), allocatable :: wrong
    end type arguments_type
@@ -21,6 +23,7 @@ module arguments
       newline// &
       'Usage:'//newline// &
       '   geartrain CASE.nml [--output FILE.h5]   run a case; the results go to FILE.h5'//newline// &
+      '   geartrain CASE.nml --resume             go on with a run that was killed, from FILE.h5.partial'//newline// &
       '   geartrain --check CASE.nml              say what is wrong with a case, compute nothing'//newline// &
       '   geartrain --template > CASE.nml         a complete case, every variable explained'//newline// &
       '   geartrain --reference                   the tables of input variables, as Markdown'//newline// &
@@ -55,6 +58,8 @@ contains
             return
          case ('--check')
             arguments%action = 'check'
+         case ('--resume')
+            arguments%resume = .true.
          case ('--output', '-o')
             i = i + 1
             if (i <= command_argument_count()) arguments%output_file = argument(i)
@@ -73,8 +78,10 @@ contains
          end select
       end do
       if (arguments%wrong == '' .and. arguments%case_file == '') arguments%wrong = 'no case file given'
-      if (arguments%wrong == '' .and. arguments%action == 'check' .and. arguments%output_file /= '') &
-         arguments%wrong = '--check writes nothing: leave out --output'
+      if (arguments%wrong == '' .and. arguments%action == 'check') then
+         if (arguments%output_file /= '') arguments%wrong = '--check writes nothing: leave out --output'
+         if (arguments%resume) arguments%wrong = '--check computes nothing: leave out --resume'
+      end if
    end subroutine read_arguments
 
    function argument(i) result(word)

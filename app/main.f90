@@ -50,7 +50,8 @@ contains
       integer, intent(out) :: status
       type(results_type) :: results
       type(progress_type) :: progress
-      character(:), allocatable :: path
+      character(:), allocatable :: path, resume
+      logical :: exists
 
       path = output_path(case)
       if (path == asked%case_file .or. index(path//' ', '.nml ') > 0) then
@@ -58,8 +59,14 @@ contains
          status = status_input
          return
       end if
+      resume = ''
+      if (asked%resume) then
+         inquire (file=path//'.partial', exist=exists)
+         if (exists) resume = path//'.partial'
+         if (.not. exists) write (output_unit, '(3a)') 'Nothing to resume: there is no ', path, '.partial; the run begins anew'
+      end if
       call begin_progress(progress)
-      call run_case(case, path, results, error, progress)
+      call run_case(case, path, results, error, progress, resume)
       call progress%clear()
       status = 0
       if (allocated(results%modes)) call report_modes(results%modes)

@@ -4,7 +4,7 @@ module geartrain_branch_tracer
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_base_numbers, only: text
-   use geartrain_branch_branch, only: branch_type, response_settings_type
+   use geartrain_branch_branch, only: branch_type, response_settings_type, trace_state_type
    use geartrain_branch_path, only: inner, path_type, place_type
    use geartrain_branch_recorder, only: recorder_type
    use geartrain_branch_special_points, only: add_special_point, locate_fold, locate_stability_change, unstable_count
@@ -40,6 +40,8 @@ module geartrain_branch_tracer
       character(8) :: analysis = 'response'
       !> Number of the part of the branch that is traced.
       integer :: part = 1
+      !> The next trace goes on from branch%trace.
+      logical :: resumes = .false.
       real(dp), private :: estimate = 0
       !> Change of the tangent's Lambda part along the branch, at the latest step.
       real(dp), private :: bend = 0
@@ -49,6 +51,7 @@ module geartrain_branch_tracer
       procedure :: trace
       procedure :: adapt
       procedure, private :: relax
+      procedure, private :: take_up
       procedure :: estimate_error
       procedure :: refit
       procedure, private :: stop_at
@@ -120,6 +123,7 @@ contains
       h = min(first_step, self%settings%step)
       steps = 0
       outcome = 0
+      if (self%resumes) call self%take_up(branch%trace, here, origin, h, steps)
       do
          call self%path%advance(here, h, next, success)
          if (success) success = acceptable(self, here, next, h)
@@ -152,16 +156,6 @@ contains
          if (self%recorder%stability .and. (steps > 1 .or. begins_at_latest)) &
             call self%add_stability_change(here, next, h, branch)
 
-         if (present(observer)) then
-            keep_going = .true.
-            call observer%on_step(trim(self%analysis), branch%points, next%frequency, keep_going)
-            if (.not. keep_going) then
-               outcome = cancelled
-               branch%cancelled = .true.
-               reason = 'cancelled at Lambda = '//text(next%frequency)
-               return
-            end if
-         end if
          if (passes_half_period(self, here, next)) then
             outcome = met_half_period
             reason = 'met the branch of half its period at Lambda = '//text(next%frequency)
@@ -194,8 +188,43 @@ contains
                return
             end if
          end if
+
+         ! Last in the loop: the observer may keep the branch, and another run go on from branch%trace.
+         if (.not. present(observer)) cycle
+         if (allocated(branch%trace)) then
+            branch%trace%steps = steps
+            branch%trace%harmonics = self%path%balance%highest
+            branch%trace%step = h
+            branch%trace%bend = self%bend
+            branch%trace%here = here
+            branch%trace%origin = origin
+         end if
+         keep_going = .true.
+         call observer%on_step(trim(self%analysis), branch%points, here%frequency, keep_going)
+         if (keep_going) cycle
+         outcome = cancelled
+         branch%cancelled = .true.
+         reason = 'cancelled at Lambda = '//text(here%frequency)
+         return
       end do
    end subroutine trace
+
+   !> Goes back to where a trace of another run stood.
+   subroutine take_up(self, state, here, origin, h, steps)
+      class(tracer_type), intent(inout) :: self
+      type(trace_state_type), intent(in) :: state
+      type(place_type), intent(out) :: here, origin
+      real(dp), intent(out) :: h
+      integer, intent(out) :: steps
+
+      self%resumes = .false.
+      if (self%path%balance%highest /= state%harmonics) call self%prepare(state%harmonics)
+      self%bend = state%bend
+      here = state%here
+      origin = state%origin
+      h = state%step
+      steps = state%steps
+   end subroutine take_up
 
    !> Whether a step stayed on the branch: a small correction, a small turn, the same orientation.
    logical function acceptable(self, here, next, h)

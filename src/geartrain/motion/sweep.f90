@@ -18,7 +18,8 @@ module geartrain_motion_sweep
 contains
 
    !> Visits settings%points frequencies between start and stop, upwards, downwards or both. A frequency without a steady
-   !> motion has period 0; the sweep goes on from the state reached.
+   !> motion has period 0; the sweep goes on from the state reached. A sweep under way (its motions are there, why it ended is
+   !> not, as in a checkpoint of the same case) is taken up after its last motion.
    subroutine sweep(train, settings, result, error, observer)
       type(train_type), intent(in) :: train
       type(integration_settings_type), intent(in) :: settings
@@ -30,9 +31,12 @@ contains
       real(dp), allocatable :: state(:)
       real(dp) :: low, high, frequency
       integer :: i, n, done, total
-      logical :: keep_going, stopped
+      logical :: keep_going, stopped, resumed
 
-      result = empty
+      total = merge(2*settings%points, settings%points, settings%direction == 'both')
+      resumed = allocated(result%motions) .and. .not. allocated(result%ended)
+      if (resumed) resumed = size(result%motions) == total
+      if (.not. resumed) result = empty
       call check_train(train, error)
       if (allocated(error)) return
       call check_integration(settings, error)
@@ -43,13 +47,14 @@ contains
       low = min(settings%start, settings%stop)
       high = max(settings%start, settings%stop)
       n = settings%points
-      total = merge(2*n, n, settings%direction == 'both')
-      allocate (result%motions(total), result%direction(total))
+      if (.not. resumed) allocate (result%motions(total), result%direction(total))
       result%direction = 'up'
       if (settings%direction == 'down') result%direction = 'down'
       if (settings%direction == 'both') result%direction(n + 1:) = 'down'
-      done = 0
-      do i = 1, total
+      done = count(result%motions%frequency > 0)
+      if (done > 0) state = result%motions(done)%state
+      if (.not. all(abs(state) < 1e100_dp)) state = resting_state(system)
+      do i = done + 1, total
          frequency = low
          if (n > 1) frequency = low + (high - low)*(mod(i - 1, n)/real(n - 1, dp))
          if (mod(i, n) == 0 .and. n > 1) frequency = high
