@@ -23,7 +23,7 @@ module geartrain_case_run
 contains
 
    !> Runs the analyses of the case in the order modes, response with its period doublings, integration, attractors with the
-   !> branches through them, and writes `path`. Meanwhile path.partial holds what there is so far, every 5 s or so. An analysis
+   !> branches through them, and writes `path`. Meanwhile path.partial holds what there is so far, every 2 s or so. An analysis
    !> that ends early is told by an error of status_ended_early after everything has been written; bad input and a place that
    !> cannot be written to are told before anything is computed.
    subroutine run_case(case, path, results, error, observer, resume)

@@ -158,8 +158,8 @@ contains
       assignment%name = lower(written)
       call cursor%skip_space()
       if (scan(cursor%peek(), '(%') == 1) then
-         call complain('"'//shortened(written)//'" with an index or component: give the whole list, '//shortened(assignment%name)// &
-                       ' = first, second, ...')
+         call complain('"'//shortened(written)//'" with an index or component: give the whole list, '// &
+                       shortened(assignment%name)//' = first, second, ...')
          do while (scan(cursor%peek(), '=/&'//newline) == 0)
             call cursor%advance()
          end do
@@ -243,8 +243,8 @@ contains
       subroutine complain(text)
          character(*), intent(in) :: text
 
-         if (.not. assignment%bad) call problems%add(shortened(assignment%name)//': '//text, group%name, group%index, assignment%name, &
-                                                     token%line, token%column)
+         if (.not. assignment%bad) call problems%add(shortened(assignment%name)//': '//text, group%name, group%index, &
+                                                     assignment%name, token%line, token%column)
          assignment%bad = .true.
       end subroutine complain
 
