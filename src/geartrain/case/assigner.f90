@@ -4,7 +4,7 @@ module geartrain_case_assigner
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text
    use geartrain_base_variable, only: variable_type
-   use geartrain_case_cursor, only: shortened
+   use geartrain_case_cursor, only: letters, shortened
    use geartrain_case_scanner, only: group_type, token_type
    use geartrain_case_values, only: read_integer, read_logical, read_real, read_text
    implicit none (type, external)
@@ -157,6 +157,15 @@ contains
          found = size(given%values) == 1
          token = given%values(1)
          if (found) return
+         do i = 2, size(given%values)
+            associate (word => given%values(i))
+               if (word%quoted .or. word%line == token%line .or. scan(word%text, letters) /= 1) cycle
+               if (self%problems%reported(self%group, self%index, variable%name)) return
+               call self%problems%add('expected "=" after "'//shown(word)//'": it is no value of '//trim(variable%name), &
+                                      self%group, self%index, variable%name, word%line, word%column)
+               return
+            end associate
+         end do
          text = shown(token)
          do i = 2, min(size(given%values), 4)
             text = text//', '//shown(given%values(i))
