@@ -25,9 +25,10 @@ GIVEN = {
     "response": {"from": "0.2", "to": "2.6"},
     "integration": {"from": "0.2", "to": "2.6"},
     "attractors": {"frequency": "0.6"},
+    "stability_map": {"from": "0.2", "to": "2.6", "parameter_from": "0.01", "parameter_to": "0.1"},
     "output": {},
 }
-WORDS = {"from": "start", "to": "stop"}
+WORDS = {"from": "start", "to": "stop", "parameter_from": "parameter_start", "parameter_to": "parameter_stop"}
 
 
 class Variable(NamedTuple):
@@ -161,7 +162,7 @@ def test_every_group_given_wrongly(table, tmp_path):
 def test_all_problems_in_one_go_and_no_output_touched(table, executable, tmp_path):
     """One wrong value for each variable of a group, in all groups: as many messages, sorted by line."""
     lines = []
-    for group in ("train", "shaft", "mesh", "shaft", "response", "integration", "attractors", "output"):
+    for group in ("train", "shaft", "mesh", "shaft", "response", "integration", "attractors", "stability_map", "output"):
         lines.append(f"&{group}")
         for variable in table:
             if variable.group == group:
@@ -196,6 +197,9 @@ def call(group, name, value):
         return train.response(**{"start": 0.2, "stop": 0.3, name: value})
     if group == "integration":
         return train.sweep(**{"start": 0.2, "stop": 0.3, "points": 2, name: value})
+    if group == "stability_map":
+        given = {"start": 0.2, "stop": 0.3, "points": 2, "parameter_start": 0.01, "parameter_stop": 0.1, "parameter_points": 2}
+        return train.stability_map(**{**given, name: value})
     return train.attractors(**{"frequency": 0.6, "starts": 1, name: value})
 
 

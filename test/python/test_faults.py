@@ -132,6 +132,35 @@ def test_killed_at_any_moment_and_resumed(executable, whole, tmp_path):
     assert not partial.exists()
 
 
+def test_every_analysis_resumed(executable, tmp_path):
+    """Harmonics by tolerance, followed branches, exponents of a sweep, a map and a refinement: the bits are the same as well."""
+    analyses = (
+        "&response from = 0.4, to = 1.1, harmonics = 0, tolerance = 1e-3, period_doublings = 1, refine = .true. /\n"
+        "&integration from = 0.5, to = 0.7, points = 6 /\n&attractors frequency = 0.6, starts = 32, follow = .true. /\n"
+        "&stability_map from = 0.4, to = 1.6, points = 10, parameter_from = 0.01, parameter_to = 0.1, parameter_points = 4 /\n"
+    )
+    case, output, plain = write_case(tmp_path, analyses), tmp_path / "out.h5", tmp_path / "plain.h5"
+    begin = time.monotonic()
+    assert run(executable, case, "--output", plain).returncode in (0, 3)
+    slice_of_time = max(1.0, (time.monotonic() - begin) / 4)
+    for _ in range(60):
+        work = subprocess.Popen([executable, case, "--output", output, "--resume"], stdout=subprocess.DEVNULL,
+                                stderr=subprocess.DEVNULL)
+        try:
+            assert work.wait(slice_of_time) in (0, 3)
+            break
+        except subprocess.TimeoutExpired:
+            work.kill()
+            work.wait()
+    assert_equal_files(plain, output)
+
+
+def test_resume_takes_one_case(executable, tmp_path):
+    case = write_case(tmp_path, QUICK)
+    done = run(executable, case, case, "--resume")
+    assert done.returncode == 2 and "--resume goes on with one case" in done.stderr
+
+
 def test_resumed_from_python(executable, whole, tmp_path):
     case, output = write_case(tmp_path, LONG), tmp_path / "out.h5"
     partial = tmp_path / "out.h5.partial"

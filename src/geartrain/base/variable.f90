@@ -15,14 +15,14 @@ module geartrain_base_variable
       character(24) :: name = ''
       !> Unit, blank for a dimensionless value.
       character(12) :: unit = ''
-      character(240) :: description = ''
+      character(280) :: description = ''
       logical :: required = .false.
       !> Range: above < value, least <= value <= most.
       real(dp) :: above = -huge(1.0_dp), least = -huge(1.0_dp), most = huge(1.0_dp)
       !> One value outside the range that leaves the choice to the program; huge: there is none.
       real(dp) :: automatic = huge(1.0_dp)
       !> Words a text may be, separated by blanks; blank: any text.
-      character(40) :: choices = ''
+      character(80) :: choices = ''
       !> Name of a variable that may not be given together with this one.
       character(24) :: excludes = ''
    contains

@@ -7,7 +7,9 @@ module geartrain_case_run
    use geartrain_branch_branch, only: branch_type
    use geartrain_branch_doublings, only: follow_doublings
    use geartrain_branch_islands, only: follow_attractors
+   use geartrain_branch_refinement, only: refine_branch
    use geartrain_branch_response, only: response
+   use geartrain_branch_stability_map, only: stability_map
    use geartrain_case_case, only: case_type
    use geartrain_case_checkpoint, only: checkpoint_type, take_up_checkpoint
    use geartrain_case_variables, only: check_agreement
@@ -23,9 +25,9 @@ module geartrain_case_run
 contains
 
    !> Runs the analyses of the case in the order modes, response with its period doublings, integration, attractors with the
-   !> branches through them, and writes `path`. Meanwhile path.partial holds what there is so far, every 2 s or so. An analysis
-   !> that ends early is told by an error of status_ended_early after everything has been written; bad input and a place that
-   !> cannot be written to are told before anything is computed.
+   !> branches through them, stability map, refinement, and writes `path`. Meanwhile path.partial holds what there is so far,
+   !> every 2 s or so. An analysis that ends early is told by an error of status_ended_early after everything has been written;
+   !> bad input and a place that cannot be written to are told before anything is computed.
    subroutine run_case(case, path, results, error, observer, resume)
       type(case_type), intent(in), target :: case
       !> The HDF5 file; empty: write nothing.
@@ -68,9 +70,13 @@ contains
       type(error_type), allocatable, intent(inout) :: early, error
       type(checkpoint_type), intent(inout) :: checkpoint
       type(branch_type), allocatable :: known(:)
+      logical :: followed
       integer :: i
 
-      call known_branches(results, known)
+      ! Refinement comes last: where it has begun, all branches are there, and following would see points that it changed.
+      followed = .false.
+      if (allocated(results%response)) followed = allocated(results%response%correction)
+      if (.not. followed) call known_branches(results, known)
       if (case%modes) then
          allocate (results%modes)
          call natural_modes(case%train, results%modes, error)
@@ -85,7 +91,7 @@ contains
          call set_aside(error, early)
          if (allocated(error)) return
          call tell('response', results%response%complete, results%response%ended, early)
-         if (case%response%period_doublings > 0 .and. .not. checkpoint%cancelled) &
+         if (case%response%period_doublings > 0 .and. .not. (followed .or. checkpoint%cancelled)) &
             call follow_doublings(case%train, case%response, results%response, results%branches, error, checkpoint, known)
          if (allocated(error)) return
       end if
@@ -106,11 +112,22 @@ contains
             call attractors(case%train, case%attractors, results%attractors, error, checkpoint)
          if (allocated(error)) return
          call tell('attractors', results%attractors%complete, results%attractors%ended, early)
-         if (case%attractors%follow .and. .not. checkpoint%cancelled) &
+         if (case%attractors%follow .and. .not. (followed .or. checkpoint%cancelled)) &
             call follow_attractors(case%train, case%response, results%attractors, results%response, results%branches, error, &
                                    checkpoint, known)
          if (allocated(error)) return
       end if
+      if (allocated(case%stability_map) .and. .not. checkpoint%cancelled) then
+         call checkpoint%write_now()
+         if (.not. allocated(results%stability_map)) then
+            allocate (results%stability_map)
+            call stability_map(case%train, case%stability_map, results%stability_map, error, checkpoint)
+         end if
+         if (allocated(error)) return
+         call tell('stability map', results%stability_map%complete, results%stability_map%ended, early)
+      end if
+      call refine_all(case, results, early, error, checkpoint)
+      if (allocated(error)) return
       if (.not. allocated(results%branches)) return
       do i = 1, size(results%branches)
          associate (branch => results%branches(i))
@@ -136,6 +153,27 @@ contains
 
       is_done = allocated(branch%ended) .and. .not. allocated(branch%trace)
    end function is_done
+
+   !> Last, since branches are followed and told apart by their balances.
+   subroutine refine_all(case, results, early, error, checkpoint)
+      type(case_type), intent(in) :: case
+      type(results_type), intent(inout), target :: results
+      type(error_type), allocatable, intent(inout) :: early, error
+      type(checkpoint_type), intent(inout) :: checkpoint
+      integer :: i
+
+      if (.not. allocated(case%response) .or. checkpoint%cancelled) return
+      if (.not. case%response%refine) return
+      call checkpoint%write_now()
+      call refine_branch(case%train, results%response, error, checkpoint, go_on=.true.)
+      if (allocated(error)) return
+      if (checkpoint%cancelled) call tell('response', .false., results%response%ended, early)
+      if (.not. allocated(results%branches)) return
+      do i = 1, size(results%branches)
+         if (allocated(error) .or. checkpoint%cancelled) return
+         call refine_branch(case%train, results%branches(i), error, checkpoint, go_on=.true.)
+      end do
+   end subroutine refine_all
 
    !> Adds to `early` why an analysis is not complete.
    subroutine tell(name, complete, ended, early)

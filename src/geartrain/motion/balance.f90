@@ -62,7 +62,7 @@ contains
       if (.not. allocated(self%contact)) allocate (self%contact(self%unknowns))
       do i = 1, self%unknowns
          associate (j => self%mesh(i))
-            call self%contact(i)%setup(system%backlash(j), system%mesh_stiffness(j), eta, self%harmonic, 4*highest, samples)
+            call self%contact(i)%setup(system%backlash(j), system%mesh_stiffness(j), eta, self%harmonic, 2*highest, samples)
          end associate
       end do
       if (allocated(self%residual)) deallocate (self%residual, self%d_frequency, self%force, self%tangent, self%receptance)

@@ -7,8 +7,9 @@ module geartrain_motion_sweep
    use geartrain_model_check, only: check_train
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
-   use geartrain_motion_integration, only: settle
+   use geartrain_motion_integration, only: add_exponent, settle
    use geartrain_motion_integration_settings, only: integration_settings_type, sweep_type
+   use geartrain_motion_motion, only: motion_type
    use geartrain_motion_start_state, only: resting_state
    use geartrain_motion_variables, only: check_integration
    implicit none (type, external)
@@ -27,6 +28,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       class(observer_type), intent(inout), optional :: observer
       type(sweep_type) :: empty
+      type(motion_type) :: motion
       type(system_type) :: system
       real(dp), allocatable :: state(:)
       real(dp) :: low, high, frequency
@@ -59,8 +61,11 @@ contains
          if (n > 1) frequency = low + (high - low)*(mod(i - 1, n)/real(n - 1, dp))
          if (mod(i, n) == 0 .and. n > 1) frequency = high
          if (result%direction(i) == 'down') frequency = low + high - frequency
-         call settle(system, frequency, settings, state, result%motions(i), observer, stopped)
+         call settle(system, frequency, settings, state, motion, observer, stopped)
          if (stopped) exit
+         call add_exponent(system, settings, motion, observer)
+         ! A whole motion or none: what has a frequency counts as done where the sweep is taken up again.
+         result%motions(i) = motion
          if (.not. all(abs(state) < 1e100_dp)) state = resting_state(system)
          done = i
          if (.not. present(observer)) cycle

@@ -12,11 +12,12 @@ module geartrain_results_archive
       integer(int8), allocatable :: bytes(:)
       integer(int64), private :: at = 0
    contains
-      generic :: carry => carry_integer, carry_logical, carry_real, carry_text, carry_integers, carry_logicals, &
+      generic :: carry => carry_integer, carry_logical, carry_real, carry_text, carry_integers, carry_integers_2, carry_logicals, &
          carry_reals_1, carry_reals_2, carry_reals_3
       procedure :: has
       procedure :: finish
       procedure, private :: carry_integer, carry_logical, carry_real, carry_text, carry_integers, carry_logicals
+      procedure, private :: carry_integers_2
       procedure, private :: carry_reals_1, carry_reals_2, carry_reals_3, carry_bytes, carry_extents, carry_block
    end type archive_type
 
@@ -104,6 +105,23 @@ contains
          call self%carry(value(i))
       end do
    end subroutine carry_integers
+
+   subroutine carry_integers_2(self, value)
+      class(archive_type), intent(inout) :: self
+      integer, allocatable, intent(inout) :: value(:, :)
+      integer :: n(2), i, j
+
+      n = -1
+      if (allocated(value)) n = shape(value)
+      call self%carry_extents(n, 4)
+      if (any(n < 0)) return
+      if (self%reading) allocate (value(n(1), n(2)), source=0)
+      do j = 1, n(2)
+         do i = 1, n(1)
+            call self%carry(value(i, j))
+         end do
+      end do
+   end subroutine carry_integers_2
 
    subroutine carry_logicals(self, value, used)
       class(archive_type), intent(inout) :: self

@@ -4,6 +4,7 @@ module geartrain_results_state
    use geartrain_base_kinds, only: dp, version
    use geartrain_branch_branch, only: branch_type, special_point_type, trace_state_type
    use geartrain_branch_path, only: place_type
+   use geartrain_branch_stability_map_settings, only: stability_map_type
    use geartrain_motion_attractors_settings, only: attractors_type
    use geartrain_motion_integration_settings, only: sweep_type
    use geartrain_motion_mesh_load, only: mesh_load_type
@@ -58,10 +59,11 @@ contains
       if (archive%broken) wrong = 'it is damaged'
    end subroutine unpack_state
 
-   !> Modes are not kept: they are found again at once.
+   !> Modes are not kept: they are found again at once. Nor is a stability map under way.
    subroutine carry_results(archive, results)
       type(archive_type), intent(inout) :: archive
       type(results_type), intent(inout) :: results
+      logical :: finished
       integer :: i, n
 
       if (archive%has(allocated(results%response))) then
@@ -75,6 +77,12 @@ contains
       if (archive%has(allocated(results%attractors))) then
          if (archive%reading) allocate (results%attractors)
          call carry_attractors(archive, results%attractors)
+      end if
+      finished = .false.
+      if (allocated(results%stability_map)) finished = allocated(results%stability_map%ended)
+      if (archive%has(finished)) then
+         if (archive%reading) allocate (results%stability_map)
+         call carry_map(archive, results%stability_map)
       end if
       if (.not. archive%has(allocated(results%branches))) return
       n = 0
@@ -125,6 +133,25 @@ contains
       call archive%carry(found%complete)
    end subroutine carry_attractors
 
+   subroutine carry_map(archive, map)
+      type(archive_type), intent(inout) :: archive
+      type(stability_map_type), intent(inout) :: map
+
+      call archive%carry(map%name)
+      call archive%carry(map%unit)
+      call archive%carry(map%linear)
+      call archive%carry(map%frequency)
+      call archive%carry(map%parameter)
+      call archive%carry(map%motions)
+      call archive%carry(map%stable_motions)
+      if (allocated(map%parameter)) call carry_multipliers(archive, map%multiplier, size(map%parameter))
+      call archive%carry(map%rms)
+      call archive%carry(map%done)
+      call archive%carry(map%whole)
+      call archive%carry(map%ended)
+      call archive%carry(map%complete)
+   end subroutine carry_map
+
    subroutine carry_branch(archive, branch)
       type(archive_type), intent(inout) :: archive
       type(branch_type), intent(inout) :: branch
@@ -145,7 +172,12 @@ contains
       call carry_loads(archive, branch%mesh_load, branch%points)
       call carry_multipliers(archive, branch%multipliers, branch%points)
       call archive%carry(branch%stable, branch%points)
+      call archive%carry(branch%undecided, branch%points)
+      call archive%carry(branch%second_estimate, branch%points)
       call archive%carry(branch%error_estimate, branch%points)
+      call archive%carry(branch%correction, branch%points)
+      call archive%carry(branch%estimate_doubtful, branch%points)
+      call archive%carry(branch%point_harmonics, branch%points)
       call archive%carry(branch%part, branch%points)
       call archive%carry(branch%ended)
       call archive%carry(branch%complete)
@@ -188,6 +220,7 @@ contains
       call archive%carry(trace%harmonics)
       call archive%carry(trace%step)
       call archive%carry(trace%bend)
+      call archive%carry(trace%missed)
       call archive%carry(trace%before)
       call carry_place(archive, trace%here)
       call carry_place(archive, trace%origin)
@@ -241,6 +274,11 @@ contains
       call archive%carry(motion%maximum)
       call archive%carry(motion%state)
       call archive%carry(motion%stable)
+      call archive%carry(motion%undecided)
+      if (archive%has(allocated(motion%lyapunov_exponent))) then
+         if (archive%reading) allocate (motion%lyapunov_exponent)
+         call archive%carry(motion%lyapunov_exponent)
+      end if
       call archive%carry(motion%error_estimate)
       call archive%carry(motion%share)
       if (allocated(motion%mesh_load)) loads = reshape(motion%mesh_load, [size(motion%mesh_load), 1])
