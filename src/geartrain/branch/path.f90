@@ -36,6 +36,7 @@ module geartrain_branch_path
       procedure :: correct
       procedure :: orient
       procedure :: advance
+      procedure :: refit
       procedure :: length_of
       procedure, private :: across
       procedure, private :: tolerance_at
@@ -182,6 +183,23 @@ contains
       if (length < 0) place%orientation = -place%orientation
       place%tangent_frequency = y/length
    end subroutine find_tangent
+
+   !> Cuts or pads the coefficients of a place to the present number of harmonics.
+   pure subroutine refit(self, place)
+      class(path_type), intent(in) :: self
+      type(place_type), intent(inout) :: place
+      real(dp) :: u(self%balance%block, size(place%u, 2)), tangent(self%balance%block, size(place%u, 2))
+      integer :: n
+
+      n = min(size(u, 1), size(place%u, 1))
+      u = 0
+      tangent = 0
+      u(:n, :) = place%u(:n, :)
+      tangent(:n, :) = place%tangent(:n, :)
+      place%u = u
+      place%tangent = tangent
+      place%orientation = 0
+   end subroutine refit
 
    !> Length in the metric of a change of the coefficients and, where given, of Lambda.
    pure real(dp) function length_of(self, u, frequency)
