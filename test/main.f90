@@ -17,12 +17,15 @@ program main
    use validation_claims_subharmonic, only: claims_subharmonic_tests
    use validation_doubling, only: doubling_tests
    use validation_errata, only: errata_tests
+   use validation_error_estimate, only: error_estimate_tests
    use validation_excitations, only: excitations_tests
    use validation_figures, only: figures_tests
    use validation_jumps, only: jumps_tests
    use validation_mesh_load, only: mesh_load_tests
    use validation_paper_train, only: paper_train_tests
+   use validation_refinement, only: refinement_tests
    use validation_single_pair, only: single_pair_tests
+   use validation_stability_map, only: stability_map_tests
    use validation_whole_model, only: whole_model_tests
    implicit none (type, external)
    type(tests_type) :: tests
@@ -47,8 +50,11 @@ program main
    call excitations_tests(tests)
    call figures_tests(tests)
    call errata_tests(tests)
+   call error_estimate_tests(tests)
    call claims_shafts_tests(tests)
    call claims_excitation_tests(tests)
    call claims_subharmonic_tests(tests)
+   call stability_map_tests(tests)
+   call refinement_tests(tests)
    call tests%finish()
 end program main

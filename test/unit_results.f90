@@ -276,7 +276,11 @@ contains
          branch%maximum = branch%rms
          branch%multipliers = reshape([((cmplx(i, -j, dp), i=1, 4), j=1, 4)], [4, 4])
          branch%stable = [.true., .false., .true., .false.]
+         branch%undecided = [.false., .true., .false., .false.]
+         branch%second_estimate = [-1.0_dp, 0.99_dp, -1.0_dp, -1.0_dp]
          branch%error_estimate = [1e-3_dp, 1e-3_dp, 1e-3_dp, 0.0_dp]
+         branch%estimate_doubtful = [.false., .true., .false., .false.]
+         branch%point_harmonics = [2, 2, 1, 0]
          branch%part = [1, 1, 2, 0]
          branch%ended = 'step below 1e-9 at Lambda = 0.3'
          allocate (branch%special_points(1))

@@ -22,7 +22,7 @@ module geartrain_base_variable
       !> One value outside the range that leaves the choice to the program; huge: there is none.
       real(dp) :: automatic = huge(1.0_dp)
       !> Words a text may be, separated by blanks; blank: any text.
-      character(40) :: choices = ''
+      character(80) :: choices = ''
       !> Name of a variable that may not be given together with this one.
       character(24) :: excludes = ''
    contains

@@ -47,7 +47,7 @@ contains
             if (h < smallest_step) return
             cycle
          end if
-         h = next_step(tracer, place, next, h, largest_step*sqrt(inner(next%u, next%u)))
+         h = next_step(tracer, place, next, h, largest_step*tracer%path%length_of(next%u))
          place = next
          size = amplitude(tracer, place)
          if (place%frequency < low .or. place%frequency > high) outcome = left_range
@@ -55,7 +55,7 @@ contains
          if (outcome /= lost) return
          if (size < far*tracer%amplitude_limit .or. inner(place%tangent, place%u) < 0) cycle
          place%u = -place%u
-         place%tangent = -place%u/sqrt(inner(place%u, place%u))
+         place%tangent = -place%u/tracer%path%length_of(place%u)
          place%tangent_frequency = 0
          call tracer%path%correct(place, success)
          if (.not. success) return

@@ -28,6 +28,8 @@ module geartrain_branch_branch
       integer :: max_points = 20000
       !> Generations of branches that follow from period doublings, see follow_doublings.
       integer :: period_doublings = 0
+      !> The points are polished by shooting, see refine_branch.
+      logical :: refine = .false.
    end type response_settings_type
 
    !> A place on the branch that a reader looks for.
@@ -54,8 +56,20 @@ module geartrain_branch_branch
       !> (state, point) and (point); not allocated when stability was not asked for.
       complex(dp), allocatable :: multipliers(:, :)
       logical, allocatable :: stable(:)
+      !> Where `stable` is a guess, because the largest multiplier is as near to the unit circle as it is uncertain; its magnitude
+      !> by a second estimate, negative where none was needed; (point), see geartrain_branch_verdict.
+      logical, allocatable :: undecided(:)
+      real(dp), allocatable :: second_estimate(:)
       !> Relative error of the waveform as estimated, (point).
       real(dp), allocatable :: error_estimate(:)
+      !> Relative change of the waveform by refine_branch, which is the error that the point had, (point); negative where it was
+      !> not refined; not allocated where that was not asked for.
+      real(dp), allocatable :: correction(:)
+      !> Where that may be off by more than a small factor: a fold as near as it is itself misplaced, a contact that begins or
+      !> ends within the error, or an error beyond 0.1, (point).
+      logical, allocatable :: estimate_doubtful(:)
+      !> Harmonics that each point was solved with, at most `harmonics`, (point).
+      integer, allocatable :: point_harmonics(:)
       !> Number of the part that a point belongs to, (point): a new one begins where the branch comes back from beyond the
       !> amplitude limit, and with the points traced from `stop` where those from `start` do not get there.
       integer, allocatable :: part(:)

@@ -6,7 +6,9 @@ module geartrain_branch_doublings
    use geartrain_base_observer, only: observer_type
    use geartrain_branch_branch, only: branch_type, response_settings_type
    use geartrain_branch_doubling, only: period_doubled
+   use geartrain_branch_units, only: units_of, units_type
    use geartrain_branch_variables, only: settings_for
+   use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -58,9 +60,11 @@ contains
       type(branch_type), allocatable, intent(inout), target :: branches(:)
       type(error_type), allocatable, intent(inout) :: error
       class(observer_type), intent(inout), optional :: observer
+      type(system_type) :: system
       logical :: met(size(parent%special_points))
       integer :: i, n
 
+      call build_system(train, system)
       met = .false.
       do i = 1, size(parent%special_points)
          if (parent%special_points(i)%kind /= 'period doubling' .or. met(i)) cycle
@@ -69,7 +73,7 @@ contains
          call period_doubled(train, settings, parent, i, branches(n), error, observer)
          if (allocated(error)) return
          if (branches(n)%cancelled) return
-         call mark_end(parent, branches(n), i, met)
+         call mark_end(parent, branches(n), i, units_of(system), met)
       end do
    end subroutine follow
 
@@ -89,9 +93,10 @@ contains
    end subroutine add_branch
 
    !> Marks the doubling of `parent`, other than number `start`, at which `doubled` ends, if it does.
-   subroutine mark_end(parent, doubled, start, met)
+   subroutine mark_end(parent, doubled, start, units, met)
       type(branch_type), intent(in) :: parent, doubled
       integer, intent(in) :: start
+      type(units_type), intent(in) :: units
       logical, intent(inout) :: met(:)
       real(dp) :: here(size(parent%coefficients, 1), parent%meshes), place(size(parent%coefficients, 1), parent%meshes)
       real(dp) :: share, frequency, away, nearest
@@ -104,8 +109,8 @@ contains
       do i = 1, size(met)
          if (i == start .or. parent%special_points(i)%kind /= 'period doubling') cycle
          call between(parent, i, place)
-         away = sqrt(sum((place(1, :) - here(1, :))**2) + 0.5_dp*sum((place(2:, :) - here(2:, :))**2) &
-                     + (parent%special_points(i)%frequency - frequency)**2)
+         away = sqrt((sum((place(1, :) - here(1, :))**2) + 0.5_dp*sum((place(2:, :) - here(2:, :))**2))/units%length**2 &
+                     + ((parent%special_points(i)%frequency - frequency)/units%frequency)**2)
          if (away > nearest) cycle
          nearest = away
          closest = i

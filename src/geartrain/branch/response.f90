@@ -13,6 +13,7 @@ module geartrain_branch_response
                                       left_beyond, tracer_type
    use geartrain_branch_variables, only: check_response
    use geartrain_model_check, only: check_train
+   use geartrain_model_system, only: system_type
    use geartrain_model_train, only: train_type
    use geartrain_motion_integration, only: integrate
    use geartrain_motion_integration_settings, only: integration_settings_type
@@ -64,6 +65,7 @@ contains
                            //text(settings%stop)//': '//reason
          end if
       end if
+      call tracer%tell_missed(branch)
       call tracer%recorder%finish(branch)
    end subroutine response
 
@@ -99,10 +101,12 @@ contains
       call find_start(train, tracer, from, place, success, observer)
       if (.not. success) then
          reason = 'no motion of period '//text(tracer%settings%subharmonic)//' found to start from'
+         if (floats(tracer%system)) reason = reason//' (without a mean torque a train with backlash floats in its gaps, where &
+            &its mean position is not unique)'
          return
       end if
       call tracer%path%orient(place, merge(1, -1, to > from))
-      call adapt_first(tracer, place)
+      call tracer%adapt(place, success, fixed=.true.)
       before = ''
       do
          call tracer%record(place, branch)
@@ -116,11 +120,19 @@ contains
             reason = reason//' and left the range of Lambda beyond it'
          end if
          if (beyond /= came_down) return
+         call tracer%adapt(place, success)
          before = before//'beyond the amplitude limit '//text(tracer%amplitude_limit)//' from Lambda = '//text(left_at) &
                   //' to '//text(place%frequency)//'; '
          tracer%part = tracer%part + 1
       end do
    end subroutine trace_part
+
+   !> Whether nothing holds the teeth together at rest.
+   pure logical function floats(system)
+      type(system_type), intent(in) :: system
+
+      floats = any(system%backlash > 0) .and. .not. any(abs(system%load) > 0)
+   end function floats
 
    !> A motion at exactly the frequency: from rest, or one that time integration settles on.
    subroutine find_start(train, tracer, frequency, place, success, observer)
@@ -142,23 +154,6 @@ contains
       place = place_of(tracer, motion)
       call tracer%path%solve_at(place, success)
    end subroutine find_start
-
-   !> Enough harmonics for the first point, where their number is left to the program.
-   subroutine adapt_first(tracer, place)
-      type(tracer_type), intent(inout) :: tracer
-      type(place_type), intent(inout) :: place
-      type(place_type) :: here, origin
-      logical :: success
-
-      if (tracer%settings%harmonics > 0) return
-      here = place
-      origin = place
-      call tracer%adapt(place, here, origin)
-      ! Back to exactly the frequency asked for.
-      place%frequency = here%frequency
-      call tracer%path%solve_at(place, success)
-      call tracer%path%orient(place, merge(1, -1, here%tangent_frequency > 0))
-   end subroutine adapt_first
 
    !> Both ways from a seed; the backward part is put in front, so that the branch is one curve.
    subroutine trace_from_seed(tracer, seed, branch, observer)
@@ -192,7 +187,7 @@ contains
          return
       end if
       call tracer%path%orient(place, merge(1, -1, tracer%settings%stop > tracer%settings%start))
-      call adapt_first(tracer, place)
+      call tracer%adapt(place, success, fixed=.true.)
       call tracer%record(place, branch)
       backward = place
       target = tracer%settings%stop
@@ -227,9 +222,13 @@ contains
       branch%maximum(:, :n) = branch%maximum(:, order)
       branch%mesh_load(:, :n) = branch%mesh_load(:, order)
       branch%error_estimate(:n) = branch%error_estimate(order)
+      branch%estimate_doubtful(:n) = branch%estimate_doubtful(order)
+      branch%point_harmonics(:n) = branch%point_harmonics(order)
       if (allocated(branch%stable)) then
          branch%multipliers(:, :n) = branch%multipliers(:, order)
          branch%stable(:n) = branch%stable(order)
+         branch%undecided(:n) = branch%undecided(order)
+         branch%second_estimate(:n) = branch%second_estimate(order)
       end if
       place(order) = [(i, i=1, n)]
       do i = 1, size(branch%special_points)

@@ -6,7 +6,9 @@ module geartrain_case_run
    use geartrain_base_observer, only: observer_type
    use geartrain_branch_doublings, only: follow_doublings
    use geartrain_branch_islands, only: follow_attractors
+   use geartrain_branch_refinement, only: refine_branch
    use geartrain_branch_response, only: response
+   use geartrain_branch_stability_map, only: stability_map
    use geartrain_case_case, only: case_type
    use geartrain_case_checkpoint, only: checkpoint_type
    use geartrain_case_variables, only: check_agreement
@@ -22,9 +24,9 @@ module geartrain_case_run
 contains
 
    !> Runs the analyses of the case in the order modes, response with its period doublings, integration, attractors with the
-   !> branches through them, and writes `path`. Meanwhile path.partial holds what there is so far, every 5 s or so. An analysis
-   !> that ends early is told by an error of status_ended_early after everything has been written; bad input and a place that
-   !> cannot be written to are told before anything is computed.
+   !> branches through them, stability map, refinement, and writes `path`. Meanwhile path.partial holds what there is so far,
+   !> every 5 s or so. An analysis that ends early is told by an error of status_ended_early after everything has been written;
+   !> bad input and a place that cannot be written to are told before anything is computed.
    subroutine run_case(case, path, results, error, observer)
       type(case_type), intent(in), target :: case
       !> The HDF5 file; empty: write nothing.
@@ -98,6 +100,15 @@ contains
                                    checkpoint)
          if (allocated(error)) return
       end if
+      if (allocated(case%stability_map) .and. .not. checkpoint%cancelled) then
+         call checkpoint%write_now()
+         allocate (results%stability_map)
+         call stability_map(case%train, case%stability_map, results%stability_map, error, checkpoint)
+         if (allocated(error)) return
+         call tell('stability map', results%stability_map%complete, results%stability_map%ended, early)
+      end if
+      call refine_all(case, results, early, error, checkpoint)
+      if (allocated(error)) return
       if (.not. allocated(results%branches)) return
       do i = 1, size(results%branches)
          associate (branch => results%branches(i))
@@ -105,6 +116,27 @@ contains
          end associate
       end do
    end subroutine compute
+
+   !> Last, since branches are followed and told apart by their balances.
+   subroutine refine_all(case, results, early, error, checkpoint)
+      type(case_type), intent(in) :: case
+      type(results_type), intent(inout), target :: results
+      type(error_type), allocatable, intent(inout) :: early, error
+      type(checkpoint_type), intent(inout) :: checkpoint
+      integer :: i
+
+      if (.not. allocated(case%response) .or. checkpoint%cancelled) return
+      if (.not. case%response%refine) return
+      call checkpoint%write_now()
+      call refine_branch(case%train, results%response, error, checkpoint)
+      if (allocated(error)) return
+      if (checkpoint%cancelled) call tell('response', .false., results%response%ended, early)
+      if (.not. allocated(results%branches)) return
+      do i = 1, size(results%branches)
+         if (allocated(error) .or. checkpoint%cancelled) return
+         call refine_branch(case%train, results%branches(i), error, checkpoint)
+      end do
+   end subroutine refine_all
 
    !> Adds to `early` why an analysis is not complete.
    subroutine tell(name, complete, ended, early)

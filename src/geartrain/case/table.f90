@@ -39,7 +39,7 @@ contains
       type(case_type) :: case
 
       allocate (collector%rows(0), case%train%shafts(1), case%train%meshes(1), case%response, case%integration, &
-                case%attractors)
+                case%attractors, case%stability_map)
       call visit_case(case, collector)
       call move_alloc(collector%rows, rows)
    end subroutine list_variables

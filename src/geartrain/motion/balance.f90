@@ -44,8 +44,6 @@ module geartrain_motion_balance
       !> Plan of the meshes' waveforms; where not all harmonics are explicit, samples of the stiffness in contact (sample, unknowns).
       type(transform_type), private :: fine
       real(dp), allocatable, private :: wave(:, :)
-      !> Plan for products with harmonics up to three times the highest; none where all are explicit.
-      type(transform_type) :: wide
    contains
       procedure :: setup
       procedure :: evaluate
@@ -87,7 +85,7 @@ contains
       if (.not. allocated(self%contact)) allocate (self%contact(self%unknowns))
       do i = 1, self%unknowns
          associate (j => self%mesh(i))
-            call self%contact(i)%setup(system%backlash(j), system%mesh_stiffness(j), eta, self%harmonic, 4*highest, samples)
+            call self%contact(i)%setup(system%backlash(j), system%mesh_stiffness(j), eta, self%harmonic, 2*highest, samples)
          end associate
       end do
       call self%fine%plan(fine_samples(maxval([1, self%harmonic])))
@@ -97,7 +95,6 @@ contains
       self%explicit = size(self%harmonic)
       if (self%explicit > most_direct) self%explicit = explicit_of_many
       if (present(explicit)) self%explicit = min(explicit, size(self%harmonic))
-      if (.not. self%is_direct()) call self%wide%plan(fine_samples(highest + 1))
       allocate (self%wave(merge(0, self%fine%samples, self%is_direct()), self%unknowns))
       if (allocated(self%tangent)) deallocate (self%tangent)
       allocate (self%tangent(1 + 2*self%explicit, 1 + 2*self%explicit, self%unknowns))

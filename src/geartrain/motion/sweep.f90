@@ -7,7 +7,7 @@ module geartrain_motion_sweep
    use geartrain_model_check, only: check_train
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
-   use geartrain_motion_integration, only: settle
+   use geartrain_motion_integration, only: add_exponent, settle
    use geartrain_motion_integration_settings, only: integration_settings_type, sweep_type
    use geartrain_motion_start_state, only: resting_state
    use geartrain_motion_variables, only: check_integration
@@ -56,6 +56,7 @@ contains
          if (result%direction(i) == 'down') frequency = low + high - frequency
          call settle(system, frequency, settings, state, result%motions(i), observer, stopped)
          if (stopped) exit
+         call add_exponent(system, settings, result%motions(i), observer)
          if (.not. all(abs(state) < 1e100_dp)) state = resting_state(system)
          done = i
          if (.not. present(observer)) cycle

@@ -5,6 +5,7 @@ module geartrain_results_results
    use geartrain_base_kinds, only: version
    use geartrain_base_numbers, only: text
    use geartrain_branch_branch, only: branch_type
+   use geartrain_branch_stability_map_settings, only: stability_map_type
    use geartrain_case_case, only: case_type
    use geartrain_case_text, only: case_text
    use geartrain_model_modes, only: modes_type
@@ -15,6 +16,7 @@ module geartrain_results_results
    use geartrain_results_integration, only: write_integration
    use geartrain_results_modes, only: write_modes
    use geartrain_results_response, only: write_response
+   use geartrain_results_stability_map, only: write_stability_map
    use geartrain_results_store, only: store_type
    implicit none (type, external)
    private
@@ -29,6 +31,7 @@ module geartrain_results_results
       type(branch_type), allocatable :: response
       type(sweep_type), allocatable :: integration
       type(attractors_type), allocatable :: attractors
+      type(stability_map_type), allocatable :: stability_map
       !> Further branches, each with its origin: those from period doublings of the response, then those through attractors.
       type(branch_type), allocatable :: branches(:)
    end type results_type
@@ -52,6 +55,7 @@ contains
       if (allocated(results%response)) call write_response(store, '/response', results%response)
       if (allocated(results%integration)) call write_integration(store, results%integration)
       if (allocated(results%attractors)) call write_attractors(store, results%attractors)
+      if (allocated(results%stability_map)) call write_stability_map(store, results%stability_map)
       if (allocated(results%branches)) then
          do i = 1, size(results%branches)
             call write_response(store, '/branch_'//text(i), results%branches(i))

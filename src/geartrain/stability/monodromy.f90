@@ -10,7 +10,7 @@ module geartrain_stability_monodromy
    use geartrain_stability_propagator, only: propagator_type
    implicit none (type, external)
    private
-   public :: monodromy_type, eigenvalues, is_stable, neutral
+   public :: monodromy_type, eigenvalues, is_stable, is_neutral, neutral
 
    !> A multiplier as near as this to the unit circle counts as neutral, which is not stable.
    real(dp), parameter :: neutral = 1e-9_dp
@@ -56,15 +56,17 @@ contains
    end subroutine setup
 
    !> Monodromy matrix over the period 2 pi eta/Lambda of the motion at which `balance` was last evaluated.
-   subroutine integrate(self, balance, frequency)
+   subroutine integrate(self, balance, frequency, shift)
       class(monodromy_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
       real(dp), intent(in) :: frequency
+      !> What each contact event is moved by [rad], (event, unknown mesh).
+      real(dp), intent(in), optional :: shift(:, :)
       real(dp) :: period
       integer :: events, attempt
 
       period = 2*pi*balance%eta/frequency
-      call self%collect_events(balance, period, events)
+      call self%collect_events(balance, period, events, shift)
       do attempt = 0, most_attempts - 1
          call self%propagator%start(frequency, 2.0_dp**attempt)
          call self%carry(balance, period, events)
@@ -108,11 +110,12 @@ contains
    end subroutine carry
 
    !> Events of all meshes in order of time.
-   subroutine collect_events(self, balance, period, events)
+   subroutine collect_events(self, balance, period, events, shift)
       class(monodromy_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
       real(dp), intent(in) :: period
       integer, intent(out) :: events
+      real(dp), intent(in), optional :: shift(:, :)
       integer :: i, k, place
       real(dp) :: t
 
@@ -124,7 +127,9 @@ contains
                self%mesh = [self%mesh, self%mesh]
                self%contact = [self%contact, self%contact]
             end if
-            t = balance%contact(i)%instant(k)/(2*pi)*period
+            t = balance%contact(i)%instant(k)
+            if (present(shift)) t = t + shift(k, i)
+            t = t/(2*pi)*period
             events = events + 1
             place = events
             do while (place > 1)
@@ -200,6 +205,13 @@ contains
          values(j + 1) = held
       end do
    end subroutine eigenvalues
+
+   !> The largest multiplier, that is the first, is on the unit circle as far as rounding tells; or it is not a number.
+   pure logical function is_neutral(multipliers)
+      complex(dp), intent(in) :: multipliers(:)
+
+      is_neutral = .not. abs(abs(multipliers(1)) - 1) > neutral
+   end function is_neutral
 
    !> All multipliers inside the unit circle, by more than their rounding.
    pure logical function is_stable(multipliers)
