@@ -336,8 +336,8 @@ contains
    end subroutine add_stability_change
 
    !> Where the number of harmonics is left to the program: raises it until `place`, just solved, is within the tolerance; the
-   !> places that go with it are padded alike. Where the balance of more harmonics finds no solution, all is as it was and `success` is
-   !> false.
+   !> places that go with it are padded alike. Where the balance of more harmonics finds no solution, all is as it was and
+   !> `success` is false.
    subroutine adapt(self, place, success, here, origin, fixed)
       class(tracer_type), intent(inout) :: self
       type(place_type), intent(inout) :: place

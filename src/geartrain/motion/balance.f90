@@ -8,6 +8,7 @@ module geartrain_motion_balance
    use geartrain_model_system, only: system_type
    use geartrain_motion_bordered, only: bordered_type
    use geartrain_motion_contact, only: contact_type
+   use geartrain_motion_needed_harmonics, only: needed_harmonics
    use geartrain_motion_trigonometric, only: fine_samples, sample
    implicit none (type, external)
    private
@@ -23,6 +24,8 @@ module geartrain_motion_balance
       integer :: eta = 1
       integer, allocatable :: harmonic(:)
       integer :: block = 1
+      !> Those that are not, up to three times the highest, in which the error shows.
+      integer, allocatable :: missing(:)
       !> Highest harmonic asked for (harmonics 1..highest that the excitation reaches are carried).
       integer :: highest = 0
       !> Meshes that are unknowns, and which they are.
@@ -41,7 +44,7 @@ module geartrain_motion_balance
       type(receptance_type), allocatable :: receptance(:)
       !> Lambda at the last `evaluate`.
       real(dp), private :: frequency = 0
-      !> Plan of the meshes' waveforms; where not all harmonics are explicit, samples of the stiffness in contact (sample, unknowns).
+      !> Plan of the meshes' waveforms; where not all harmonics are explicit, stiffness in contact (sample, unknowns).
       type(transform_type), private :: fine
       real(dp), allocatable, private :: wave(:, :)
    contains
@@ -70,14 +73,18 @@ contains
       type(system_type), intent(in) :: system
       integer, intent(in) :: highest, eta, samples
       integer, intent(in), optional :: explicit
-      integer :: i, r, step
+      integer :: i, r
 
       self%system = system
       self%eta = eta
       self%highest = highest
-      step = 1
-      if (eta == 1) step = system%excitation_order
-      self%harmonic = [(r, r=step, highest, step)]
+      if (eta == 1) then
+         self%harmonic = needed_harmonics(system, highest)
+      else
+         self%harmonic = [(r, r=1, highest)]
+      end if
+      self%missing = pack([(r, r=1, 3*highest)], [(.not. any(self%harmonic == r), r=1, 3*highest)])
+      if (eta == 1) self%missing = pack(self%missing, mod(self%missing, system%excitation_order) == 0)
       self%block = 1 + 2*size(self%harmonic)
       self%unknown = is_unknown(system)
       self%mesh = pack([(i, i=1, system%meshes)], self%unknown)

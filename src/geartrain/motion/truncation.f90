@@ -118,7 +118,7 @@ contains
                 self%offset(0:longest + balance%highest, balance%unknowns))
    end subroutine reserve
 
-   !> Harmonics of the tail: those that the excitation reaches up to `near`, and beyond where a natural frequency may be met.
+   !> Harmonics of the tail: those that the balance misses up to `near`, and beyond where a natural frequency may be met.
    pure subroutine choose_tail(self, balance, frequency)
       class(truncation_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
@@ -129,17 +129,18 @@ contains
 
       self%count = 0
       if (balance%unknowns == 0 .or. size(balance%harmonic) == 0) return
-      step = balance%harmonic(1)
+      step = 1
+      if (balance%eta == 1) step = balance%system%excitation_order
       taken = .false.
-      taken(:near*balance%highest) = .true.
+      taken(balance%missing) = .true.
       if (allocated(self%natural_frequency)) then
          do k = 1, size(self%natural_frequency)
             r = self%natural_frequency(k)*balance%eta/frequency
             least = int(min(lowest_resonance*r, real(size(taken), dp))) + 1
-            taken(least:int(min(highest_resonance*r, real(size(taken), dp)))) = .true.
+            taken(max(least, near*balance%highest + 1):int(min(highest_resonance*r, real(size(taken), dp)))) = .true.
          end do
       end if
-      do k = step*(balance%highest/step + 1), size(taken), step
+      do k = step, size(taken), step
          if (.not. taken(k)) cycle
          self%count = self%count + 1
          self%harmonic(self%count) = k
@@ -293,9 +294,18 @@ contains
 
       driven = 0
       do k = 1, size(kept)
-         driven = driven + w(r - kept(k))*cmplx(u(2*k), -u(2*k + 1), dp) + w(r + kept(k))*cmplx(u(2*k), u(2*k + 1), dp)
+         driven = driven + two_sided(w, r - kept(k))*cmplx(u(2*k), -u(2*k + 1), dp) &
+                  + w(r + kept(k))*cmplx(u(2*k), u(2*k + 1), dp)
       end do
    end function driven
+
+   pure complex(dp) function two_sided(w, k)
+      complex(dp), intent(in) :: w(0:)
+      integer, intent(in) :: k
+
+      two_sided = w(abs(k))
+      if (k < 0) two_sided = conjg(two_sided)
+   end function two_sided
 
    !> What the tail's force moves the kept harmonics by, before the balance answers.
    subroutine find_shift(balance, harmonic, stiffness, wide, tail, correction)
@@ -341,7 +351,7 @@ contains
       do k = 1, size(kept)
          total = 0
          do m = 1, size(tail)
-            total = total + conjg(w(harmonic(m) - kept(k)))*tail(m) + w(harmonic(m) + kept(k))*conjg(tail(m))
+            total = total + conjg(two_sided(w, harmonic(m) - kept(k)))*tail(m) + w(harmonic(m) + kept(k))*conjg(tail(m))
          end do
          d_phi(2*k) = total%re
          d_phi(2*k + 1) = -total%im
