@@ -21,7 +21,7 @@ GIVEN = {
               "characteristic_length": "3e-5", "characteristic_frequency": "9870.0"},
     "shaft": {"stiffness": "1e3"},
     "mesh": {"driving_radius": "0.05", "driven_radius": "0.1", "driving_inertia": "0.0023", "driven_inertia": "0.037",
-             "stiffness": "2.5e8"},
+             "stiffness": "2.5e8", "stiffness_cos": "0.3"},
     "response": {"from": "0.2", "to": "2.6"},
     "integration": {"from": "0.2", "to": "2.6"},
     "attractors": {"frequency": "0.6"},
