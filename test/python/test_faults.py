@@ -123,7 +123,7 @@ def test_killed_at_any_moment_and_resumed(executable, whole, tmp_path):
     moments = random.Random(5)
     kills = 0
     points = 0
-    while not kill_after(executable, case, output, moments.uniform(0.05, 3.5)):
+    while not kill_after(executable, case, output, moments.uniform(0.05, 2.0 + 0.3 * kills)):
         kills += 1
         assert kills < 60 and output.read_bytes() == b"old"
         if partial.exists():
