@@ -199,7 +199,9 @@ def test_ten_thousand_solves_leak_nothing():
         for _ in range(times):
             for _ in range(9):
                 train.natural_frequencies()
-            point.at(0.9)
+            point.at(0.9)[0].refine()
+            train.response(start=0.9, stop=0.91, harmonics=2)
+            train.integrate(1.0, max_periods=8, stability=True)
             with pytest.raises(gt.InputError):
                 paper_train(input_torque="x")
 
