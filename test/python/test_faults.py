@@ -196,12 +196,14 @@ def test_ten_thousand_solves_leak_nothing():
     train = paper_train()
 
     def solve(times):
-        for _ in range(times):
+        for number in range(times):
             for _ in range(9):
                 train.natural_frequencies()
-            point.at(0.9)[0].refine()
-            train.response(start=0.9, stop=0.91, harmonics=2)
-            train.integrate(1.0, max_periods=8, stability=True)
+            motion = point.at(0.9)[0]
+            if number % 20 == 0:
+                motion.refine()
+                train.response(start=0.9, stop=0.91, harmonics=2)
+                train.integrate(1.0, max_periods=8, stability=True)
             with pytest.raises(gt.InputError):
                 paper_train(input_torque="x")
 
@@ -215,7 +217,8 @@ def test_ten_thousand_solves_leak_nothing():
     assert grown < 50_000
     resident = resident_bytes()
     solve(1000)
-    assert resident_bytes() - resident < 2_000_000  # less than 200 bytes a call
+    # Less than 100 bytes a call; scripts/sanitize looks at every byte.
+    assert resident_bytes() - resident < 1_000_000
 
 
 def resident_bytes():
