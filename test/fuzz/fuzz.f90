@@ -15,48 +15,55 @@ program fuzz
       '0', '1', &
       '-1', '0.5']
    type(row_type), allocatable :: rows(:)
-   type(case_type) :: case
-   type(error_type), allocatable :: error
-   character(:), allocatable :: text, template, again
    integer(int64) :: state
-   integer :: count, seed, i, k, read_well, failed
+   integer :: failed
 
-   count = argument(1, 2000)
-   seed = argument(2, 1)
-   state = 1 + mod(abs(int(seed, int64))*7919_int64, 2147483646_int64)
-   template = template_text()
-   call list_variables(rows)
-   read_well = 0
-   failed = 0
-   do i = 1, count
-      text = start_text()
-      do k = 1, 1 + below(6)
-         call mutate(text)
-      end do
-      call read_case_text(text, 'fuzz.nml', case, error)
-      if (allocated(error)) then
-         if (error%status == status_input .and. index(error%message, 'fuzz.nml') == 1) cycle
-         call fail('an error without place or with the wrong status')
-      else
-         ! What is read well is written and read again to the same text.
-         read_well = read_well + 1
-         again = case_text(case)
-         call read_case_text(again, 'again.nml', case, error)
-         if (allocated(error)) then
-            call fail(error%message)
-         else if (case_text(case) /= again) then
-            call fail('it is written differently when read again')
-         end if
-      end if
-   end do
-   write (output_unit, '(3(i0, a))') count, ' texts: ', read_well, ' read without an error, ', failed, ' wrongly'
-   write (output_unit, '(a)') trim(merge('1 passed, 0 failed', '0 passed, 1 failed', failed == 0))
+   call feed(argument(1, 2000), argument(2, 1))
    if (failed > 0) stop 1, quiet=.true.
 
 contains
 
-   subroutine fail(why)
-      character(*), intent(in) :: why
+   !> Feeds the reader with `count` texts. In a procedure, at whose end all is freed: what is left then is a leak.
+   subroutine feed(count, seed)
+      integer, intent(in) :: count, seed
+      type(case_type) :: case
+      type(error_type), allocatable :: error
+      character(:), allocatable :: text, template, again
+      integer :: i, k, read_well
+
+      state = 1 + mod(abs(int(seed, int64))*7919_int64, 2147483646_int64)
+      template = template_text()
+      call list_variables(rows)
+      read_well = 0
+      failed = 0
+      do i = 1, count
+         text = start_text(template)
+         do k = 1, 1 + below(6)
+            call mutate(text)
+         end do
+         call read_case_text(text, 'fuzz.nml', case, error)
+         if (allocated(error)) then
+            if (error%status == status_input .and. index(error%message, 'fuzz.nml') == 1) cycle
+            call fail('an error without place or with the wrong status', text)
+         else
+            ! What is read well is written and read again to the same text.
+            read_well = read_well + 1
+            again = case_text(case)
+            call read_case_text(again, 'again.nml', case, error)
+            if (allocated(error)) then
+               call fail(error%message, text)
+            else if (case_text(case) /= again) then
+               call fail('it is written differently when read again', text)
+            end if
+         end if
+      end do
+      write (output_unit, '(3(i0, a))') count, ' texts: ', read_well, ' read without an error, ', failed, ' wrongly'
+      write (output_unit, '(a)') trim(merge('1 passed, 0 failed', '0 passed, 1 failed', failed == 0))
+      deallocate (rows)
+   end subroutine feed
+
+   subroutine fail(why, text)
+      character(*), intent(in) :: why, text
 
       failed = failed + 1
       write (error_unit, '(3a)') 'FAILED: ', why, ', with the text'
@@ -64,7 +71,8 @@ contains
    end subroutine fail
 
    !> The template, a short case, or nothing but noise.
-   function start_text() result(text)
+   function start_text(template) result(text)
+      character(*), intent(in) :: template
       character(:), allocatable :: text
 
       select case (below(8))

@@ -22,6 +22,7 @@ module geartrain_case_table
    !> Writes down every row that it is led over.
    type, extends(visitor_type) :: collector_type
       type(row_type), allocatable :: rows(:)
+      integer :: count = 0
    contains
       procedure :: on_real
       procedure :: on_integer
@@ -39,10 +40,10 @@ contains
       type(collector_type) :: collector
       type(case_type) :: case
 
-      allocate (collector%rows(0), case%train%shafts(1), case%train%meshes(1), case%response, case%integration, &
+      allocate (collector%rows(64), case%train%shafts(1), case%train%meshes(1), case%response, case%integration, &
                 case%attractors, case%stability_map)
       call visit_case(case, collector)
-      call move_alloc(collector%rows, rows)
+      rows = collector%rows(:collector%count)
    end subroutine list_variables
 
    subroutine collect(self, variable, kind, default)
@@ -55,7 +56,9 @@ contains
       row%kind = kind
       if (.not. variable%required) row%default = default
       row%variable = variable
-      self%rows = [self%rows, row]
+      if (self%count == size(self%rows)) self%rows = [self%rows, self%rows]
+      self%count = self%count + 1
+      self%rows(self%count) = row
    end subroutine collect
 
    subroutine on_real(self, variable, value, in_force)

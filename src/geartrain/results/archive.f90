@@ -128,9 +128,14 @@ contains
       logical, allocatable, intent(inout) :: value(:)
       integer, intent(in), optional :: used
       integer, allocatable :: numbers(:)
+      integer :: n
 
-      if (allocated(value)) numbers = merge(1, 0, value)
-      call self%carry(numbers, used)
+      if (allocated(value) .and. .not. self%reading) then
+         n = size(value)
+         if (present(used)) n = used
+         numbers = merge(1, 0, value(:n))
+      end if
+      call self%carry(numbers)
       if (self%reading .and. allocated(numbers)) value = numbers == 1
    end subroutine carry_logicals
 

@@ -37,7 +37,8 @@ module geartrain_stability_propagator
       !> the largest that a step has to follow, at `frequency`.
       real(dp), private :: fastest = 0, fastest_mesh = 0, band = 1, frequency = 1
       type(system_type), private :: system
-      type(exponential_type), private :: motion, kappa
+      !> Allocatable, because gfortran 12 never frees the second of two components of a type that itself has allocatable ones.
+      type(exponential_type), allocatable, private :: motion, kappa
       !> Highest order of Lambda in any kappa.
       integer, private :: highest_order = 0
       !> Derivatives of one block of columns (column, element, derivative), with zeros before the first; their weights; factors of
@@ -85,6 +86,7 @@ contains
       self%fastest_decay = largest_eigenvalue(system, system%damping)
       aspect = min(0.6_dp, max(0.1_dp, 2*self%fastest_decay/self%fastest))
       self%fastest = hypot(self%fastest, self%fastest_decay/aspect)
+      if (.not. allocated(self%motion)) allocate (self%motion, self%kappa)
       call self%motion%setup([(longest*i/16, i=1, 16)], aspect, tolerance)
       call self%kappa%setup([(0.05_dp*1.5_dp**i, i=0, 11)], 0.0_dp, tolerance)
       most = maxval(self%motion%degree)
