@@ -2,14 +2,20 @@
 module arguments
    implicit none (type, external)
    private
-   public :: arguments_type, read_arguments, help_text
+   public :: arguments_type, file_name_type, read_arguments, help_text
+
+   type :: file_name_type
+      character(:), allocatable :: name
+   end type file_name_type
 
    type :: arguments_type
       !> 'run', 'check', 'template', 'reference', 'version' or 'help'.
       character(:), allocatable :: action
-      character(:), allocatable :: case_file
+      type(file_name_type), allocatable :: case_files(:)
       !> As given by --output; '' where it was not.
       character(:), allocatable :: output_file
+      !> Go on from the checkpoint of a run that was killed.
+      logical :: resume = .false.
       !> What is wrong with the command line; '' where all is well.
       character(:), allocatable :: wrong
    end type arguments_type
@@ -21,7 +27,9 @@ module arguments
       newline// &
       'Usage:'//newline// &
       '   geartrain CASE.nml [--output FILE.h5]   run a case; the results go to FILE.h5'//newline// &
-      '   geartrain --check CASE.nml              say what is wrong with a case, compute nothing'//newline// &
+      '   geartrain CASE.nml --resume             go on with a run that was killed, from FILE.h5.partial'//newline// &
+      '   geartrain A.nml B.nml ...               run several cases, as many at a time as there are threads'//newline// &
+      '   geartrain --check CASE.nml ...          say what is wrong with cases, compute nothing'//newline// &
       '   geartrain --template > CASE.nml         a complete case, every variable explained'//newline// &
       '   geartrain --reference                   the tables of input variables, as Markdown'//newline// &
       '   geartrain --version'//newline// &
@@ -31,7 +39,8 @@ module arguments
       'in the working directory.'//newline// &
       newline// &
       'Exit status: 0 done; 2 bad input, nothing written; 3 an analysis ended early, what was computed is written;'//newline// &
-      '4 the file system failed.'
+      '4 the file system failed. Of several cases the largest.'//newline// &
+      'Threads: one a core, or as many as the environment variable OMP_NUM_THREADS says.'
 
 contains
 
@@ -41,7 +50,7 @@ contains
       integer :: i
 
       arguments%action = 'run'
-      arguments%case_file = ''
+      allocate (arguments%case_files(0))
       arguments%output_file = ''
       arguments%wrong = ''
       i = 0
@@ -55,6 +64,8 @@ contains
             return
          case ('--check')
             arguments%action = 'check'
+         case ('--resume')
+            arguments%resume = .true.
          case ('--output', '-o')
             i = i + 1
             if (i <= command_argument_count()) arguments%output_file = argument(i)
@@ -65,16 +76,20 @@ contains
                if (arguments%output_file == '') arguments%wrong = '--output needs the name of a file'
             else if (index(word, '-') == 1) then
                arguments%wrong = 'unknown option '//word
-            else if (arguments%case_file /= '') then
-               arguments%wrong = 'one case at a time: got '//arguments%case_file//' and '//word
             else
-               arguments%case_file = word
+               arguments%case_files = [arguments%case_files, file_name_type(word)]
             end if
          end select
       end do
-      if (arguments%wrong == '' .and. arguments%case_file == '') arguments%wrong = 'no case file given'
-      if (arguments%wrong == '' .and. arguments%action == 'check' .and. arguments%output_file /= '') &
-         arguments%wrong = '--check writes nothing: leave out --output'
+      if (arguments%wrong == '' .and. size(arguments%case_files) == 0) arguments%wrong = 'no case file given'
+      if (arguments%wrong == '' .and. arguments%action == 'check') then
+         if (arguments%output_file /= '') arguments%wrong = '--check writes nothing: leave out --output'
+         if (arguments%resume) arguments%wrong = '--check computes nothing: leave out --resume'
+      else if (arguments%wrong == '' .and. size(arguments%case_files) > 1) then
+         if (arguments%resume) arguments%wrong = '--resume goes on with one case, and there are several: resume them one by one'
+         if (arguments%output_file /= '') &
+            arguments%wrong = '--output names one file, and there are several cases: name their files in &output'
+      end if
    end subroutine read_arguments
 
    function argument(i) result(word)

@@ -12,7 +12,7 @@ module progress
       !> Clock counts: of the last line written, between two lines, of the last step.
       integer(int64), private :: last = 0, pause = 0, step = 0, rate = 1
       !> Time spent on each analysis [s].
-      real(dp) :: response_seconds = 0, branch_seconds = 0, integration_seconds = 0, attractors_seconds = 0
+      real(dp) :: response_seconds = 0, branch_seconds = 0, integration_seconds = 0, attractors_seconds = 0, map_seconds = 0
    contains
       procedure :: on_step
       procedure :: clear
@@ -32,10 +32,12 @@ module progress
 
 contains
 
-   subroutine begin_progress(progress)
+   subroutine begin_progress(progress, shown)
       type(progress_type), intent(out) :: progress
+      !> Whether it is told, given a terminal.
+      logical, intent(in) :: shown
 
-      progress%shown = isatty(standard_error) == 1
+      progress%shown = shown .and. isatty(standard_error) == 1
       call system_clock(progress%last, progress%rate)
       progress%step = progress%last
       progress%pause = progress%rate/10
@@ -61,14 +63,20 @@ contains
          self%branch_seconds = self%branch_seconds + seconds
       case ('attractors')
          self%attractors_seconds = self%attractors_seconds + seconds
+      case ('stability map')
+         self%map_seconds = self%map_seconds + seconds
       case default
          self%integration_seconds = self%integration_seconds + seconds
       end select
       if (.not. self%shown .or. .not. keep_going .or. analysis == 'settling') return
       if (now - self%last < self%pause) return
       self%last = now
-      write (error_unit, '(3a, i0, a, f8.4)', advance='no') to_line_start, analysis, ': ', done, &
-         trim(merge(' starts, Lambda =', ' points, Lambda =', analysis == 'attractors')), frequency
+      if (analysis == 'stability map') then
+         write (error_unit, '(3a, i0, a)', advance='no') to_line_start, analysis, ': ', done, ' rows'
+      else
+         write (error_unit, '(3a, i0, a, f8.4)', advance='no') to_line_start, analysis, ': ', done, &
+            trim(merge(' starts, Lambda =', ' points, Lambda =', analysis == 'attractors')), frequency
+      end if
       flush (error_unit)
    end subroutine on_step
 

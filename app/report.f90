@@ -1,13 +1,13 @@
 !> The short table at the end of a run.
 module report
    use, intrinsic :: iso_fortran_env, only: output_unit
-   use geartrain, only: attractors_type, branch_type, dp, modes_type, sweep_type
+   use geartrain, only: attractors_type, branch_type, dp, modes_type, stability_map_type, sweep_type
    use geartrain_branch_contact_ranges, only: back_collision_ranges, separation_ranges
    use geartrain_branch_jumps, only: jump_type, jumps
    use geartrain_branch_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
    implicit none (type, external)
    private
-   public :: report_modes, report_response, report_branches, report_integration, report_attractors
+   public :: report_modes, report_response, report_branches, report_integration, report_attractors, report_stability_map
 
 contains
 
@@ -94,14 +94,16 @@ contains
       integer :: i
 
       found = jumps(branch)
-      if (size(found) > 0) write (output_unit, '(a)') '    speed    Lambda  what happens there, rms of the meshes'
+      if (size(found) > 0) write (output_unit, '(a)') '    speed    Lambda  to the nearest stable motion, rms of the meshes'
       do i = 1, size(found)
          write (output_unit, '(4x, a, f9.4, 2x)', advance='no') merge('rising ', 'falling', found(i)%rising), found(i)%frequency
          if (found(i)%kind == 'leaves') then
             write (output_unit, '(3a)') 'leaves the branch (', trim(found(i)%cause), ')'
          else
             write (output_unit, '(a, *(f9.5))', advance='no') found(i)%kind, found(i)%before
-            write (output_unit, '(a, *(f9.5))') ' ->', found(i)%after
+            write (output_unit, '(a, *(f9.5))', advance='no') ' ->', found(i)%after
+            if (found(i)%candidates > 1) write (output_unit, '(a, i0)', advance='no') '  nearest of ', found(i)%candidates
+            write (output_unit, '()')
          end if
       end do
    end subroutine report_jumps
@@ -192,6 +194,29 @@ contains
       end do
       if (allocated(found%ended)) write (output_unit, '(2a)') '    ended: ', found%ended
    end subroutine report_attractors
+
+   subroutine report_stability_map(map, seconds)
+      type(stability_map_type), intent(in) :: map
+      !> Time taken [s].
+      real(dp), intent(in) :: seconds
+      integer :: points
+
+      write (output_unit, '(a, 2(i0, a), 5a)') 'Stability map: ', size(map%parameter), ' values of ', size(map%frequency), &
+         ' frequencies each, ', map%name, ' and Lambda, in ', fixed(seconds, 2), ' s'
+      points = size(map%frequency)*count(map%done)
+      if (points > 0) then
+         call report_share('no stable motion', count(map%stable_motions == 0), points)
+         call report_share('several stable motions', count(map%stable_motions > 1), points)
+      end if
+      if (allocated(map%ended)) write (output_unit, '(2a)') '    ended: ', map%ended
+   end subroutine report_stability_map
+
+   subroutine report_share(what, part, whole)
+      character(*), intent(in) :: what
+      integer, intent(in) :: part, whole
+
+      if (part > 0) write (output_unit, '(6a)') '    ', what, ' on ', fixed(100*real(part, dp)/whole, 2), ' % of the map'
+   end subroutine report_share
 
    !> A number with a zero before the point, which f0.d leaves out.
    function fixed(value, decimals) result(text)

@@ -75,7 +75,7 @@ end subroutine find_modes
 
 ! The seed is the box's first motion, if it has one. The branches that follow from period doublings are the box's further ones.
 subroutine follow_response(handle, progress, status)
-   use geartrain, only: error_type, follow_doublings, motion_type, response
+   use geartrain, only: error_type, follow_doublings, motion_type, refine_branch, response
    use geartrain_python_box, only: box_type, box_of, close_with, loose, motion_list, watch_type
    implicit none
    integer(8), intent(in) :: handle
@@ -85,6 +85,7 @@ subroutine follow_response(handle, progress, status)
    type(error_type), allocatable :: error
    type(motion_type), pointer :: motions(:), seed
    type(watch_type) :: watch
+   integer :: i
    !f2py threadsafe
 
    box => box_of(handle)
@@ -96,8 +97,55 @@ subroutine follow_response(handle, progress, status)
    call response(box%case%train, box%case%response, box%results%response, error, seed, watch)
    if (.not. (allocated(error) .or. box%results%response%cancelled)) &
       call follow_doublings(box%case%train, box%case%response, box%results%response, box%results%branches, error, watch)
+   if (box%case%response%refine .and. .not. (allocated(error) .or. box%results%response%cancelled)) then
+      call refine_branch(box%case%train, box%results%response, error, watch)
+      if (allocated(box%results%branches)) then
+         do i = 1, size(box%results%branches)
+            if (.not. allocated(error)) call refine_branch(box%case%train, box%results%branches(i), error, watch)
+         end do
+      end if
+   end if
    status = close_with(box, error)
 end subroutine follow_response
+
+! Refines the box's branch.
+subroutine refine_points(handle, progress, status)
+   use geartrain, only: error_type, refine_branch
+   use geartrain_python_box, only: box_type, box_of, close_with, watch_type
+   implicit none
+   integer(8), intent(in) :: handle
+   double precision, intent(inout), target :: progress(3)
+   integer, intent(out) :: status
+   type(box_type), pointer :: box
+   type(error_type), allocatable :: error
+   type(watch_type) :: watch
+   !f2py threadsafe
+
+   box => box_of(handle)
+   watch%progress => progress
+   call refine_branch(box%case%train, box%results%response, error, watch)
+   status = close_with(box, error)
+end subroutine refine_points
+
+! The stability map that the case asks for.
+subroutine map_stability(handle, progress, status)
+   use geartrain, only: error_type, stability_map
+   use geartrain_python_box, only: box_type, box_of, close_with, watch_type
+   implicit none
+   integer(8), intent(in) :: handle
+   double precision, intent(inout), target :: progress(3)
+   integer, intent(out) :: status
+   type(box_type), pointer :: box
+   type(error_type), allocatable :: error
+   type(watch_type) :: watch
+   !f2py threadsafe
+
+   box => box_of(handle)
+   watch%progress => progress
+   allocate (box%results%stability_map)
+   call stability_map(box%case%train, box%case%stability_map, box%results%stability_map, error, watch)
+   status = close_with(box, error)
+end subroutine map_stability
 
 ! The branch of twice the period at one of the special points of the box's branch takes its place.
 subroutine follow_doubled(handle, special, progress, status)
@@ -122,9 +170,9 @@ subroutine follow_doubled(handle, special, progress, status)
    status = close_with(box, error)
 end subroutine follow_doubled
 
-! Every solution of the box's branch at exactly `frequency`; they become the box's motions.
+! Every solution of the box's branch at exactly `frequency`; they become the box's motions, refined where the branch is.
 subroutine solve_at(handle, frequency, status)
-   use geartrain, only: error_type, solutions_at
+   use geartrain, only: error_type, refine, solutions_at
    use geartrain_python_box, only: box_type, box_of, close_with
    implicit none
    integer(8), intent(in) :: handle
@@ -132,11 +180,17 @@ subroutine solve_at(handle, frequency, status)
    integer, intent(out) :: status
    type(box_type), pointer :: box
    type(error_type), allocatable :: error
+   integer :: i
    !f2py threadsafe
 
    box => box_of(handle)
    call solutions_at(box%case%train, box%case%response, box%results%response, frequency, box%motions, error)
    status = close_with(box, error)
+   if (status /= 0 .or. .not. allocated(box%results%response%correction)) return
+   ! Like a point of the branch, one that shooting does not find stays as it is.
+   do i = 1, size(box%motions)
+      call refine(box%case%train, box%motions(i), error)
+   end do
 end subroutine solve_at
 
 ! Starts from the box's first motion, if it has one; the result takes its place.
@@ -237,13 +291,13 @@ subroutine sample_waveform(handle, samples, meshes, time, displacement, force)
    call waveform(box%case%train, box%motions(1), samples, time, displacement, force)
 end subroutine sample_waveform
 
-! Everything that the case asks for; `path` is where the results go, '' nowhere.
-subroutine run_all(handle, path, progress, status)
+! Everything that the case asks for; `path` is where the results go, '' nowhere; `checkpoint` the file to go on from, '' none.
+subroutine run_all(handle, path, checkpoint, progress, status)
    use geartrain, only: error_type, run_case
    use geartrain_python_box, only: box_type, box_of, close_with, watch_type
    implicit none
    integer(8), intent(in) :: handle
-   character(*), intent(in) :: path
+   character(*), intent(in) :: path, checkpoint
    double precision, intent(inout), target :: progress(3)
    integer, intent(out) :: status
    type(box_type), pointer :: box
@@ -253,7 +307,7 @@ subroutine run_all(handle, path, progress, status)
 
    box => box_of(handle)
    watch%progress => progress
-   call run_case(box%case, path, box%results, error, watch)
+   call run_case(box%case, path, box%results, error, watch, checkpoint)
    status = close_with(box, error)
 end subroutine run_all
 
@@ -276,8 +330,8 @@ end subroutine write_path
 ! ------------------------------------------------------------------------------------------------------------- text
 
 ! Number of bytes of a text of the box: 'message', 'case' (the resolved namelist), 'elements', 'integration', 'attractors' (why
-! each ended), 'directions', 'version'; of the branch at a place (0: the response, else a further one): 'branch' (why it ended),
-! 'origin', 'special points', 'jump kinds', 'jump causes'. Lists have one item a line.
+! each ended), 'map' (why it ended), 'map name', 'map unit', 'directions', 'version'; of the branch at a place (0: the response,
+! else a further one): 'branch' (why it ended), 'origin', 'special points', 'jump kinds', 'jump causes'. Lists have one item a line.
 subroutine text_size(handle, name, place, bytes)
    use geartrain_python_box, only: box_of, box_text
    implicit none
@@ -375,14 +429,14 @@ subroutine motions_sizes(handle, kind, sizes)
    if (kind == of_integration .and. allocated(box%results%integration)) sizes(2) = merge(1, 0, box%results%integration%complete)
 end subroutine motions_sizes
 
-! terms (1 + 2*harmonics), meshes, states, multipliers, period, stable; 0 where not allocated. Places count from 1.
+! terms (1 + 2*harmonics), meshes, states, multipliers, period, stable, undecided; 0 where not allocated. Places count from 1.
 subroutine motion_sizes(handle, kind, place, sizes)
    use geartrain, only: motion_type
    use geartrain_python_box, only: box_of, motion_list
    implicit none
    integer(8), intent(in) :: handle
    integer, intent(in) :: kind, place
-   integer, intent(out) :: sizes(6)
+   integer, intent(out) :: sizes(7)
    type(motion_type), pointer :: motions(:)
 
    motions => motion_list(box_of(handle), kind)
@@ -391,23 +445,26 @@ subroutine motion_sizes(handle, kind, place, sizes)
    if (allocated(motions(place)%rms)) sizes(2) = size(motions(place)%rms)
    if (allocated(motions(place)%state)) sizes(3) = size(motions(place)%state)
    if (allocated(motions(place)%multipliers)) sizes(4) = size(motions(place)%multipliers)
-   sizes(5:6) = [motions(place)%period, merge(1, 0, motions(place)%stable)]
+   sizes(5:7) = [motions(place)%period, merge(1, 0, motions(place)%stable), merge(1, 0, motions(place)%undecided)]
 end subroutine motion_sizes
 
-! numbers: frequency, error estimate, share; values: rms, mean, minimum, maximum, those of the mesh load (box.f90).
+! numbers: frequency, error estimate, share, Lyapunov exponent (NaN: none); values: rms, mean, minimum, maximum, those of
+! the mesh load (box.f90).
 subroutine copy_motion(handle, kind, place, terms, meshes, states, roots, numbers, coefficients, values, state, multipliers)
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain, only: motion_type
    use geartrain_python_box, only: as_values, box_of, motion_list
    implicit none
    integer(8), intent(in) :: handle
    integer, intent(in) :: kind, place, terms, meshes, states, roots
-   double precision, intent(out) :: numbers(3), coefficients(terms, meshes), values(meshes, 8), state(states)
+   double precision, intent(out) :: numbers(4), coefficients(terms, meshes), values(meshes, 8), state(states)
    double precision, intent(out) :: multipliers(2, roots)
    type(motion_type), pointer :: motions(:)
 
    motions => motion_list(box_of(handle), kind)
    associate (motion => motions(place))
-      numbers = [motion%frequency, motion%error_estimate, motion%share]
+      numbers = [motion%frequency, motion%error_estimate, motion%share, ieee_value(1d0, ieee_quiet_nan)]
+      if (allocated(motion%lyapunov_exponent)) numbers(4) = motion%lyapunov_exponent
       if (terms > 0) coefficients = motion%coefficients
       if (meshes > 0) then
          values(:, 1) = motion%rms
@@ -437,13 +494,14 @@ subroutine reserve_motions(handle, motions)
 end subroutine reserve_motions
 
 ! The inverse of copy_motion; what has no size stays unallocated.
-subroutine put_motion(handle, place, period, stable, numbers, coefficients, values, state, multipliers, &
+subroutine put_motion(handle, place, period, stable, undecided, numbers, coefficients, values, state, multipliers, &
                       terms, meshes, states, roots)
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use geartrain_python_box, only: as_loads, box_type, box_of
    implicit none
    integer(8), intent(in) :: handle
-   integer, intent(in) :: place, period, stable, terms, meshes, states, roots
-   double precision, intent(in) :: numbers(3), coefficients(terms, meshes), values(meshes, 8), state(states)
+   integer, intent(in) :: place, period, stable, undecided, terms, meshes, states, roots
+   double precision, intent(in) :: numbers(4), coefficients(terms, meshes), values(meshes, 8), state(states)
    double precision, intent(in) :: multipliers(2, roots)
    type(box_type), pointer :: box
 
@@ -451,9 +509,11 @@ subroutine put_motion(handle, place, period, stable, numbers, coefficients, valu
    associate (motion => box%motions(place))
       motion%period = period
       motion%stable = stable == 1
+      motion%undecided = undecided == 1
       motion%frequency = numbers(1)
       motion%error_estimate = numbers(2)
       motion%share = numbers(3)
+      if (.not. ieee_is_nan(numbers(4))) motion%lyapunov_exponent = numbers(4)
       if (terms > 0) motion%coefficients = coefficients
       if (meshes > 0) then
          motion%rms = values(:, 1)
@@ -529,6 +589,80 @@ subroutine put_attractors(handle, ended, numbers, whole)
    end associate
 end subroutine put_attractors
 
+! ---------------------------------------------------------------------------------------------------- stability map
+
+! points, rows, meshes (0: the linear train), linear, complete; points 0: there is none.
+subroutine map_sizes(handle, sizes)
+   use geartrain_python_box, only: box_type, box_of
+   implicit none
+   integer(8), intent(in) :: handle
+   integer, intent(out) :: sizes(5)
+   type(box_type), pointer :: box
+
+   box => box_of(handle)
+   sizes = 0
+   if (.not. allocated(box%results%stability_map)) return
+   associate (map => box%results%stability_map)
+      if (.not. allocated(map%frequency)) return
+      sizes(1:2) = [size(map%frequency), size(map%parameter)]
+      if (allocated(map%rms)) sizes(3) = size(map%rms, 1)
+      sizes(4:5) = [merge(1, 0, map%linear), merge(1, 0, map%complete)]
+   end associate
+end subroutine map_sizes
+
+! counts: motions, stable motions; marks: rows done, whole.
+subroutine copy_map(handle, points, rows, meshes, frequency, parameter_, counts, multiplier, rms, marks)
+   use geartrain_python_box, only: box_type, box_of
+   implicit none
+   integer(8), intent(in) :: handle
+   integer, intent(in) :: points, rows, meshes
+   double precision, intent(out) :: frequency(points), parameter_(rows), multiplier(2, points, rows), rms(meshes, points, rows)
+   integer, intent(out) :: counts(points, rows, 2), marks(rows, 2)
+   type(box_type), pointer :: box
+
+   box => box_of(handle)
+   associate (map => box%results%stability_map)
+      frequency = map%frequency
+      parameter_ = map%parameter
+      counts(:, :, 1) = map%motions
+      counts(:, :, 2) = map%stable_motions
+      multiplier(1, :, :) = real(map%multiplier)
+      multiplier(2, :, :) = aimag(map%multiplier)
+      if (meshes > 0) rms = map%rms
+      marks(:, 1) = merge(1, 0, map%done)
+      marks(:, 2) = merge(1, 0, map%whole)
+   end associate
+end subroutine copy_map
+
+! The inverse of copy_map; flags: linear, complete.
+subroutine put_map(handle, name, unit, ended, flags, frequency, parameter_, counts, multiplier, rms, marks, points, rows, meshes)
+   use geartrain_python_box, only: box_type, box_of
+   implicit none
+   integer(8), intent(in) :: handle
+   character(*), intent(in) :: name, unit, ended
+   integer, intent(in) :: points, rows, meshes, flags(2), counts(points, rows, 2), marks(rows, 2)
+   double precision, intent(in) :: frequency(points), parameter_(rows), multiplier(2, points, rows), rms(meshes, points, rows)
+   type(box_type), pointer :: box
+
+   box => box_of(handle)
+   allocate (box%results%stability_map)
+   associate (map => box%results%stability_map)
+      map%name = name
+      map%unit = unit
+      map%ended = ended
+      map%linear = flags(1) == 1
+      map%complete = flags(2) == 1
+      map%frequency = frequency
+      map%parameter = parameter_
+      map%motions = counts(:, :, 1)
+      map%stable_motions = counts(:, :, 2)
+      map%multiplier = cmplx(multiplier(1, :, :), multiplier(2, :, :), kind(0d0))
+      if (meshes > 0) map%rms = rms
+      map%done = marks(:, 1) == 1
+      map%whole = marks(:, 2) == 1
+   end associate
+end subroutine put_map
+
 ! ----------------------------------------------------------------------------------------------------------- branch
 
 ! Number of further branches.
@@ -577,15 +711,16 @@ subroutine branch_sizes(handle, place, sizes)
    sizes(6:8) = [branch%subharmonic, merge(1, 0, branch%complete), merge(1, 0, branch%closed)]
 end subroutine branch_sizes
 
-! numbers: frequency, error estimate; values: rms, mean, minimum, maximum, those of the mesh load; marks: part, stable.
+! numbers: frequency, error estimate, second estimate, correction; values: rms, mean, minimum, maximum, those of the mesh load;
+! marks: part, stable, estimate doubtful, harmonics, undecided, refined (one for all points).
 subroutine copy_branch(handle, place, points, meshes, states, terms, numbers, coefficients, values, marks, multipliers)
    use geartrain, only: branch_type
    use geartrain_python_box, only: as_values, box_of, branch_at
    implicit none
    integer(8), intent(in) :: handle
    integer, intent(in) :: place, points, meshes, states, terms
-   double precision, intent(out) :: numbers(points, 2), coefficients(terms, meshes, points), values(meshes, points, 8)
-   integer, intent(out) :: marks(points, 2)
+   double precision, intent(out) :: numbers(points, 4), coefficients(terms, meshes, points), values(meshes, points, 8)
+   integer, intent(out) :: marks(points, 6)
    double precision, intent(out) :: multipliers(2, states, points)
    type(branch_type), pointer :: branch
    integer :: i
@@ -594,6 +729,8 @@ subroutine copy_branch(handle, place, points, meshes, states, terms, numbers, co
    branch => branch_at(box_of(handle), place)
    numbers(:, 1) = branch%frequency(:points)
    numbers(:, 2) = branch%error_estimate(:points)
+   numbers(:, 3:4) = -1
+   if (allocated(branch%correction)) numbers(:, 4) = branch%correction(:points)
    coefficients = branch%coefficients(:, :, :points)
    values(:, :, 1) = branch%rms(:, :points)
    values(:, :, 2) = branch%mean(:, :points)
@@ -603,9 +740,14 @@ subroutine copy_branch(handle, place, points, meshes, states, terms, numbers, co
       values(:, i, 5:) = as_values(branch%mesh_load(:, i))
    end do
    marks(:, 1) = branch%part(:points)
-   marks(:, 2) = 0
+   marks(:, [2, 5]) = 0
+   marks(:, 3) = merge(1, 0, branch%estimate_doubtful(:points))
+   marks(:, 4) = branch%point_harmonics(:points)
+   marks(:, 6) = merge(1, 0, allocated(branch%correction))
    if (states == 0) return
    marks(:, 2) = merge(1, 0, branch%stable(:points))
+   marks(:, 5) = merge(1, 0, branch%undecided(:points))
+   numbers(:, 3) = branch%second_estimate(:points)
    multipliers(1, :, :) = real(branch%multipliers(:, :points))
    multipliers(2, :, :) = aimag(branch%multipliers(:, :points))
 end subroutine copy_branch
@@ -618,8 +760,8 @@ subroutine put_branch(handle, place, ended, origin, flags, numbers, coefficients
    implicit none
    integer(8), intent(in) :: handle
    character(*), intent(in) :: ended, origin
-   integer, intent(in) :: place, points, meshes, states, terms, flags(4), marks(points, 2)
-   double precision, intent(in) :: numbers(points, 2), coefficients(terms, meshes, points), values(meshes, points, 8)
+   integer, intent(in) :: place, points, meshes, states, terms, flags(4), marks(points, 6)
+   double precision, intent(in) :: numbers(points, 4), coefficients(terms, meshes, points), values(meshes, points, 8)
    double precision, intent(in) :: multipliers(2, states, points)
    type(box_type), pointer :: box
    type(branch_type), pointer :: branch
@@ -640,6 +782,7 @@ subroutine put_branch(handle, place, ended, origin, flags, numbers, coefficients
    allocate (branch%special_points(flags(4)))
    branch%frequency = numbers(:, 1)
    branch%error_estimate = numbers(:, 2)
+   if (all(marks(:, 6) == 1)) branch%correction = numbers(:, 4)
    branch%coefficients = coefficients
    branch%rms = values(:, :, 1)
    branch%mean = values(:, :, 2)
@@ -653,8 +796,12 @@ subroutine put_branch(handle, place, ended, origin, flags, numbers, coefficients
       branch%backlash = train%meshes%half_backlash/train%characteristic_length
    end associate
    branch%part = marks(:, 1)
+   branch%estimate_doubtful = marks(:, 3) == 1
+   branch%point_harmonics = marks(:, 4)
    if (states == 0) return
    branch%stable = marks(:, 2) == 1
+   branch%undecided = marks(:, 5) == 1
+   branch%second_estimate = numbers(:, 3)
    branch%multipliers = cmplx(multipliers(1, :, :), multipliers(2, :, :), kind(0d0))
 end subroutine put_branch
 

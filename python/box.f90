@@ -139,6 +139,12 @@ contains
          if (allocated(box%results%integration%ended)) text = box%results%integration%ended
       case ('attractors')
          if (allocated(box%results%attractors%ended)) text = box%results%attractors%ended
+      case ('map')
+         if (allocated(box%results%stability_map%ended)) text = box%results%stability_map%ended
+      case ('map name')
+         text = box%results%stability_map%name
+      case ('map unit')
+         text = box%results%stability_map%unit
       case ('branch')
          if (allocated(branch%ended)) text = branch%ended
       case ('origin')
@@ -156,7 +162,8 @@ contains
 
    !> Reads a list off the box's branch into its table; the columns are
    !> 'peaks' (of a mesh): Lambda, rms, point, stable;
-   !> 'jumps': Lambda, rising, then the rms before and after, mesh by mesh (after is negative where the jump leaves the branch);
+   !> 'jumps': Lambda, rising, then the rms before and after, mesh by mesh (after is negative where the jump leaves the
+   !> branch), candidates;
    !> 'bands', 'separation', 'back collision' (the last two of a mesh, at any or at stable motions): from, to.
    subroutine summarize(box, what, mesh, stable_only)
       type(box_type), intent(inout) :: box
@@ -183,10 +190,10 @@ contains
          case ('jumps')
             at_jump = jumps(branch)
             n = size(at_jump)
-            allocate (box%table(2 + 2*branch%meshes, n))
+            allocate (box%table(3 + 2*branch%meshes, n))
             do i = 1, n
                box%table(:, i) = [at_jump(i)%frequency, merge(1.0_real64, 0.0_real64, at_jump(i)%rising), &
-                                  at_jump(i)%before, at_jump(i)%after]
+                                  at_jump(i)%before, at_jump(i)%after, real(at_jump(i)%candidates, real64)]
             end do
             return
          case ('bands')

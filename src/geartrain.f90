@@ -9,8 +9,11 @@ module geartrain
    use geartrain_branch_doublings, only: follow_doublings
    use geartrain_branch_islands, only: follow_attractors
    use geartrain_branch_jumps, only: jump_type, jumps
+   use geartrain_branch_refinement, only: refine_branch
    use geartrain_branch_response, only: response
    use geartrain_branch_solutions, only: solutions_at
+   use geartrain_branch_stability_map, only: stability_map
+   use geartrain_branch_stability_map_settings, only: stability_map_settings_type, stability_map_type
    use geartrain_branch_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
    use geartrain_case_case, only: case_type
    use geartrain_case_reader, only: read_case, read_case_text

@@ -6,7 +6,7 @@ module unit_results
    use geartrain_base_error, only: error_type, status_file
    use geartrain_base_kinds, only: dp
    use geartrain_case_case, only: case_type
-   use geartrain_results_file, only: check_place
+   use geartrain_results_file, only: check_place, temporary
    use geartrain_results_results, only: results_type, write_results
    use testing, only: tests_type
    implicit none (type, external)
@@ -216,19 +216,19 @@ contains
 
       ! The temporary file's name is taken by a folder: the old file must survive.
       call write_results(path, case, results, error)
-      call execute_command_line('mkdir '//path//'.tmp')
+      call execute_command_line('mkdir '//temporary(path))
       call make_response(results)
       call write_results(path, case, results, error)
       call tests%is_true(allocated(error), 'a temporary file that cannot be made is an error')
       call h5fopen_f(path, h5f_acc_rdonly_f, file, status)
       call tests%is_true(status == 0 .and. .not. exists(file, '/response'), 'the old file survives a failure')
       call h5fclose_f(file, status)
-      call execute_command_line('rmdir '//path//'.tmp')
+      call execute_command_line('rmdir '//temporary(path))
       call write_results(path, case, results, error)
       call tests%is_true(.not. allocated(error), 'after a failure writing works again')
-      call tests%is_true(.not. there(path//'.tmp'), 'no temporary file is left')
+      call tests%is_true(.not. there(temporary(path)), 'no temporary file is left')
       call check_place(path, error)
-      call tests%is_true(there(path) .and. .not. there(path//'.tmp'), 'asking whether it can be written leaves all as it was')
+      call tests%is_true(there(path) .and. .not. there(temporary(path)), 'asking whether it can be written leaves all as it was')
    end subroutine failures
 
    subroutine expect(tests, error, message, name)
@@ -276,7 +276,11 @@ contains
          branch%maximum = branch%rms
          branch%multipliers = reshape([((cmplx(i, -j, dp), i=1, 4), j=1, 4)], [4, 4])
          branch%stable = [.true., .false., .true., .false.]
+         branch%undecided = [.false., .true., .false., .false.]
+         branch%second_estimate = [-1.0_dp, 0.99_dp, -1.0_dp, -1.0_dp]
          branch%error_estimate = [1e-3_dp, 1e-3_dp, 1e-3_dp, 0.0_dp]
+         branch%estimate_doubtful = [.false., .true., .false., .false.]
+         branch%point_harmonics = [2, 2, 1, 0]
          branch%part = [1, 1, 2, 0]
          branch%ended = 'step below 1e-9 at Lambda = 0.3'
          allocate (branch%special_points(1))

@@ -37,6 +37,7 @@ from .case import Case, Results, read_case
 from .errors import InputError, Interrupted, SolverError
 from .modes import Modes
 from .motion import Attractors, Motion, Sweep
+from .stability_map import StabilityMap
 from .summary import Jump, Peak
 from .train import Mesh, Shaft, Train
 
@@ -55,6 +56,7 @@ __all__ = [
     "Shaft",
     "SolverError",
     "SpecialPoint",
+    "StabilityMap",
     "Sweep",
     "Train",
     "read_case",

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from .branch import Branch
     from .modes import Modes
     from .motion import Attractors, Motion, Sweep
+    from .stability_map import StabilityMap
 
 __all__ = ["ATTRACTORS", "INTEGRATION", "LOOSE", "Box", "file_name", "fortran"]
 
@@ -67,7 +68,7 @@ class Box:
     def text(self, name: str, place: int = 0) -> str:
         """A text of the box, see ``text_size`` in _geartrain.f90."""
         size = fortran.text_size(self.handle, name, place)
-        return fortran.copy_text(self.handle, name, place, size).tobytes().decode() if size else ""
+        return fortran.copy_text(self.handle, name, place, size).tobytes().decode(errors="replace") if size else ""
 
     # ------------------------------------------------------------------------------------------------- out
 
@@ -92,7 +93,7 @@ class Box:
         return [self._motion(kind, place) for place in range(1, fortran.motions_sizes(self.handle, kind)[0] + 1)]
 
     def _motion(self, kind: int, place: int) -> dict[str, Any]:
-        terms, meshes, states, roots, period, stable = map(int, fortran.motion_sizes(self.handle, kind, place))
+        terms, meshes, states, roots, period, stable, undecided = map(int, fortran.motion_sizes(self.handle, kind, place))
         numbers, coefficients, values, state, multipliers = fortran.copy_motion(
             self.handle, kind, place, terms, meshes, states, roots
         )
@@ -102,10 +103,12 @@ class Box:
             "coefficients": coefficients.T,
             **_by_name(values.T),
             "stable": bool(stable) if roots else None,
+            "undecided": bool(undecided),
             "multipliers": _complex(multipliers.T) if roots else None,
             "state": state if states else None,
             "error_estimate": _known(numbers[1]),
             "share": _known(numbers[2]),
+            "lyapunov_exponent": float(numbers[3]),
         }
 
     def sweep(self) -> dict[str, Any]:
@@ -140,10 +143,15 @@ class Box:
             "frequency": numbers[:, 0],
             **_by_name(values.T),
             "stable": marks[:, 1] == 1 if states else None,
+            "undecided": marks[:, 4] == 1 if states else None,
+            "second_estimate": np.where(numbers[:, 2] < 0, np.nan, numbers[:, 2]) if states else None,
             "multipliers": _complex(multipliers.T) if states else None,
             "coefficients": coefficients.T,
             "error_estimate": np.where(numbers[:, 1] < 0, np.nan, numbers[:, 1]),
+            "estimate_doubtful": marks[:, 2] == 1,
+            "harmonics": marks[:, 3],
             "part": marks[:, 0],
+            "correction": np.where(numbers[:, 3] < 0, np.nan, numbers[:, 3]) if marks[:, 5].all() else None,
             "special_points": [
                 (kind, *fortran.copy_special(self.handle, place, special, meshes)) for special, kind in enumerate(kinds, 1)
             ],
@@ -152,6 +160,27 @@ class Box:
             "origin": self.text("origin", place),
             "complete": bool(complete),
             "closed": bool(closed),
+        }
+
+    def stability_map(self) -> dict[str, Any] | None:
+        points, rows, meshes, linear, complete = map(int, fortran.map_sizes(self.handle))
+        if not points:
+            return None
+        frequency, parameter, counts, multiplier, rms, marks = fortran.copy_map(self.handle, points, rows, meshes)
+        return {
+            "name": self.text("map name"),
+            "unit": self.text("map unit"),
+            "linear": bool(linear),
+            "frequency": frequency,
+            "parameter": parameter,
+            "motions": counts[:, :, 0].T,
+            "stable_motions": counts[:, :, 1].T,
+            "multiplier": _complex(multiplier.T),
+            "rms": rms.T if meshes else None,
+            "row_done": marks[:, 0] == 1,
+            "row_whole": marks[:, 1] == 1,
+            "ended": self.text("map"),
+            "complete": bool(complete),
         }
 
     def read_off(self, what: str, mesh: int = 1, stable: bool = False) -> Array:
@@ -173,7 +202,8 @@ class Box:
                 place,
                 motion.period,
                 int(bool(motion.stable)),
-                [motion.frequency, *np.nan_to_num([motion.error_estimate, motion.share], nan=-1.0)],
+                int(motion.undecided),
+                [motion.frequency, *np.nan_to_num([motion.error_estimate, motion.share], nan=-1.0), motion.lyapunov_exponent],
                 motion.coefficients.T,
                 _in_columns(motion),
                 np.zeros(0) if motion.state is None else motion.state,
@@ -191,6 +221,22 @@ class Box:
             [found.random_seed, found.starts, found.complete],
         )
 
+    def put_stability_map(self, chart: StabilityMap) -> None:
+        shape = (0, len(chart.frequency), len(chart.parameter))
+        fortran.put_map(
+            self.handle,
+            chart.name.encode(),
+            chart.unit.encode(),
+            chart.ended.encode(),
+            [chart.linear, chart.complete],
+            chart.frequency,
+            chart.parameter,
+            np.stack([chart.motions.T, chart.stable_motions.T], axis=2),
+            _pairs(chart.multiplier),
+            np.zeros(shape) if chart.rms is None else chart.rms.T,
+            np.stack([chart.row_done, chart.row_whole], axis=1),
+        )
+
     def put_branches(self, branches: list[Branch]) -> None:
         """Put further branches."""
         fortran.reserve_branches(self.handle, len(branches))
@@ -199,16 +245,20 @@ class Box:
 
     def put_branch(self, branch: Branch, place: int = 0) -> None:
         stable = np.zeros(len(branch), bool) if branch.stable is None else branch.stable
+        correction = np.full(len(branch), np.nan) if branch.correction is None else branch.correction
+        refined = np.full(len(branch), branch.correction is not None)
+        undecided = np.zeros(len(branch), bool) if branch.undecided is None else branch.undecided
+        second = np.full(len(branch), np.nan) if branch.second_estimate is None else branch.second_estimate
         fortran.put_branch(
             self.handle,
             place,
             branch.ended.encode(),
             branch.origin.encode(),
             [branch.subharmonic, branch.complete, branch.closed, len(branch.special_points)],
-            np.stack([branch.frequency, np.nan_to_num(branch.error_estimate, nan=-1.0)], axis=1),
+            np.stack([branch.frequency, *np.nan_to_num([branch.error_estimate, second, correction], nan=-1.0)], axis=1),
             branch.coefficients.T,
             _in_columns(branch),
-            np.stack([branch.part, stable], axis=1),
+            np.stack([branch.part, stable, branch.estimate_doubtful, branch.harmonics, undecided, refined], axis=1),
             np.zeros((2, 0, len(branch))) if branch.multipliers is None else _pairs(branch.multipliers),
         )
         for number, special in enumerate(branch.special_points, 1):

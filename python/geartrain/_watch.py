@@ -20,7 +20,9 @@ _PATIENCE = 1.0  # s of silence before the bar appears
 _TICK = 0.05  # s between looks at the progress
 
 
-def watched(work: Callable[[NDArray[np.float64]], Result], name: str, total: int | None = None) -> Result:
+def watched(
+    work: Callable[[NDArray[np.float64]], Result], name: str, total: int | None = None, unit: str = "points", value: str = "Lambda"
+) -> Result:
     """Do long work that Ctrl-C can stop.
 
     Parameters
@@ -32,6 +34,8 @@ def watched(work: Callable[[NDArray[np.float64]], Result], name: str, total: int
         What the bar is called.
     total : int, optional
         Number of points, where known.
+    unit, value : str
+        What is counted in place of points, and what the third number is.
 
     Raises
     ------
@@ -60,10 +64,10 @@ def watched(work: Callable[[NDArray[np.float64]], Result], name: str, total: int
             try:
                 done.wait(_TICK)
                 if bar is None and time.monotonic() - begin > _PATIENCE:
-                    bar = _bar(name, total, begin)
+                    bar = _bar(name, total, begin, unit)
                 if bar is not None:
                     bar.n = int(progress[1])
-                    bar.set_postfix_str(f"Lambda = {progress[2]:.4f}")
+                    bar.set_postfix_str(f"{value} = {progress[2]:.4g}")
             except KeyboardInterrupt:
                 interrupted = True
                 progress[0] = 1.0
@@ -75,18 +79,18 @@ def watched(work: Callable[[NDArray[np.float64]], Result], name: str, total: int
         result = outcome.get("result")
         message = f"{name} stopped by Ctrl-C"
         if result is not None:
-            points = f", after {int(progress[1])} points" if progress[1] else ""
-            message += f" at Lambda = {progress[2]:.6g}{points}; .result holds what there is"
+            points = f", after {int(progress[1])} {unit}" if progress[1] else ""
+            message += f" at {value} = {progress[2]:.6g}{points}; .result holds what there is"
         raise Interrupted(message, result) from outcome.get("error")
     if "error" in outcome:
         raise outcome["error"]
     return outcome["result"]
 
 
-def _bar(name: str, total: int | None, begin: float) -> Any:
+def _bar(name: str, total: int | None, begin: float, unit: str) -> Any:
     """A bar on a terminal or in a notebook, nothing elsewhere."""
     from tqdm.auto import tqdm
 
-    bar = tqdm(desc=name, total=total, unit=" points", disable=None, leave=False)
+    bar = tqdm(desc=name, total=total, unit=f" {unit}", disable=None, leave=False)
     bar.start_t = time.time() - (time.monotonic() - begin)
     return bar

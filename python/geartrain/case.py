@@ -16,6 +16,7 @@ from ._watch import watched
 from .branch import Branch
 from .modes import Modes
 from .motion import Attractors, Sweep
+from .stability_map import StabilityMap
 from .train import Mesh, Shaft, Train
 
 __all__ = ["Case", "Results", "read_case"]
@@ -31,6 +32,7 @@ class Results:
     response : Branch or None
     integration : Sweep or None
     attractors : Attractors or None
+    stability_map : StabilityMap or None
     branches : list of Branch
         Further branches: those of ``response.branches``, then those of ``attractors.branches``.
     ended : str
@@ -43,6 +45,7 @@ class Results:
     response: Branch | None
     integration: Sweep | None
     attractors: Attractors | None = None
+    stability_map: StabilityMap | None = None
     branches: list[Branch] = field(default_factory=list)
     ended: str = ""
     text: str = field(default="", repr=False)
@@ -67,6 +70,8 @@ class Results:
                 box.put_sweep(self.integration)
             if self.attractors is not None:
                 box.put_attractors(self.attractors)
+            if self.stability_map is not None:
+                box.put_stability_map(self.stability_map)
             if self.branches:
                 box.put_branches(self.branches)
             box.check(fortran.write_path(box.handle, file_name(path)))
@@ -81,8 +86,9 @@ class Case:
     train : Train
     modes : bool
         Whether they are wanted.
-    response, integration, attractors : mapping or None
-        The group's variables, as keywords of `Train.response`, `Train.sweep` and `Train.attractors`; None where it is absent.
+    response, integration, attractors, stability_map : mapping or None
+        The group's variables, as keywords of `Train.response`, `Train.sweep`, `Train.attractors` and `Train.stability_map`; None
+        where it is absent.
     output : str or None
         The output file named in ``&output``.
     text : str
@@ -94,11 +100,17 @@ class Case:
     response: Mapping[str, Any] | None
     integration: Mapping[str, Any] | None
     attractors: Mapping[str, Any] | None
+    stability_map: Mapping[str, Any] | None
     output: str | None
     text: str = field(repr=False)
 
-    def run(self) -> Results:
+    def run(self, resume: str | os.PathLike[str] | None = None) -> Results:
         """Compute everything that the case asks for.
+
+        Parameters
+        ----------
+        resume : path-like, optional
+            The checkpoint of a run of this case that was killed, ``FILE.h5.partial``, to go on from: the results are the same.
 
         Returns
         -------
@@ -109,11 +121,16 @@ class Case:
         ------
         Interrupted
             On Ctrl-C, with the results so far.
+        InputError
+            Where ``resume`` is the checkpoint of another case.
+        OSError
+            Where it cannot be read.
         """
+        checkpoint = b"" if resume is None else file_name(resume)
 
         def work(progress: NDArray[np.float64]) -> Results:
             with Box(self.text) as box:
-                status = fortran.run_all(box.handle, b"", progress)
+                status = fortran.run_all(box.handle, b"", checkpoint, progress)
                 modes = box.modes()
                 settings = self.response or {}
                 branches = Branch._all_from(box, self.train, settings)
@@ -126,6 +143,7 @@ class Case:
                     response=response,
                     integration=Sweep._from(box, self.train) if box.has(INTEGRATION) else None,
                     attractors=Attractors._from(box, self.train, branches[len(doubled):]) if box.has(ATTRACTORS) else None,
+                    stability_map=StabilityMap._from(box),
                     branches=branches,
                     ended=box.text("message"),
                     text=self.text,
@@ -165,11 +183,14 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         response=_keywords(one.get("response")),
         integration=_keywords(one.get("integration")),
         attractors=one.get("attractors"),
+        stability_map=_keywords(one.get("stability_map")),
         output=one.get("output", {}).get("file"),
         text=text,
     )
 
 
 def _keywords(values: dict[str, Any] | None) -> dict[str, Any] | None:
-    names = {"from": "start", "to": "stop"}
+    names = {
+        "from": "start", "to": "stop", "parameter_from": "parameter_start", "parameter_to": "parameter_stop",
+    }
     return None if values is None else {names.get(name, name): value for name, value in values.items()}

@@ -52,14 +52,21 @@ class Motion:
         Mean, cos 1, sin 1, cos 2, ... of the frequency Lambda/period.
     stable : bool or None
         None where no multipliers were asked for; ``refine`` finds them.
+    undecided : bool
+        ``stable`` is a guess: the largest multiplier is as near to the unit circle as it is uncertain.
     multipliers : ndarray of complex, (states,), or None
         Floquet multipliers over one period of the motion.
     state : ndarray, (2*elements,), or None
-        Displacement of every elastic element at time 0, then its velocity, where integration gave the motion.
+        Displacement of every elastic element at time 0, then its velocity (per 1/characteristic_frequency), where integration gave
+        the motion: a mesh's displacement, a shaft's twist less its static twist times the base radius of the gear at its end (the
+        driving one of the mesh that follows; for the last shaft the driven one before it), all over characteristic_length.
     error_estimate : float
         Relative error of the waveform as estimated; nan where there is no estimate.
     share : float
         Share of the random starts that settled here (`Train.attractors`); nan where none were counted.
+    lyapunov_exponent : float
+        Largest Lyapunov exponent per unit of time (1/characteristic_frequency) where integration found no period: positive is
+        chaos, about 0 a quasi-periodic motion, negative one that had not settled; nan where a period was found.
     train : Train
         The train that moves so.
     """
@@ -80,6 +87,8 @@ class Motion:
     state: Array | None = field(default=None, repr=False)
     error_estimate: float = float("nan")
     share: float = float("nan")
+    undecided: bool = False
+    lyapunov_exponent: float = float("nan")
     train: Train | None = field(default=None, repr=False)
 
     @property

@@ -50,6 +50,9 @@ class Jump:
         rms before the jump.
     after : ndarray, (meshes,)
         rms after it: of the stable motion of the branch with the nearest rms; nan where the jump leaves the branch.
+    candidates : int
+        Other stable motions of the branch at this frequency. With more than one ``after`` is a guess: a sweep may reach another, or
+        a motion of another period; ``train.integrate(start=...)`` tells.
     """
 
     frequency: float
@@ -58,3 +61,4 @@ class Jump:
     cause: str
     before: NDArray[np.float64]
     after: NDArray[np.float64]
+    candidates: int

@@ -18,6 +18,7 @@ from .branch import Branch
 from .errors import InputError, SolverError
 from .modes import Modes
 from .motion import Attractors, Motion, Sweep
+from .stability_map import StabilityMap
 
 __all__ = ["Mesh", "Shaft", "Train"]
 
@@ -42,7 +43,7 @@ _RESPONSE = {
     **dict.fromkeys(("from", "to", "amplitude_limit", "tolerance", "step"), "number"),
     **dict.fromkeys(("harmonics", "subharmonic", "samples", "max_points", "period_doublings"), "integer"),
     **dict.fromkeys(("coefficients", "control"), "text"),
-    "stability": "flag",
+    **dict.fromkeys(("stability", "refine"), "flag"),
 }
 _INTEGRATION = {
     **dict.fromkeys(("from", "to", "tolerance"), "number"),
@@ -54,6 +55,12 @@ _ATTRACTORS = {
     **dict.fromkeys(("frequency", "tolerance"), "number"),
     **dict.fromkeys(("starts", "random_seed", "harmonics", "max_periods"), "integer"),
     **dict.fromkeys(("follow", "stability"), "flag"),
+}
+_STABILITY_MAP = {
+    **dict.fromkeys(("from", "to", "parameter_from", "parameter_to"), "number"),
+    **dict.fromkeys(("points", "parameter_points", "harmonics"), "integer"),
+    "parameter": "text",
+    "linear": "flag",
 }
 
 
@@ -193,14 +200,16 @@ class Train:
         response: Mapping[str, Any] | None = None,
         integration: Mapping[str, Any] | None = None,
         attractors: Mapping[str, Any] | None = None,
+        stability_map: Mapping[str, Any] | None = None,
     ) -> str:
         """The train, and the analyses wanted, as a case file's text.
 
         Parameters
         ----------
         modes : bool
-        response, integration, attractors : mapping, optional
-            The variables of the group, ``from`` and ``to`` under the names ``start`` and ``stop``.
+        response, integration, attractors, stability_map : mapping, optional
+            The variables of the group, ``from`` and ``to`` under the names ``start`` and ``stop``,
+            ``parameter_from`` and ``parameter_to`` as ``parameter_start`` and ``parameter_stop``.
         """
         text = group("train", _TRAIN, {name: getattr(self, name) for name in _TRAIN})
         for number, (shaft, mesh) in enumerate(zip_longest(self.shafts, self.meshes), 1):
@@ -216,6 +225,8 @@ class Train:
             text += group("integration", _INTEGRATION, _range(integration))
         if attractors is not None:
             text += group("attractors", _ATTRACTORS, attractors)
+        if stability_map is not None:
+            text += group("stability_map", _STABILITY_MAP, _range(stability_map))
         return text
 
     def natural_frequencies(self) -> NDArray[np.float64]:
@@ -256,6 +267,7 @@ class Train:
         step: float | None = None,
         max_points: int | None = None,
         period_doublings: int = 0,
+        refine: bool = False,
     ) -> Branch:
         """Follow the periodic motions by harmonic balance and continuation, through the folds.
 
@@ -285,6 +297,8 @@ class Train:
         max_points : int, optional
         period_doublings : int
             How often a period doubling is followed: 1 gives the branches of twice the period, 2 those of four times as well, ...
+        refine : bool
+            Every point polished by shooting in the end, see `Branch.refine`.
 
         Returns
         -------
@@ -327,6 +341,7 @@ class Train:
             "step": step,
             "max_points": max_points,
             "period_doublings": period_doublings,
+            "refine": refine,
         }
         text = self.namelist(response=settings)
         if seed is not None:
@@ -363,7 +378,7 @@ class Train:
         frequency : float
             Lambda.
         start : Motion or array_like, optional
-            Where to start: a motion, or displacement and then velocity of every elastic element, (2*elements,).
+            Where to start: a motion, or displacement and then velocity of every elastic element, (2*elements,), as `Motion.state`.
         stability : bool
             Floquet multipliers of the motion.
         harmonics : int, optional
@@ -527,6 +542,74 @@ class Train:
 
         return watched(work, "attractors", starts)
 
+    def stability_map(
+        self,
+        *,
+        start: float,
+        stop: float,
+        parameter_start: float,
+        parameter_stop: float,
+        parameter: str = "stiffness_variation",
+        linear: bool = False,
+        points: int = 200,
+        parameter_points: int = 200,
+        harmonics: int = 6,
+    ) -> StabilityMap:
+        """Stability over frequency and one parameter, on all cores.
+
+        Parameters
+        ----------
+        start, stop : float
+            The range of Lambda.
+        parameter_start, parameter_stop : float
+            That of the parameter.
+        parameter : {'stiffness_variation', 'mesh_damping_ratio', 'input_torque', 'half_backlash'}
+            ``stiffness_variation`` is the largest amplitude of any harmonic of the mesh stiffnesses, all scaled alike; the others
+            are variables of the train or of every mesh.
+        linear : bool
+            Of the train without backlash, all teeth in contact; else of the motions on the response branch of every row.
+        points, parameter_points : int
+            Of the grid.
+        harmonics : int
+            Of the motions; a linear map needs none.
+
+        Returns
+        -------
+        StabilityMap
+
+        Raises
+        ------
+        InputError
+        Interrupted
+            On Ctrl-C, with the rows so far.
+
+        Examples
+        --------
+        >>> chart = train.stability_map(start=1.7, stop=2.1, points=41, parameter_start=0.0, parameter_stop=0.3,
+        ...                             parameter_points=4, linear=True)
+        >>> chart.frequency[chart.spectral_radius[-1] > 1][[0, -1]].round(2)
+        array([1.78, 2.04])
+        """
+        settings = {
+            "start": start,
+            "stop": stop,
+            "points": points,
+            "parameter": parameter,
+            "parameter_start": parameter_start,
+            "parameter_stop": parameter_stop,
+            "parameter_points": parameter_points,
+            "linear": linear,
+            "harmonics": harmonics,
+        }
+        text = self.namelist(stability_map=settings)
+
+        def work(progress: NDArray[np.float64]) -> StabilityMap:
+            with Box(text) as box:
+                box.check(fortran.map_stability(box.handle, progress))
+                return StabilityMap(**(box.stability_map() or {}))
+
+        return watched(work, "stability map", parameter_points, "rows", parameter)
+
     def _check_seed(self, seed: Motion) -> None:
         if not isinstance(seed, Motion):
             raise InputError(f"seed = {seed!r}: must be a gt.Motion")
@@ -572,7 +655,9 @@ def _freeze_series(part: Train | Mesh, kinds: Mapping[str, str]) -> None:
 
 
 def _range(settings: Mapping[str, Any]) -> dict[str, Any]:
-    names = {"start": "from", "stop": "to"}
+    names = {
+        "start": "from", "stop": "to", "parameter_start": "parameter_from", "parameter_stop": "parameter_to",
+    }
     return {names.get(name, name): value for name, value in settings.items()}
 
 

@@ -1,7 +1,9 @@
 """The executable as a user types it: options, messages, exit statuses (3 and 4: test_results_file.py)."""
 
+import re
 import subprocess
 
+import h5py
 import pytest
 from conftest import ROOT
 
@@ -43,7 +45,33 @@ def test_every_problem_at_once_and_nothing_written(executable, tmp_path):
     assert not (tmp_path / "bad.h5").exists()
 
 
-@pytest.mark.parametrize("arguments", [(), ("--nonsense",), ("missing.nml",), (".",), (CASE, "--output")])
+def test_several_cases(executable, tmp_path):
+    text = CASE.read_text()
+    for name in ("one", "two", "three"):
+        (tmp_path / f"{name}.nml").write_text(text)
+    (tmp_path / "bad.nml").write_text("&train /")
+    (tmp_path / "same.nml").write_text(text + "&output file = 'one.h5' /\n")
+    done = run(executable, "one.nml", "bad.nml", "two.nml", "same.nml", "three.nml", "none.nml", cwd=tmp_path)
+    assert done.returncode == 2
+    assert sorted(path.name for path in tmp_path.glob("*.h5")) == ["one.h5", "three.h5", "two.h5"]
+    problems = done.stderr.splitlines()
+    assert "none.nml: error: there is no such file" in problems
+    assert "same.nml: error: its results would overwrite those of one.nml, one.h5: name another file in &output" in problems
+    assert any(line.startswith("bad.nml:") for line in problems)
+    # Each report in one piece under the name of its case, and equal but for names and times.
+    pieces = re.split(r"^(\w+)\.nml:\n", done.stdout, flags=re.MULTILINE)[1:]
+    reports = {name: re.sub(r"in \d+\.\d+ s|\w+\.h5", "", text) for name, text in zip(pieces[::2], pieces[1::2])}
+    assert sorted(reports) == ["one", "three", "two"] and len(set(reports.values())) == 1
+    alone = run(executable, "one.nml", "--output", "alone.h5", cwd=tmp_path)
+    assert alone.returncode == 0
+    with h5py.File(tmp_path / "alone.h5") as one, h5py.File(tmp_path / "two.h5") as two:
+        for name in ("rms", "multipliers"):
+            assert one["response"][name][()].tobytes() == two["response"][name][()].tobytes()
+
+
+@pytest.mark.parametrize(
+    "arguments", [(), ("--nonsense",), ("missing.nml",), (".",), (CASE, "--output"), (CASE, CASE, "--output", "x.h5")]
+)
 def test_bad_arguments(executable, tmp_path, arguments):
     done = run(executable, *arguments, cwd=tmp_path)
     assert done.returncode == 2 and done.stderr

@@ -1,6 +1,7 @@
-!> Eigenvalues of real matrices, without vectors. Up to a few dozen rows: Householder's reduction to Hessenberg form, then Francis's
+!> Eigenvalues of real matrices, without vectors. Up to a few dozen rows: balancing by powers of two (Parlett and Reinsch 1969, for
+!> matrices whose rows are in different units), Householder's reduction to Hessenberg form, then Francis's
 !> double steps (Martin, Peters and Wilkinson 1970, procedure hqr), in plain loops that take a sixth of the time of LAPACK, most of
-!> whose time goes into calls there; larger matrices go to LAPACK.
+!> whose time goes into calls there; larger matrices go to LAPACK, and those few on which the double steps turn in circles.
 module geartrain_base_eigenvalues
    use geartrain_base_kinds, only: dp
    use geartrain_base_lapack, only: dgeev
@@ -8,7 +9,7 @@ module geartrain_base_eigenvalues
    private
    public :: find_eigenvalues
 
-   integer, parameter :: most_rows = 32, most_steps = 30
+   integer, parameter :: most_rows = 32, most_steps = 30, most_sweeps = 30
 
 contains
 
@@ -18,16 +19,51 @@ contains
       real(dp), intent(inout) :: a(n, n)
       complex(dp), intent(out) :: values(n)
       integer, intent(out) :: info
-      real(dp) :: wr(n), wi(n), work(8*n), empty(1, 1)
+      real(dp) :: wr(n), wi(n), work(8*n), empty(1, 1), copy(merge(n, 0, n <= most_rows), n)
+      logical :: finite
 
+      info = 1
+      finite = .true.
       if (n <= most_rows) then
+         copy = a
+         call balance(n, a)
          call reduce(n, a)
          call find_roots(n, a, wr, wi, info)
-      else
-         call dgeev('N', 'N', n, a, n, wr, wi, empty, 1, empty, 1, work, size(work), info)
+         ! Shifts that LAPACK chooses otherwise: it was one monodromy matrix in 8000.
+         if (info /= 0) then
+            a = copy
+            finite = sum(abs(a)) < huge(1.0_dp)
+         end if
       end if
+      if (info /= 0 .and. finite) &
+         call dgeev('N', 'N', n, a, n, wr, wi, empty, 1, empty, 1, work, size(work), info)
       values = cmplx(wr, wi, dp)
    end subroutine find_eigenvalues
+
+   !> Scales rows and columns until those of the same index are about as large; exact, by powers of two.
+   pure subroutine balance(n, a)
+      integer, intent(in) :: n
+      real(dp), intent(inout) :: a(n, n)
+      real(dp) :: row, column, factor, total
+      integer :: i, sweep
+      logical :: done
+
+      do sweep = 1, most_sweeps
+         done = .true.
+         do i = 1, n
+            column = sum(abs(a(:, i))) - abs(a(i, i))
+            row = sum(abs(a(i, :))) - abs(a(i, i))
+            if (.not. (min(row, column) > 0 .and. max(row, column) < huge(row))) cycle
+            total = row + column
+            factor = 2.0_dp**nint(log(row/column)/(2*log(2.0_dp)))
+            if (column*factor + row/factor > 0.95_dp*total) cycle
+            done = .false.
+            a(i, :) = a(i, :)/factor
+            a(:, i) = a(:, i)*factor
+         end do
+         if (done) return
+      end do
+   end subroutine balance
 
    !> To upper Hessenberg form by reflections I - v v^T with |v|^2 = 2.
    pure subroutine reduce(n, a)

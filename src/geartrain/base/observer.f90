@@ -17,11 +17,12 @@ module geartrain_base_observer
          import :: observer_type, dp
          implicit none (type, external)
          class(observer_type), intent(inout) :: self
-         !> Name of the analysis: 'response', 'branch' (a further one), 'integration', 'attractors', or 'settling' of one motion.
+         !> Name of the analysis: 'response', 'branch' (a further one), 'integration', 'attractors', 'stability map',
+         !> 'refinement', or 'settling' of one motion.
          character(*), intent(in) :: analysis
-         !> Points, starts or mesh periods done so far.
+         !> Points, starts, rows of the map or mesh periods done so far.
          integer, intent(in) :: done
-         !> Lambda of the latest point [1].
+         !> Lambda of the latest point [1]; of a stability map the parameter of the latest row.
          real(dp), intent(in) :: frequency
          !> Set it to .false. to end the analysis; its points so far are kept.
          logical, intent(inout) :: keep_going

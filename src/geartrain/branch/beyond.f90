@@ -23,7 +23,8 @@ module geartrain_branch_beyond
 
 contains
 
-   !> From `place`, where the branch left by the amplitude limit, to where it is below it again or leaves [low, high].
+   !> From `place`, where the branch left by the amplitude limit, to the last place before it is below it again (so that nothing
+   !> below it is left out) or to where it leaves [low, high].
    subroutine pass_beyond(tracer, place, low, high, outcome)
       type(tracer_type), intent(inout) :: tracer
       type(place_type), intent(inout) :: place
@@ -47,15 +48,19 @@ contains
             if (h < smallest_step) return
             cycle
          end if
-         h = next_step(tracer, place, next, h, largest_step*sqrt(inner(next%u, next%u)))
+         h = next_step(tracer, place, next, h, largest_step*tracer%path%length_of(next%u))
+         size = amplitude(tracer, next)
+         if (next%frequency < low .or. next%frequency > high) outcome = left_range
+         if (outcome == lost .and. size <= tracer%amplitude_limit) then
+            call tracer%path%correct(place, success)
+            if (success) outcome = came_down
+            return
+         end if
          place = next
-         size = amplitude(tracer, place)
-         if (place%frequency < low .or. place%frequency > high) outcome = left_range
-         if (size <= tracer%amplitude_limit) outcome = came_down
          if (outcome /= lost) return
          if (size < far*tracer%amplitude_limit .or. inner(place%tangent, place%u) < 0) cycle
          place%u = -place%u
-         place%tangent = -place%u/sqrt(inner(place%u, place%u))
+         place%tangent = -place%u/tracer%path%length_of(place%u)
          place%tangent_frequency = 0
          call tracer%path%correct(place, success)
          if (.not. success) return

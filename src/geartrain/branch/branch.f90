@@ -1,11 +1,12 @@
 !> A branch of periodic motions over frequency: what continuation gives, point by point, through the folds.
 module geartrain_branch_branch
    use geartrain_base_kinds, only: dp
+   use geartrain_branch_path, only: place_type
    use geartrain_motion_mesh_load, only: mesh_load_type
    use geartrain_motion_motion, only: motion_type
    implicit none (type, external)
    private
-   public :: branch_type, response_settings_type, special_point_type
+   public :: branch_type, response_settings_type, special_point_type, trace_state_type
 
    !> The variables of &response; from and to are `start` and `stop`.
    type :: response_settings_type
@@ -28,6 +29,8 @@ module geartrain_branch_branch
       integer :: max_points = 20000
       !> Generations of branches that follow from period doublings, see follow_doublings.
       integer :: period_doublings = 0
+      !> The points are polished by shooting, see refine_branch.
+      logical :: refine = .false.
    end type response_settings_type
 
    !> A place on the branch that a reader looks for.
@@ -40,7 +43,27 @@ module geartrain_branch_branch
       real(dp), allocatable :: rms(:)
    end type special_point_type
 
+   !> Where the trace of a response stands: all that its next step depends on, so that another run can go on with it.
+   type :: trace_state_type
+      !> It is traced from `stop`; the trace from `start` is done, and branch%ended says why it ended.
+      logical :: from_stop = .false.
+      !> That one was followed to where it leaves the range.
+      logical :: whole = .false.
+      !> Steps done; 0: the trace from this end has not begun.
+      integer :: steps = 0
+      !> Harmonics in use.
+      integer :: harmonics = 0
+      !> Length of the next step, and the tracer's measure of curvature.
+      real(dp) :: step = 0, bend = 0
+      !> Points so far that miss the tolerance.
+      integer :: missed = 0
+      type(place_type) :: here, origin
+      !> What the reason for its end begins with.
+      character(:), allocatable :: before
+   end type trace_state_type
+
    type :: branch_type
+      !> states: multipliers of a point, of a train of many states the leading ones.
       integer :: points = 0, meshes = 0, states = 0, harmonics = 0, subharmonic = 1
       !> Lambda, (point).
       real(dp), allocatable :: frequency(:)
@@ -54,8 +77,20 @@ module geartrain_branch_branch
       !> (state, point) and (point); not allocated when stability was not asked for.
       complex(dp), allocatable :: multipliers(:, :)
       logical, allocatable :: stable(:)
+      !> Where `stable` is a guess, because the largest multiplier is as near to the unit circle as it is uncertain; its magnitude
+      !> by a second estimate, negative where none was needed; (point), see geartrain_branch_verdict.
+      logical, allocatable :: undecided(:)
+      real(dp), allocatable :: second_estimate(:)
       !> Relative error of the waveform as estimated, (point).
       real(dp), allocatable :: error_estimate(:)
+      !> Relative change of the waveform by refine_branch, which is the error that the point had, (point); negative where it was
+      !> not refined; not allocated where that was not asked for.
+      real(dp), allocatable :: correction(:)
+      !> Where that may be off by more than a small factor: a fold as near as it is itself misplaced, a contact that begins or
+      !> ends within the error, or an error beyond 0.1, (point).
+      logical, allocatable :: estimate_doubtful(:)
+      !> Harmonics that each point was solved with, at most `harmonics`, (point).
+      integer, allocatable :: point_harmonics(:)
       !> Number of the part that a point belongs to, (point): a new one begins where the branch comes back from beyond the
       !> amplitude limit, and with the points traced from `stop` where those from `start` do not get there.
       integer, allocatable :: part(:)
@@ -67,6 +102,8 @@ module geartrain_branch_branch
       logical :: cancelled = .false.
       !> Where it comes from, in words; not allocated for the response itself.
       character(:), allocatable :: origin
+      !> Allocated while the response is under way.
+      type(trace_state_type), allocatable :: trace
    end type branch_type
 
 end module geartrain_branch_branch

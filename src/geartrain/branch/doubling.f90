@@ -8,7 +8,7 @@ module geartrain_branch_doubling
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
    use geartrain_branch_branch, only: branch_type, response_settings_type
-   use geartrain_branch_path, only: inner, place_type
+   use geartrain_branch_path, only: place_type
    use geartrain_branch_start, only: begin_trace, place_of
    use geartrain_branch_tracer, only: cancelled, full, stuck, tracer_type
    use geartrain_branch_variables, only: settings_for
@@ -61,7 +61,7 @@ contains
       twice = settings_for(settings, 2*settings%subharmonic)
       call begin_trace(train, twice, tracer)
       tracer%analysis = 'branch'
-      if (twice%harmonics == 0) call tracer%prepare(2*branch%harmonics)
+      if (twice%harmonics == 0) call tracer%prepare(2*branch%point_harmonics(branch%special_points(special)%point))
       call tracer%recorder%setup(tracer%path%balance, settings%stability, doubled)
       call start_place(tracer, branch, special, place, success)
       if (.not. success) then
@@ -69,10 +69,12 @@ contains
                          //' (more harmonics place the doubling more exactly)'
          return
       end if
+      call tracer%adapt(place, success)
       call tracer%record(place, doubled)
       call tracer%trace(place, min(settings%start, settings%stop), max(settings%start, settings%stop), settings%stop, &
                         doubled, outcome, doubled%ended, observer)
       doubled%complete = all(outcome /= [cancelled, stuck, full])
+      call tracer%tell_missed(doubled)
       call tracer%recorder%finish(doubled)
    end subroutine period_doubled
 
@@ -115,7 +117,7 @@ contains
          place%tangent = 0
          y = 1
          call matrix%solve(path%balance, place%tangent, y)
-         length = sqrt(inner(place%tangent, place%tangent))
+         length = path%length_of(place%tangent)
          place%tangent = place%tangent/length
          place%tangent_frequency = 0
          ! The doubling itself is a singular point; the branch is recorded from a short way along it.

@@ -23,6 +23,8 @@ module geartrain_branch_jumps
       character(16) :: cause = ''
       !> rms before and after, (mesh); after a jump that leaves the branch it is negative.
       real(dp), allocatable :: before(:), after(:)
+      !> Other stable motions of the branch at this Lambda: where there are more than one, `after` is a guess, the nearest one.
+      integer :: candidates = 0
    end type jump_type
 
 contains
@@ -51,7 +53,7 @@ contains
             jump%cause = special%kind
             jump%rising = branch%frequency(i) < special%frequency
             jump%before = special%rms
-            jump%after = destination(branch, s)
+            call find_destination(branch, s, jump%after, jump%candidates)
             jump%kind = 'leaves'
             if (all(jump%after >= 0)) jump%kind = merge('jump up  ', 'jump down', norm2(jump%after) > norm2(jump%before))
          end associate
@@ -94,14 +96,17 @@ contains
       end do
    end function another_between
 
-   !> rms of the nearest other stable motion at the frequency of special point `s`, -1 where there is none.
-   pure function destination(branch, s) result(nearest)
+   !> rms of the nearest other stable motion at the frequency of special point `s`, -1 where there is none, and how many there are.
+   pure subroutine find_destination(branch, s, nearest, candidates)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: s
-      real(dp) :: nearest(branch%meshes), rms(branch%meshes), share
+      real(dp), allocatable, intent(out) :: nearest(:)
+      integer, intent(out) :: candidates
+      real(dp) :: rms(branch%meshes), share
       integer :: i
 
-      nearest = -1
+      candidates = 0
+      allocate (nearest(branch%meshes), source=-1.0_dp)
       if (branch%special_points(s)%kind /= 'fold') return
       associate (f => branch%special_points(s)%frequency, point => branch%special_points(s)%point)
          do i = 1, branch%points - 1
@@ -114,11 +119,12 @@ contains
                share = (f - a)/(b - a)
             end associate
             rms = (1 - share)*branch%rms(:, i) + share*branch%rms(:, i + 1)
+            candidates = candidates + 1
             if (any(nearest < 0) .or. norm2(rms - branch%special_points(s)%rms) &
                 < norm2(nearest - branch%special_points(s)%rms)) nearest = rms
          end do
       end associate
-   end function destination
+   end subroutine find_destination
 
    !> Two parts of a branch may pass the same fold.
    pure logical function is_known(jump, found)

@@ -1,7 +1,8 @@
 !> One step along a branch: predictor along the tangent, Newton corrector on the balance with one more equation, in a metric
-!> of mesh displacements (mean squared plus half of each squared amplitude) and Lambda.
+!> of mesh displacements (mean squared plus half of each squared amplitude) and Lambda, each in a unit of the train's own.
 module geartrain_branch_path
    use geartrain_base_kinds, only: dp
+   use geartrain_branch_units, only: units_type
    use geartrain_motion_balance, only: balance_type
    use geartrain_motion_linearization, only: linearization_type
    implicit none (type, external)
@@ -9,7 +10,7 @@ module geartrain_branch_path
    public :: path_type, place_type, inner
 
    integer, parameter :: max_iterations = 10
-   real(dp), parameter :: converged = 1e-10_dp
+   real(dp), parameter :: converged = 1e-10_dp, rounding = 16*epsilon(1.0_dp)
 
    !> A point of the branch and the unit tangent there: coefficients of the unknown meshes (block, unknowns) and Lambda.
    type :: place_type
@@ -22,6 +23,7 @@ module geartrain_branch_path
    type :: path_type
       type(balance_type) :: balance
       type(linearization_type) :: matrix
+      type(units_type) :: units
       !> Equation (11): the unknown that changes fastest is prescribed, instead of the arclength.
       logical :: local_control = .false.
       !> Of the latest corrector: first Newton step over predictor step, iterations.
@@ -34,6 +36,10 @@ module geartrain_branch_path
       procedure :: correct
       procedure :: orient
       procedure :: advance
+      procedure :: refit
+      procedure :: length_of
+      procedure, private :: across
+      procedure, private :: tolerance_at
       procedure, private :: newton
       procedure, private :: find_tangent
    end type path_type
@@ -65,8 +71,10 @@ contains
       class(path_type), intent(inout) :: self
       type(place_type), intent(inout) :: place
       logical, intent(out) :: success
+      real(dp) :: row(self%balance%block, self%balance%unknowns), row_frequency
 
-      call self%newton(place, weighted(place%tangent), place%tangent_frequency, huge(1.0_dp), success)
+      call self%across(place, row, row_frequency)
+      call self%newton(place, row, row_frequency, huge(1.0_dp), success)
       if (success) call self%find_tangent(place)
    end subroutine correct
 
@@ -99,14 +107,14 @@ contains
          row_frequency = 0
          largest = 1
          if (size(row) > 0) largest = maxloc(abs(from%tangent))
-         if (size(row) == 0 .or. abs(from%tangent_frequency) > maxval(abs(from%tangent))) then
+         if (size(row) == 0 .or. abs(from%tangent_frequency)/self%units%frequency &
+             > maxval(abs(from%tangent))/self%units%length) then
             row_frequency = 1
          else
             row(largest(1), largest(2)) = 1
          end if
       else
-         row = weighted(from%tangent)
-         row_frequency = from%tangent_frequency
+         call self%across(from, row, row_frequency)
       end if
       call self%newton(to, row, row_frequency, h, success)
       if (.not. success) return
@@ -123,7 +131,7 @@ contains
       type(place_type), intent(inout) :: place
       real(dp), intent(in) :: row(:, :), row_frequency, longest
       logical, intent(out) :: success
-      real(dp) :: y, length, before, scale
+      real(dp) :: y, length, before, tolerance
       integer :: iteration
       logical :: last, regular
 
@@ -143,17 +151,17 @@ contains
          self%step = -self%balance%residual
          y = 0
          call self%matrix%solve(self%balance, self%step, y)
-         length = sqrt(inner(self%step, self%step) + y**2)
+         length = self%length_of(self%step, y)
          if (.not. length <= longest) return
          if (iteration == 1) self%correction = length/longest
          if (length > 0.7_dp*before .and. iteration > 2) return
          place%u = place%u + self%step
          place%frequency = place%frequency + y
-         scale = 1 + sqrt(inner(place%u, place%u))
-         success = length < converged*scale .and. place%frequency > 0
+         tolerance = self%tolerance_at(place%u)
+         success = length < tolerance .and. place%frequency > 0
          if (success) return
          ! Quadratic convergence: the ratio of a step to the square of the one before stays about the same.
-         last = iteration > 1 .and. length*(length/before)**2 < 0.1_dp*converged*scale
+         last = iteration > 1 .and. length*(length/before)**2 < 0.1_dp*tolerance
          before = length
       end do
    end subroutine newton
@@ -167,15 +175,69 @@ contains
       self%step = 0
       y = 1
       call self%matrix%solve(self%balance, self%step, y)
-      length = sqrt(inner(self%step, self%step) + y**2)
-      if (inner(self%step, place%tangent) + y*place%tangent_frequency < 0) length = -length
+      length = self%length_of(self%step, y)
+      if (inner(self%step, place%tangent)/self%units%length**2 &
+          + y*place%tangent_frequency/self%units%frequency**2 < 0) length = -length
       place%tangent = self%step/length
       place%orientation = self%matrix%orientation
       if (length < 0) place%orientation = -place%orientation
       place%tangent_frequency = y/length
    end subroutine find_tangent
 
-   !> The metric's inner product of two sets of coefficients.
+   !> Cuts or pads the coefficients of a place to the present number of harmonics.
+   pure subroutine refit(self, place)
+      class(path_type), intent(in) :: self
+      type(place_type), intent(inout) :: place
+      real(dp) :: u(self%balance%block, size(place%u, 2)), tangent(self%balance%block, size(place%u, 2))
+      integer :: n
+
+      n = min(size(u, 1), size(place%u, 1))
+      u = 0
+      tangent = 0
+      u(:n, :) = place%u(:n, :)
+      tangent(:n, :) = place%tangent(:n, :)
+      place%u = u
+      place%tangent = tangent
+      place%orientation = 0
+   end subroutine refit
+
+   !> Length in the metric of a change of the coefficients and, where given, of Lambda.
+   pure real(dp) function length_of(self, u, frequency)
+      class(path_type), intent(in) :: self
+      real(dp), intent(in) :: u(:, :)
+      real(dp), intent(in), optional :: frequency
+
+      length_of = inner(u, u)/self%units%length**2
+      if (present(frequency)) length_of = length_of + (frequency/self%units%frequency)**2
+      length_of = sqrt(length_of)
+   end function length_of
+
+   !> Border row of the equation that a correction of `place` is across its tangent.
+   pure subroutine across(self, place, row, row_frequency)
+      class(path_type), intent(in) :: self
+      type(place_type), intent(in) :: place
+      real(dp), intent(out) :: row(:, :), row_frequency
+
+      row = weighted(place%tangent)/self%units%length
+      row_frequency = place%tangent_frequency*(self%units%length/self%units%frequency**2)
+   end subroutine across
+
+   !> Newton step at which u counts as solved: relative to the motion, the mean counted from the wall it leans on, because a
+   !> lightly loaded train moves by much less than its gap. Rounding of the mean is the floor.
+   pure real(dp) function tolerance_at(self, u) result(tolerance)
+      class(path_type), intent(in) :: self
+      real(dp), intent(in) :: u(:, :)
+      real(dp) :: beyond(size(u, 1), size(u, 2))
+      integer :: i
+
+      beyond = u
+      do i = 1, size(u, 2)
+         beyond(1, i) = abs(u(1, i)) - self%balance%system%backlash(self%balance%mesh(i))
+      end do
+      tolerance = max(converged*(2 + self%length_of(beyond)), rounding*self%length_of(u))
+   end function tolerance_at
+
+   !> Inner product of two sets of coefficients; the metric's is this over the square of the unit of length.
    pure real(dp) function inner(a, b)
       real(dp), intent(in) :: a(:, :), b(:, :)
 

@@ -4,10 +4,12 @@ module geartrain_branch_recorder
    use geartrain_base_kinds, only: dp
    use geartrain_branch_branch, only: branch_type
    use geartrain_branch_path, only: place_type
+   use geartrain_branch_verdict, only: judge, verdict_type
    use geartrain_motion_balance, only: balance_type
    use geartrain_motion_mesh_load, only: force_reader_type
    use geartrain_motion_trigonometric, only: extremes, fine_samples, rms
-   use geartrain_stability_monodromy, only: is_stable, monodromy_type
+   use geartrain_motion_truncation, only: truncation_type
+   use geartrain_stability_monodromy, only: monodromy_type
    implicit none (type, external)
    private
    public :: recorder_type
@@ -50,14 +52,15 @@ contains
    end subroutine setup
 
    !> Adds the place at which the balance was last evaluated.
-   subroutine add(self, balance, place, error_estimate, part, branch)
+   subroutine add(self, balance, place, truncation, part, branch)
       class(recorder_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
       type(place_type), intent(in) :: place
-      real(dp), intent(in) :: error_estimate
+      type(truncation_type), intent(in) :: truncation
       integer, intent(in) :: part
       type(branch_type), intent(inout), target :: branch
       real(dp) :: coefficients(1 + 2*balance%highest, balance%system%meshes)
+      type(verdict_type) :: verdict
       integer :: j, k, n
 
       if (branch%points == size(branch%frequency) .or. balance%highest > branch%harmonics) then
@@ -74,7 +77,9 @@ contains
       branch%frequency(n) = place%frequency
       branch%coefficients(:, :, n) = 0
       branch%coefficients(:size(coefficients, 1), :, n) = coefficients
-      branch%error_estimate(n) = error_estimate
+      branch%error_estimate(n) = truncation%estimate
+      branch%estimate_doubtful(n) = truncation%doubtful
+      branch%point_harmonics(n) = balance%highest
       branch%part(n) = part
       do j = 1, branch%meshes
          branch%rms(j, n) = rms(coefficients(:, j))
@@ -94,7 +99,10 @@ contains
          call self%monodromy%integrate(balance, place%frequency)
          call self%monodromy%multipliers(self%multipliers)
          branch%multipliers(:, n) = self%multipliers
-         branch%stable(n) = is_stable(self%multipliers)
+         call judge(self%monodromy, balance, place%u, place%frequency, truncation, self%multipliers, verdict)
+         branch%stable(n) = verdict%stable
+         branch%undecided(n) = verdict%undecided
+         branch%second_estimate(n) = verdict%second
       end if
       branch%points = n
    end subroutine add
@@ -125,13 +133,19 @@ contains
       call move_alloc(branch%mesh_load, old%mesh_load)
       call move_alloc(branch%multipliers, old%multipliers)
       call move_alloc(branch%stable, old%stable)
+      call move_alloc(branch%undecided, old%undecided)
+      call move_alloc(branch%second_estimate, old%second_estimate)
       call move_alloc(branch%error_estimate, old%error_estimate)
+      call move_alloc(branch%estimate_doubtful, old%estimate_doubtful)
+      call move_alloc(branch%point_harmonics, old%point_harmonics)
       call move_alloc(branch%part, old%part)
       associate (m => branch%meshes)
          allocate (branch%frequency(points), branch%coefficients(1 + 2*harmonics, m, points), branch%rms(m, points), &
                    branch%mean(m, points), branch%minimum(m, points), branch%maximum(m, points), &
-                   branch%mesh_load(m, points), branch%error_estimate(points), branch%part(points))
-         if (stability) allocate (branch%multipliers(branch%states, points), branch%stable(points))
+                   branch%mesh_load(m, points), branch%error_estimate(points), branch%estimate_doubtful(points), &
+                   branch%point_harmonics(points), branch%part(points))
+         if (stability) allocate (branch%multipliers(branch%states, points), branch%stable(points), branch%undecided(points), &
+                                  branch%second_estimate(points))
       end associate
       branch%harmonics = harmonics
       if (.not. allocated(old%frequency)) return
@@ -145,10 +159,14 @@ contains
       branch%maximum(:, :n) = old%maximum(:, :n)
       branch%mesh_load(:, :n) = old%mesh_load(:, :n)
       branch%error_estimate(:n) = old%error_estimate(:n)
+      branch%estimate_doubtful(:n) = old%estimate_doubtful(:n)
+      branch%point_harmonics(:n) = old%point_harmonics(:n)
       branch%part(:n) = old%part(:n)
       if (.not. stability) return
       branch%multipliers(:, :n) = old%multipliers(:, :n)
       branch%stable(:n) = old%stable(:n)
+      branch%undecided(:n) = old%undecided(:n)
+      branch%second_estimate(:n) = old%second_estimate(:n)
    end subroutine resize
 
 end module geartrain_branch_recorder

@@ -12,7 +12,7 @@ module geartrain_branch_solutions
    use geartrain_motion_motion, only: motion_type
    implicit none (type, external)
    private
-   public :: solutions_at, lies_on, beyond_limit
+   public :: solutions_at, record_crossings, lies_on, beyond_limit
 
    !> Solutions of one balance at one frequency whose figures agree to this, relative to the largest displacement, are one.
    real(dp), parameter :: same = 1e-6_dp
@@ -31,10 +31,6 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(tracer_type) :: tracer
       type(branch_type) :: found
-      type(place_type) :: place
-      real(dp) :: share
-      integer :: i
-      logical :: success
 
       allocate (motions(0))
       call check_train(train, error)
@@ -44,21 +40,36 @@ contains
          return
       end if
       call begin_trace(train, settings, tracer)
-      if (settings%harmonics == 0) call tracer%prepare(branch%harmonics)
       call tracer%recorder%setup(tracer%path%balance, settings%stability, found)
+      call record_crossings(tracer, branch, frequency, found)
+      call gather(found, settings, motions)
+   end subroutine solutions_at
+
+   !> Adds to `found` every solution of the branch at exactly `frequency`, with a tracer made for it.
+   subroutine record_crossings(tracer, branch, frequency, found)
+      type(tracer_type), intent(inout) :: tracer
+      type(branch_type), intent(in) :: branch
+      real(dp), intent(in) :: frequency
+      type(branch_type), intent(inout), target :: found
+      type(place_type) :: place
+      real(dp) :: share
+      integer :: i
+      logical :: success
+
       do i = 1, branch%points - 1
          if (branch%part(i) /= branch%part(i + 1)) cycle
          if (.not. crosses(branch%frequency(i), branch%frequency(i + 1), frequency, i == branch%points - 1)) cycle
          share = 0
          if (abs(branch%frequency(i + 1) - branch%frequency(i)) > 0) &
             share = (frequency - branch%frequency(i))/(branch%frequency(i + 1) - branch%frequency(i))
+         if (tracer%settings%harmonics == 0) call tracer%prepare(maxval(branch%point_harmonics(i:i + 1)))
          call solve_between(tracer, branch, i, share, frequency, place, success)
          if (.not. success) cycle
          call tracer%path%orient(place, 1)
+         call tracer%adapt(place, success, fixed=.true.)
          call tracer%record(place, found)
       end do
-      call gather(found, settings, motions)
-   end subroutine solutions_at
+   end subroutine record_crossings
 
    !> A half-open interval, so that a point exactly at the frequency counts once; the last one is closed.
    pure logical function crosses(a, b, frequency, last)
@@ -79,12 +90,15 @@ contains
       logical, intent(out) :: success
       type(motion_type) :: motion
       type(place_type) :: start
-      real(dp) :: weight, chord
+      real(dp) :: weight, chord, drift
       integer :: attempt
 
       motion%frequency = frequency
       motion%period = branch%subharmonic
       chord = norm2(branch%coefficients(:, :, i + 1) - branch%coefficients(:, :, i))
+      ! Refined points lie off the balance's solutions by their corrections.
+      drift = 0
+      if (allocated(branch%correction)) drift = maxval(branch%correction(i:i + 1))*norm2(branch%coefficients(2:, :, i))
       do attempt = 1, 3
          weight = merge(share, real(attempt - 2, dp), attempt == 1)
          motion%coefficients = (1 - weight)*branch%coefficients(:, :, i) + weight*branch%coefficients(:, :, i + 1)
@@ -94,7 +108,8 @@ contains
          ! The solution between two neighbours is no further from either than twice their distance.
          motion%coefficients = branch%coefficients(:, :, i)
          start = place_of(tracer, motion)
-         success = sqrt(inner(place%u - start%u, place%u - start%u)) <= 2*chord + 1e-9_dp
+         success = sqrt(inner(place%u - start%u, place%u - start%u)) <= 2*(chord + max(drift, 0.0_dp)) &
+                   + 1e-9_dp*tracer%path%units%length
          if (success) return
       end do
    end subroutine solve_between
@@ -120,6 +135,7 @@ contains
             if (.not. settings%stability) cycle
             motion%multipliers = found%multipliers(:, i)
             motion%stable = found%stable(i)
+            motion%undecided = found%undecided(i)
          end associate
       end do
    end subroutine gather
@@ -132,6 +148,7 @@ contains
       type(response_settings_type), intent(in) :: settings
       type(branch_type), intent(in) :: branch
       type(motion_type), intent(in) :: motion
+      type(response_settings_type) :: same_balance
       type(tracer_type) :: tracer
       type(place_type) :: place
       type(branch_type) :: solved
@@ -143,15 +160,16 @@ contains
 
       lies_on = .false.
       if (branch%subharmonic /= motion%period .or. branch%points < 2) return
-      call begin_trace(train, settings, tracer)
-      if (settings%harmonics == 0) call tracer%prepare(branch%harmonics)
+      same_balance = settings
+      if (settings%harmonics == 0) same_balance%harmonics = branch%harmonics
+      call begin_trace(train, same_balance, tracer)
       place = place_of(tracer, motion)
       call tracer%path%solve_at(place, success)
       if (.not. success) return
       call tracer%path%orient(place, 1)
       call tracer%recorder%setup(tracer%path%balance, .false., solved)
       call tracer%record(place, solved)
-      call solutions_at(train, settings, branch, motion%frequency, motions, error)
+      call solutions_at(train, same_balance, branch, motion%frequency, motions, error)
       scale = max(maxval(abs(solved%maximum(:, 1))), maxval(abs(solved%minimum(:, 1))))
       do i = 1, size(motions)
          lies_on = all(abs(motions(i)%rms - solved%rms(:, 1)) < same*scale) &

@@ -31,7 +31,7 @@ contains
          s = between(a, b, fa, fb)
          call path%advance(here, s, fold, success)
          if (.not. success) return
-         if (abs(fold%tangent_frequency) < 1e-7_dp) return
+         if (abs(fold%tangent_frequency) < 1e-7_dp*path%units%frequency) return
          call shrink(a, b, fa, fb, s, fold%tangent_frequency, kept)
          if (b - a < 1e-6_dp*h) return
       end do

@@ -4,6 +4,8 @@ module geartrain_branch_start
    use geartrain_branch_branch, only: response_settings_type
    use geartrain_branch_path, only: place_type
    use geartrain_branch_tracer, only: tracer_type
+   use geartrain_branch_units, only: largest_unit, units_of
+   use geartrain_model_modes, only: natural_frequencies
    use geartrain_model_system, only: build_system
    use geartrain_model_train, only: train_type
    use geartrain_motion_motion, only: motion_type
@@ -11,8 +13,8 @@ module geartrain_branch_start
    private
    public :: begin_trace, place_of, resting
 
-   !> Amplitude limit where none is given, rms over characteristic length. A linear train has none: its branch is only not
-   !> recorded between here and infinity, where it passes a multiplier +1.
+   !> Amplitude limit where none is given, rms in the unit of motions that cross the gap. A linear train has none: its branch is
+   !> only not recorded between here and infinity, where it passes a multiplier +1.
    real(dp), parameter :: default_amplitude_limit = 12, linear_amplitude_limit = 1e4_dp
 
 contains
@@ -25,13 +27,15 @@ contains
 
       tracer%settings = settings
       call build_system(train, tracer%system)
+      tracer%path%units = units_of(tracer%system)
       if (settings%amplitude_limit > 0) then
          tracer%amplitude_limit = settings%amplitude_limit
       else if (any(tracer%system%backlash > 0)) then
-         tracer%amplitude_limit = default_amplitude_limit
+         tracer%amplitude_limit = default_amplitude_limit*largest_unit(tracer%system)
       else
-         tracer%amplitude_limit = linear_amplitude_limit
+         tracer%amplitude_limit = linear_amplitude_limit*largest_unit(tracer%system)
       end if
+      tracer%truncation%natural_frequency = natural_frequencies(tracer%system)
       call tracer%prepare(merge(settings%harmonics, 6*settings%subharmonic, settings%harmonics > 0))
    end subroutine begin_trace
 

@@ -4,12 +4,13 @@ module geartrain_branch_tracer
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_base_numbers, only: text
-   use geartrain_branch_branch, only: branch_type, response_settings_type
-   use geartrain_branch_path, only: inner, path_type, place_type
+   use geartrain_branch_bend, only: closes, cosine, cosine_limit, hides_folds, passes_half_period, turns
+   use geartrain_branch_branch, only: branch_type, response_settings_type, trace_state_type
+   use geartrain_branch_path, only: path_type, place_type
    use geartrain_branch_recorder, only: recorder_type
    use geartrain_branch_special_points, only: add_special_point, locate_fold, locate_stability_change, unstable_count
    use geartrain_model_system, only: system_type
-   use geartrain_motion_truncation, only: truncation_error
+   use geartrain_motion_truncation, only: find_truncation, harmonics_for, truncation_type
    implicit none (type, external)
    private
    public :: tracer_type, acceptable, next_step
@@ -20,15 +21,19 @@ module geartrain_branch_tracer
                          full = 7, met_half_period = 8, left_beyond = 9
 
    real(dp), parameter :: first_step = 0.01_dp, smallest_step = 1e-9_dp
-   !> Cosine of the largest angle between tangents of neighbouring points, and the angle aimed at [rad].
-   real(dp), parameter :: cosine_limit = 0.85_dp, angle_aim = 0.2_dp
+   !> Angle between tangents of neighbouring points aimed at [rad].
+   real(dp), parameter :: angle_aim = 0.2_dp
    !> Newton's first correction over the step: aimed at, and refused.
    real(dp), parameter :: correction_aim = 0.05_dp, correction_limit = 0.35_dp
    !> A change of orientation is a jump to another branch, unless it persists below this step: then branches cross here.
    real(dp), parameter :: jump_step = 1e-4_dp
-   !> Amplitude above which the largest step grows in proportion to it.
+   !> Amplitude, in the unit of the branch, above which the largest step grows in proportion to it.
    real(dp), parameter :: large = 5
-   integer, parameter :: fewest_harmonics = 4, most_harmonics = 256
+   !> Harmonics of Lambda by tolerance: fewest; most, of Lambda/subharmonic.
+   integer, parameter :: fewest_harmonics = 4, most_harmonics = 384
+   !> Share of the tolerance aimed at, so that a few points more keep within it, and how much lower the number of harmonics must be
+   !> able to get to be lowered: each change plans the balance anew.
+   real(dp), parameter :: tolerance_share = 0.3_dp, worth_lowering = 0.75_dp
 
    type :: tracer_type
       type(response_settings_type) :: settings
@@ -40,7 +45,11 @@ module geartrain_branch_tracer
       character(8) :: analysis = 'response'
       !> Number of the part of the branch that is traced.
       integer :: part = 1
-      real(dp), private :: estimate = 0
+      !> The next trace goes on from branch%trace.
+      logical :: resumes = .false.
+      !> Points that miss the tolerance, where the number of harmonics is left to the program.
+      integer :: missed = 0
+      type(truncation_type) :: truncation
       !> Change of the tangent's Lambda part along the branch, at the latest step.
       real(dp), private :: bend = 0
    contains
@@ -49,8 +58,11 @@ module geartrain_branch_tracer
       procedure :: trace
       procedure :: adapt
       procedure, private :: relax
+      procedure, private :: solve_again
+      procedure :: tell_missed
+      procedure :: note_state
+      procedure :: restore_state
       procedure :: estimate_error
-      procedure :: refit
       procedure, private :: stop_at
       procedure, private :: add_fold
       procedure, private :: add_stability_change
@@ -86,7 +98,8 @@ contains
       type(branch_type), intent(inout), target :: branch
 
       call self%estimate_error(place)
-      call self%recorder%add(self%path%balance, place, self%estimate, self%part, branch)
+      if (self%settings%harmonics == 0 .and. self%truncation%limited > self%settings%tolerance) self%missed = self%missed + 1
+      call self%recorder%add(self%path%balance, place, self%truncation, self%part, branch)
    end subroutine record
 
    !> Error estimate of a solved place, the last one that `path` worked on.
@@ -94,8 +107,8 @@ contains
       class(tracer_type), intent(inout) :: self
       type(place_type), intent(in) :: place
 
-      call truncation_error(self%path%balance, place%u, place%frequency, place%tangent, place%tangent_frequency, self%bend, &
-                            self%path%matrix, self%estimate)
+      call find_truncation(self%path%balance, place%u, place%frequency, place%tangent, place%tangent_frequency, self%bend, &
+                           self%path%units%frequency, self%path%matrix, self%truncation)
    end subroutine estimate_error
 
    !> Follows the branch from `here` (solved, oriented, already a point of the branch) within [low, high]. Of the two bounds
@@ -120,12 +133,20 @@ contains
       h = min(first_step, self%settings%step)
       steps = 0
       outcome = 0
+      if (self%resumes) then
+         self%resumes = .false.
+         here = branch%trace%here
+         origin = branch%trace%origin
+         h = branch%trace%step
+         steps = branch%trace%steps
+      end if
       do
          call self%path%advance(here, h, next, success)
          if (success) success = acceptable(self, here, next, h)
          if (success) success = h < jump_step .or. .not. hides_folds(here, next, h)
          if (success .and. (next%frequency < low .or. next%frequency > high)) then
             call self%stop_at(merge(low, high, next%frequency < low), here, next, h, success)
+            if (success) call self%adapt(next, success, fixed=.true.)
             if (success) then
                call self%record(next, branch)
                outcome = came_back
@@ -135,6 +156,11 @@ contains
                return
             end if
          end if
+         if (success) then
+            longer = next_step(self, here, next, h, self%settings%step*max(1.0_dp, self%path%length_of(next%u)/large))
+            self%bend = (next%tangent_frequency - here%tangent_frequency)/h
+            call self%adapt(next, success, here, origin)
+         end if
          if (.not. success) then
             h = h/3
             if (h >= smallest_step) cycle
@@ -143,26 +169,13 @@ contains
             return
          end if
 
-         longer = next_step(self, here, next, h, self%settings%step*max(1.0_dp, sqrt(inner(next%u, next%u))/large))
-         self%bend = (next%tangent_frequency - here%tangent_frequency)/h
-         if (self%settings%harmonics == 0) call self%adapt(next, here, origin)
-         if (turns(here, next)) call self%add_fold(here, next, h, branch)
+         if (turns(here, next, self%path%units)) call self%add_fold(here, next, origin, h, branch)
          call self%record(next, branch)
          steps = steps + 1
          if (self%recorder%stability .and. (steps > 1 .or. begins_at_latest)) &
             call self%add_stability_change(here, next, h, branch)
 
-         if (present(observer)) then
-            keep_going = .true.
-            call observer%on_step(trim(self%analysis), branch%points, next%frequency, keep_going)
-            if (.not. keep_going) then
-               outcome = cancelled
-               branch%cancelled = .true.
-               reason = 'cancelled at Lambda = '//text(next%frequency)
-               return
-            end if
-         end if
-         if (passes_half_period(self, here, next)) then
+         if (passes_half_period(here, next, self%settings%subharmonic)) then
             outcome = met_half_period
             reason = 'met the branch of half its period at Lambda = '//text(next%frequency)
             return
@@ -184,18 +197,55 @@ contains
 
          h = longer
          here = next
-         if (self%settings%harmonics == 0) call self%relax(here, origin)
+         call self%relax(here, origin)
          if (steps > 3) then
-            if (closes(here, origin, h, gap)) then
+            if (closes(here, origin, h, self%path%units, gap)) then
                call self%path%advance(here, gap, next, success)
+               if (success) call self%adapt(next, success)
                if (success) call self%record(next, branch)
                outcome = closed_loop
                reason = 'closed where it began, at Lambda = '//text(origin%frequency)
                return
             end if
          end if
+
+         ! Last in the loop: the observer may keep the branch, and another run go on from branch%trace.
+         if (.not. present(observer)) cycle
+         if (allocated(branch%trace)) then
+            call self%note_state(branch%trace)
+            branch%trace%steps = steps
+            branch%trace%step = h
+            branch%trace%here = here
+            branch%trace%origin = origin
+         end if
+         keep_going = .true.
+         call observer%on_step(trim(self%analysis), branch%points, here%frequency, keep_going)
+         if (keep_going) cycle
+         outcome = cancelled
+         branch%cancelled = .true.
+         reason = 'cancelled at Lambda = '//text(here%frequency)
+         return
       end do
    end subroutine trace
+
+   !> Notes what outlives a trace: the next one, from the other end, begins with it.
+   pure subroutine note_state(self, state)
+      class(tracer_type), intent(in) :: self
+      type(trace_state_type), intent(inout) :: state
+
+      state%harmonics = self%path%balance%highest
+      state%bend = self%bend
+      state%missed = self%missed
+   end subroutine note_state
+
+   subroutine restore_state(self, state)
+      class(tracer_type), intent(inout) :: self
+      type(trace_state_type), intent(in) :: state
+
+      if (self%path%balance%highest /= state%harmonics) call self%prepare(state%harmonics)
+      self%bend = state%bend
+      self%missed = state%missed
+   end subroutine restore_state
 
    !> Whether a step stayed on the branch: a small correction, a small turn, the same orientation.
    logical function acceptable(self, here, next, h)
@@ -203,61 +253,10 @@ contains
       type(place_type), intent(in) :: here, next
       real(dp), intent(in) :: h
 
-      acceptable = self%path%correction < correction_limit .and. cosine(here, next) > cosine_limit
+      acceptable = self%path%correction < correction_limit .and. cosine(here, next, self%path%units) > cosine_limit
       if (self%path%local_control) return
       acceptable = acceptable .and. (here%orientation == next%orientation .or. here%orientation == 0 .or. h < jump_step)
    end function acceptable
-
-   !> Whether the odd harmonics of a motion of even period change sign between two points: the branch passes through one of
-   !> half its period there, and goes on as its own mirror image, shifted by half a period.
-   pure logical function passes_half_period(self, here, next)
-      class(tracer_type), intent(in) :: self
-      type(place_type), intent(in) :: here, next
-      real(dp) :: product
-      integer :: k
-
-      passes_half_period = .false.
-      if (mod(self%settings%subharmonic, 2) /= 0) return
-      product = 0
-      do k = 1, size(self%path%balance%harmonic), 2
-         product = product + sum(here%u(2*k:2*k + 1, :)*next%u(2*k:2*k + 1, :))
-      end do
-      passes_half_period = product < 0
-   end function passes_half_period
-
-   !> Whether Lambda turns between two points. Where a branch leaves vertically (a period-2 branch does, until contact is lost)
-   !> the sign of the tangent's Lambda part is rounding: that is no fold.
-   pure logical function turns(here, next)
-      type(place_type), intent(in) :: here, next
-
-      turns = here%tangent_frequency*next%tangent_frequency < 0 &
-              .and. max(abs(here%tangent_frequency), abs(next%tangent_frequency)) > 1e-6_dp
-   end function turns
-
-   !> Whether Lambda seems to turn twice between two points: whether the cubic through them, with their slopes, does.
-   pure logical function hides_folds(here, next, h)
-      type(place_type), intent(in) :: here, next
-      real(dp), intent(in) :: h
-      real(dp) :: bend, share, chord
-
-      hides_folds = .false.
-      chord = (next%frequency - here%frequency)/h
-      associate (first => here%tangent_frequency, last => next%tangent_frequency)
-         if (first*last <= 0) return
-         bend = first + last - 2*chord
-         if (abs(bend) <= 0) return
-         share = (2*first + last - 3*chord)/(3*bend)
-         if (share <= 0 .or. share >= 1) return
-         hides_folds = first*(first - 3*bend*share**2) < 0
-      end associate
-   end function hides_folds
-
-   !> Of the angle between two tangents.
-   pure real(dp) function cosine(here, next)
-      type(place_type), intent(in) :: here, next
-
-      cosine = inner(here%tangent, next%tangent) + here%tangent_frequency*next%tangent_frequency
-   end function cosine
 
    !> Aims at a certain turn and a certain first Newton correction (which goes with the square of the step); at most `longest`.
    real(dp) function next_step(self, here, next, h, longest)
@@ -266,24 +265,11 @@ contains
       real(dp), intent(in) :: h, longest
       real(dp) :: angle
 
-      angle = acos(max(-1.0_dp, min(1.0_dp, cosine(here, next))))
+      angle = acos(max(-1.0_dp, min(1.0_dp, cosine(here, next, self%path%units))))
       next_step = h*max(0.4_dp, min(1.8_dp, angle_aim/max(angle, 1e-8_dp), &
                                     sqrt(correction_aim/max(self%path%correction, 1e-8_dp))))
       next_step = min(next_step, longest)
    end function next_step
-
-   !> Whether `origin` lies ahead, within the next step and close to the tangent; `gap` is the way there.
-   logical function closes(here, origin, h, gap)
-      type(place_type), intent(in) :: here, origin
-      real(dp), intent(in) :: h
-      real(dp), intent(out) :: gap
-      real(dp) :: du(size(here%u, 1), size(here%u, 2)), df
-
-      du = origin%u - here%u
-      df = origin%frequency - here%frequency
-      gap = inner(du, here%tangent) + df*here%tangent_frequency
-      closes = gap > 0 .and. gap <= h .and. inner(du, du) + df**2 < 1.1_dp*gap**2 .and. cosine(here, origin) > cosine_limit
-   end function closes
 
    !> Solves at exactly `bound`, which lies between `here` and `next`; `next` becomes that place.
    subroutine stop_at(self, bound, here, next, h, success)
@@ -302,22 +288,30 @@ contains
       next = guess
       call self%path%solve_at(next, success)
       if (.not. success) return
-      success = sqrt(inner(next%u - guess%u, next%u - guess%u)) < max(h, 1e-8_dp)
+      success = self%path%length_of(next%u - guess%u) < max(h, 1e-8_dp)
       if (success) call self%path%orient(next, merge(1, -1, bound > here%frequency))
    end subroutine stop_at
 
    !> Puts the fold between `here` and `next` on the branch, and solves `next` again, which comes after it.
-   subroutine add_fold(self, here, next, h, branch)
+   subroutine add_fold(self, here, next, origin, h, branch)
       class(tracer_type), intent(inout) :: self
-      type(place_type), intent(in) :: here
-      type(place_type), intent(inout) :: next
+      type(place_type), intent(inout) :: here, next, origin
       real(dp), intent(in) :: h
       type(branch_type), intent(inout), target :: branch
       type(place_type) :: fold
-      logical :: success
+      integer :: highest
+      logical :: success, enough
 
-      fold = next
-      call locate_fold(self%path, here, next, h, fold, success)
+      do
+         fold = next
+         call locate_fold(self%path, here, next, h, fold, success)
+         if (.not. success) exit
+         highest = self%path%balance%highest
+         call self%adapt(fold, enough, here, origin)
+         if (self%path%balance%highest == highest) exit
+         ! With more harmonics it lies elsewhere.
+         call self%path%refit(next)
+      end do
       if (success) then
          call self%record(fold, branch)
          call add_special_point(branch, 'fold', fold%frequency, branch%points, branch%rms(:, branch%points))
@@ -337,7 +331,7 @@ contains
       logical :: success, fold
 
       n = branch%points
-      fold = turns(here, next)
+      fold = turns(here, next, self%path%units)
       before = n - 1
       if (fold) before = n - 2
       if (before < 1) return
@@ -352,61 +346,101 @@ contains
       if (kind == 'symmetry' .and. last > 0) then
          if (branch%special_points(last)%kind == 'fold' .and. branch%special_points(last)%point > n - 6) return
       end if
-      if (kind == 'symmetry' .and. abs(place%tangent_frequency) < 0.1_dp) return
+      if (kind == 'symmetry' .and. abs(place%tangent_frequency) < 0.1_dp*self%path%units%frequency) return
       call add_special_point(branch, kind, place%frequency, before, branch%rms(:, n))
    end subroutine add_stability_change
 
-   !> Raises the number of harmonics until the error estimate of `place`, just solved, is within the tolerance; the places that
-   !> go with it are padded alike.
-   subroutine adapt(self, place, here, origin)
+   !> Where the number of harmonics is left to the program: raises it until `place`, just solved, is within the tolerance; the
+   !> places that go with it are padded alike. Where the balance of more harmonics finds no solution, all is as it was and
+   !> `success` is false.
+   subroutine adapt(self, place, success, here, origin, fixed)
       class(tracer_type), intent(inout) :: self
-      type(place_type), intent(inout) :: place, here, origin
-      integer :: highest
-      logical :: success
+      type(place_type), intent(inout) :: place
+      logical, intent(out) :: success
+      type(place_type), intent(inout), optional :: here, origin
+      !> Keeps Lambda as it is.
+      logical, intent(in), optional :: fixed
+      type(place_type) :: before(3)
+      integer :: highest, most, first
 
+      success = .true.
+      if (self%settings%harmonics > 0) return
+      first = self%path%balance%highest
+      most = max(most_harmonics, fewest_harmonics*self%settings%subharmonic)
+      before(1) = place
+      if (present(here)) before(2) = here
+      if (present(origin)) before(3) = origin
       do
          call self%estimate_error(place)
          highest = self%path%balance%highest
-         if (self%estimate <= self%settings%tolerance .or. highest >= most_harmonics) return
-         call self%prepare(min(most_harmonics, (3*highest + 1)/2))
-         call self%refit(here)
-         call self%refit(origin)
-         call self%refit(place)
-         call self%path%correct(place, success)
-         if (.not. success) return
+         if (self%truncation%limited <= self%settings%tolerance .or. highest >= most) return
+         call self%prepare(min(most, max(highest + self%system%excitation_order, harmonics_for(self%truncation, &
+                                         tolerance_share*self%settings%tolerance/self%truncation%limited))))
+         call self%path%refit(place)
+         if (present(here)) call self%path%refit(here)
+         if (present(origin)) call self%path%refit(origin)
+         call self%solve_again(place, success, fixed)
+         if (.not. success) exit
       end do
+      call self%prepare(first)
+      place = before(1)
+      if (present(here)) here = before(2)
+      if (present(origin)) origin = before(3)
+      call self%solve_again(place, success, fixed)
+      success = .false.
    end subroutine adapt
 
-   !> Lowers the number of harmonics for the points to come where the latest estimate leaves room.
+   !> Solves a place that has a tangent after its number of harmonics changed: at the same Lambda if `fixed`.
+   subroutine solve_again(self, place, success, fixed)
+      class(tracer_type), intent(inout) :: self
+      type(place_type), intent(inout) :: place
+      logical, intent(out) :: success
+      logical, intent(in), optional :: fixed
+      integer :: direction
+
+      if (present(fixed)) then
+         if (fixed) then
+            direction = merge(1, -1, place%tangent_frequency > 0)
+            call self%path%solve_at(place, success)
+            if (success) call self%path%orient(place, direction)
+            return
+         end if
+      end if
+      call self%path%correct(place, success)
+   end subroutine solve_again
+
+   !> Lowers the number of harmonics for the points to come where `here`, the latest one, leaves room; never to less than half.
    subroutine relax(self, here, origin)
       class(tracer_type), intent(inout) :: self
       type(place_type), intent(inout) :: here, origin
-      integer :: highest
+      type(place_type) :: before(2)
+      integer :: highest, fewer
       logical :: success
 
+      if (self%settings%harmonics > 0) return
       highest = self%path%balance%highest
-      if (self%estimate > 0.02_dp*self%settings%tolerance .or. highest <= fewest_harmonics) return
-      call self%prepare(max(fewest_harmonics, (3*highest)/4))
-      call self%refit(here)
-      call self%refit(origin)
+      fewer = max(fewest_harmonics*self%settings%subharmonic, highest/2, harmonics_for(self%truncation, &
+                  tolerance_share*self%settings%tolerance/max(self%truncation%limited, tiny(1.0_dp))))
+      if (fewer > worth_lowering*highest) return
+      before = [here, origin]
+      call self%prepare(fewer)
+      call self%path%refit(here)
+      call self%path%refit(origin)
       call self%path%correct(here, success)
+      if (success) return
+      call self%prepare(highest)
+      here = before(1)
+      origin = before(2)
    end subroutine relax
 
-   !> Cuts or pads the coefficients of a place to the present number of harmonics.
-   pure subroutine refit(self, place)
+   !> Adds to the reason for the end how many points miss the tolerance.
+   subroutine tell_missed(self, branch)
       class(tracer_type), intent(in) :: self
-      type(place_type), intent(inout) :: place
-      real(dp) :: u(self%path%balance%block, size(place%u, 2)), tangent(self%path%balance%block, size(place%u, 2))
-      integer :: n
+      type(branch_type), intent(inout) :: branch
 
-      n = min(size(u, 1), size(place%u, 1))
-      u = 0
-      tangent = 0
-      u(:n, :) = place%u(:n, :)
-      tangent(:n, :) = place%tangent(:n, :)
-      place%u = u
-      place%tangent = tangent
-      place%orientation = 0
-   end subroutine refit
+      if (self%missed == 0) return
+      branch%ended = branch%ended//'; '//text(self%missed)//' of '//text(branch%points)//' points miss the tolerance ' &
+                     //text(self%settings%tolerance)//' with '//text(branch%harmonics)//' harmonics at most'
+   end subroutine tell_missed
 
 end module geartrain_branch_tracer

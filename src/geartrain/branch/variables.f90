@@ -34,7 +34,8 @@ contains
                         settings%subharmonic)
       call v%on_logical(row('stability', '', 'Floquet multipliers of every point'), settings%stability)
       call v%on_real(row('amplitude_limit', '', 'rms over characteristic length beyond which the branch is followed but not &
-                         &recorded; -1: 12 with backlash, none for a linear train', above=zero, automatic=-one), &
+                         &recorded; -1: 12 with backlash, 10000 for a linear train, where it counts as infinite (both times the &
+                         &power of ten nearest to the larger of the gap and the static deflection)', above=zero, automatic=-one), &
                      settings%amplitude_limit)
       word = trim(settings%coefficients)
       call v%on_text(row('coefficients', '', 'Fourier coefficients of the mesh force: exact from the contact events, or sampled &
@@ -48,11 +49,14 @@ contains
       settings%control = word
       call v%on_real(row('tolerance', '', 'relative error of the waveform aimed at where harmonics = 0', above=zero, most=one), &
                      settings%tolerance)
-      call v%on_real(row('step', '', 'largest step along the branch, in Lambda and mesh displacement together', above=zero), &
+      call v%on_real(row('step', '', 'largest step along the branch, in Lambda and mesh displacement together, each over the power &
+                         &of ten nearest to the own scale of the train (see docs/numerics.md)', above=zero), &
                      settings%step)
       call v%on_integer(row('max_points', '', 'points after which the branch is given up', least=2*one), settings%max_points)
       call v%on_integer(row('period_doublings', '', 'how often a period doubling is followed: 1: the branches of twice the period, &
                             &2: those of four times as well, ...', least=zero, most=6*one), settings%period_doublings)
+      call v%on_logical(row('refine', '', 'every point polished by shooting to about 1e-11, multipliers included; in the end, &
+                            &further branches as well'), settings%refine)
       call v%leave()
    end subroutine visit_response
 

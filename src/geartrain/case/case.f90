@@ -1,6 +1,7 @@
 !> One case: a train and the analyses wanted of it, as one namelist file gives them.
 module geartrain_case_case
    use geartrain_branch_branch, only: response_settings_type
+   use geartrain_branch_stability_map_settings, only: stability_map_settings_type
    use geartrain_model_train, only: train_type
    use geartrain_motion_attractors_settings, only: attractors_settings_type
    use geartrain_motion_integration_settings, only: integration_settings_type
@@ -16,6 +17,7 @@ module geartrain_case_case
       type(response_settings_type), allocatable :: response
       type(integration_settings_type), allocatable :: integration
       type(attractors_settings_type), allocatable :: attractors
+      type(stability_map_settings_type), allocatable :: stability_map
       !> Name of the output file as given in &output; empty: the case's name with .h5.
       character(:), allocatable :: output_file
    end type case_type

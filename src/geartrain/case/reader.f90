@@ -3,6 +3,7 @@ module geartrain_case_reader
    use geartrain_base_error, only: error_type, fatal
    use geartrain_base_numbers, only: integer_text
    use geartrain_base_problems, only: problems_type
+   use geartrain_branch_stability_map_variables, only: visit_stability_map
    use geartrain_branch_variables, only: check_response_consistency, visit_response
    use geartrain_case_assigner, only: assigner_type
    use geartrain_case_case, only: case_type
@@ -126,6 +127,9 @@ contains
             case ('attractors')
                allocate (case%attractors)
                call visit_attractors(case%attractors, reader)
+            case ('stability_map')
+               allocate (case%stability_map)
+               call visit_stability_map(case%stability_map, reader)
             case ('output')
                call visit_output(case%output_file, reader)
             end select

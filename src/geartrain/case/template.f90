@@ -19,10 +19,10 @@ contains
       text = '! A case for geartrain. Run it with: geartrain CASE.nml'//newline// &
              '! SI units throughout. Lines that begin with ! are comments: remove the ! to give that variable or group.'// &
              newline// &
-             set_aside(commented_text(paper_case()), 'attractors')
+             set_aside(set_aside(commented_text(paper_case()), 'attractors'), 'stability_map')
    end function template_text
 
-   !> The text with a group turned into comments: many random starts are for those who ask for them.
+   !> The text with a group turned into comments: many random starts and long maps are for those who ask for them.
    function set_aside(text, group) result(changed)
       character(*), intent(in) :: text, group
       character(:), allocatable :: changed
@@ -39,7 +39,7 @@ contains
       changed = changed//text(last + 2:)
    end function set_aside
 
-   !> The train of table 1 and the analyses of figure 3, and what coexists at Lambda = 0.6.
+   !> The train of table 1 and the analyses of figure 3, what coexists at Lambda = 0.6, and a map.
    function paper_case() result(case)
       type(case_type) :: case
 
@@ -60,13 +60,16 @@ contains
          train%meshes%stiffness = [2.5e8_dp, 5.0e8_dp]
       end associate
       case%modes = .true.
-      allocate (case%response, case%integration, case%attractors)
+      allocate (case%response, case%integration, case%attractors, case%stability_map)
       case%response%start = 0.2_dp
       case%response%stop = 2.6_dp
       case%integration%start = 0.2_dp
       case%integration%stop = 2.6_dp
       case%integration%direction = 'both'
       case%attractors%frequency = 0.6_dp
+      case%stability_map%start = 0.2_dp
+      case%stability_map%stop = 4.2_dp
+      case%stability_map%parameter_stop = 0.5_dp
       case%output_file = ''
    end function paper_case
 

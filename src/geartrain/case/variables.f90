@@ -4,6 +4,7 @@ module geartrain_case_variables
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: real_text
    use geartrain_base_variable, only: row => variable_type, visitor_type
+   use geartrain_branch_stability_map_variables, only: check_stability_map_consistency, visit_stability_map
    use geartrain_branch_variables, only: visit_response
    use geartrain_case_case, only: case_type
    use geartrain_model_variables, only: visit_model
@@ -14,7 +15,7 @@ module geartrain_case_variables
 
    !> A group that a case file may hold.
    type :: group_row_type
-      character(12) :: name = ''
+      character(16) :: name = ''
       character(200) :: description = ''
    end type group_row_type
 
@@ -27,6 +28,7 @@ module geartrain_case_variables
       group_row_type('integration', 'Asks for the steady motions that time integration settles on, over frequency.'), &
       group_row_type('attractors', 'Asks for the steady motions that random starts settle on at one frequency, and their &
                      &shares.'), &
+      group_row_type('stability_map', 'Asks for the stability over frequency and one parameter of the train, a stability chart.'), &
       group_row_type('output', 'Where the results go.')]
 
 contains
@@ -41,6 +43,7 @@ contains
       if (allocated(case%response)) call visit_response(case%response, visitor)
       if (allocated(case%integration)) call visit_integration(case%integration, visitor)
       if (allocated(case%attractors)) call visit_attractors(case%attractors, visitor)
+      if (allocated(case%stability_map)) call visit_stability_map(case%stability_map, visitor)
       call visit_output(case%output_file, visitor)
    end subroutine visit_case
 
@@ -50,6 +53,7 @@ contains
       class(checker_type), intent(inout) :: checker
       real(dp) :: low, high
 
+      if (allocated(case%stability_map)) call check_stability_map_consistency(case%train, case%stability_map, checker)
       if (.not. allocated(case%attractors)) return
       if (.not. case%attractors%follow .or. checker%problems%in_group('response')) return
       call checker%enter('attractors', 1)

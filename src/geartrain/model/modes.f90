@@ -8,7 +8,7 @@ module geartrain_model_modes
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: modes_type, natural_modes
+   public :: modes_type, natural_modes, natural_frequencies
 
    type :: modes_type
       !> Undamped, over characteristic frequency, ascending, the rigid-body mode left out, (mode).
@@ -44,6 +44,21 @@ contains
          if (system%body_element(j) > 0) write (modes%element(system%body_element(j)), '(a, i0)') 'shaft ', j
       end do
    end subroutine natural_modes
+
+   !> Natural frequencies alone, over characteristic frequency, ascending; empty where LAPACK does not converge.
+   pure function natural_frequencies(system) result(frequency)
+      type(system_type), intent(in) :: system
+      real(dp), allocatable :: frequency(:), off(:)
+      real(dp) :: none(1, 1), work(1)
+      integer :: n, info
+
+      n = system%elements
+      frequency = system%coupling(2, :)
+      off = -sqrt(system%coupling(3, :n - 1)*system%coupling(1, 2:))
+      call dsteqr('N', n, frequency, off, none, 1, work, info)
+      frequency = sqrt(max(frequency, 0.0_dp))
+      if (info /= 0) frequency = [real(dp) ::]
+   end function natural_frequencies
 
    !> W is tridiagonal and similar to a symmetric matrix by the square roots of the stiffnesses.
    subroutine undamped(system, modes, info)

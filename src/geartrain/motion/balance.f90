@@ -8,6 +8,7 @@ module geartrain_motion_balance
    use geartrain_model_system, only: system_type
    use geartrain_motion_bordered, only: bordered_type
    use geartrain_motion_contact, only: contact_type
+   use geartrain_motion_needed_harmonics, only: needed_harmonics
    use geartrain_motion_trigonometric, only: fine_samples, sample
    implicit none (type, external)
    private
@@ -23,6 +24,8 @@ module geartrain_motion_balance
       integer :: eta = 1
       integer, allocatable :: harmonic(:)
       integer :: block = 1
+      !> Those that are not, up to three times the highest, in which the error shows.
+      integer, allocatable :: missing(:)
       !> Highest harmonic asked for (harmonics 1..highest that the excitation reaches are carried).
       integer :: highest = 0
       !> Meshes that are unknowns, and which they are.
@@ -41,11 +44,9 @@ module geartrain_motion_balance
       type(receptance_type), allocatable :: receptance(:)
       !> Lambda at the last `evaluate`.
       real(dp), private :: frequency = 0
-      !> Plan of the meshes' waveforms; where not all harmonics are explicit, samples of the stiffness in contact (sample, unknowns).
+      !> Plan of the meshes' waveforms; where not all harmonics are explicit, stiffness in contact (sample, unknowns).
       type(transform_type), private :: fine
       real(dp), allocatable, private :: wave(:, :)
-      !> Plan for products with harmonics up to three times the highest; none where all are explicit.
-      type(transform_type) :: wide
    contains
       procedure :: setup
       procedure :: evaluate
@@ -72,14 +73,18 @@ contains
       type(system_type), intent(in) :: system
       integer, intent(in) :: highest, eta, samples
       integer, intent(in), optional :: explicit
-      integer :: i, r, step
+      integer :: i, r
 
       self%system = system
       self%eta = eta
       self%highest = highest
-      step = 1
-      if (eta == 1) step = system%excitation_order
-      self%harmonic = [(r, r=step, highest, step)]
+      if (eta == 1) then
+         self%harmonic = needed_harmonics(system, highest)
+      else
+         self%harmonic = [(r, r=1, highest)]
+      end if
+      self%missing = pack([(r, r=1, 3*highest)], [(.not. any(self%harmonic == r), r=1, 3*highest)])
+      if (eta == 1) self%missing = pack(self%missing, mod(self%missing, system%excitation_order) == 0)
       self%block = 1 + 2*size(self%harmonic)
       self%unknown = is_unknown(system)
       self%mesh = pack([(i, i=1, system%meshes)], self%unknown)
@@ -87,7 +92,7 @@ contains
       if (.not. allocated(self%contact)) allocate (self%contact(self%unknowns))
       do i = 1, self%unknowns
          associate (j => self%mesh(i))
-            call self%contact(i)%setup(system%backlash(j), system%mesh_stiffness(j), eta, self%harmonic, 4*highest, samples)
+            call self%contact(i)%setup(system%backlash(j), system%mesh_stiffness(j), eta, self%harmonic, 2*highest, samples)
          end associate
       end do
       call self%fine%plan(fine_samples(maxval([1, self%harmonic])))
@@ -97,7 +102,6 @@ contains
       self%explicit = size(self%harmonic)
       if (self%explicit > most_direct) self%explicit = explicit_of_many
       if (present(explicit)) self%explicit = min(explicit, size(self%harmonic))
-      if (.not. self%is_direct()) call self%wide%plan(fine_samples(highest + 1))
       allocate (self%wave(merge(0, self%fine%samples, self%is_direct()), self%unknowns))
       if (allocated(self%tangent)) deallocate (self%tangent)
       allocate (self%tangent(1 + 2*self%explicit, 1 + 2*self%explicit, self%unknowns))

@@ -31,15 +31,15 @@ module geartrain_motion_contact
       complex(dp), allocatable :: stiffness(:), offset(:)
       type(transform_type), private :: sampled
       real(dp), allocatable, private :: p(:), slope(:), kappa_sample(:)
-      complex(dp), allocatable, private :: in_contact(:), flank(:)
       integer, allocatable, private :: flank_sample(:)
       logical, private :: exact = .true.
    contains
       procedure :: setup
       procedure :: update
       procedure :: shares
+      procedure :: clearance
+      procedure :: spectra
       procedure, private :: find_events
-      procedure, private :: exact_spectra
       procedure, private :: sampled_spectra
    end type contact_type
 
@@ -56,7 +56,7 @@ contains
       integer, intent(in) :: harmonic(:), highest
       !> 0: exact coefficients; else the number of samples of the DFT.
       integer, intent(in) :: samples
-      integer :: reach, q
+      integer :: q
 
       self%backlash = backlash
       self%kappa = stiffness%amplitude
@@ -64,9 +64,8 @@ contains
       self%harmonic = harmonic
       self%highest = highest
       self%exact = samples == 0
-      reach = highest + self%stride*size(self%kappa)
-      if (allocated(self%stiffness)) deallocate (self%stiffness, self%offset, self%in_contact, self%flank)
-      allocate (self%stiffness(0:highest), self%offset(0:highest), self%in_contact(0:reach), self%flank(0:reach))
+      if (allocated(self%stiffness)) deallocate (self%stiffness, self%offset)
+      allocate (self%stiffness(0:highest), self%offset(0:highest))
       if (.not. allocated(self%instant)) allocate (self%instant(64), self%contact(64))
       if (self%exact) return
       call self%sampled%plan(samples)
@@ -81,7 +80,6 @@ contains
       real(dp), intent(in) :: u(:)
       !> A plan of `fine_samples` of the highest harmonic: one serves all meshes.
       type(transform_type), intent(inout) :: fine
-      integer :: h
 
       self%events = 0
       self%first_contact = 1
@@ -90,20 +88,30 @@ contains
          if (.not. self%exact) then
             call self%sampled_spectra(u)
             return
-         else if (self%events > 0) then
-            call self%exact_spectra()
-            return
          end if
       end if
-      self%stiffness = 0
-      self%offset = 0
-      if (self%first_contact == 0) return
-      self%stiffness(0) = 1
-      do h = 1, min(size(self%kappa), self%highest/self%stride)
-         self%stiffness(h*self%stride) = self%kappa(h)/2
-      end do
-      if (self%backlash > 0) self%offset = self%first_contact*self%stiffness
+      call self%spectra(self%stiffness, self%offset)
    end subroutine update
+
+   !> Two-sided Fourier coefficients of chi kappa and of sigma kappa as far as the arrays reach, by the events of the last `update`.
+   pure subroutine spectra(self, stiffness, offset)
+      class(contact_type), intent(in) :: self
+      complex(dp), intent(out) :: stiffness(0:), offset(0:)
+      integer :: h
+
+      if (self%events > 0) then
+         call exact_spectra(self, stiffness, offset)
+         return
+      end if
+      stiffness = 0
+      offset = 0
+      if (self%first_contact == 0) return
+      stiffness(0) = 1
+      do h = 1, min(size(self%kappa), ubound(stiffness, 1)/self%stride)
+         stiffness(h*self%stride) = self%kappa(h)/2
+      end do
+      if (self%backlash > 0) offset = self%first_contact*stiffness
+   end subroutine spectra
 
    !> Shares of the period without contact and with contact of the back flanks, at the last `update`.
    pure subroutine shares(self, separation, back_contact)
@@ -124,6 +132,29 @@ contains
       separation = share(0)
       back_contact = share(-1)
    end subroutine shares
+
+   !> How near an extreme of p, by the parabola through three samples, comes to one of the walls, at the last `update`: a change
+   !> of p by as much makes a contact or ends one. Huge for a linear mesh.
+   pure real(dp) function clearance(self)
+      class(contact_type), intent(in) :: self
+      real(dp) :: before, here, after, extreme
+      integer :: q, n
+
+      clearance = huge(1.0_dp)
+      if (.not. self%backlash > 0) return
+      n = size(self%p)
+      before = self%p(n)
+      here = self%p(1)
+      do q = 1, n
+         after = self%p(merge(1, q + 1, q == n))
+         if ((here - before)*(after - here) <= 0 .and. abs(before - 2*here + after) > 0) then
+            extreme = here - (after - before)**2/(8*(before - 2*here + after))
+            clearance = min(clearance, abs(abs(extreme) - self%backlash))
+         end if
+         before = here
+         here = after
+      end do
+   end function clearance
 
    !> Samples bracket the crossings of +-b, Newton polishes them; where two samples on one side of a wall turn back between
    !> them, the extreme decides whether the wall was crossed twice.
@@ -257,52 +288,52 @@ contains
    end subroutine turning
 
    !> Closed form: a jump of size J at theta adds J exp(-i k theta)/(2 pi i k) to coefficient k; then the product with kappa.
-   subroutine exact_spectra(self)
-      class(contact_type), intent(inout) :: self
+   pure subroutine exact_spectra(self, stiffness, offset)
+      class(contact_type), intent(in) :: self
+      complex(dp), intent(out) :: stiffness(0:), offset(0:)
+      complex(dp), dimension(0:ubound(stiffness, 1) + self%stride*size(self%kappa)) :: chi, sigma
       complex(dp) :: z, power, jump
       real(dp) :: length, last, chi_jump, flank_jump
       integer :: i, k, now
 
-      associate (chi => self%in_contact, sigma => self%flank)
-         chi = 0
-         sigma = 0
-         last = 0
-         now = self%first_contact
-         do i = 1, self%events
-            length = (self%instant(i) - last)/(2*pi)
-            chi(0) = chi(0) + abs(now)*length
-            sigma(0) = sigma(0) + now*length
-            chi_jump = abs(self%contact(i)) - abs(now)
-            flank_jump = self%contact(i) - now
-            z = exp(cmplx(0, -self%instant(i), dp))
-            power = cmplx(0, -1/(2*pi), dp)
-            do k = 1, ubound(chi, 1)
-               power = power*z
-               chi(k) = chi(k) + chi_jump*power
-               sigma(k) = sigma(k) + flank_jump*power
-            end do
-            last = self%instant(i)
-            now = self%contact(i)
-         end do
-         length = (2*pi - last)/(2*pi)
+      chi = 0
+      sigma = 0
+      last = 0
+      now = self%first_contact
+      do i = 1, self%events
+         length = (self%instant(i) - last)/(2*pi)
          chi(0) = chi(0) + abs(now)*length
          sigma(0) = sigma(0) + now*length
+         chi_jump = abs(self%contact(i)) - abs(now)
+         flank_jump = self%contact(i) - now
+         z = exp(cmplx(0, -self%instant(i), dp))
+         power = cmplx(0, -1/(2*pi), dp)
          do k = 1, ubound(chi, 1)
-            chi(k) = chi(k)/k
-            sigma(k) = sigma(k)/k
+            power = power*z
+            chi(k) = chi(k) + chi_jump*power
+            sigma(k) = sigma(k) + flank_jump*power
          end do
-         self%stiffness = chi(0:self%highest)
-         self%offset = sigma(0:self%highest)
-         do i = 1, size(self%kappa)
-            jump = self%kappa(i)/2
-            do k = 0, self%highest
-               self%stiffness(k) = self%stiffness(k) + jump*two_sided(chi, k - i*self%stride) &
-                                   + conjg(jump)*chi(k + i*self%stride)
-               self%offset(k) = self%offset(k) + jump*two_sided(sigma, k - i*self%stride) &
-                                + conjg(jump)*sigma(k + i*self%stride)
-            end do
+         last = self%instant(i)
+         now = self%contact(i)
+      end do
+      length = (2*pi - last)/(2*pi)
+      chi(0) = chi(0) + abs(now)*length
+      sigma(0) = sigma(0) + now*length
+      do k = 1, ubound(chi, 1)
+         chi(k) = chi(k)/k
+         sigma(k) = sigma(k)/k
+      end do
+      stiffness = chi(0:ubound(stiffness, 1))
+      offset = sigma(0:ubound(stiffness, 1))
+      do i = 1, size(self%kappa)
+         jump = self%kappa(i)/2
+         do k = 0, ubound(stiffness, 1)
+            stiffness(k) = stiffness(k) + jump*two_sided(chi, k - i*self%stride) &
+                                + conjg(jump)*chi(k + i*self%stride)
+            offset(k) = offset(k) + jump*two_sided(sigma, k - i*self%stride) &
+                             + conjg(jump)*sigma(k + i*self%stride)
          end do
-      end associate
+      end do
    end subroutine exact_spectra
 
    pure complex(dp) function two_sided(coefficient, k)

@@ -9,14 +9,15 @@ module geartrain_motion_integration
    use geartrain_model_train, only: train_type
    use geartrain_motion_flow, only: flow_type
    use geartrain_motion_integration_settings, only: integration_settings_type
+   use geartrain_motion_lyapunov, only: exponent_periods, largest_exponent
    use geartrain_motion_motion, only: motion_type
    use geartrain_motion_orbit, only: flow_order, flow_tolerance, measure, propagate
    use geartrain_motion_start_state, only: resting_state, state_of
    use geartrain_motion_variables, only: check_integration, smallest_frequency
-   use geartrain_stability_monodromy, only: eigenvalues, is_stable
+   use geartrain_stability_monodromy, only: eigenvalues, is_neutral, is_stable
    implicit none (type, external)
    private
-   public :: integrate, settle
+   public :: add_exponent, integrate, settle
 
    !> Longest period looked for, in mesh periods.
    integer, parameter :: longest_period = 16
@@ -54,7 +55,20 @@ contains
          call state_of(system, start, state)
       end if
       call settle(system, frequency, settings, state, motion, observer)
+      call add_exponent(system, settings, motion, observer)
    end subroutine integrate
+
+   !> The Lyapunov exponent of a motion for which no period was found, unless it ran away.
+   subroutine add_exponent(system, settings, motion, observer)
+      type(system_type), intent(in) :: system
+      type(integration_settings_type), intent(in) :: settings
+      type(motion_type), intent(inout) :: motion
+      class(observer_type), intent(inout), optional :: observer
+
+      if (motion%period > 0 .or. .not. all(abs(motion%state) < 1e100_dp)) return
+      call largest_exponent(system, motion%frequency, motion%state, &
+                            exponent_periods(motion%frequency, settings%max_periods), motion%lyapunov_exponent, observer)
+   end subroutine add_exponent
 
    !> Settings for a single frequency, which takes the place of the range.
    subroutine check_single(settings, frequency, error)
@@ -187,6 +201,7 @@ contains
       allocate (motion%multipliers(size(state)))
       call eigenvalues(monodromy, motion%multipliers)
       motion%stable = is_stable(motion%multipliers)
+      motion%undecided = is_neutral(motion%multipliers)
    end subroutine describe
 
 end module geartrain_motion_integration

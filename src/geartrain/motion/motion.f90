@@ -24,6 +24,10 @@ module geartrain_motion_motion
       !> Floquet multipliers over one period of the motion; allocated where they were asked for.
       complex(dp), allocatable :: multipliers(:)
       logical :: stable = .false.
+      !> `stable` is a guess: the largest multiplier is as near to the unit circle as it is uncertain.
+      logical :: undecided = .false.
+      !> Largest Lyapunov exponent [1], per unit of time: positive where neighbours part; there where no period was found.
+      real(dp), allocatable :: lyapunov_exponent
       !> Relative error of the waveform, as estimated; negative where there is no estimate.
       real(dp) :: error_estimate = -1
       !> Share of random starts that settled on this motion; negative where it was not counted.

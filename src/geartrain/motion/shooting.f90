@@ -11,7 +11,7 @@ module geartrain_motion_shooting
    use geartrain_motion_motion, only: motion_type
    use geartrain_motion_orbit, only: measure, propagate
    use geartrain_motion_start_state, only: state_of
-   use geartrain_stability_monodromy, only: eigenvalues, is_stable
+   use geartrain_stability_monodromy, only: eigenvalues, is_neutral, is_stable
    implicit none (type, external)
    private
    public :: refine
@@ -40,6 +40,10 @@ contains
       if (allocated(error)) return
       if (motion%period < 1) then
          call fatal(error, 'refine: no period was found for this motion, so there is no orbit to refine')
+         return
+      end if
+      if (.not. (allocated(motion%state) .or. allocated(motion%coefficients))) then
+         call fatal(error, 'refine: the motion has neither a state nor coefficients')
          return
       end if
       call build_system(train, system)
@@ -82,6 +86,7 @@ contains
          allocate (refined%multipliers(n))
          call eigenvalues(monodromy, refined%multipliers)
          refined%stable = is_stable(refined%multipliers)
+         refined%undecided = is_neutral(refined%multipliers)
          motion = refined
       end subroutine finish
 

@@ -1,43 +1,328 @@
 !> What a balance leaves out: the harmonics above its highest, and what they do to those it carries.
 module geartrain_motion_truncation
+   use geartrain_base_fftw, only: transform_type
    use geartrain_base_kinds, only: dp
    use geartrain_model_receptance, only: find_receptance, receptance_type
    use geartrain_motion_balance, only: balance_type
    use geartrain_motion_linearization, only: linearization_type
-   use geartrain_motion_trigonometric, only: sample
+   use geartrain_motion_trigonometric, only: evaluate, fine_samples, sample
    implicit none (type, external)
    private
-   public :: truncation_error
+   public :: truncation_type, find_truncation, harmonics_for
+
+   !> Beyond this the estimate is doubtful: 2 bend y/slope**2 (1: the fold lies at the point itself), relative error.
+   real(dp), parameter :: near_fold = 0.3_dp, large = 0.1_dp
+   !> Steepest branch, dLambda along it, on which a number of harmonics is to hold a tolerance: at a fold itself an error at
+   !> constant Lambda falls with the root of the shift of the fold only.
+   real(dp), parameter :: steepest = 0.05_dp
+
+   !> The tail is taken up to `near` times the highest kept harmonic, and up to `far` times that where a harmonic may meet a natural
+   !> frequency, which is lower than that of the train in contact by the share of separation.
+   integer, parameter :: near = 3, far = 8
+   real(dp), parameter :: lowest_resonance = 0.7_dp, highest_resonance = 1.15_dp
+
+   type :: truncation_type
+      !> Of the train in contact, over characteristic frequency; to be set before `find_truncation`.
+      real(dp), allocatable :: natural_frequency(:)
+      !> Relative error of the waveform at the same Lambda, to first order.
+      real(dp) :: estimate = 0
+      !> The same on a branch that is nowhere steeper than `steepest`: what the number of harmonics is chosen by.
+      real(dp) :: limited = 0
+      !> The first order may not hold: a fold as near as it is itself misplaced, a contact that begins or ends within the error,
+      !> or an error that is not small.
+      logical :: doubtful = .false.
+      !> Root of the sum of squares of the amplitudes above harmonic r, all meshes together, (0:near*highest).
+      real(dp), allocatable :: remainder(:)
+      !> Harmonics of the tail that are taken, their amplitudes (tail, unknowns), the spectra of contact (0:, unknowns).
+      integer, private :: count = 0
+      integer, allocatable, private :: harmonic(:)
+      complex(dp), allocatable, private :: tail(:, :), stiffness(:, :), offset(:, :)
+      !> The error of the kept coefficients, (block, unknowns), which corrects the motion to first order.
+      real(dp), allocatable, private :: error(:, :)
+      !> Plan for products of the tail with the spectra, where the balance works by FFT too.
+      type(transform_type), private :: wide
+   contains
+      procedure :: waveform_error
+      procedure, private :: reserve
+      procedure, private :: choose_tail
+   end type truncation_type
 
 contains
 
-   !> Relative error of the waveform, to first order: the missing tail follows from the force at harmonics highest+1 ..
-   !> 3 highest, and its effect on the kept harmonics, at constant Lambda, costs one solve with `matrix`, factored at this
-   !> solution with any border row; the tangent (and its Lambda part) takes out what that row lets Lambda move.
+   !> The missing tail follows from the force at its harmonics, and its effect on the kept ones, at constant Lambda, costs one
+   !> solve with `matrix`, factored at this solution with any border row; the tangent (and its Lambda part) takes out what that
+   !> row lets Lambda move.
    !>
-   !> Where that is y and Lambda = slope s + bend s**2/2 along the branch, the way back along it is about y/slope, and
-   !> sqrt(2 y/bend) at a fold, which moves by y.
-   subroutine truncation_error(balance, u, frequency, tangent, tangent_frequency, bend, matrix, estimate)
+   !> Where that is y and Lambda = slope s + bend s**2/2 along the branch, the way back along it is the nearer root s of
+   !> y + slope s + bend s**2/2 = 0.
+   subroutine find_truncation(balance, u, frequency, tangent, slope, bend, unit, matrix, truncation)
       type(balance_type), intent(inout) :: balance
-      !> The solution, the unit tangent there and the change of its Lambda part along the branch.
-      real(dp), intent(in) :: u(:, :), frequency, tangent(:, :), tangent_frequency, bend
+      !> The solution, the unit tangent there, its Lambda part and the change of that along the branch.
+      real(dp), intent(in) :: u(:, :), frequency, tangent(:, :), slope, bend
+      !> Of Lambda, for what counts as steep.
+      real(dp), intent(in) :: unit
       type(linearization_type), intent(inout) :: matrix
-      real(dp), intent(out) :: estimate
-      complex(dp) :: tail(2*balance%highest, balance%unknowns), shift
-      real(dp) :: correction(balance%block, balance%unknowns), d_phi(balance%block, balance%unknowns), y, slope
-      integer :: i, k, neighbour
+      type(truncation_type), intent(inout) :: truncation
+      real(dp) :: correction(balance%block, balance%unknowns), error(balance%block, balance%unknowns), y, way, scale
+      integer :: i, reach
 
-      if (balance%unknowns == 0 .or. size(balance%harmonic) == 0) then
-         estimate = 0
-         return
+      truncation%estimate = 0
+      truncation%limited = 0
+      truncation%doubtful = .false.
+      call truncation%reserve(balance)
+      call truncation%choose_tail(balance, frequency)
+      truncation%remainder = 0
+      truncation%error = 0*u
+      if (truncation%count == 0) return
+      associate (n => truncation%count, tail => truncation%tail(:truncation%count, :), harmonic => truncation%harmonic)
+         reach = harmonic(n) + balance%highest
+         do i = 1, balance%unknowns
+            call balance%contact(i)%spectra(truncation%stiffness(0:reach, i), truncation%offset(0:reach, i))
+         end do
+         ! Room for the product of the spectra with the motion or the tail, without aliases where it is used.
+         if (.not. balance%is_direct()) call truncation%wide%plan(fine_samples(reach/4 + 1))
+         call find_forces(balance, u, harmonic(:n), truncation%stiffness(0:reach, :), truncation%offset, truncation%wide, tail)
+         call find_tail(balance, frequency, harmonic(:n), tail)
+         call find_remainder(balance, u, harmonic(:n), tail, truncation%remainder)
+         call find_shift(balance, harmonic(:n), truncation%stiffness(0:reach, :), truncation%wide, tail, correction)
+         y = 0
+         call matrix%solve(balance, correction, y)
+         scale = sqrt(max(sum(u(2:, :)**2), tiny(1.0_dp)))
+         way = -y/sign(max(abs(slope), steepest*unit), slope)
+         error = correction + way*tangent
+         truncation%limited = sqrt(sum(abs(tail)**2) + 2*sum(error(1, :)**2) + sum(error(2:, :)**2))/scale
+         error = correction + way_back(y, slope, bend)*tangent
+         truncation%estimate = sqrt(sum(abs(tail)**2) + 2*sum(error(1, :)**2) + sum(error(2:, :)**2))/scale
+         truncation%error = error
+         truncation%doubtful = truncation%estimate > large .or. abs(2*bend*y) > near_fold*slope**2
+         do i = 1, balance%unknowns
+            if (balance%contact(i)%clearance() < sqrt(sum(abs(tail(:, i))**2) + 2*error(1, i)**2 + sum(error(2:, i)**2))) &
+               truncation%doubtful = .true.
+         end do
+      end associate
+   end subroutine find_truncation
+
+   !> Room for the longest tail.
+   pure subroutine reserve(self, balance)
+      class(truncation_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+      integer :: longest
+
+      longest = far*balance%highest
+      if (allocated(self%remainder)) then
+         if (ubound(self%remainder, 1) == near*balance%highest .and. size(self%tail, 2) == balance%unknowns) return
+         deallocate (self%remainder, self%harmonic, self%tail, self%stiffness, self%offset)
       end if
-      call forces_beyond(balance, u, tail)
-      call find_tail(balance, frequency, tail)
+      allocate (self%remainder(0:near*balance%highest), self%harmonic(longest), self%tail(longest, balance%unknowns), &
+                self%stiffness(0:longest + balance%highest, balance%unknowns), &
+                self%offset(0:longest + balance%highest, balance%unknowns))
+   end subroutine reserve
+
+   !> Harmonics of the tail: those that the balance misses up to `near`, and beyond where a natural frequency may be met.
+   pure subroutine choose_tail(self, balance, frequency)
+      class(truncation_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: frequency
+      logical :: taken(far*balance%highest)
+      real(dp) :: r
+      integer :: k, step, least
+
+      self%count = 0
+      if (balance%unknowns == 0 .or. size(balance%harmonic) == 0) return
+      step = 1
+      if (balance%eta == 1) step = balance%system%excitation_order
+      taken = .false.
+      taken(balance%missing) = .true.
+      if (allocated(self%natural_frequency)) then
+         do k = 1, size(self%natural_frequency)
+            r = self%natural_frequency(k)*balance%eta/frequency
+            least = int(min(lowest_resonance*r, real(size(taken), dp))) + 1
+            taken(max(least, near*balance%highest + 1):int(min(highest_resonance*r, real(size(taken), dp)))) = .true.
+         end do
+      end if
+      do k = step, size(taken), step
+         if (.not. taken(k)) cycle
+         self%count = self%count + 1
+         self%harmonic(self%count) = k
+      end do
+   end subroutine choose_tail
+
+   !> The estimated error of unknown mesh i at theta [rad], with the sign of what is missing.
+   pure real(dp) function waveform_error(self, balance, i, theta)
+      class(truncation_type), intent(in) :: self
+      type(balance_type), intent(in) :: balance
+      integer, intent(in) :: i
+      real(dp), intent(in) :: theta
+      real(dp) :: slope, curvature
+      integer :: m
+
+      call evaluate(self%error(:, i), balance%harmonic, theta, waveform_error, slope, curvature)
+      do m = 1, self%count
+         waveform_error = waveform_error + real(self%tail(m, i)*exp(cmplx(0, self%harmonic(m)*theta, dp)), dp)
+      end do
+   end function waveform_error
+
+   !> The nearer root s of y + slope s + bend s**2/2 = 0; where there is none, as far as if the fold had moved the other way.
+   pure real(dp) function way_back(y, slope, bend)
+      real(dp), intent(in) :: y, slope, bend
+      real(dp) :: inside
+
+      inside = slope**2 - 2*bend*y
+      if (inside < 0) inside = slope**2 + abs(2*bend*y)
+      way_back = -2*y/sign(max(abs(slope) + sqrt(inside), tiny(1.0_dp)), slope)
+   end function way_back
+
+   !> Fewest harmonics for which the error is to be `share` of what it is, by the decay of the harmonics; at most twice as many as
+   !> there are, because more of the tail is not known.
+   pure integer function harmonics_for(truncation, share) result(highest)
+      type(truncation_type), intent(in) :: truncation
+      real(dp), intent(in) :: share
+      integer :: now
+
+      now = ubound(truncation%remainder, 1)/near
+      do highest = 1, 2*now - 1
+         if (truncation%remainder(highest) <= share*truncation%remainder(now)) return
+      end do
+   end function harmonics_for
+
+   !> Root of the sum of squares above each harmonic; what lies beyond the last one counts for all.
+   pure subroutine find_remainder(balance, u, harmonic, tail, remainder)
+      type(balance_type), intent(in) :: balance
+      integer, intent(in) :: harmonic(:)
+      real(dp), intent(in) :: u(:, :)
+      complex(dp), intent(in) :: tail(:, :)
+      real(dp), intent(inout) :: remainder(0:)
+      integer :: k, m
+
+      remainder = 0
+      do k = 1, size(balance%harmonic)
+         remainder(balance%harmonic(k) - 1) = sum(u(2*k:2*k + 1, :)**2)
+      end do
+      do m = 1, size(harmonic)
+         k = min(harmonic(m) - 1, ubound(remainder, 1))
+         remainder(k) = remainder(k) + sum(abs(tail(m, :))**2)
+      end do
+      do k = ubound(remainder, 1) - 1, 0, -1
+         remainder(k) = remainder(k) + remainder(k + 1)
+      end do
+      remainder = sqrt(remainder)
+   end subroutine find_remainder
+
+   !> Forces that the kept harmonics cause at those of the tail, (tail, unknowns).
+   subroutine find_forces(balance, u, harmonic, stiffness, offset, wide, force)
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: u(:, :)
+      integer, intent(in) :: harmonic(:)
+      complex(dp), intent(in) :: stiffness(0:, :), offset(0:, :)
+      type(transform_type), intent(inout) :: wide
+      complex(dp), intent(out) :: force(:, :)
+      integer :: i, m
+
       do i = 1, balance%unknowns
          if (balance%is_direct()) then
-            d_phi(:, i) = tail_force(balance, i, tail(:, i))
+            do m = 1, size(harmonic)
+               force(m, i) = 2*stiffness(harmonic(m), i)*u(1, i) + driven(balance%harmonic, stiffness(:, i), u(:, i), harmonic(m))
+            end do
          else
-            call transform_tail(balance, i, tail(:, i), d_phi(:, i))
+            call sample(u(:, i), balance%harmonic, wide)
+            call multiply(wide, stiffness(:, i))
+            force(:, i) = 2*wide%coefficient(harmonic + 1)
+         end if
+         force(:, i) = force(:, i) - 2*balance%contact(i)%backlash*offset(harmonic, i)
+      end do
+   end subroutine find_forces
+
+   !> Multiplies the waveform in wide%sample with that of the two-sided coefficients w; leaves coefficients there.
+   subroutine multiply(wide, w)
+      type(transform_type), intent(inout) :: wide
+      complex(dp), intent(in) :: w(:)
+      real(dp) :: waveform(wide%samples)
+
+      waveform = wide%sample/wide%samples
+      wide%coefficient = 0
+      wide%coefficient(:size(w)) = w
+      call wide%to_samples()
+      wide%sample = waveform*wide%sample
+      call wide%to_coefficients()
+   end subroutine multiply
+
+   !> Complex amplitudes of the tail in place of the forces there, (tail, unknowns): each harmonic by itself, the meshes coupled
+   !> and with their mean stiffness (a harmonic near a natural frequency resonates).
+   pure subroutine find_tail(balance, frequency, harmonic, tail)
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: frequency
+      integer, intent(in) :: harmonic(:)
+      complex(dp), intent(inout) :: tail(:, :)
+      type(receptance_type) :: local
+      complex(dp) :: force(balance%unknowns), own(balance%unknowns), pivot(balance%unknowns), ratio
+      integer :: i, m, r, neighbour
+
+      do m = 1, size(harmonic)
+         r = harmonic(m)
+         force = tail(m, :)
+         do i = 1, balance%unknowns
+            own(i) = balance%mean_stiffness(i, r)
+         end do
+         call find_receptance(balance%system, balance%unknown, frequency, r, balance%eta, local)
+         ! Elimination down the chain and back; the diagonal is 1 plus something small, save at a resonance.
+         associate (p => tail(m, :), h => local%h(:, balance%mesh))
+            do i = 1, balance%unknowns
+               p(i) = local%a(balance%mesh(i))
+               do neighbour = max(1, i - 1), min(balance%unknowns, i + 1)
+                  p(i) = p(i) - h(neighbour - i + 2, i)*force(neighbour)
+               end do
+               pivot(i) = 1 + h(2, i)*own(i)
+               if (i == 1) cycle
+               ratio = h(1, i)*own(i - 1)/pivot(i - 1)
+               pivot(i) = pivot(i) - ratio*h(3, i - 1)*own(i)
+               p(i) = p(i) - ratio*p(i - 1)
+            end do
+            do i = balance%unknowns, 1, -1
+               if (i < balance%unknowns) p(i) = p(i) - h(3, i)*own(i + 1)*p(i + 1)
+               p(i) = p(i)/pivot(i)
+            end do
+         end associate
+      end do
+   end subroutine find_tail
+
+   !> Force at harmonic r, not a kept one, that the kept harmonics cause.
+   pure complex(dp) function driven(kept, w, u, r)
+      integer, intent(in) :: kept(:), r
+      complex(dp), intent(in) :: w(0:)
+      real(dp), intent(in) :: u(:)
+      integer :: k
+
+      driven = 0
+      do k = 1, size(kept)
+         driven = driven + two_sided(w, r - kept(k))*cmplx(u(2*k), -u(2*k + 1), dp) &
+                  + w(r + kept(k))*cmplx(u(2*k), u(2*k + 1), dp)
+      end do
+   end function driven
+
+   pure complex(dp) function two_sided(w, k)
+      complex(dp), intent(in) :: w(0:)
+      integer, intent(in) :: k
+
+      two_sided = w(abs(k))
+      if (k < 0) two_sided = conjg(two_sided)
+   end function two_sided
+
+   !> What the tail's force moves the kept harmonics by, before the balance answers.
+   subroutine find_shift(balance, harmonic, stiffness, wide, tail, correction)
+      type(balance_type), intent(in) :: balance
+      integer, intent(in) :: harmonic(:)
+      complex(dp), intent(in) :: stiffness(0:, :), tail(:, :)
+      type(transform_type), intent(inout) :: wide
+      real(dp), intent(out) :: correction(:, :)
+      real(dp) :: d_phi(balance%block, balance%unknowns)
+      complex(dp) :: shift
+      integer :: i, k, neighbour
+
+      do i = 1, balance%unknowns
+         if (balance%is_direct()) then
+            call tail_force(balance%harmonic, harmonic, stiffness(:, i), tail(:, i), d_phi(:, i))
+         else
+            call transform_tail(balance%harmonic, harmonic, stiffness(:, i), tail(:, i), wide, d_phi(:, i))
          end if
       end do
       do i = 1, balance%unknowns
@@ -52,154 +337,44 @@ contains
             correction(2*k + 1, i) = -shift%im
          end do
       end do
-      y = 0
-      call matrix%solve(balance, correction, y)
-      slope = abs(tangent_frequency)/2 + sqrt(tangent_frequency**2/4 + abs(bend*y)/2)
-      correction = correction - y/sign(max(slope, tiny(1.0_dp)), tangent_frequency)*tangent
-      estimate = sqrt((sum(abs(tail)**2) + 2*sum(correction(1, :)**2) + sum(correction(2:, :)**2)) &
-                      /max(sum(u(2:, :)**2), tiny(1.0_dp)))
-   end subroutine truncation_error
-
-   !> Forces of the unknown meshes at harmonics highest+1 .. 3 highest, (2*highest, unknowns), that the kept ones cause.
-   subroutine forces_beyond(balance, u, force)
-      type(balance_type), intent(inout) :: balance
-      real(dp), intent(in) :: u(:, :)
-      complex(dp), intent(out) :: force(:, :)
-      integer :: i, m
-
-      do i = 1, balance%unknowns
-         if (balance%is_direct()) then
-            do m = 1, size(force, 1)
-               force(m, i) = force_at(balance, i, u(:, i), balance%highest + m)
-            end do
-         else
-            associate (contact => balance%contact(i), wide => balance%wide, n => balance%highest)
-               call sample(u(:, i), balance%harmonic, wide)
-               call multiply(balance, i)
-               force(:, i) = 2*(wide%coefficient(n + 2:3*n + 1) - contact%backlash*contact%offset(n + 1:3*n))
-            end associate
-         end if
-      end do
-   end subroutine forces_beyond
-
-   !> Multiplies the waveform in balance%wide%sample with the stiffness in contact of unknown mesh i; leaves coefficients there.
-   subroutine multiply(balance, i)
-      type(balance_type), intent(inout) :: balance
-      integer, intent(in) :: i
-      real(dp) :: waveform(balance%wide%samples)
-
-      associate (wide => balance%wide)
-         waveform = wide%sample/wide%samples
-         wide%coefficient = 0
-         wide%coefficient(:4*balance%highest + 1) = balance%contact(i)%stiffness
-         call wide%to_samples()
-         wide%sample = waveform*wide%sample
-         call wide%to_coefficients()
-      end associate
-   end subroutine multiply
-
-   !> Complex amplitudes at harmonics highest+1 .. 3 highest, in place of the forces there, (2*highest, unknowns): each harmonic by
-   !> itself, the meshes coupled and with their mean stiffness in contact (a harmonic near a natural frequency resonates).
-   subroutine find_tail(balance, frequency, tail)
-      type(balance_type), intent(in) :: balance
-      real(dp), intent(in) :: frequency
-      complex(dp), intent(inout) :: tail(:, :)
-      type(receptance_type) :: local
-      complex(dp) :: force(balance%unknowns), stiffness(balance%unknowns), pivot(balance%unknowns), ratio
-      integer :: i, m, r, neighbour
-
-      do m = 1, size(tail, 1)
-         r = balance%highest + m
-         force = tail(m, :)
-         tail(m, :) = 0
-         do i = 1, balance%unknowns
-            stiffness(i) = balance%mean_stiffness(i, r)
-         end do
-         if (all(abs(force) < tiny(1.0_dp)) .and. balance%eta == 1 .and. mod(r, balance%system%excitation_order) /= 0) cycle
-         call find_receptance(balance%system, balance%unknown, frequency, r, balance%eta, local)
-         ! Elimination down the chain and back; the diagonal is 1 plus something small, save at a resonance.
-         associate (p => tail(m, :), h => local%h(:, balance%mesh))
-            do i = 1, balance%unknowns
-               p(i) = local%a(balance%mesh(i))
-               do neighbour = max(1, i - 1), min(balance%unknowns, i + 1)
-                  p(i) = p(i) - h(neighbour - i + 2, i)*force(neighbour)
-               end do
-               pivot(i) = 1 + h(2, i)*stiffness(i)
-               if (i == 1) cycle
-               ratio = h(1, i)*stiffness(i - 1)/pivot(i - 1)
-               pivot(i) = pivot(i) - ratio*h(3, i - 1)*stiffness(i)
-               p(i) = p(i) - ratio*p(i - 1)
-            end do
-            do i = balance%unknowns, 1, -1
-               if (i < balance%unknowns) p(i) = p(i) - h(3, i)*stiffness(i + 1)*p(i + 1)
-               p(i) = p(i)/pivot(i)
-            end do
-            tail(m, :) = p
-         end associate
-      end do
-   end subroutine find_tail
-
-   !> Force of unknown mesh i at harmonic r, not a kept one, that the kept ones cause.
-   pure complex(dp) function force_at(balance, i, u, r)
-      type(balance_type), intent(in) :: balance
-      integer, intent(in) :: i, r
-      real(dp), intent(in) :: u(:)
-      integer :: k
-
-      associate (w => balance%contact(i)%stiffness, contact => balance%contact(i))
-         force_at = 2*w(r)*u(1) - 2*contact%backlash*contact%offset(r)
-         do k = 1, size(balance%harmonic)
-            force_at = force_at + w(r - balance%harmonic(k))*cmplx(u(2*k), -u(2*k + 1), dp) &
-                       + w(r + balance%harmonic(k))*cmplx(u(2*k), u(2*k + 1), dp)
-         end do
-      end associate
-   end function force_at
+   end subroutine find_shift
 
    !> Force at the kept harmonics that the missing tail causes, to first order.
-   pure function tail_force(balance, i, tail) result(d_phi)
-      type(balance_type), intent(in) :: balance
-      integer, intent(in) :: i
-      complex(dp), intent(in) :: tail(:)
-      real(dp) :: d_phi(balance%block)
+   pure subroutine tail_force(kept, harmonic, w, tail, d_phi)
+      integer, intent(in) :: kept(:), harmonic(:)
+      complex(dp), intent(in) :: w(0:), tail(:)
+      real(dp), intent(out) :: d_phi(:)
       complex(dp) :: total
-      integer :: k, m, r
+      integer :: k, m
 
-      associate (w => balance%contact(i)%stiffness)
-         d_phi(1) = 0
+      d_phi(1) = sum(real(conjg(w(harmonic))*tail, dp))
+      do k = 1, size(kept)
+         total = 0
          do m = 1, size(tail)
-            d_phi(1) = d_phi(1) + real(conjg(w(balance%highest + m))*tail(m), dp)
+            total = total + conjg(two_sided(w, harmonic(m) - kept(k)))*tail(m) + w(harmonic(m) + kept(k))*conjg(tail(m))
          end do
-         do k = 1, size(balance%harmonic)
-            total = 0
-            do m = 1, size(tail)
-               r = balance%highest + m
-               total = total + conjg(w(r - balance%harmonic(k)))*tail(m) + w(r + balance%harmonic(k))*conjg(tail(m))
-            end do
-            d_phi(2*k) = total%re
-            d_phi(2*k + 1) = -total%im
-         end do
-      end associate
-   end function tail_force
+         d_phi(2*k) = total%re
+         d_phi(2*k + 1) = -total%im
+      end do
+   end subroutine tail_force
 
    !> The same by FFT.
-   subroutine transform_tail(balance, i, tail, d_phi)
-      type(balance_type), intent(inout) :: balance
-      integer, intent(in) :: i
-      complex(dp), intent(in) :: tail(:)
+   subroutine transform_tail(kept, harmonic, w, tail, wide, d_phi)
+      integer, intent(in) :: kept(:), harmonic(:)
+      complex(dp), intent(in) :: w(0:), tail(:)
+      type(transform_type), intent(inout) :: wide
       real(dp), intent(out) :: d_phi(:)
       integer :: k
 
-      associate (wide => balance%wide, r => balance%harmonic, n => balance%highest)
-         wide%coefficient = 0
-         wide%coefficient(n + 2:3*n + 1) = tail/2
-         call wide%to_samples()
-         call multiply(balance, i)
-         d_phi(1) = real(wide%coefficient(1), dp)
-         do k = 1, size(r)
-            d_phi(2*k) = 2*real(wide%coefficient(r(k) + 1), dp)
-            d_phi(2*k + 1) = -2*aimag(wide%coefficient(r(k) + 1))
-         end do
-      end associate
+      wide%coefficient = 0
+      wide%coefficient(harmonic + 1) = tail/2
+      call wide%to_samples()
+      call multiply(wide, w)
+      d_phi(1) = real(wide%coefficient(1), dp)
+      do k = 1, size(kept)
+         d_phi(2*k) = 2*real(wide%coefficient(kept(k) + 1), dp)
+         d_phi(2*k + 1) = -2*aimag(wide%coefficient(kept(k) + 1))
+      end do
    end subroutine transform_tail
 
 end module geartrain_motion_truncation

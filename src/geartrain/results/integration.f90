@@ -6,7 +6,7 @@ module geartrain_results_integration
    use geartrain_motion_mesh_load, only: mesh_load_type
    use geartrain_motion_motion, only: motion_type
    use geartrain_results_labels, only: about_coefficients, about_multipliers, about_rms, about_stable, about_true_ac_rms, &
-      as_parts, coefficient_labels, frequency_description
+      about_undecided, as_parts, coefficient_labels, frequency_description
    use geartrain_results_mesh_load, only: write_mesh_loads
    use geartrain_results_store, only: store_type
    implicit none (type, external)
@@ -14,6 +14,8 @@ module geartrain_results_integration
    public :: write_integration, write_motions
 
    character(*), parameter :: home = '/integration'
+   character(*), parameter :: about_exponent = 'largest Lyapunov exponent per unit of time (1/characteristic_frequency) of a &
+      &motion for which no period was found: positive = chaos, about 0 = quasi-periodic; NaN where a period was found'
 
 contains
 
@@ -92,6 +94,8 @@ contains
       call write_mesh_loads(store, home, along, loads, known)
       call store%put(home//'/coefficients', coefficients, dimensions, '1', &
                      about_coefficients)
+      if (any(has_exponent(motions))) &
+         call store%put(home//'/lyapunov_exponent', [(exponent_of(motions(i)), i=1, n)], [along], '1', about_exponent)
       if (any(has_multipliers(motions))) call write_stability(store, home, along, motions)
    end subroutine write_motions
 
@@ -116,11 +120,25 @@ contains
          if (allocated(motions(i)%multipliers)) multipliers(:, i) = motions(i)%multipliers
       end do
       call store%put(home//'/stable', (motions%stable), [along], about_stable//'; 0 also where no period was found')
+      call store%put(home//'/undecided', (motions%undecided), [along], about_undecided)
       call store%axis(home//'/state', states, 'number of the multiplier, in no order that holds between '//along//'s')
       call store%axis(home//'/complex', ['real     ', 'imaginary'], 'part of a complex number')
       call store%put(home//'/multipliers', as_parts(multipliers), dimensions, '1', &
                      about_multipliers//'; NaN where no period was found')
    end subroutine write_stability
+
+   elemental logical function has_exponent(motion)
+      type(motion_type), intent(in) :: motion
+
+      has_exponent = allocated(motion%lyapunov_exponent)
+   end function has_exponent
+
+   real(dp) function exponent_of(motion)
+      type(motion_type), intent(in) :: motion
+
+      exponent_of = ieee_value(1.0_dp, ieee_quiet_nan)
+      if (allocated(motion%lyapunov_exponent)) exponent_of = motion%lyapunov_exponent
+   end function exponent_of
 
    elemental logical function has_multipliers(motion)
       type(motion_type), intent(in) :: motion

@@ -1,9 +1,10 @@
 !> The groups /response, /branch_1, ... of a results file: a branch, point by point.
 module geartrain_results_response
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain_base_kinds, only: dp
    use geartrain_branch_branch, only: branch_type
-   use geartrain_results_labels, only: about_coefficients, about_multipliers, about_rms, about_stable, about_true_ac_rms, &
-      as_parts, coefficient_labels, frequency_description
+   use geartrain_results_labels, only: about_coefficients, about_doubtful, about_multipliers, about_rms, about_stable, &
+      about_true_ac_rms, about_undecided, as_parts, coefficient_labels, frequency_description
    use geartrain_results_mesh_load, only: write_mesh_loads
    use geartrain_results_store, only: store_type
    use geartrain_results_summary, only: write_summary
@@ -76,6 +77,12 @@ contains
                      about_coefficients)
       call store%put(home//'/error_estimate', branch%error_estimate(:n), ['point'], '1', &
                      'estimated relative error of the waveform')
+      if (allocated(branch%correction)) &
+         call store%put(home//'/correction', merge(ieee_value(0.0_dp, ieee_quiet_nan), branch%correction(:n), &
+                                                   branch%correction(:n) < 0), ['point'], '1', 'relative change of the &
+                        &waveform by refinement: the error that the point had; NaN: not refined, shooting finds no orbit near it')
+      call store%put(home//'/estimate_doubtful', branch%estimate_doubtful(:n), ['point'], about_doubtful)
+      call store%put(home//'/harmonics', branch%point_harmonics(:n), ['point'], '1', 'harmonics that the point was solved with')
       call store%put(home//'/part', branch%part(:n), ['point'], '1', &
                      'number of the part: a new one begins where the branch comes back from beyond the amplitude limit, or with &
                      &the points traced from the other end (to)')
@@ -88,6 +95,11 @@ contains
       integer, intent(in) :: n
 
       call store%put(home//'/stable', branch%stable(:n), ['point'], about_stable)
+      call store%put(home//'/undecided', branch%undecided(:n), ['point'], about_undecided)
+      call store%put(home//'/second_estimate', merge(branch%second_estimate(:n), ieee_value(1.0_dp, ieee_quiet_nan), &
+                                                     branch%second_estimate(:n) >= 0), ['point'], '1', &
+                     'second estimate of the largest magnitude of a multiplier: of the motion corrected by its estimated error; &
+                     &NaN where none was needed')
       call store%axis(home//'/state', branch%states, 'number of the multiplier, in no order that holds between points')
       call store%axis(home//'/complex', ['real     ', 'imaginary'], 'part of a complex number')
       call store%put(home//'/multipliers', as_parts(branch%multipliers(:, :n)), ['point  ', 'state  ', 'complex'], '1', &

@@ -5,6 +5,7 @@ module geartrain_results_results
    use geartrain_base_kinds, only: version
    use geartrain_base_numbers, only: text
    use geartrain_branch_branch, only: branch_type
+   use geartrain_branch_stability_map_settings, only: stability_map_type
    use geartrain_case_case, only: case_type
    use geartrain_case_text, only: case_text
    use geartrain_model_modes, only: modes_type
@@ -14,7 +15,9 @@ module geartrain_results_results
    use geartrain_results_file, only: replace_file
    use geartrain_results_integration, only: write_integration
    use geartrain_results_modes, only: write_modes
+   use geartrain_results_reading, only: state_path
    use geartrain_results_response, only: write_response
+   use geartrain_results_stability_map, only: write_stability_map
    use geartrain_results_store, only: store_type
    implicit none (type, external)
    private
@@ -29,6 +32,7 @@ module geartrain_results_results
       type(branch_type), allocatable :: response
       type(sweep_type), allocatable :: integration
       type(attractors_type), allocatable :: attractors
+      type(stability_map_type), allocatable :: stability_map
       !> Further branches, each with its origin: those from period doublings of the response, then those through attractors.
       type(branch_type), allocatable :: branches(:)
    end type results_type
@@ -36,11 +40,13 @@ module geartrain_results_results
 contains
 
    !> Writes an HDF5 file; a file of that name is replaced once the new one is whole, and kept where writing fails.
-   subroutine write_results(path, case, results, error)
+   subroutine write_results(path, case, results, error, state)
       character(*), intent(in) :: path
       type(case_type), intent(in) :: case
       type(results_type), intent(in) :: results
       type(error_type), allocatable, intent(out) :: error
+      !> What another run needs to go on from here.
+      integer(int8), intent(in), contiguous, optional :: state(:)
       integer(int8), allocatable :: content(:)
       type(store_type) :: store
       integer :: i
@@ -52,11 +58,13 @@ contains
       if (allocated(results%response)) call write_response(store, '/response', results%response)
       if (allocated(results%integration)) call write_integration(store, results%integration)
       if (allocated(results%attractors)) call write_attractors(store, results%attractors)
+      if (allocated(results%stability_map)) call write_stability_map(store, results%stability_map)
       if (allocated(results%branches)) then
          do i = 1, size(results%branches)
             call write_response(store, '/branch_'//text(i), results%branches(i))
          end do
       end if
+      if (present(state)) call store%put_bytes(state_path, state, 'what geartrain --resume goes on from')
       call store%close(content, error)
       !$omp end critical (geartrain_hdf5)
       if (allocated(error)) then

@@ -29,12 +29,14 @@ module geartrain_results_store
       procedure :: open => open_store
       procedure :: group
       generic :: attribute => text_attribute, integer_attribute, real_attribute
-      generic :: axis => index_axis, text_axis
-      generic :: put => put_text, put_logical, put_integer, put_real_1, put_real_2, put_real_3
+      generic :: axis => index_axis, real_axis, text_axis
+      generic :: put => put_text, put_logical, put_integer, put_integer_2, put_real_1, put_real_2, put_real_3
+      procedure :: put_bytes
       procedure :: close => close_store
       procedure, private :: text_attribute, integer_attribute, real_attribute, write_attribute
-      procedure, private :: index_axis, text_axis, make_axis
-      procedure, private :: put_text, put_logical, put_integer, put_real_1, put_real_2, put_real_3, put_any, attach_axes
+      procedure, private :: index_axis, real_axis, text_axis, make_axis
+      procedure, private :: put_text, put_logical, put_integer, put_integer_2, put_real_1, put_real_2, put_real_3, put_any
+      procedure, private :: attach_axes
       procedure, private :: note
    end type store_type
 
@@ -182,6 +184,16 @@ contains
       call self%make_axis(path)
    end subroutine index_axis
 
+   !> A dimension whose places have values.
+   subroutine real_axis(self, path, values, units, description)
+      class(store_type), intent(inout) :: self
+      character(*), intent(in) :: path, units, description
+      real(dp), intent(in), contiguous, target :: values(:)
+
+      call self%put(path, values, [character(1) ::], units, description)
+      call self%make_axis(path)
+   end subroutine real_axis
+
    !> A dimension whose places have names.
    subroutine text_axis(self, path, labels, description)
       class(store_type), intent(inout) :: self
@@ -235,6 +247,15 @@ contains
       call self%attribute(path, 'dtype', 'bool')
    end subroutine put_logical
 
+   !> Without axes: of use to this program alone.
+   subroutine put_bytes(self, path, values, description)
+      class(store_type), intent(inout) :: self
+      character(*), intent(in) :: path, description
+      integer(int8), intent(in), contiguous, target :: values(:)
+
+      call self%put_any(path, h5t_std_i8le, shape(values), [character(1) ::], '', description, c_loc(values))
+   end subroutine put_bytes
+
    subroutine put_integer(self, path, values, dimensions, units, description)
       class(store_type), intent(inout) :: self
       character(*), intent(in) :: path, dimensions(:), units, description
@@ -242,6 +263,14 @@ contains
 
       call self%put_any(path, h5t_native_integer, shape(values), dimensions, units, description, c_loc(values))
    end subroutine put_integer
+
+   subroutine put_integer_2(self, path, values, dimensions, units, description)
+      class(store_type), intent(inout) :: self
+      character(*), intent(in) :: path, dimensions(:), units, description
+      integer, intent(in), contiguous, target :: values(:, :)
+
+      call self%put_any(path, h5t_native_integer, shape(values), dimensions, units, description, c_loc(values))
+   end subroutine put_integer_2
 
    subroutine put_real_1(self, path, values, dimensions, units, description)
       class(store_type), intent(inout) :: self

@@ -85,6 +85,8 @@ contains
       call store%put(room//'/rms_before', before, ['jump', 'mesh'], '1', about_rms)
       call store%put(room//'/rms_after', after, ['jump', 'mesh'], '1', about_rms// &
                      '; of the stable motion of the branch with the nearest rms; NaN for a jump that leaves the branch')
+      call store%put(room//'/candidates', (found%candidates), ['jump'], '1', 'other stable motions of the branch at this Lambda: &
+                     &where there are more than one, rms_after is a guess')
    end subroutine write_jumps
 
    !> Ranges of every mesh, at any level of the branch and, where stability is known, at a stable one.

@@ -1,0 +1,172 @@
+!> Runs case files, several of them side by side, and tells what came of each.
+module cases
+   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+   use arguments, only: file_name_type
+   use geartrain, only: case_type, error_type, read_case, results_type, run_case, status_ended_early, status_input
+   use progress, only: begin_progress, progress_type
+   use report, only: report_attractors, report_branches, report_integration, report_modes, report_response, report_stability_map
+   implicit none (type, external)
+   private
+   public :: check_cases, run_cases
+
+   !> A case file that is to be run.
+   type :: job_type
+      type(case_type) :: case
+      !> Where the results go.
+      character(:), allocatable :: path
+      !> 0: it can be run.
+      integer :: status = 0
+   end type job_type
+
+contains
+
+   !> Says what is wrong with the cases; `status` is the largest of their exit statuses.
+   subroutine check_cases(files, status)
+      type(file_name_type), intent(in) :: files(:)
+      integer, intent(out) :: status
+      type(case_type) :: case
+      type(error_type), allocatable :: error
+      integer :: i
+
+      status = 0
+      do i = 1, size(files)
+         call read_case(files(i)%name, case, error)
+         if (allocated(error)) then
+            write (error_unit, '(a)') error%message
+            status = max(status, error%status)
+         else
+            write (output_unit, '(a, 2(a, i0), a)') files(i)%name, ': no problems: ', size(case%train%shafts), ' shafts, ', &
+               size(case%train%meshes), ' meshes'
+         end if
+      end do
+   end subroutine check_cases
+
+   !> Runs the cases, one thread a case where there are several; one alone has all threads to itself. A case that fails does not
+   !> keep the others from running; `status` is the largest of their exit statuses.
+   subroutine run_cases(files, output_file, resume, status)
+      type(file_name_type), intent(in) :: files(:)
+      !> As given by --output; ''.
+      character(*), intent(in) :: output_file
+      !> Go on from the checkpoint of a run that was killed; of one case only.
+      logical, intent(in) :: resume
+      integer, intent(out) :: status
+      type(job_type) :: jobs(size(files))
+      integer :: i
+
+      do i = 1, size(files)
+         call prepare(files, i, output_file, jobs)
+      end do
+      !$omp parallel do schedule(dynamic) if (size(files) > 1)
+      do i = 1, size(files)
+         if (jobs(i)%status == 0) call run(files(i)%name, size(files) == 1, resume, jobs(i))
+      end do
+      !$omp end parallel do
+      status = maxval(jobs%status)
+   end subroutine run_cases
+
+   !> Reads case i and finds the place of its results, which must not be that of a case or of other results.
+   subroutine prepare(files, i, output_file, jobs)
+      type(file_name_type), intent(in) :: files(:)
+      integer, intent(in) :: i
+      character(*), intent(in) :: output_file
+      type(job_type), intent(inout) :: jobs(:)
+      type(error_type), allocatable :: error
+      character(:), allocatable :: path
+      integer :: k
+
+      call read_case(files(i)%name, jobs(i)%case, error)
+      if (allocated(error)) then
+         write (error_unit, '(a)') error%message
+         jobs(i)%status = error%status
+         return
+      end if
+      path = output_path(files(i)%name, output_file, jobs(i)%case)
+      jobs(i)%path = path
+      if (any([(path == files(k)%name, k=1, size(files))]) .or. index(path//' ', '.nml ') > 0) then
+         write (error_unit, '(2a)') path, ': error: the results would overwrite a case: name another file with --output'
+         jobs(i)%status = status_input
+      end if
+      do k = 1, i - 1
+         if (jobs(k)%status /= 0 .or. jobs(i)%status /= 0) cycle
+         if (jobs(k)%path /= path) cycle
+         write (error_unit, '(6a)') files(i)%name, ': error: its results would overwrite those of ', files(k)%name, ', ', path, &
+            ': name another file in &output'
+         jobs(i)%status = status_input
+      end do
+   end subroutine prepare
+
+   !> Runs a case, then tells what came of it in one piece.
+   subroutine run(name, alone, resume, job)
+      character(*), intent(in) :: name
+      !> It is the only one: its progress is shown, and its results need no name above them.
+      logical, intent(in) :: alone
+      !> As above.
+      logical, intent(in) :: resume
+      type(job_type), intent(inout) :: job
+      type(results_type) :: results
+      type(error_type), allocatable :: error
+      type(progress_type) :: progress
+      character(:), allocatable :: checkpoint
+      logical :: exists
+
+      checkpoint = ''
+      if (resume) then
+         inquire (file=job%path//'.partial', exist=exists)
+         if (exists) checkpoint = job%path//'.partial'
+         if (.not. exists) write (output_unit, '(3a)') 'Nothing to resume: there is no ', job%path, &
+            '.partial; the run begins anew'
+      end if
+      call begin_progress(progress, shown=alone)
+      call run_case(job%case, job%path, results, error, progress, checkpoint)
+      if (allocated(error)) job%status = error%status
+      !$omp critical (terminal)
+      call progress%clear()
+      if (.not. alone) write (output_unit, '(2a)') name, ':'
+      call report(job, results, progress)
+      if (allocated(error)) then
+         if (index(error%message, ': error: ') == 0) then
+            if (alone) error%message = 'geartrain: error: '//error%message
+            if (.not. alone) error%message = name//': error: '//error%message
+         end if
+         write (error_unit, '(a)') error%message
+      end if
+      !$omp end critical (terminal)
+   end subroutine run
+
+   subroutine report(job, results, progress)
+      type(job_type), intent(in) :: job
+      type(results_type), intent(in) :: results
+      type(progress_type), intent(in) :: progress
+
+      if (allocated(results%modes)) call report_modes(results%modes)
+      if (allocated(results%response)) call report_response(results%response, progress%response_seconds)
+      if (allocated(results%integration)) call report_integration(results%integration, progress%integration_seconds)
+      if (allocated(results%attractors)) call report_attractors(results%attractors, progress%attractors_seconds)
+      if (allocated(results%stability_map)) call report_stability_map(results%stability_map, progress%map_seconds)
+      if (allocated(results%branches)) call report_branches(results%branches, progress%branch_seconds)
+      associate (case => job%case)
+         if (.not. (case%modes .or. allocated(case%response) .or. allocated(case%integration) .or. allocated(case%attractors) &
+                    .or. allocated(case%stability_map))) write (output_unit, '(a)') &
+            'Nothing to compute: the case has no &modes, &response, &integration, &attractors or &stability_map'
+      end associate
+      if (job%status == 0 .or. job%status == status_ended_early) write (output_unit, '(2a)') 'Written: ', job%path
+      flush (output_unit)
+   end subroutine report
+
+   !> --output, else &output, else the name of the case with .h5, in the working directory.
+   function output_path(case_file, output_file, case) result(path)
+      character(*), intent(in) :: case_file, output_file
+      type(case_type), intent(in) :: case
+      character(:), allocatable :: path
+
+      path = output_file
+      if (path == '' .and. allocated(case%output_file)) path = case%output_file
+      if (path /= '') return
+      path = case_file(index(case_file, '/', back=.true.) + 1:)
+      if (len(path) > 4) then
+         if (path(len(path) - 3:) == '.nml') path = path(:len(path) - 4)
+      end if
+      path = path//'.h5'
+   end function output_path
+
+end module cases

@@ -1,0 +1,136 @@
+"""Stability maps (stability charts; of a linear train Ince-Strutt diagrams) over frequency and one parameter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._box import Box
+from .errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["StabilityMap"]
+
+Array = NDArray[np.float64]
+
+_NAMES = {
+    "stiffness_variation": r"stiffness variation  $\kappa$",
+    "mesh_damping_ratio": r"mesh damping ratio  $\zeta$",
+    "input_torque": "input torque",
+    "half_backlash": "half backlash",
+}
+_TITLES = {
+    "spectral_radius": "largest |multiplier|",
+    "stable_motions": "stable motions",
+    "motions": "motions",
+}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StabilityMap:
+    """Stability on a grid of a parameter (rows) and Lambda.
+
+    Attributes
+    ----------
+    name, unit : str
+        The parameter, as in ``&stability_map``.
+    linear : bool
+        Whether it is that of the train without backlash.
+    frequency : ndarray, (points,)
+        Lambda.
+    parameter : ndarray, (rows,)
+    motions, stable_motions : ndarray of int, (rows, points)
+        Motions of the mesh period on the branch that each row has, and how many of them are stable. Without a stable one the
+        train does something else, of a longer period or of none. -1 where the row is not done.
+    multiplier : ndarray of complex, (rows, points)
+        The Floquet multiplier of largest magnitude, over a mesh period, of the motion that has it smallest: near -1 the period
+        doubles, near +1 there is a fold or a resonance at a natural frequency. NaN where there is no motion.
+    rms : ndarray, (rows, points, meshes), or None
+        The largest of the stable motions, over the characteristic length; NaN where there is none. None for a linear map.
+    row_done, row_whole : ndarray of bool, (rows,)
+        Whether the row is computed; whether its branch got through the range, so that no motion of it is missing.
+    ended : str
+        Why it ended, in words.
+    complete : bool
+        Whether all rows are done and whole.
+    """
+
+    name: str
+    unit: str
+    linear: bool
+    frequency: Array
+    parameter: Array
+    motions: NDArray[np.intc]
+    stable_motions: NDArray[np.intc]
+    multiplier: NDArray[np.complex128]
+    rms: Array | None
+    row_done: NDArray[np.bool_]
+    row_whole: NDArray[np.bool_]
+    ended: str
+    complete: bool
+
+    def __repr__(self) -> str:
+        rows, points = self.motions.shape
+        return f"<StabilityMap of {self.name} x Lambda, {rows} x {points}: {self.ended}>"
+
+    @property
+    def spectral_radius(self) -> Array:
+        """Magnitude of ``multiplier``, (rows, points): below 1 there is a stable motion."""
+        return np.abs(self.multiplier)
+
+    def plot(self, what: str = "spectral_radius", ax: Axes | None = None, **style: Any) -> Axes:
+        """Draw the map, with the boundary of stability as a line.
+
+        Parameters
+        ----------
+        what : {'spectral_radius', 'stable_motions', 'motions'}
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure unless told.
+        **style
+            For matplotlib's ``pcolormesh``.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Examples
+        --------
+        >>> chart.plot().figure.savefig("map.png")  # doctest: +SKIP
+        """
+        if what not in _TITLES:
+            raise InputError(f"what = {what!r}: must be {', '.join(map(repr, _TITLES))}")
+        import matplotlib.pyplot as plt
+
+        if ax is None:
+            ax = plt.subplots()[1]
+        values: NDArray[Any] = getattr(self, what)
+        if what == "spectral_radius":
+            defaults: dict[str, Any] = {"cmap": "RdBu_r", "vmin": 0.5, "vmax": 1.5}
+        else:
+            values = np.ma.masked_less(values, 0)
+            most = max(1, int(values.max()) if values.count() else 1)
+            colours = plt.get_cmap("viridis", most + 1)
+            defaults = {"cmap": colours, "vmin": -0.5, "vmax": most + 0.5}
+        # Rasterised, so that a picture as vectors stays small; set off from the grid by half a cell on each side.
+        image = ax.pcolormesh(
+            self.frequency, self.parameter, values, **{"shading": "nearest", "rasterized": True, **defaults, **style}
+        )
+        bar = ax.figure.colorbar(image, ax=ax, label=_TITLES[what])
+        if what != "spectral_radius":
+            bar.set_ticks(range(most + 1))
+        elif min(values.shape) > 1 and np.nanmin(values) < 1 < np.nanmax(values):
+            ax.contour(self.frequency, self.parameter, values, levels=[1.0], colors="black", linewidths=0.8)
+        ax.grid(visible=False)
+        ax.set_xlabel(r"mesh frequency  $\Lambda$")
+        ax.set_ylabel(_NAMES[self.name] + (f"  [{self.unit}]" if self.unit != "1" else ""))
+        return ax
+
+    @classmethod
+    def _from(cls, box: Box) -> StabilityMap | None:
+        found = box.stability_map()
+        return None if found is None else cls(**found)

@@ -1,0 +1,88 @@
+!> How a branch bends from one point to the next: turns of Lambda, the angle between tangents, coming back to where it began.
+module geartrain_branch_bend
+   use geartrain_base_kinds, only: dp
+   use geartrain_branch_path, only: inner, place_type
+   use geartrain_branch_units, only: units_type
+   implicit none (type, external)
+   private
+   public :: cosine_limit, turns, hides_folds, passes_half_period, cosine, closes
+
+   !> Cosine of the largest angle between tangents of neighbouring points.
+   real(dp), parameter :: cosine_limit = 0.85_dp
+
+contains
+
+   !> Whether Lambda turns between two points. Where a branch leaves vertically (a period-2 branch does, until contact is lost)
+   !> the sign of the tangent's Lambda part is rounding: that is no fold.
+   pure logical function turns(here, next, units)
+      type(place_type), intent(in) :: here, next
+      type(units_type), intent(in) :: units
+
+      turns = here%tangent_frequency*next%tangent_frequency < 0 &
+              .and. max(abs(here%tangent_frequency), abs(next%tangent_frequency)) > 1e-6_dp*units%frequency
+   end function turns
+
+   !> Whether Lambda seems to turn twice between two points: whether the cubic through them, with their slopes, does.
+   pure logical function hides_folds(here, next, h)
+      type(place_type), intent(in) :: here, next
+      real(dp), intent(in) :: h
+      real(dp) :: bend, share, chord
+
+      hides_folds = .false.
+      chord = (next%frequency - here%frequency)/h
+      associate (first => here%tangent_frequency, last => next%tangent_frequency)
+         if (first*last <= 0) return
+         bend = first + last - 2*chord
+         if (abs(bend) <= 0) return
+         share = (2*first + last - 3*chord)/(3*bend)
+         if (share <= 0 .or. share >= 1) return
+         hides_folds = first*(first - 3*bend*share**2) < 0
+      end associate
+   end function hides_folds
+
+   !> Whether the odd harmonics of a motion of even period change sign between two points: the branch passes through one of
+   !> half its period there, and goes on as its own mirror image, shifted by half a period.
+   pure logical function passes_half_period(here, next, subharmonic)
+      type(place_type), intent(in) :: here, next
+      integer, intent(in) :: subharmonic
+      !> Odd harmonics below this share of the motion are rounding: a motion of half the period has none.
+      real(dp), parameter :: none = 1e-7_dp
+      real(dp) :: product, odd
+      integer :: k
+
+      passes_half_period = .false.
+      if (mod(subharmonic, 2) /= 0) return
+      product = 0
+      odd = 0
+      do k = 1, (size(next%u, 1) - 1)/2, 2
+         product = product + sum(here%u(2*k:2*k + 1, :)*next%u(2*k:2*k + 1, :))
+         odd = odd + sum(next%u(2*k:2*k + 1, :)**2)
+      end do
+      passes_half_period = product < 0 .and. odd > none**2*sum(next%u**2)
+   end function passes_half_period
+
+   !> Of the angle between two tangents.
+   pure real(dp) function cosine(here, next, units)
+      type(place_type), intent(in) :: here, next
+      type(units_type), intent(in) :: units
+
+      cosine = inner(here%tangent, next%tangent)/units%length**2 &
+               + here%tangent_frequency*next%tangent_frequency/units%frequency**2
+   end function cosine
+
+   !> Whether `origin` lies ahead, within the next step and close to the tangent; `gap` is the way there.
+   logical function closes(here, origin, h, units, gap)
+      type(place_type), intent(in) :: here, origin
+      real(dp), intent(in) :: h
+      type(units_type), intent(in) :: units
+      real(dp), intent(out) :: gap
+      real(dp) :: du(size(here%u, 1), size(here%u, 2)), df
+
+      du = (origin%u - here%u)/units%length
+      df = (origin%frequency - here%frequency)/units%frequency
+      gap = inner(du, here%tangent)/units%length + df*here%tangent_frequency/units%frequency
+      closes = gap > 0 .and. gap <= h .and. inner(du, du) + df**2 < 1.1_dp*gap**2 &
+               .and. cosine(here, origin, units) > cosine_limit
+   end function closes
+
+end module geartrain_branch_bend

@@ -1,0 +1,127 @@
+!> A branch polished by shooting: its points become orbits to integration accuracy, spread over threads, each by itself, so that
+!> the numbers do not depend on how many threads there are.
+module geartrain_branch_refinement
+   use geartrain_base_error, only: error_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_observer, only: observer_type
+   use geartrain_branch_branch, only: branch_type
+   use geartrain_model_check, only: check_train
+   use geartrain_model_train, only: train_type
+   use geartrain_motion_motion, only: motion_type
+   use geartrain_motion_shooting, only: refine
+   implicit none (type, external)
+   private
+   public :: refine_branch
+
+   !> An orbit that differs from the point by more than this many times the estimated error of the point is another one.
+   real(dp), parameter :: another = 10
+   !> Least difference that is asked about, relative: below it the estimate may be rounding.
+   real(dp), parameter :: rounding = 1e-6_dp
+   !> The correction of a point that has not been tried yet.
+   real(dp), parameter :: to_do = -2
+
+contains
+
+   !> Replaces every point by the orbit near it to about 1e-11 and sets branch%correction, by how much each waveform changed.
+   !> Lambda stays. A point near which shooting finds no orbit, as next to a fold, whose true place is elsewhere, stays as it is,
+   !> with a negative correction. Special points stay as they are. A refinement under way, as a checkpoint of the same case holds
+   !> it, is taken up where `go_on`.
+   subroutine refine_branch(train, branch, error, observer, go_on)
+      type(train_type), intent(in) :: train
+      type(branch_type), intent(inout), target :: branch
+      type(error_type), allocatable, intent(out) :: error
+      !> Told of 'refinement', by one thread at a time.
+      class(observer_type), intent(inout), optional :: observer
+      logical, intent(in), optional :: go_on
+      type(motion_type) :: motion
+      integer :: i, done
+      logical :: keep_going, go
+      real(dp) :: correction
+
+      call check_train(train, error)
+      if (allocated(error)) return
+      go = .false.
+      if (present(go_on)) go = go_on .and. allocated(branch%correction)
+      if (.not. go) then
+         if (allocated(branch%correction)) deallocate (branch%correction)
+         allocate (branch%correction(branch%points), source=to_do)
+      end if
+      done = count(branch%correction > to_do)
+      keep_going = .true.
+      !$omp parallel do private(motion, correction, go) schedule(dynamic)
+      do i = 1, branch%points
+         !$omp atomic read
+         go = keep_going
+         if (.not. go .or. branch%correction(i) > to_do) cycle
+         call refine_point(train, branch, i, motion, correction)
+         ! Whoever reads the branch meanwhile is the observer, and no point changes while it does.
+         !$omp critical (geartrain_refinement)
+         branch%correction(i) = correction
+         if (.not. correction < 0) call replace_point(motion, i, branch)
+         done = done + 1
+         go = keep_going
+         if (go .and. present(observer)) call observer%on_step('refinement', done, branch%frequency(i), go)
+         !$omp atomic write
+         keep_going = go
+         !$omp end critical (geartrain_refinement)
+      end do
+      !$omp end parallel do
+      if (keep_going) return
+      branch%cancelled = .true.
+      branch%complete = .false.
+      branch%ended = 'refinement cancelled; before it: '//branch%ended
+   end subroutine refine_branch
+
+   !> The orbit near point i; a negative correction where there is none.
+   subroutine refine_point(train, branch, i, motion, correction)
+      type(train_type), intent(in) :: train
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: i
+      type(motion_type), intent(out) :: motion
+      real(dp), intent(out) :: correction
+      type(error_type), allocatable :: error
+
+      motion%frequency = branch%frequency(i)
+      motion%period = branch%subharmonic
+      motion%coefficients = branch%coefficients(:, :, i)
+      call refine(train, motion, error)
+      correction = -1
+      if (allocated(error)) return
+      correction = difference(branch%coefficients(:, :, i), motion%coefficients)
+      if (correction > max(another*branch%error_estimate(i), rounding)) correction = -1
+   end subroutine refine_point
+
+   !> Relative difference of two waveforms of the same period, the second with at least as many harmonics; as the error estimate.
+   pure real(dp) function difference(a, b)
+      real(dp), intent(in) :: a(:, :), b(:, :)
+      integer :: n
+
+      n = min(size(a, 1), size(b, 1))
+      difference = sqrt((2*sum((b(1, :) - a(1, :))**2) + sum((b(2:n, :) - a(2:n, :))**2) + sum(b(n + 1:, :)**2)) &
+                        /max(sum(b(2:, :)**2), tiny(1.0_dp)))
+   end function difference
+
+   !> The harmonics that the branch holds are those of the orbit; rms, extremes and loads are those of its whole waveform.
+   subroutine replace_point(motion, i, branch)
+      type(motion_type), intent(in) :: motion
+      integer, intent(in) :: i
+      type(branch_type), intent(inout), target :: branch
+      integer :: n
+
+      n = min(size(branch%coefficients, 1), size(motion%coefficients, 1))
+      branch%coefficients(:n, :, i) = motion%coefficients(:n, :)
+      branch%rms(:, i) = motion%rms
+      branch%mean(:, i) = motion%mean
+      branch%minimum(:, i) = motion%minimum
+      branch%maximum(:, i) = motion%maximum
+      branch%mesh_load(:, i) = motion%mesh_load
+      branch%error_estimate(i) = motion%error_estimate
+      branch%estimate_doubtful(i) = .false.
+      if (.not. allocated(branch%stable)) return
+      ! Largest first; of a train of many states a branch has the leading ones only.
+      branch%multipliers(:, i) = motion%multipliers(:size(branch%multipliers, 1))
+      branch%stable(i) = motion%stable
+      branch%undecided(i) = .false.
+   end subroutine replace_point
+
+end module geartrain_branch_refinement

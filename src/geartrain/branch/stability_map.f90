@@ -1,0 +1,225 @@
+!> Stability over Lambda and one parameter of the train: of the linear train from its equations alone, of the train with backlash
+!> from the motions on the branch that each value of the parameter has. Rows, one a value of the parameter, are spread over
+!> threads; each is computed by itself, so that the numbers do not depend on how many threads there are.
+module geartrain_branch_stability_map
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use geartrain_base_error, only: error_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: text
+   use geartrain_base_observer, only: observer_type
+   use geartrain_branch_branch, only: branch_type, response_settings_type
+   use geartrain_branch_response, only: response
+   use geartrain_branch_solutions, only: record_crossings
+   use geartrain_branch_stability_map_settings, only: stability_map_settings_type, stability_map_type
+   use geartrain_branch_stability_map_variables, only: check_stability_map, train_with, unit_of
+   use geartrain_branch_start, only: begin_trace
+   use geartrain_branch_tracer, only: tracer_type
+   use geartrain_model_check, only: check_train
+   use geartrain_model_system, only: build_system, system_type
+   use geartrain_model_train, only: train_type
+   use geartrain_motion_balance, only: balance_type
+   use geartrain_stability_monodromy, only: is_stable, monodromy_type
+   implicit none (type, external)
+   private
+   public :: stability_map
+
+   !> Motions of one row at one Lambda whose figures agree to this, relative to the largest displacement, are one.
+   real(dp), parameter :: same = 1e-6_dp
+
+   !> One row: as in stability_map_type, without the last index.
+   type :: map_row_type
+      integer, allocatable :: motions(:), stable_motions(:)
+      complex(dp), allocatable :: multiplier(:)
+      real(dp), allocatable :: rms(:, :)
+      logical :: whole = .true.
+   end type map_row_type
+
+contains
+
+   !> Computes the map. The observer is called after each row, by one thread at a time.
+   subroutine stability_map(train, settings, map, error, observer)
+      type(train_type), intent(in) :: train
+      type(stability_map_settings_type), intent(in) :: settings
+      !> A target: an observer may read the rows so far through a pointer.
+      type(stability_map_type), intent(inout), target :: map
+      type(error_type), allocatable, intent(out) :: error
+      class(observer_type), intent(inout), optional :: observer
+      type(map_row_type) :: row
+      integer :: i, done
+      logical :: keep_going, go
+
+      call check_train(train, error)
+      if (.not. allocated(error)) call check_stability_map(train, settings, error)
+      if (allocated(error)) return
+      call make_room(train, settings, map)
+      done = 0
+      keep_going = .true.
+      !$omp parallel do private(row, go) schedule(dynamic)
+      do i = 1, settings%parameter_points
+         !$omp atomic read
+         go = keep_going
+         if (.not. go) cycle
+         call compute_row(train_with(train, settings, map%parameter(i)), settings, map%frequency, row)
+         !$omp critical (geartrain_map)
+         done = done + 1
+         map%motions(:, i) = row%motions
+         map%stable_motions(:, i) = row%stable_motions
+         map%multiplier(:, i) = row%multiplier
+         if (.not. settings%linear) map%rms(:, :, i) = row%rms
+         map%whole(i) = row%whole
+         map%done(i) = .true.
+         go = keep_going
+         if (go .and. present(observer)) call observer%on_step('stability map', done, map%parameter(i), go)
+         !$omp atomic write
+         keep_going = go
+         !$omp end critical (geartrain_map)
+      end do
+      !$omp end parallel do
+      call conclude(map)
+   end subroutine stability_map
+
+   !> The grid, nothing on it yet.
+   subroutine make_room(train, settings, map)
+      type(train_type), intent(in) :: train
+      type(stability_map_settings_type), intent(in) :: settings
+      type(stability_map_type), intent(inout), target :: map
+      type(stability_map_type) :: empty
+      real(dp) :: nan
+
+      nan = ieee_value(nan, ieee_quiet_nan)
+      map = empty
+      map%name = trim(settings%parameter)
+      map%unit = unit_of(settings%parameter)
+      map%linear = settings%linear
+      map%frequency = spaced(settings%start, settings%stop, settings%points)
+      map%parameter = spaced(settings%parameter_start, settings%parameter_stop, settings%parameter_points)
+      associate (points => settings%points, rows => settings%parameter_points)
+         allocate (map%motions(points, rows), map%stable_motions(points, rows), source=-1)
+         allocate (map%multiplier(points, rows), source=cmplx(nan, nan, dp))
+         if (.not. settings%linear) allocate (map%rms(size(train%meshes), points, rows), source=nan)
+         allocate (map%done(rows), map%whole(rows), source=.false.)
+      end associate
+   end subroutine make_room
+
+   !> `points` equal steps, both ends exact.
+   pure function spaced(from, to, points) result(values)
+      real(dp), intent(in) :: from, to
+      integer, intent(in) :: points
+      real(dp) :: values(points)
+      integer :: i
+
+      values = [(from + (to - from)*(i - 1)/max(1, points - 1), i=1, points)]
+      if (points > 1) values(points) = to
+   end function spaced
+
+   !> Says what the map holds.
+   subroutine conclude(map)
+      type(stability_map_type), intent(inout) :: map
+      integer :: rows, short
+
+      rows = size(map%done)
+      short = count(map%done .and. .not. map%whole)
+      map%complete = all(map%done) .and. short == 0
+      map%ended = 'all rows done'
+      if (.not. all(map%done)) map%ended = 'cancelled after '//text(count(map%done))//' of '//text(rows)//' rows'
+      if (short > 0) map%ended = map%ended//'; the branch did not get through the range in '//text(short)//' of them, where &
+                                 &motions may be missing'
+   end subroutine conclude
+
+   subroutine compute_row(train, settings, frequency, row)
+      type(train_type), intent(in) :: train
+      type(stability_map_settings_type), intent(in) :: settings
+      real(dp), intent(in) :: frequency(:)
+      type(map_row_type), intent(out) :: row
+      real(dp) :: nan
+
+      nan = ieee_value(nan, ieee_quiet_nan)
+      allocate (row%motions(size(frequency)), row%stable_motions(size(frequency)), source=0)
+      allocate (row%multiplier(size(frequency)), source=cmplx(nan, nan, dp))
+      if (settings%linear) then
+         call compute_linear_row(train, frequency, row)
+      else
+         allocate (row%rms(size(train%meshes), size(frequency)), source=nan)
+         call compute_nonlinear_row(train, settings, frequency, row)
+      end if
+   end subroutine compute_row
+
+   !> Of a train without backlash: its multipliers are those of its one motion and need no motion to be found.
+   subroutine compute_linear_row(train, frequency, row)
+      type(train_type), intent(in) :: train
+      real(dp), intent(in) :: frequency(:)
+      type(map_row_type), intent(inout) :: row
+      type(system_type) :: system
+      type(balance_type) :: balance
+      type(monodromy_type) :: monodromy
+      complex(dp), allocatable :: multipliers(:)
+      integer :: k
+
+      call build_system(train, system)
+      call monodromy%setup(system)
+      allocate (multipliers(monodromy%given))
+      ! A balance without unknowns: no mesh leaves its contact.
+      balance%system = system
+      balance%eta = 1
+      balance%unknowns = 0
+      row%motions = 1
+      do k = 1, size(frequency)
+         call monodromy%integrate(balance, frequency(k))
+         call monodromy%multipliers(multipliers)
+         row%multiplier(k) = multipliers(1)
+         if (is_stable(multipliers)) row%stable_motions(k) = 1
+      end do
+   end subroutine compute_linear_row
+
+   !> Follows the branch of the row and solves again at each Lambda that it passes; stability is of use only there.
+   subroutine compute_nonlinear_row(train, settings, frequency, row)
+      type(train_type), intent(in) :: train
+      type(stability_map_settings_type), intent(in) :: settings
+      real(dp), intent(in) :: frequency(:)
+      type(map_row_type), intent(inout) :: row
+      type(response_settings_type) :: branch_settings
+      type(branch_type) :: branch, found
+      type(tracer_type) :: tracer
+      type(error_type), allocatable :: error
+      integer :: k, i, first
+
+      branch_settings%start = settings%start
+      branch_settings%stop = settings%stop
+      branch_settings%harmonics = settings%harmonics
+      branch_settings%stability = .false.
+      call response(train, branch_settings, branch, error)
+      row%whole = branch%complete .and. .not. allocated(error)
+      if (allocated(error)) return
+      call begin_trace(train, branch_settings, tracer)
+      call tracer%recorder%setup(tracer%path%balance, .true., found)
+      do k = 1, size(frequency)
+         first = found%points + 1
+         call record_crossings(tracer, branch, frequency(k), found)
+         do i = first, found%points
+            if (.not. is_new(found, first, i)) cycle
+            row%motions(k) = row%motions(k) + 1
+            if (row%motions(k) == 1) row%multiplier(k) = found%multipliers(1, i)
+            if (abs(found%multipliers(1, i)) < abs(row%multiplier(k))) row%multiplier(k) = found%multipliers(1, i)
+            if (.not. found%stable(i)) cycle
+            row%stable_motions(k) = row%stable_motions(k) + 1
+            if (row%stable_motions(k) == 1) row%rms(:, k) = found%rms(:, i)
+            row%rms(:, k) = max(row%rms(:, k), found%rms(:, i))
+         end do
+      end do
+   end subroutine compute_nonlinear_row
+
+   !> Whether point i is none of first .. i - 1: two parts of a branch may pass the same motion.
+   logical function is_new(found, first, i)
+      type(branch_type), intent(in) :: found
+      integer, intent(in) :: first, i
+      real(dp) :: scale
+      integer :: k
+
+      scale = max(maxval(abs(found%maximum(:, i))), maxval(abs(found%minimum(:, i))))
+      is_new = .true.
+      do k = first, i - 1
+         if (maxval(abs(found%coefficients(:, :, i) - found%coefficients(:, :, k))) < same*scale) is_new = .false.
+      end do
+   end function is_new
+
+end module geartrain_branch_stability_map

@@ -1,0 +1,151 @@
+!> The figures of the paper on which continuation is hardest: complete from both ends, the same solutions at every step size, their
+!> number odd (a branch beyond the amplitude limit counts where it passes).
+module hard_figures
+   use fixtures, only: paper_train, settings_of
+   use geartrain, only: branch_type, dp, error_type, motion_type, response_settings_type, solutions_at, train_type
+   use hard_cases, only: cases_type, solve
+   implicit none (type, external)
+   private
+   public :: figures_cases
+
+   !> Motions beyond it may or may not be recorded.
+   real(dp), parameter :: limit = 12
+
+contains
+
+   subroutine figures_cases(cases)
+      class(cases_type), intent(inout) :: cases
+      type(train_type) :: train
+
+      call cases%heading('Figures, each from both ends and at several step sizes')
+      train = paper_train()
+      train%input_torque = 100
+      call figure(cases, train, 'figure 6, 100 N m', [6, 12, 24, 48], 3)
+      call figure(cases, paper_train(0.42_dp), 'figure 7, kappa 0.42', [6, 12, 24, 48], 1)
+      call figure(cases, rectangular(-0.085_dp), 'figure 8 as printed', [6, 12, 24, 48], 1)
+      call figure(cases, rectangular(0.084_dp), 'figure 8, rectangular wave', [6, 12, 24, 48], 1)
+      train = paper_train()
+      train%meshes%damping_ratio = 0.03_dp
+      call figure(cases, train, 'figure 9, zeta 0.03', [6, 12, 24, 48], 1)
+      train%meshes%damping_ratio = 0.01_dp
+      call figure(cases, train, 'figure 9, zeta 0.01', [6, 12, 24, 48], 2)
+      train = paper_train()
+      train%meshes(2)%order = 2
+      call figure(cases, train, 'figure 10', [6, 12, 24, 48], 1)
+      train%meshes%order = [3, 2]
+      call figure(cases, train, 'figure 11', [6, 12, 24, 48], 2)
+   end subroutine figures_cases
+
+   !> A figure at several numbers of harmonics, the first `usual` of them always, in a debug build one.
+   subroutine figure(cases, train, name, harmonics, usual)
+      class(cases_type), intent(inout) :: cases
+      type(train_type), intent(in) :: train
+      character(*), intent(in) :: name
+      integer, intent(in) :: harmonics(:), usual
+      character(8) :: number
+      integer :: i, last
+
+      last = usual
+      if (cases%slow_build) last = 1
+      if (cases%all_of_them) last = size(harmonics)
+      do i = 1, last
+         write (number, '(a, i0)') ', R = ', harmonics(i)
+         call one_figure(cases, train, harmonics(i), name//trim(number))
+      end do
+   end subroutine figure
+
+   subroutine one_figure(cases, train, harmonics, name)
+      class(cases_type), intent(inout) :: cases
+      type(train_type), intent(in) :: train
+      integer, intent(in) :: harmonics
+      character(*), intent(in) :: name
+      real(dp), parameter :: frequency(*) = [0.253_dp, 0.301_dp, 0.463_dp, 0.571_dp, 0.613_dp, 0.661_dp, 0.727_dp, 0.787_dp, &
+                                             0.8385_dp, 0.901_dp, 0.943_dp, 1.013_dp, 1.277_dp, 1.555_dp, 1.603_dp, 1.727_dp, &
+                                             1.901_dp, 2.311_dp]
+      real(dp), parameter :: step(*) = [0.05_dp, 0.05_dp, 0.2_dp, 0.02_dp]
+      type(response_settings_type) :: settings
+      type(branch_type) :: branch
+      type(motion_type), allocatable :: motions(:), reference(:)
+      type(error_type), allocatable :: error
+      real(dp) :: worst
+      integer :: i, k, run
+      logical :: complete, odd
+      type :: list_type
+         type(motion_type), allocatable :: motions(:)
+      end type list_type
+      type(list_type) :: first(size(frequency))
+
+      complete = .true.
+      odd = .true.
+      worst = 0
+      do run = 1, size(step)
+         settings = settings_of(0.2_dp, 2.6_dp, harmonics)
+         if (run == 2) settings = settings_of(2.6_dp, 0.2_dp, harmonics)
+         settings%stability = .false.
+         settings%step = step(run)
+         branch = solve(train, settings)
+         complete = complete .and. branch%complete
+         do i = 1, size(frequency)
+            call solutions_at(train, settings, branch, frequency(i), motions, error)
+            odd = odd .and. mod(size(motions) + passages(branch, frequency(i)), 2) == 1
+            call drop_large(motions)
+            if (run == 1) then
+               first(i)%motions = motions
+               cycle
+            end if
+            reference = first(i)%motions
+            if (size(motions) /= size(reference)) worst = huge(1.0_dp)
+            do k = 1, size(motions)
+               worst = max(worst, distance(motions(k), reference))
+            end do
+         end do
+      end do
+      call cases%holds(name, 'complete from either end, an odd number of solutions', complete .and. odd)
+      call cases%measured(name, 'the same solutions from the other end, at steps 0.2 and 0.02', worst, 1e-10_dp)
+   end subroutine one_figure
+
+   !> How often the branch passes the frequency beyond the amplitude limit, up to an even number.
+   integer function passages(branch, frequency)
+      type(branch_type), intent(in) :: branch
+      real(dp), intent(in) :: frequency
+      integer :: i
+
+      passages = 0
+      do i = 1, branch%points - 1
+         if (branch%part(i) == branch%part(i + 1)) cycle
+         if ((branch%frequency(i) < frequency) .neqv. (branch%frequency(i + 1) < frequency)) passages = passages + 1
+      end do
+   end function passages
+
+   subroutine drop_large(motions)
+      type(motion_type), allocatable, intent(inout) :: motions(:)
+      integer :: i
+      logical :: large(size(motions))
+
+      do i = 1, size(motions)
+         large(i) = any(motions(i)%rms > limit)
+      end do
+      motions = pack(motions, .not. large)
+   end subroutine drop_large
+
+   pure real(dp) function distance(motion, motions)
+      type(motion_type), intent(in) :: motion, motions(:)
+      integer :: i
+
+      distance = huge(1.0_dp)
+      do i = 1, size(motions)
+         distance = min(distance, maxval(abs(motion%coefficients - motions(i)%coefficients)))
+      end do
+   end function distance
+
+   !> Mesh stiffness of five harmonics with a given fifth.
+   function rectangular(fifth) result(train)
+      real(dp), intent(in) :: fifth
+      type(train_type) :: train
+
+      train = paper_train()
+      train%meshes(1)%stiffness_cos = [0.42_dp, 0.0_dp, -0.141_dp, 0.0_dp, fifth]
+      train%meshes(2)%stiffness_cos = train%meshes(1)%stiffness_cos
+   end function rectangular
+
+end module hard_figures

@@ -1,0 +1,125 @@
+!> The error estimate of every point, and the harmonics chosen by it, against shooting at the same Lambda.
+module validation_error_estimate
+   use fixtures, only: paper_train, settings_of
+   use geartrain, only: branch_type, dp, error_type, motion_type, refine, response, response_settings_type, solutions_at
+   use testing, only: tests_type
+   implicit none (type, external)
+   private
+   public :: error_estimate_tests
+
+   !> Harmonics that the motion to be refined is padded to, so that the result holds the tail that the balance cuts off.
+   integer, parameter :: padded = 300
+
+contains
+
+   subroutine error_estimate_tests(tests)
+      class(tests_type), intent(inout) :: tests
+
+      call tests%begin('error estimate')
+      call against_shooting(tests)
+      call by_tolerance(tests)
+   end subroutine error_estimate_tests
+
+   !> Figure 3 between 0.9 and 0.65, separation, back contact and folds: at R = 6 a harmonic that meets the highest natural
+   !> frequency, 22 times 0.73, moves the branch by more than all below it. The exact motions are those of a branch with 60
+   !> harmonics, refined.
+   subroutine against_shooting(tests)
+      class(tests_type), intent(inout) :: tests
+      integer, parameter :: harmonics(3) = [6, 12, 24]
+      type(branch_type) :: reference, branch
+      type(error_type), allocatable :: error
+      type(response_settings_type) :: settings
+      real(dp) :: ratio
+      integer :: i, k, points, within_3, within_6
+      character(2) :: name
+
+      settings = settings_of(0.9_dp, 0.65_dp, 60)
+      settings%stability = .false.
+      call response(paper_train(), settings, reference, error)
+      call tests%is_true(reference%complete, 'reference complete: '//reference%ended)
+      do k = 1, size(harmonics)
+         write (name, '(i2)') harmonics(k)
+         call response(paper_train(), settings_for(harmonics(k)), branch, error)
+         points = 0
+         within_3 = 0
+         within_6 = 0
+         do i = 3, branch%points - 1
+            if (branch%estimate_doubtful(i)) cycle
+            ratio = true_error(settings, reference, branch, i)/branch%error_estimate(i)
+            points = points + 1
+            if (ratio > 1/3.0_dp .and. ratio < 3) within_3 = within_3 + 1
+            if (ratio > 1/6.0_dp .and. ratio < 6) within_6 = within_6 + 1
+         end do
+         call tests%is_true(points > 20, 'R = '//name//': points that are not doubtful')
+         call tests%is_true(within_3 >= 0.95_dp*points, 'R = '//name//': a factor of 3 for 95 %')
+         call tests%is_true(within_6 == points, 'R = '//name//': a factor of 6 for all')
+         call tests%is_true(count(branch%estimate_doubtful) <= 0.15_dp*branch%points, 'R = '//name//': few are doubtful')
+      end do
+   end subroutine against_shooting
+
+   pure function settings_for(harmonics) result(settings)
+      integer, intent(in) :: harmonics
+      type(response_settings_type) :: settings
+
+      settings%start = 0.9_dp
+      settings%stop = 0.65_dp
+      settings%harmonics = harmonics
+      settings%stability = .false.
+   end function settings_for
+
+   !> Tolerance 1e-8 in, harmonics out: where the teeth stay in contact a dozen do, where they separate it takes far more.
+   subroutine by_tolerance(tests)
+      class(tests_type), intent(inout) :: tests
+      type(response_settings_type) :: settings
+      type(branch_type) :: branch
+      type(error_type), allocatable :: error
+      integer :: i
+
+      settings = settings_of(1.3_dp, 1.24_dp, 0)
+      settings%tolerance = 1e-8_dp
+      settings%stability = .false.
+      call response(paper_train(), settings, branch, error)
+      call tests%is_true(branch%complete .and. index(branch%ended, 'miss') == 0, 'tolerance 1e-8: '//branch%ended)
+      call tests%is_true(all(branch%error_estimate <= 1e-8_dp), 'tolerance 1e-8: every estimate is within it')
+      do i = 1, branch%points, max(1, branch%points/5)
+         call tests%is_close(true_error(settings, branch, branch, i), 0.0_dp, 1e-8_dp, 'tolerance 1e-8: true waveform error')
+      end do
+      settings = settings_of(0.3_dp, 0.6_dp, 0)
+      settings%tolerance = 1e-4_dp
+      settings%stability = .false.
+      call response(paper_train(), settings, branch, error)
+      call tests%is_true(branch%complete, 'tolerance 1e-4: '//branch%ended)
+      call tests%is_true(minval(branch%point_harmonics) < 12 .and. maxval(branch%point_harmonics) > 18, &
+                         'harmonics are raised and lowered along the branch')
+   end subroutine by_tolerance
+
+   !> Relative waveform error of point i of `branch`: the distance to the nearest motion of `reference` at its Lambda, refined.
+   real(dp) function true_error(settings, reference, branch, i)
+      !> Those of the reference.
+      type(response_settings_type), intent(in) :: settings
+      type(branch_type), intent(in) :: reference, branch
+      integer, intent(in) :: i
+      type(motion_type), allocatable :: motions(:)
+      type(motion_type) :: exact
+      type(error_type), allocatable :: error
+      real(dp) :: difference(1 + 2*padded, branch%meshes)
+      integer :: k
+
+      true_error = huge(1.0_dp)
+      call solutions_at(paper_train(), settings, reference, branch%frequency(i), motions, error)
+      do k = 1, size(motions)
+         exact = motions(k)
+         deallocate (exact%coefficients)
+         allocate (exact%coefficients(1 + 2*padded, branch%meshes), source=0.0_dp)
+         exact%coefficients(:size(motions(k)%coefficients, 1), :) = motions(k)%coefficients
+         call refine(paper_train(), exact, error)
+         if (allocated(error)) cycle
+         difference = -exact%coefficients
+         difference(:size(branch%coefficients, 1), :) = difference(:size(branch%coefficients, 1), :) &
+                                                        + branch%coefficients(:, :, i)
+         true_error = min(true_error, sqrt((2*sum(difference(1, :)**2) + sum(difference(2:, :)**2)) &
+                                           /sum(exact%coefficients(2:, :)**2)))
+      end do
+   end function true_error
+
+end module validation_error_estimate
