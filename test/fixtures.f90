@@ -1,12 +1,9 @@
 !> Trains that many tests use.
 module fixtures
    use geartrain, only: dp, mesh_type, motion_type, response_settings_type, shaft_type, train_type
-   use geartrain_base_fftw, only: transform_type
-   use geartrain_motion_contact, only: contact_type
-   use geartrain_motion_trigonometric, only: fine_samples
    implicit none (type, external)
    private
-   public :: paper_train, single_pair, settings_of, long_train, closest, update_contact
+   public :: paper_train, single_pair, settings_of, long_train, closest
 
 contains
 
@@ -134,15 +131,5 @@ contains
          end if
       end do
    end function closest
-
-   !> Contact of a motion, with a plan of its own.
-   subroutine update_contact(contact, u)
-      type(contact_type), intent(inout) :: contact
-      real(dp), intent(in) :: u(:)
-      type(transform_type) :: fine
-
-      call fine%plan(fine_samples(maxval(contact%harmonic)))
-      call contact%update(u, fine)
-   end subroutine update_contact
 
 end module fixtures
