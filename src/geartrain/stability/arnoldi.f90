@@ -75,8 +75,8 @@ contains
       call orthonormalise(self, m, independent)
    end subroutine extend
 
-   !> Makes the pair of vectors after the first m orthonormal to them and to each other; the factors go into the projection. Twice is
-   !> enough (Kahan and Parlett).
+   !> Makes the pair of vectors after the first m orthonormal to them and to each other; the factors go into the projection.
+   !> Twice is enough (Kahan and Parlett).
    subroutine orthonormalise(self, m, independent)
       class(arnoldi_type), intent(inout) :: self
       integer, intent(in) :: m
