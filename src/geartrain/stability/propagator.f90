@@ -6,7 +6,7 @@
 !> thirds of the terms of Taylor's series. kappa within a step is a short polynomial, made likewise.
 module geartrain_stability_propagator
    use geartrain_base_kinds, only: dp
-   use geartrain_base_lapack, only: dsteqr
+   use geartrain_base_lapack, only: dsterf
    use geartrain_model_system, only: system_type
    use geartrain_stability_exponential, only: exponential_type
    use geartrain_stability_recurrence, only: add_up, chunk, find_derivatives, most_terms
@@ -127,7 +127,7 @@ contains
    real(dp) function largest_eigenvalue(system, factor) result(largest)
       type(system_type), intent(in) :: system
       real(dp), intent(in) :: factor(:)
-      real(dp) :: diagonal(size(factor)), off(size(factor)), empty(1, 1), work(1)
+      real(dp) :: diagonal(size(factor)), off(size(factor))
       integer :: n, info
 
       off = 0
@@ -135,7 +135,7 @@ contains
          diagonal(n) = system%coupling(2, n)*factor(n)
          if (n > 1) off(n - 1) = sqrt(system%coupling(1, n)*factor(n - 1)*system%coupling(3, n - 1)*factor(n))
       end do
-      call dsteqr('N', size(factor), diagonal, off, empty, 1, work, info)
+      call dsterf(size(factor), diagonal, off, info)
       largest = maxval(diagonal)
    end function largest_eigenvalue
 
