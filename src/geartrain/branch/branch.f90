@@ -63,6 +63,7 @@ module geartrain_branch_branch
    end type trace_state_type
 
    type :: branch_type
+      !> states: multipliers of a point, of a train of many states the leading ones.
       integer :: points = 0, meshes = 0, states = 0, harmonics = 0, subharmonic = 1
       !> Lambda, (point).
       real(dp), allocatable :: frequency(:)

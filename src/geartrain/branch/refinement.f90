@@ -118,7 +118,8 @@ contains
       branch%error_estimate(i) = motion%error_estimate
       branch%estimate_doubtful(i) = .false.
       if (.not. allocated(branch%stable)) return
-      branch%multipliers(:, i) = motion%multipliers
+      ! Largest first; of a train of many states a branch has the leading ones only.
+      branch%multipliers(:, i) = motion%multipliers(:size(branch%multipliers, 1))
       branch%stable(i) = motion%stable
       branch%undecided(i) = .false.
    end subroutine replace_point
