@@ -14,8 +14,8 @@ contains
       class(cases_type), intent(inout) :: cases
 
       call cases%heading('Closed forms')
-      ! Characteristic values: eigenvalues of the recurrences DLMF 28.4.5 to 28.4.8, 60 terms; those at q = 5 stand to eight decimals in
-      ! Abramowitz and Stegun, table 20.1.
+      ! Characteristic values: eigenvalues of the recurrences DLMF 28.4.5 to 28.4.8, 60 terms; those at q = 5 stand to eight
+      ! decimals in Abramowitz and Stegun, table 20.1.
       call mathieu(cases, 'a1(1)', 1.859108072514_dp, 1.0_dp, -1, 0.0_dp)
       call mathieu(cases, 'b2(1)', 3.917024772998_dp, 1.0_dp, 1, 0.0_dp)
       call mathieu(cases, 'a2(1)', 4.371300982735_dp, 1.0_dp, 1, 0.0_dp)

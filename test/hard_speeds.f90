@@ -1,4 +1,5 @@
-!> Very slow and very fast meshing, loads that do not hold the teeth together, stiffness that vanishes, orders without a common divisor.
+!> Very slow and very fast meshing, loads that do not hold the teeth together, stiffness that vanishes, orders without a common
+!> divisor.
 module hard_speeds
    use fixtures, only: paper_train, settings_of, single_pair
    use geartrain, only: branch_type, dp, error_type, integrate, integration_settings_type, motion_type, refine, &
