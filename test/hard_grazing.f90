@@ -3,10 +3,12 @@ module hard_grazing
    use fixtures, only: paper_train, settings_of, single_pair
    use geartrain, only: band_type, branch_type, dp, error_type, motion_type, refine, separation_ranges, &
       solutions_at, train_type
+   use geartrain_base_fftw, only: transform_type
    use geartrain_base_kinds, only: pi
    use geartrain_model_system, only: build_system, system_type
    use geartrain_motion_contact, only: contact_type
    use geartrain_motion_flow, only: flow_type
+   use geartrain_motion_trigonometric, only: fine_samples
    use hard_cases, only: cases_type, solution, solve
    implicit none (type, external)
    private
@@ -41,16 +43,16 @@ contains
       do i = 1, size(depth)
          ! From the same rounded mean as the contact, as the depth would be rounding otherwise.
          associate (mean => 2 - depth(i))
-            call contact%update([mean, 1.0_dp, 0.0_dp])
+            call update(contact, [mean, 1.0_dp, 0.0_dp])
             expected = 1 - 2*asin(sqrt((2 - mean)/2))/pi
          end associate
          write (text, '(es7.0)') depth(i)
          call cases%measured('gap entered by '//trim(adjustl(text))//' of the amplitude', 'share of contact in closed form', &
                              abs(real(contact%stiffness(0), dp) - expected), 4*epsilon(expected)/sqrt(2*depth(i)))
       end do
-      call contact%update([2.0_dp, 1.0_dp, 0.0_dp])
+      call update(contact, [2.0_dp, 1.0_dp, 0.0_dp])
       call cases%measured('motion tangent to the wall', 'share of contact 1', abs(real(contact%stiffness(0), dp) - 1), 1e-7_dp)
-      call contact%update([2 + 1e-15_dp, 1.0_dp, 0.0_dp])
+      call update(contact, [2 + 1e-15_dp, 1.0_dp, 0.0_dp])
       call cases%measured('motion 1e-15 from the wall', 'share of contact 1', abs(real(contact%stiffness(0), dp) - 1), 1e-7_dp)
    end subroutine tangent_wall
 
@@ -67,10 +69,19 @@ contains
       u = 0
       u(1) = 0.02_dp
       u(48) = 1
-      call contact%update(u)
+      call update(contact, u)
       call cases%measured('24 short contacts a period', 'share of contact in closed form', &
                           abs(real(contact%stiffness(0), dp) - acos(0.98_dp)/pi) + abs(contact%events - 48), 1e-13_dp)
    end subroutine short_contacts
+
+   subroutine update(contact, u)
+      type(contact_type), intent(inout) :: contact
+      real(dp), intent(in) :: u(:)
+      type(transform_type) :: fine
+
+      call fine%plan(fine_samples(maxval(contact%harmonic)))
+      call contact%update(u, fine)
+   end subroutine update
 
    !> Thrown off the drive flank just hard enough to touch the back flank with no speed: x = 1 + f + A cos t in contact, then a
    !> parabola of depth s^2/(2 f) = 2; f = 1/2, s = sqrt 2. Back after 2 (arc + flight) as if nothing had been there.

@@ -5,7 +5,7 @@ module geartrain_branch_bend
    use geartrain_branch_units, only: units_type
    implicit none (type, external)
    private
-   public :: cosine_limit, turns, hides_folds, cosine, closes
+   public :: cosine_limit, turns, hides_folds, passes_half_period, cosine, closes
 
    !> Cosine of the largest angle between tangents of neighbouring points.
    real(dp), parameter :: cosine_limit = 0.85_dp
@@ -39,6 +39,27 @@ contains
          hides_folds = first*(first - 3*bend*share**2) < 0
       end associate
    end function hides_folds
+
+   !> Whether the odd harmonics of a motion of even period change sign between two points: the branch passes through one of
+   !> half its period there, and goes on as its own mirror image, shifted by half a period.
+   pure logical function passes_half_period(here, next, subharmonic)
+      type(place_type), intent(in) :: here, next
+      integer, intent(in) :: subharmonic
+      !> Odd harmonics below this share of the motion are rounding: a motion of half the period has none.
+      real(dp), parameter :: none = 1e-7_dp
+      real(dp) :: product, odd
+      integer :: k
+
+      passes_half_period = .false.
+      if (mod(subharmonic, 2) /= 0) return
+      product = 0
+      odd = 0
+      do k = 1, (size(next%u, 1) - 1)/2, 2
+         product = product + sum(here%u(2*k:2*k + 1, :)*next%u(2*k:2*k + 1, :))
+         odd = odd + sum(next%u(2*k:2*k + 1, :)**2)
+      end do
+      passes_half_period = product < 0 .and. odd > none**2*sum(next%u**2)
+   end function passes_half_period
 
    !> Of the angle between two tangents.
    pure real(dp) function cosine(here, next, units)

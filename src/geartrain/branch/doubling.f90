@@ -89,7 +89,7 @@ contains
       type(motion_type) :: motion
       type(place_type) :: start
       real(dp) :: share, y, length
-      integer :: i, k, info, point
+      integer :: i, k, point
 
       point = branch%special_points(special)%point
       share = 0
@@ -102,7 +102,7 @@ contains
       place = place_of(tracer, motion)
       associate (path => tracer%path, matrix => tracer%path%matrix)
          call path%balance%evaluate(place%u, place%frequency)
-         call path%balance%jacobian(matrix)
+         call matrix%linearize(path%balance)
          allocate (place%tangent(path%balance%block, path%balance%unknowns), source=0.0_dp)
          do i = 1, path%balance%unknowns
             do k = 1, size(path%balance%harmonic), 2
@@ -112,12 +112,11 @@ contains
          matrix%column = place%tangent
          matrix%row = place%tangent
          matrix%corner = 0
-         call matrix%factor(info)
-         success = info == 0
+         call matrix%factor(path%balance, success)
          if (.not. success) return
          place%tangent = 0
          y = 1
-         call matrix%solve(place%tangent, y)
+         call matrix%solve(path%balance, place%tangent, y)
          length = path%length_of(place%tangent)
          place%tangent = place%tangent/length
          place%tangent_frequency = 0

@@ -12,7 +12,7 @@ module geartrain_branch_doublings
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: follow_doublings, add_branch
+   public :: follow_doublings, add_branch, is_known
 
    !> A doubled branch ends at that doubling of its parent which is this close in the metric of the branch. The truncated balance
    !> and the monodromy do not place a doubling alike: measured on figure 12 and on a single pair with kappa = 0.6 they are 2e-6
@@ -23,7 +23,7 @@ contains
 
    !> Appends to `branches` those of twice the period that leave `branch`, then those that leave these, and so on,
    !> settings%period_doublings times. A branch that ends at another doubling of its parent is traced once.
-   subroutine follow_doublings(train, settings, branch, branches, error, observer)
+   subroutine follow_doublings(train, settings, branch, branches, error, observer, known)
       type(train_type), intent(in) :: train
       !> Those that `branch` was traced with.
       type(response_settings_type), intent(in) :: settings
@@ -32,13 +32,15 @@ contains
       type(branch_type), allocatable, intent(inout), target :: branches(:)
       type(error_type), allocatable, intent(out) :: error
       class(observer_type), intent(inout), optional :: observer
+      !> The first of them, where another run has traced these already.
+      type(branch_type), intent(in), optional :: known(:)
       type(branch_type) :: parent
       integer :: generation, first, last, i
 
       if (.not. allocated(branches)) allocate (branches(0))
       last = size(branches)
       if (settings%period_doublings > 0) &
-         call follow(train, settings, branch, 'the response', branches, error, observer)
+         call follow(train, settings, branch, 'the response', branches, error, observer, known)
       do generation = 2, settings%period_doublings
          first = last + 1
          last = size(branches)
@@ -46,13 +48,14 @@ contains
             if (allocated(error) .or. branches(size(branches))%cancelled) return
             ! A copy, because the list moves when it grows.
             parent = branches(i)
-            call follow(train, settings_for(settings, parent%subharmonic), parent, 'branch '//text(i), branches, error, observer)
+            call follow(train, settings_for(settings, parent%subharmonic), parent, 'branch '//text(i), branches, error, observer, &
+                        known)
          end do
       end do
    end subroutine follow_doublings
 
    !> One generation: the branches that leave `parent`.
-   subroutine follow(train, settings, parent, name, branches, error, observer)
+   subroutine follow(train, settings, parent, name, branches, error, observer, known)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
       type(branch_type), intent(in) :: parent
@@ -60,6 +63,7 @@ contains
       type(branch_type), allocatable, intent(inout), target :: branches(:)
       type(error_type), allocatable, intent(inout) :: error
       class(observer_type), intent(inout), optional :: observer
+      type(branch_type), intent(in), optional :: known(:)
       type(system_type) :: system
       logical :: met(size(parent%special_points))
       integer :: i, n
@@ -70,12 +74,25 @@ contains
          if (parent%special_points(i)%kind /= 'period doubling' .or. met(i)) cycle
          call add_branch(branches, 'period doubling of '//name//' at Lambda = '//text(parent%special_points(i)%frequency))
          n = size(branches)
-         call period_doubled(train, settings, parent, i, branches(n), error, observer)
+         if (is_known(n, known)) then
+            branches(n) = known(n)
+         else
+            call period_doubled(train, settings, parent, i, branches(n), error, observer)
+         end if
          if (allocated(error)) return
          if (branches(n)%cancelled) return
          call mark_end(parent, branches(n), i, units_of(system), met)
       end do
    end subroutine follow
+
+   !> Whether branch n is among those that another run has traced.
+   pure logical function is_known(n, known)
+      integer, intent(in) :: n
+      type(branch_type), intent(in), optional :: known(:)
+
+      is_known = .false.
+      if (present(known)) is_known = n <= size(known)
+   end function is_known
 
    !> Room for one more branch.
    subroutine add_branch(branches, origin)

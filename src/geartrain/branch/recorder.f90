@@ -48,7 +48,7 @@ contains
          call self%monodromy%setup(balance%system)
          allocate (self%multipliers(branch%states))
       end if
-      call resize(branch, 256, balance%highest, stability)
+      call resize(branch, 16, balance%highest, stability)
    end subroutine setup
 
    !> Adds the place at which the balance was last evaluated.

@@ -34,8 +34,8 @@ contains
                         settings%subharmonic)
       call v%on_logical(row('stability', '', 'Floquet multipliers of every point'), settings%stability)
       call v%on_real(row('amplitude_limit', '', 'rms over characteristic length beyond which the branch is followed but not &
-                         &recorded; -1: 12 with backlash, 10000 for a linear train, where it counts as infinite (times the &
-                         &power of ten nearest to the larger of gap and static deflection)', above=zero, automatic=-one), &
+                         &recorded; -1: 12 with backlash, 10000 for a linear train, where it counts as infinite (both times the &
+                         &power of ten nearest to the larger of the gap and the static deflection)', above=zero, automatic=-one), &
                      settings%amplitude_limit)
       word = trim(settings%coefficients)
       call v%on_text(row('coefficients', '', 'Fourier coefficients of the mesh force: exact from the contact events, or sampled &

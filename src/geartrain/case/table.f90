@@ -2,6 +2,7 @@
 module geartrain_case_table
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
+   use geartrain_case_cursor, only: shortened
    use geartrain_base_variable, only: variable_type, visitor_type
    use geartrain_case_case, only: case_type
    use geartrain_case_variables, only: groups, visit_case
@@ -115,7 +116,7 @@ contains
       integer :: i, best
 
       best = closest(name, [(groups(i)%name, i = 1, size(groups))])
-      text = 'unknown group &'//name
+      text = 'unknown group &'//shortened(name)
       if (best > 0) then
          text = text//' (did you mean &'//trim(groups(best)%name)//'?)'
       else
@@ -136,7 +137,7 @@ contains
       integer :: i, best
 
       names = pack([(rows(i)%variable%name, i = 1, size(rows))], [(rows(i)%group == group, i = 1, size(rows))])
-      text = 'unknown variable "'//name//'" in &'//group
+      text = 'unknown variable "'//shortened(name)//'" in &'//group
       meant = ''
       best = closest(name, names)
       if (name == 'start') best = findloc(names, 'from', dim=1)
@@ -170,6 +171,8 @@ contains
       integer :: i, distance, least
 
       closest = 0
+      ! So long a word is no misspelt name.
+      if (len(name) > 60) return
       least = max(1, len(name)/3) + 1
       do i = 1, size(candidates)
          distance = edits(name, trim(candidates(i)))

@@ -31,6 +31,7 @@ module geartrain_results_store
       generic :: attribute => text_attribute, integer_attribute, real_attribute
       generic :: axis => index_axis, real_axis, text_axis
       generic :: put => put_text, put_logical, put_integer, put_integer_2, put_real_1, put_real_2, put_real_3
+      procedure :: put_bytes
       procedure :: close => close_store
       procedure, private :: text_attribute, integer_attribute, real_attribute, write_attribute
       procedure, private :: index_axis, real_axis, text_axis, make_axis
@@ -245,6 +246,15 @@ contains
       call self%put_any(path, h5t_std_i8le, shape(values), dimensions, '1', description, c_loc(bytes))
       call self%attribute(path, 'dtype', 'bool')
    end subroutine put_logical
+
+   !> Without axes: of use to this program alone.
+   subroutine put_bytes(self, path, values, description)
+      class(store_type), intent(inout) :: self
+      character(*), intent(in) :: path, description
+      integer(int8), intent(in), contiguous, target :: values(:)
+
+      call self%put_any(path, h5t_std_i8le, shape(values), [character(1) ::], '', description, c_loc(values))
+   end subroutine put_bytes
 
    subroutine put_integer(self, path, values, dimensions, units, description)
       class(store_type), intent(inout) :: self
