@@ -1,5 +1,5 @@
-!> Checks that are rows of docs/hard-cases.md at the same time: what is hard, what it is checked against, how far off it is and
-!> how far it may be. With --table the program prints them.
+!> Checks that are rows of docs/hard-cases.md at the same time: what is hard, what it is checked against, how far off it is and how
+!> far it may be. With --table the program prints them.
 module hard_cases
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: compiler_options, output_unit
@@ -25,7 +25,7 @@ module hard_cases
 contains
 
    !> Takes the arguments of the program: --all, --table.
-   subroutine open(self)
+   subroutine open (self)
       class(cases_type), intent(inout) :: self
       character(16) :: argument
       integer :: i

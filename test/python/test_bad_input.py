@@ -85,7 +85,7 @@ def faults(variable):
     values = list(wrong_types[kind])
     if kind in ("real", "reals", "integer"):
         values += ["NaN", "Inf", "-Infinity", "1e999"]
-    if kind == "integer" and "> " in variable.allowed or ">= " in variable.allowed:
+    if (kind == "integer" and "> " in variable.allowed) or ">= " in variable.allowed:
         values.append("-7")
     if kind == "real" and ">" in variable.allowed:
         values.append("-7.0")
@@ -129,7 +129,8 @@ def test_what_is_required_is_missed(table, tmp_path):
     for variable in table:
         if variable.required:
             path.write_text(case_text(table, variable))
-            with pytest.raises(gt.InputError, match=rf"{re.escape(str(path))}:\d+:\d+: error: &{variable.group}.*lacks {variable.name}"):
+            message = rf"{re.escape(str(path))}:\d+:\d+: error: &{variable.group}.*lacks {variable.name}"
+            with pytest.raises(gt.InputError, match=message):
                 gt.read_case(path)
 
 
