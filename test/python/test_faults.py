@@ -23,7 +23,7 @@ QUICK = "&response from = 0.4, to = 0.6, step = 0.01 /\n"
 #: Some seconds of response, sweep and search: checkpoints come after 0.5 s, then every 2 s.
 LONG = (
     "&modes /\n&response from = 0.2, to = 2.6, step = 0.003 /\n"
-    "&integration from = 0.2, to = 2.6, points = 40, direction = 'both' /\n"
+    "&integration from = 0.2, to = 2.6, points = 160, direction = 'both' /\n"
 )
 
 
@@ -115,6 +115,18 @@ def kill_after(executable, case, output, seconds):
         return False
 
 
+def kill_at_checkpoint(executable, case, output):
+    """Runs until there is a checkpoint, and kills it then: however fast the machine is."""
+    partial = output.with_name(output.name + ".partial")
+    work = subprocess.Popen([executable, case, "--output", output], stdout=subprocess.DEVNULL)
+    while not partial.exists():
+        assert work.poll() is None, "the case is too short for a checkpoint"
+        time.sleep(0.002)
+    work.kill()
+    work.wait()
+    return partial
+
+
 def test_killed_at_any_moment_and_resumed(executable, whole, tmp_path):
     """The old file survives until the new one is whole, what there is can be read, and in the end all bits are the same."""
     case, output = write_case(tmp_path, LONG), tmp_path / "out.h5"
@@ -171,21 +183,17 @@ def test_resume_takes_one_case(executable, tmp_path):
 
 def test_resumed_from_python(executable, whole, tmp_path):
     case, output = write_case(tmp_path, LONG), tmp_path / "out.h5"
-    partial = tmp_path / "out.h5.partial"
-    kill_after(executable, case, output, 1.2)
-    assert partial.exists()
+    partial = kill_at_checkpoint(executable, case, output)
     gt.read_case(case).run(resume=partial).write(output)
     assert_equal_files(whole, output)
 
 
 def test_a_checkpoint_of_another_case_is_refused(executable, tmp_path):
-    case, output = write_case(tmp_path, LONG), tmp_path / "out.h5"
-    partial = tmp_path / "out.h5.partial"
-    done = run(executable, write_case(tmp_path, QUICK), "--output", output, "--resume")
+    case, output = write_case(tmp_path, QUICK), tmp_path / "out.h5"
+    done = run(executable, case, "--output", output, "--resume")
     assert done.returncode == 0 and "the run begins anew" in done.stdout
-    kill_after(executable, case, output, 1.2)
     write_case(tmp_path, LONG)
-    kill_after(executable, case, output, 1.2)
+    partial = kill_at_checkpoint(executable, case, output)
     content = partial.read_bytes()
     case.write_text(case.read_text().replace("150.0", "151.0"))
     done = run(executable, case, "--output", output, "--resume")
@@ -205,8 +213,7 @@ def test_a_checkpoint_of_another_case_is_refused(executable, tmp_path):
 def test_a_damaged_state_is_refused(executable, tmp_path):
     """Bytes changed at random in the state: an error or a run, never a crash."""
     case, output = write_case(tmp_path, LONG), tmp_path / "out.h5"
-    partial = tmp_path / "out.h5.partial"
-    kill_after(executable, case, output, 1.2)
+    partial = kill_at_checkpoint(executable, case, output)
     with h5py.File(partial) as file:
         state = file["state"][()]
     case.write_text(case.read_text().replace("150.0", "151.0"))  # the input is compared before anything goes on
