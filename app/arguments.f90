@@ -14,6 +14,8 @@ module arguments
       type(file_name_type), allocatable :: case_files(:)
       !> As given by --output; '' where it was not.
       character(:), allocatable :: output_file
+      !> Go on from the checkpoint of a run that was killed.
+      logical :: resume = .false.
       !> What is wrong with the command line; '' where all is well.
       character(:), allocatable :: wrong
    end type arguments_type
@@ -25,6 +27,7 @@ module arguments
       newline// &
       'Usage:'//newline// &
       '   geartrain CASE.nml [--output FILE.h5]   run a case; the results go to FILE.h5'//newline// &
+      '   geartrain CASE.nml --resume             go on with a run that was killed, from FILE.h5.partial'//newline// &
       '   geartrain A.nml B.nml ...               run several cases, as many at a time as there are threads'//newline// &
       '   geartrain --check CASE.nml ...          say what is wrong with cases, compute nothing'//newline// &
       '   geartrain --template > CASE.nml         a complete case, every variable explained'//newline// &
@@ -61,6 +64,8 @@ contains
             return
          case ('--check')
             arguments%action = 'check'
+         case ('--resume')
+            arguments%resume = .true.
          case ('--output', '-o')
             i = i + 1
             if (i <= command_argument_count()) arguments%output_file = argument(i)
@@ -77,10 +82,14 @@ contains
          end select
       end do
       if (arguments%wrong == '' .and. size(arguments%case_files) == 0) arguments%wrong = 'no case file given'
-      if (arguments%wrong == '' .and. size(arguments%case_files) > 1 .and. arguments%output_file /= '') &
-         arguments%wrong = '--output names one file, and there are several cases: name their files in &output'
-      if (arguments%wrong == '' .and. arguments%action == 'check' .and. arguments%output_file /= '') &
-         arguments%wrong = '--check writes nothing: leave out --output'
+      if (arguments%wrong == '' .and. arguments%action == 'check') then
+         if (arguments%output_file /= '') arguments%wrong = '--check writes nothing: leave out --output'
+         if (arguments%resume) arguments%wrong = '--check computes nothing: leave out --resume'
+      else if (arguments%wrong == '' .and. size(arguments%case_files) > 1) then
+         if (arguments%resume) arguments%wrong = '--resume goes on with one case, and there are several: resume them one by one'
+         if (arguments%output_file /= '') &
+            arguments%wrong = '--output names one file, and there are several cases: name their files in &output'
+      end if
    end subroutine read_arguments
 
    function argument(i) result(word)

@@ -43,10 +43,12 @@ contains
 
    !> Runs the cases, one thread a case where there are several; one alone has all threads to itself. A case that fails does not
    !> keep the others from running; `status` is the largest of their exit statuses.
-   subroutine run_cases(files, output_file, status)
+   subroutine run_cases(files, output_file, resume, status)
       type(file_name_type), intent(in) :: files(:)
       !> As given by --output; ''.
       character(*), intent(in) :: output_file
+      !> Go on from the checkpoint of a run that was killed; of one case only.
+      logical, intent(in) :: resume
       integer, intent(out) :: status
       type(job_type) :: jobs(size(files))
       integer :: i
@@ -56,7 +58,7 @@ contains
       end do
       !$omp parallel do schedule(dynamic) if (size(files) > 1)
       do i = 1, size(files)
-         if (jobs(i)%status == 0) call run(files(i)%name, size(files) == 1, jobs(i))
+         if (jobs(i)%status == 0) call run(files(i)%name, size(files) == 1, resume, jobs(i))
       end do
       !$omp end parallel do
       status = maxval(jobs%status)
@@ -94,17 +96,28 @@ contains
    end subroutine prepare
 
    !> Runs a case, then tells what came of it in one piece.
-   subroutine run(name, alone, job)
+   subroutine run(name, alone, resume, job)
       character(*), intent(in) :: name
       !> It is the only one: its progress is shown, and its results need no name above them.
       logical, intent(in) :: alone
+      !> As above.
+      logical, intent(in) :: resume
       type(job_type), intent(inout) :: job
       type(results_type) :: results
       type(error_type), allocatable :: error
       type(progress_type) :: progress
+      character(:), allocatable :: checkpoint
+      logical :: exists
 
+      checkpoint = ''
+      if (resume) then
+         inquire (file=job%path//'.partial', exist=exists)
+         if (exists) checkpoint = job%path//'.partial'
+         if (.not. exists) write (output_unit, '(3a)') 'Nothing to resume: there is no ', job%path, &
+            '.partial; the run begins anew'
+      end if
       call begin_progress(progress, shown=alone)
-      call run_case(job%case, job%path, results, error, progress)
+      call run_case(job%case, job%path, results, error, progress, checkpoint)
       if (allocated(error)) job%status = error%status
       !$omp critical (terminal)
       call progress%clear()

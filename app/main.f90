@@ -27,7 +27,7 @@ program main
    case ('check')
       call check_cases(asked%case_files, status)
    case default
-      call run_cases(asked%case_files, asked%output_file, status)
+      call run_cases(asked%case_files, asked%output_file, asked%resume, status)
    end select
    call leave(status)
 

@@ -291,13 +291,13 @@ subroutine sample_waveform(handle, samples, meshes, time, displacement, force)
    call waveform(box%case%train, box%motions(1), samples, time, displacement, force)
 end subroutine sample_waveform
 
-! Everything that the case asks for; `path` is where the results go, '' nowhere.
-subroutine run_all(handle, path, progress, status)
+! Everything that the case asks for; `path` is where the results go, '' nowhere; `checkpoint` the file to go on from, '' none.
+subroutine run_all(handle, path, checkpoint, progress, status)
    use geartrain, only: error_type, run_case
    use geartrain_python_box, only: box_type, box_of, close_with, watch_type
    implicit none
    integer(8), intent(in) :: handle
-   character(*), intent(in) :: path
+   character(*), intent(in) :: path, checkpoint
    double precision, intent(inout), target :: progress(3)
    integer, intent(out) :: status
    type(box_type), pointer :: box
@@ -307,7 +307,7 @@ subroutine run_all(handle, path, progress, status)
 
    box => box_of(handle)
    watch%progress => progress
-   call run_case(box%case, path, box%results, error, watch)
+   call run_case(box%case, path, box%results, error, watch, checkpoint)
    status = close_with(box, error)
 end subroutine run_all
 
@@ -450,8 +450,8 @@ subroutine motion_sizes(handle, kind, place, sizes)
    sizes(5:7) = [motions(place)%period, merge(1, 0, motions(place)%stable), merge(1, 0, motions(place)%undecided)]
 end subroutine motion_sizes
 
-! numbers: frequency, error estimate, share, Lyapunov exponent (NaN: none); values: rms, mean, minimum, maximum, those of the mesh
-! load (box.f90); NaN for a motion that ran away.
+! numbers: frequency, error estimate, share, Lyapunov exponent (NaN: none); values: rms, mean, minimum, maximum, those of
+! the mesh load (box.f90); NaN for a motion that ran away.
 subroutine copy_motion(handle, kind, place, terms, meshes, states, roots, numbers, coefficients, values, state, multipliers)
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain, only: motion_type

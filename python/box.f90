@@ -162,7 +162,8 @@ contains
 
    !> Reads a list off the box's branch into its table; the columns are
    !> 'peaks' (of a mesh): Lambda, rms, point, stable;
-   !> 'jumps': Lambda, rising, then the rms before and after, mesh by mesh (after is negative where the jump leaves the branch), candidates;
+   !> 'jumps': Lambda, rising, then the rms before and after, mesh by mesh (after is negative where the jump leaves the
+   !> branch), candidates;
    !> 'bands', 'separation', 'back collision' (the last two of a mesh, at any or at stable motions): from, to.
    subroutine summarize(box, what, mesh, stable_only)
       type(box_type), intent(inout) :: box

@@ -1,6 +1,7 @@
-!> Checks that are rows of docs/hard-cases.md at the same time: what is hard, what it is checked against, how far off it is and how far it
-!> may be. With --table the program prints them.
+!> Checks that are rows of docs/hard-cases.md at the same time: what is hard, what it is checked against, how far off it is and how
+!> far it may be. With --table the program prints them.
 module hard_cases
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: compiler_options, output_unit
    use geartrain, only: branch_type, dp, error_type, motion_type, response, response_settings_type, solutions_at, train_type
    use testing, only: tests_type
@@ -83,7 +84,8 @@ contains
       call response(train, settings, branch, error)
    end function solve
 
-   !> The only motion of a train at a frequency, by the balance; its rms is huge where there is not exactly one.
+   !> The only motion of a train at a frequency, by the balance; its rms is NaN, which no tolerance allows, where there is not
+   !> exactly one.
    function solution(train, settings) result(motion)
       type(train_type), intent(in) :: train
       !> A short range that begins at the frequency.
@@ -99,7 +101,7 @@ contains
       if (size(motions) == 1) then
          motion = motions(1)
       else
-         allocate (motion%rms(size(train%meshes)), source=huge(1.0_dp))
+         allocate (motion%rms(size(train%meshes)), source=ieee_value(1.0_dp, ieee_quiet_nan))
          motion%mean = motion%rms
       end if
    end function solution

@@ -20,18 +20,18 @@ contains
       call cases%heading('Figures, each from both ends and at several step sizes')
       train = paper_train()
       train%input_torque = 100
-      call figure(cases, train, 'figure 6, 100 N m', [6, 12, 24, 48], 4)
-      call figure(cases, paper_train(0.42_dp), 'figure 7, kappa 0.42', [6, 12, 24, 48], 2)
-      call figure(cases, rectangular(-0.085_dp), 'figure 8 as printed', [6, 12, 24, 48], 2)
-      call figure(cases, rectangular(0.084_dp), 'figure 8, rectangular wave', [6, 12, 24, 48], 2)
+      call figure(cases, train, 'figure 6, 100 N m', [6, 12, 24, 48], 3)
+      call figure(cases, paper_train(0.42_dp), 'figure 7, kappa 0.42', [6, 12, 24, 48], 1)
+      call figure(cases, rectangular(-0.085_dp), 'figure 8 as printed', [6, 12, 24, 48], 1)
+      call figure(cases, rectangular(0.084_dp), 'figure 8, rectangular wave', [6, 12, 24, 48], 1)
       train = paper_train()
       train%meshes%damping_ratio = 0.03_dp
-      call figure(cases, train, 'figure 9, zeta 0.03', [6, 12, 24, 48], 2)
+      call figure(cases, train, 'figure 9, zeta 0.03', [6, 12, 24, 48], 1)
       train%meshes%damping_ratio = 0.01_dp
       call figure(cases, train, 'figure 9, zeta 0.01', [6, 12, 24, 48], 2)
       train = paper_train()
       train%meshes(2)%order = 2
-      call figure(cases, train, 'figure 10', [6, 12, 24, 48], 2)
+      call figure(cases, train, 'figure 10', [6, 12, 24, 48], 1)
       train%meshes%order = [3, 2]
       call figure(cases, train, 'figure 11', [6, 12, 24, 48], 2)
    end subroutine figures_cases
@@ -96,7 +96,7 @@ contains
             reference = first(i)%motions
             if (size(motions) /= size(reference)) worst = huge(1.0_dp)
             do k = 1, size(motions)
-               worst = max(worst, nearest(motions(k), reference))
+               worst = max(worst, distance(motions(k), reference))
             end do
          end do
       end do
@@ -128,15 +128,15 @@ contains
       motions = pack(motions, .not. large)
    end subroutine drop_large
 
-   pure real(dp) function nearest(motion, motions)
+   pure real(dp) function distance(motion, motions)
       type(motion_type), intent(in) :: motion, motions(:)
       integer :: i
 
-      nearest = huge(1.0_dp)
+      distance = huge(1.0_dp)
       do i = 1, size(motions)
-         nearest = min(nearest, maxval(abs(motion%coefficients - motions(i)%coefficients)))
+         distance = min(distance, maxval(abs(motion%coefficients - motions(i)%coefficients)))
       end do
-   end function nearest
+   end function distance
 
    !> Mesh stiffness of five harmonics with a given fifth.
    function rectangular(fifth) result(train)

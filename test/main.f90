@@ -1,4 +1,4 @@
-!> Runs every test; the last line is `N passed, N failed`.
+!> Runs every test, or with the word unit the unit tests alone; the last line is `N passed, N failed`.
 program main
    use testing, only: tests_type
    use unit_balance, only: balance_tests
@@ -12,6 +12,7 @@ program main
    use unit_flow, only: flow_tests
    use unit_results, only: results_tests
    use unit_results_run, only: results_run_tests
+   use unit_scale, only: scale_tests
    use validation_claims_excitation, only: claims_excitation_tests
    use validation_claims_shafts, only: claims_shafts_tests
    use validation_claims_subharmonic, only: claims_subharmonic_tests
@@ -29,7 +30,9 @@ program main
    use validation_whole_model, only: whole_model_tests
    implicit none (type, external)
    type(tests_type) :: tests
+   character(4) :: which
 
+   call get_command_argument(1, which)
    call contact_tests(tests)
    call case_reader_tests(tests)
    call case_text_tests(tests)
@@ -40,7 +43,12 @@ program main
    call elimination_tests(tests)
    call flow_tests(tests)
    call results_tests(tests)
+   call scale_tests(tests)
    call results_run_tests(tests)
+   if (which == 'unit') then
+      call tests%finish()
+      stop
+   end if
    call paper_train_tests(tests)
    call single_pair_tests(tests)
    call whole_model_tests(tests)

@@ -6,7 +6,7 @@ module unit_results
    use geartrain_base_error, only: error_type, status_file
    use geartrain_base_kinds, only: dp
    use geartrain_case_case, only: case_type
-   use geartrain_results_file, only: check_place
+   use geartrain_results_file, only: check_place, temporary
    use geartrain_results_results, only: results_type, write_results
    use testing, only: tests_type
    implicit none (type, external)
@@ -216,19 +216,19 @@ contains
 
       ! The temporary file's name is taken by a folder: the old file must survive.
       call write_results(path, case, results, error)
-      call execute_command_line('mkdir '//path//'.tmp')
+      call execute_command_line('mkdir '//temporary(path))
       call make_response(results)
       call write_results(path, case, results, error)
       call tests%is_true(allocated(error), 'a temporary file that cannot be made is an error')
       call h5fopen_f(path, h5f_acc_rdonly_f, file, status)
       call tests%is_true(status == 0 .and. .not. exists(file, '/response'), 'the old file survives a failure')
       call h5fclose_f(file, status)
-      call execute_command_line('rmdir '//path//'.tmp')
+      call execute_command_line('rmdir '//temporary(path))
       call write_results(path, case, results, error)
       call tests%is_true(.not. allocated(error), 'after a failure writing works again')
-      call tests%is_true(.not. there(path//'.tmp'), 'no temporary file is left')
+      call tests%is_true(.not. there(temporary(path)), 'no temporary file is left')
       call check_place(path, error)
-      call tests%is_true(there(path) .and. .not. there(path//'.tmp'), 'asking whether it can be written leaves all as it was')
+      call tests%is_true(there(path) .and. .not. there(temporary(path)), 'asking whether it can be written leaves all as it was')
    end subroutine failures
 
    subroutine expect(tests, error, message, name)

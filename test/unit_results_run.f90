@@ -7,6 +7,7 @@ module unit_results_run
    use geartrain_case_checkpoint, only: checkpoint_type
    use geartrain_case_reader, only: read_case_text
    use geartrain_case_run, only: run_case
+   use geartrain_results_file, only: temporary
    use geartrain_results_results, only: results_type
    use testing, only: tests_type
    implicit none (type, external)
@@ -60,7 +61,7 @@ contains
                          'all three analyses are computed')
       call tests%is_true(counter%response .and. counter%integration, 'the observer is told of both')
       call tests%is_true(there(path), 'the file is there')
-      call tests%is_true(.not. there(path//'.partial') .and. .not. there(path//'.tmp'), 'and nothing beside it')
+      call tests%is_true(.not. there(path//'.partial') .and. .not. there(temporary(path)), 'and nothing beside it')
       call remove(path)
 
       case%modes = .false.

@@ -68,7 +68,7 @@ class Box:
     def text(self, name: str, place: int = 0) -> str:
         """A text of the box, see ``text_size`` in _geartrain.f90."""
         size = fortran.text_size(self.handle, name, place)
-        return fortran.copy_text(self.handle, name, place, size).tobytes().decode() if size else ""
+        return fortran.copy_text(self.handle, name, place, size).tobytes().decode(errors="replace") if size else ""
 
     # ------------------------------------------------------------------------------------------------- out
 

@@ -68,7 +68,8 @@ class Branch:
     second_estimate : ndarray, (points,), or None
         Largest magnitude of a multiplier of the motion corrected by its estimated error; nan where it was not needed.
     multipliers : ndarray of complex, (points, states), or None
-        Floquet multipliers over one period of the motion.
+        Floquet multipliers over one period of the motion; of a train of 160 states
+        (41 flexible shafts) or more the 16 of largest magnitude.
     coefficients : ndarray, (points, meshes, 1 + 2*harmonics)
         Mean, cos 1, sin 1, cos 2, ... of the frequency Lambda/subharmonic.
     error_estimate : ndarray, (points,)

@@ -104,8 +104,13 @@ class Case:
     output: str | None
     text: str = field(repr=False)
 
-    def run(self) -> Results:
+    def run(self, resume: str | os.PathLike[str] | None = None) -> Results:
         """Compute everything that the case asks for.
+
+        Parameters
+        ----------
+        resume : path-like, optional
+            The checkpoint of a run of this case that was killed, ``FILE.h5.partial``, to go on from: the results are the same.
 
         Returns
         -------
@@ -116,11 +121,16 @@ class Case:
         ------
         Interrupted
             On Ctrl-C, with the results so far.
+        InputError
+            Where ``resume`` is the checkpoint of another case.
+        OSError
+            Where it cannot be read.
         """
+        checkpoint = b"" if resume is None else file_name(resume)
 
         def work(progress: NDArray[np.float64]) -> Results:
             with Box(self.text) as box:
-                status = fortran.run_all(box.handle, b"", progress)
+                status = fortran.run_all(box.handle, b"", checkpoint, progress)
                 modes = box.modes()
                 settings = self.response or {}
                 branches = Branch._all_from(box, self.train, settings)

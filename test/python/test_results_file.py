@@ -234,7 +234,7 @@ def _has_integration(partial):
     if not partial.exists():
         return False
     with h5py.File(partial) as file:
-        return "integration" in file
+        return "integration/frequency" in file
 
 
 def test_a_killed_run_leaves_a_readable_file(executable, tmp_path):

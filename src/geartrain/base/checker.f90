@@ -60,7 +60,7 @@ contains
       if (.not. allocated(value)) return
       if (variable%allows_text(value)) return
       if (variable%choices == '') then
-         call self%complain(variable%name, "'...'", 'must be one line of text without control characters')
+         call self%complain(variable%name, "'...'", 'must be one line of UTF-8 text without control characters')
       else
          call self%complain(variable%name, "'"//value//"'", variable%expectation())
       end if

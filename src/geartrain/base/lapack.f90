@@ -3,7 +3,7 @@ module geartrain_base_lapack
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
    private
-   public :: dgetrf, dgetrs, dgeev, dgemm, dgemv, dsteqr
+   public :: dgetrf, dgetrs, dgeev, dgemm, dgemv, dsteqr, dsterf
 
    interface
       !> LU factors of a general matrix.
@@ -66,6 +66,15 @@ module geartrain_base_lapack
          real(dp), intent(inout) :: d(*), e(*), z(ldz, *), work(*)
          integer, intent(out) :: info
       end subroutine dsteqr
+
+      !> Eigenvalues alone of a symmetric tridiagonal matrix, ascending, at a fraction of the work.
+      pure subroutine dsterf(n, d, e, info)
+         import :: dp
+         implicit none (type, external)
+         integer, intent(in) :: n
+         real(dp), intent(inout) :: d(*), e(*)
+         integer, intent(out) :: info
+      end subroutine dsterf
    end interface
 
 end module geartrain_base_lapack

@@ -20,8 +20,11 @@ module geartrain_base_problems
       character(:), allocatable :: text
    end type problem_type
 
+   !> Further ones are counted alone.
+   integer, parameter :: most_told = 200
+
    type :: problems_type
-      integer :: count = 0
+      integer :: count = 0, untold = 0
       type(problem_type), allocatable :: list(:)
    contains
       procedure :: add
@@ -41,6 +44,10 @@ contains
       type(problem_type), allocatable :: longer(:)
       integer :: i
 
+      if (self%count == most_told) then
+         self%untold = self%untold + 1
+         return
+      end if
       if (.not. allocated(self%list)) allocate (self%list(8))
       if (self%count == size(self%list)) then
          allocate (longer(2*self%count))
@@ -106,6 +113,7 @@ contains
       do i = 1, self%count
          call fatal(error, message(self%list(order(i)), file))
       end do
+      if (self%untold > 0) call fatal(error, 'and '//integer_text(self%untold)//' more')
    end subroutine raise
 
    !> The order of the file; what has no place comes last.

@@ -15,7 +15,7 @@ module geartrain_base_variable
       character(24) :: name = ''
       !> Unit, blank for a dimensionless value.
       character(12) :: unit = ''
-      character(240) :: description = ''
+      character(280) :: description = ''
       logical :: required = .false.
       !> Range: above < value, least <= value <= most.
       real(dp) :: above = -huge(1.0_dp), least = -huge(1.0_dp), most = huge(1.0_dp)
@@ -121,11 +121,37 @@ contains
       integer :: i
 
       if (self%choices == '') then
-         allows_text = all([(iachar(value(i:i)) >= 32 .and. iachar(value(i:i)) /= 127, i = 1, len(value))])
+         allows_text = all([(iachar(value(i:i)) >= 32 .and. iachar(value(i:i)) /= 127, i = 1, len(value))]) .and. is_utf_8(value)
       else
          allows_text = value /= '' .and. scan(trim(value), ' ') == 0 .and. index(' '//self%choices//' ', ' '//trim(value)//' ') > 0
       end if
    end function allows_text
+
+   !> Whether the bytes are characters of UTF-8: what HDF5 and Python are told that every text is.
+   pure logical function is_utf_8(text)
+      character(*), intent(in) :: text
+      integer, parameter :: shortest(3) = [128, 2048, 65536]
+      integer :: i, k, byte, more, code
+
+      is_utf_8 = .false.
+      i = 1
+      do while (i <= len(text))
+         byte = iachar(text(i:i))
+         more = count(byte >= [192, 224, 240])
+         if (byte >= 128 .and. more == 0 .or. byte >= 248 .or. i + more > len(text)) return
+         code = iand(byte, merge(127, 63/2**more, more == 0))
+         do k = i + 1, i + more
+            byte = iachar(text(k:k))
+            if (iand(byte, 192) /= 128) return
+            code = 64*code + iand(byte, 63)
+         end do
+         ! Not longer than need be, no surrogate, within Unicode.
+         if (more > 0 .and. code < shortest(max(1, more))) return
+         if (code >= 55296 .and. code <= 57343 .or. code > 1114111) return
+         i = i + more + 1
+      end do
+      is_utf_8 = .true.
+   end function is_utf_8
 
    !> What is allowed, short: '> 0', '>= 1, or 0', "'up', 'down' or 'both'"; '' where anything is.
    pure function range_text(self) result(text)

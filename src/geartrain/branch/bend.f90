@@ -5,7 +5,7 @@ module geartrain_branch_bend
    use geartrain_branch_units, only: units_type
    implicit none (type, external)
    private
-   public :: cosine_limit, turns, hides_folds, cosine, closes
+   public :: cosine_limit, turns, hides_folds, odd_product, loses_odd, passes_half_period, cosine, closes
 
    !> Cosine of the largest angle between tangents of neighbouring points.
    real(dp), parameter :: cosine_limit = 0.85_dp
@@ -39,6 +39,46 @@ contains
          hides_folds = first*(first - 3*bend*share**2) < 0
       end associate
    end function hides_folds
+
+   !> Inner product of the odd harmonics of two places.
+   pure real(dp) function odd_product(here, next)
+      type(place_type), intent(in) :: here, next
+      integer :: k
+
+      odd_product = 0
+      do k = 1, (size(next%u, 1) - 1)/2, 2
+         odd_product = odd_product + sum(here%u(2*k:2*k + 1, :)*next%u(2*k:2*k + 1, :))
+      end do
+   end function odd_product
+
+   !> Whether the odd harmonics of a motion of even period vanish from one point to the next: a jump onto the branch of half the
+   !> period, which goes through one of them.
+   pure logical function loses_odd(here, next, subharmonic, units)
+      type(place_type), intent(in) :: here, next
+      integer, intent(in) :: subharmonic
+      type(units_type), intent(in) :: units
+      !> Share of them that is left by rounding; what is less than that to begin with is none.
+      real(dp), parameter :: none = 1e-12_dp
+      real(dp) :: before
+
+      loses_odd = .false.
+      if (mod(subharmonic, 2) /= 0) return
+      before = odd_product(here, here)
+      loses_odd = before > none*units%length**2 .and. odd_product(next, next) < none*before
+   end function loses_odd
+
+   !> Whether the odd harmonics of a motion of even period change sign between two points: the branch passes through one of
+   !> half its period there, and goes on as its own mirror image, shifted by half a period.
+   pure logical function passes_half_period(here, next, subharmonic)
+      type(place_type), intent(in) :: here, next
+      integer, intent(in) :: subharmonic
+      !> Odd harmonics below this share of the motion are rounding: a motion of half the period has none.
+      real(dp), parameter :: none = 1e-7_dp
+
+      passes_half_period = .false.
+      if (mod(subharmonic, 2) /= 0) return
+      passes_half_period = odd_product(here, next) < 0 .and. odd_product(next, next) > none**2*sum(next%u**2)
+   end function passes_half_period
 
    !> Of the angle between two tangents.
    pure real(dp) function cosine(here, next, units)

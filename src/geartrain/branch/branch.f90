@@ -1,11 +1,12 @@
 !> A branch of periodic motions over frequency: what continuation gives, point by point, through the folds.
 module geartrain_branch_branch
    use geartrain_base_kinds, only: dp
+   use geartrain_branch_path, only: place_type
    use geartrain_motion_mesh_load, only: mesh_load_type
    use geartrain_motion_motion, only: motion_type
    implicit none (type, external)
    private
-   public :: branch_type, response_settings_type, special_point_type
+   public :: branch_type, response_settings_type, special_point_type, trace_state_type
 
    !> The variables of &response; from and to are `start` and `stop`.
    type :: response_settings_type
@@ -42,7 +43,27 @@ module geartrain_branch_branch
       real(dp), allocatable :: rms(:)
    end type special_point_type
 
+   !> Where the trace of a response stands: all that its next step depends on, so that another run can go on with it.
+   type :: trace_state_type
+      !> It is traced from `stop`; the trace from `start` is done, and branch%ended says why it ended.
+      logical :: from_stop = .false.
+      !> That one was followed to where it leaves the range.
+      logical :: whole = .false.
+      !> Steps done; 0: the trace from this end has not begun.
+      integer :: steps = 0
+      !> Harmonics in use.
+      integer :: harmonics = 0
+      !> Length of the next step, and the tracer's measure of curvature.
+      real(dp) :: step = 0, bend = 0
+      !> Points so far that miss the tolerance.
+      integer :: missed = 0
+      type(place_type) :: here, origin
+      !> What the reason for its end begins with.
+      character(:), allocatable :: before
+   end type trace_state_type
+
    type :: branch_type
+      !> states: multipliers of a point, of a train of many states the leading ones.
       integer :: points = 0, meshes = 0, states = 0, harmonics = 0, subharmonic = 1
       !> Lambda, (point).
       real(dp), allocatable :: frequency(:)
@@ -81,6 +102,8 @@ module geartrain_branch_branch
       logical :: cancelled = .false.
       !> Where it comes from, in words; not allocated for the response itself.
       character(:), allocatable :: origin
+      !> Allocated while the response is under way.
+      type(trace_state_type), allocatable :: trace
    end type branch_type
 
 end module geartrain_branch_branch

@@ -11,7 +11,7 @@ module geartrain_branch_doubling
    use geartrain_branch_doubling_point, only: find_doubling, harmonics_at
    use geartrain_branch_path, only: place_type
    use geartrain_branch_start, only: begin_trace
-   use geartrain_branch_tracer, only: cancelled, full, met_half_period, stuck, tracer_type
+   use geartrain_branch_tracer, only: cancelled, full, stuck, tracer_type
    use geartrain_branch_variables, only: settings_for
    use geartrain_model_check, only: check_train
    use geartrain_model_train, only: train_type
@@ -54,29 +54,25 @@ contains
       call trace_doubled(train, settings, branch, special, place, success, doubled, observer)
    end subroutine period_doubled
 
-   !> The same from the balance's own doubling, as `find_doubling` gives it; `place` becomes the place where the doubled branch
-   !> meets that of half its period.
-   subroutine trace_doubled(train, settings, branch, special, place, found, doubled, observer, met)
+   !> The same from the balance's own doubling, as `find_doubling` gives it.
+   subroutine trace_doubled(train, settings, branch, special, doubling, found, doubled, observer)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: special
-      type(place_type), intent(inout) :: place
+      type(place_type), intent(in) :: doubling
       !> Whether there is such a doubling.
       logical, intent(in) :: found
       type(branch_type), intent(inout), target :: doubled
       class(observer_type), intent(inout), optional :: observer
-      !> Whether it does.
-      logical, intent(out), optional :: met
       type(response_settings_type) :: twice
       type(tracer_type) :: tracer
       type(branch_type) :: empty
-      type(place_type) :: start
+      type(place_type) :: place
       real(dp) :: h
       integer :: outcome
       logical :: success
 
-      if (present(met)) met = .false.
       ! All is new but where it comes from.
       call move_alloc(doubled%origin, empty%origin)
       doubled = empty
@@ -93,16 +89,15 @@ contains
          return
       end if
       ! The doubling itself is a singular point; the branch is recorded from a short way along it.
-      start = place
       h = first_step
       do
-         call tracer%path%advance(start, h, place, success)
+         call tracer%path%advance(doubling, h, place, success)
          h = h/3
          if (success .or. h < least_step) exit
       end do
       if (.not. success) then
          call tracer%recorder%finish(doubled)
-         doubled%ended = 'no branch found along the critical vector at Lambda = '//text(start%frequency)
+         doubled%ended = 'no branch found along the critical vector at Lambda = '//text(doubling%frequency)
          return
       end if
       call tracer%adapt(place, success)
@@ -110,7 +105,6 @@ contains
       call tracer%trace(place, min(settings%start, settings%stop), max(settings%start, settings%stop), settings%stop, &
                         doubled, outcome, doubled%ended, observer)
       doubled%complete = all(outcome /= [cancelled, stuck, full])
-      if (present(met)) met = outcome == met_half_period
       call tracer%tell_missed(doubled)
       call tracer%recorder%finish(doubled)
    end subroutine trace_doubled

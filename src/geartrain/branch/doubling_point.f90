@@ -8,10 +8,10 @@
 !> singular g has a pole; it is far away when b and c are near to the left and right critical vectors.
 module geartrain_branch_doubling_point
    use geartrain_base_kinds, only: dp, pi
-   use geartrain_branch_bend, only: cosine
+   use geartrain_branch_bend, only: cosine, passes_half_period
    use geartrain_branch_branch, only: branch_type, response_settings_type
    use geartrain_branch_path, only: place_type
-   use geartrain_branch_special_points, only: between, shrink
+   use geartrain_branch_special_points, only: between, locate_half_period, shrink
    use geartrain_branch_start, only: begin_trace, place_of
    use geartrain_branch_tracer, only: tracer_type
    use geartrain_branch_units, only: units_type
@@ -20,7 +20,7 @@ module geartrain_branch_doubling_point
    use geartrain_motion_motion, only: motion_type
    implicit none (type, external)
    private
-   public :: find_doubling, harmonics_at, same_doubling
+   public :: find_doubling, find_meeting, harmonics_at, same_doubling
 
    !> Farthest from the doubling that the multipliers told, in the metric of the branch, and most steps there.
    real(dp), parameter :: farthest = 0.25_dp
@@ -93,6 +93,57 @@ contains
       success = .false.
    end subroutine find_doubling
 
+   !> Where a branch of even period ends at the branch of half its period, if it does: the place at which its odd harmonics vanish.
+   subroutine find_meeting(train, settings, branch, place, met)
+      type(train_type), intent(in) :: train
+      !> Those that `branch` was traced with.
+      type(response_settings_type), intent(in) :: settings
+      type(branch_type), intent(in) :: branch
+      type(place_type), intent(inout) :: place
+      logical, intent(out) :: met
+      type(tracer_type) :: tracer
+      type(place_type) :: here, next
+      real(dp) :: chord
+      integer :: n
+
+      met = .false.
+      if (branch%points < 2) return
+      call begin_trace(train, settings, tracer)
+      tracer%path%local_control = .false.
+      ! There may be a fold between it and the last point, and then the fold is on the branch.
+      do n = branch%points - 1, max(1, branch%points - 2), -1
+         if (settings%harmonics == 0) call tracer%prepare(maxval(branch%point_harmonics(n:n + 1)))
+         call span(tracer, branch, n, here, next, chord)
+         if (.not. passes_half_period(here, next, branch%subharmonic)) cycle
+         call locate_half_period(tracer%path, here, next, chord, place, met)
+         if (met) return
+      end do
+   end subroutine find_meeting
+
+   !> Points n and n+1 of a branch as places; `here` has the unit vector along the chord as its tangent.
+   subroutine span(tracer, branch, n, here, next, chord)
+      type(tracer_type), intent(in) :: tracer
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: n
+      type(place_type), intent(out) :: here, next
+      real(dp), intent(out) :: chord
+      type(motion_type) :: motion
+
+      motion%period = branch%subharmonic
+      motion%frequency = branch%frequency(n)
+      motion%coefficients = branch%coefficients(:, :, n)
+      here = place_of(tracer, motion)
+      motion%frequency = branch%frequency(n + 1)
+      motion%coefficients = branch%coefficients(:, :, n + 1)
+      next = place_of(tracer, motion)
+      here%tangent = next%u - here%u
+      here%tangent_frequency = next%frequency - here%frequency
+      chord = tracer%path%length_of(here%tangent, here%tangent_frequency)
+      if (.not. chord > 0) return
+      here%tangent = here%tangent/chord
+      here%tangent_frequency = here%tangent_frequency/chord
+   end subroutine span
+
    !> Harmonics of the points next to the special point: the more of the two.
    pure integer function harmonics_at(branch, special)
       type(branch_type), intent(in) :: branch
@@ -112,33 +163,19 @@ contains
       real(dp), intent(out) :: h
       logical, intent(out) :: success
       type(place_type) :: after
-      type(motion_type) :: motion
       real(dp) :: share, chord
-      integer :: point
 
-      point = branch%special_points(special)%point
-      motion%period = branch%subharmonic
-      motion%frequency = branch%frequency(point)
-      motion%coefficients = branch%coefficients(:, :, point)
-      place = place_of(single, motion)
-      motion%frequency = branch%frequency(point + 1)
-      motion%coefficients = branch%coefficients(:, :, point + 1)
-      after = place_of(single, motion)
-      place%tangent = after%u - place%u
-      place%tangent_frequency = after%frequency - place%frequency
-      chord = single%path%length_of(place%tangent, place%tangent_frequency)
+      call span(single, branch, branch%special_points(special)%point, place, after, chord)
       h = min(first_step, chord/4)
       success = chord > 0
       if (.not. success) return
       share = 0
-      if (abs(place%tangent_frequency) > 0) &
-         share = (branch%special_points(special)%frequency - place%frequency)/place%tangent_frequency
+      if (abs(after%frequency - place%frequency) > 0) &
+         share = (branch%special_points(special)%frequency - place%frequency)/(after%frequency - place%frequency)
       ! Next to a fold the frequency tells little.
       share = max(0.0_dp, min(1.0_dp, share))
-      place%u = place%u + share*place%tangent
-      place%frequency = place%frequency + share*place%tangent_frequency
-      place%tangent = place%tangent/chord
-      place%tangent_frequency = place%tangent_frequency/chord
+      place%u = place%u + share*chord*place%tangent
+      place%frequency = place%frequency + share*chord*place%tangent_frequency
       call single%path%correct(place, success)
    end subroutine told_place
 
@@ -198,7 +235,7 @@ contains
                do l = 2*k, 2*k + 1
                   unit = 0
                   unit(l, i) = 1
-                  call double%path%matrix%solve(unit, border(l, i, 1))
+                  call double%path%matrix%solve(balance, unit, border(l, i, 1))
                end do
                border(2*k:2*k + 1, i, 2) = place%tangent(2*k:2*k + 1, i)
             end do
@@ -217,7 +254,8 @@ contains
       real(dp), intent(in) :: border(:, :, :)
       real(dp), intent(out) :: g
       type(place_type), intent(inout) :: place
-      integer :: k, r, info
+      integer :: k, r
+      logical :: regular
 
       associate (balance => double%path%balance, matrix => double%path%matrix, harmonic => single%path%balance%harmonic)
          if (allocated(place%u)) deallocate (place%u, place%tangent)
@@ -231,15 +269,15 @@ contains
          place%tangent_frequency = 0
          place%orientation = 0
          call balance%evaluate(place%u, place%frequency)
-         call balance%jacobian(matrix)
+         call matrix%linearize(balance)
          matrix%column = border(:, :, 1)
          matrix%row = border(:, :, 2)
          matrix%corner = 0
-         call matrix%factor(info)
+         call matrix%factor(balance, regular)
          g = huge(1.0_dp)
-         if (info /= 0) return
+         if (.not. regular) return
          g = 1
-         call matrix%solve(place%tangent, g)
+         call matrix%solve(balance, place%tangent, g)
       end associate
       place%tangent = place%tangent/double%path%length_of(place%tangent)
    end subroutine test_function

@@ -5,7 +5,7 @@ module geartrain_branch_doublings
    use geartrain_base_observer, only: observer_type
    use geartrain_branch_branch, only: branch_type, response_settings_type
    use geartrain_branch_doubling, only: trace_doubled
-   use geartrain_branch_doubling_point, only: find_doubling, same_doubling
+   use geartrain_branch_doubling_point, only: find_doubling, find_meeting, same_doubling
    use geartrain_branch_path, only: place_type
    use geartrain_branch_units, only: units_of, units_type
    use geartrain_branch_variables, only: settings_for
@@ -14,13 +14,13 @@ module geartrain_branch_doublings
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: follow_doublings, add_branch
+   public :: follow_doublings, add_branch, is_known
 
 contains
 
    !> Appends to `branches` those of twice the period that leave `branch`, then those that leave these, and so on,
    !> settings%period_doublings times. A branch that ends at another doubling of its parent is traced once.
-   subroutine follow_doublings(train, settings, branch, branches, error, observer)
+   subroutine follow_doublings(train, settings, branch, branches, error, observer, known)
       type(train_type), intent(in) :: train
       !> Those that `branch` was traced with.
       type(response_settings_type), intent(in) :: settings
@@ -29,6 +29,8 @@ contains
       type(branch_type), allocatable, intent(inout), target :: branches(:)
       type(error_type), allocatable, intent(out) :: error
       class(observer_type), intent(inout), optional :: observer
+      !> The first of them, where another run has traced these already.
+      type(branch_type), intent(in), optional :: known(:)
       type(branch_type) :: parent
       integer :: generation, first, last, i
 
@@ -37,7 +39,7 @@ contains
       if (allocated(error)) return
       last = size(branches)
       if (settings%period_doublings > 0) &
-         call follow(train, settings, branch, 'the response', branches, observer)
+         call follow(train, settings, branch, 'the response', branches, observer, known)
       do generation = 2, settings%period_doublings
          first = last + 1
          last = size(branches)
@@ -45,21 +47,22 @@ contains
             if (branches(size(branches))%cancelled) return
             ! A copy, because the list moves when it grows.
             parent = branches(i)
-            call follow(train, settings_for(settings, parent%subharmonic), parent, 'branch '//text(i), branches, observer)
+            call follow(train, settings_for(settings, parent%subharmonic), parent, 'branch '//text(i), branches, observer, known)
          end do
       end do
    end subroutine follow_doublings
 
    !> One generation: the branches that leave `parent`.
-   subroutine follow(train, settings, parent, name, branches, observer)
+   subroutine follow(train, settings, parent, name, branches, observer, known)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
       type(branch_type), intent(in) :: parent
       character(*), intent(in) :: name
       type(branch_type), allocatable, intent(inout), target :: branches(:)
       class(observer_type), intent(inout), optional :: observer
+      type(branch_type), intent(in), optional :: known(:)
       !> Where the branches so far begin and end.
-      type(place_type) :: known(2*size(parent%special_points)), place
+      type(place_type) :: places(2*size(parent%special_points)), place
       type(system_type) :: system
       type(units_type) :: units
       logical :: found, met
@@ -72,31 +75,46 @@ contains
          if (parent%special_points(i)%kind /= 'period doubling') cycle
          call find_doubling(train, settings, parent, i, place, found)
          if (found) then
-            if (is_known(place, known(:count), parent%subharmonic, units)) cycle
+            if (is_among(place, places(:count), parent%subharmonic, units)) cycle
             count = count + 1
-            known(count) = place
+            places(count) = place
          end if
          call add_branch(branches, 'period doubling of '//name//' at Lambda = '//text(parent%special_points(i)%frequency))
          n = size(branches)
-         call trace_doubled(train, settings, parent, i, place, found, branches(n), observer, met)
+         if (is_known(n, known)) then
+            branches(n) = known(n)
+         else
+            call trace_doubled(train, settings, parent, i, place, found, branches(n), observer)
+         end if
          if (branches(n)%cancelled) return
+         call find_meeting(train, settings_for(settings, 2*parent%subharmonic), branches(n), place, met)
          if (.not. met) cycle
          count = count + 1
-         known(count) = place
+         places(count) = place
       end do
    end subroutine follow
 
-   pure logical function is_known(place, known, period, units)
-      type(place_type), intent(in) :: place, known(:)
+   !> Whether `place` is one of the doublings `places` of a branch of period `period`.
+   pure logical function is_among(place, places, period, units)
+      type(place_type), intent(in) :: place, places(:)
       integer, intent(in) :: period
       type(units_type), intent(in) :: units
       integer :: i
 
-      is_known = .false.
-      do i = 1, size(known)
-         is_known = same_doubling(place, known(i), period, units)
-         if (is_known) return
+      is_among = .false.
+      do i = 1, size(places)
+         is_among = same_doubling(place, places(i), period, units)
+         if (is_among) return
       end do
+   end function is_among
+
+   !> Whether branch n is among those that another run has traced.
+   pure logical function is_known(n, known)
+      integer, intent(in) :: n
+      type(branch_type), intent(in), optional :: known(:)
+
+      is_known = .false.
+      if (present(known)) is_known = n <= size(known)
    end function is_known
 
    !> Room for one more branch.

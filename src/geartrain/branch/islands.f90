@@ -4,7 +4,7 @@ module geartrain_branch_islands
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
    use geartrain_branch_branch, only: branch_type, response_settings_type
-   use geartrain_branch_doublings, only: add_branch
+   use geartrain_branch_doublings, only: add_branch, is_known
    use geartrain_branch_response, only: response
    use geartrain_branch_solutions, only: beyond_limit, lies_on
    use geartrain_branch_variables, only: settings_for
@@ -20,7 +20,7 @@ contains
    !> Appends to `branches` one through each motion that lies neither on `branch` nor on one of `branches`, over the range of
    !> `settings`, those that `branch` was traced with. A motion beyond the amplitude limit is left alone: no branch is recorded
    !> there.
-   subroutine follow_attractors(train, settings, found, branch, branches, error, observer)
+   subroutine follow_attractors(train, settings, found, branch, branches, error, observer, known)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
       type(attractors_type), intent(in) :: found
@@ -29,6 +29,8 @@ contains
       type(branch_type), allocatable, intent(inout), target :: branches(:)
       type(error_type), allocatable, intent(out) :: error
       class(observer_type), intent(inout), optional :: observer
+      !> The first of `branches`, where another run has traced these already.
+      type(branch_type), intent(in), optional :: known(:)
       type(response_settings_type) :: in_force
       integer :: i, n
 
@@ -36,9 +38,13 @@ contains
       do i = 1, size(found%motions)
          associate (motion => found%motions(i))
             in_force = settings_for(settings, motion%period)
-            if (is_known(train, in_force, motion, branch, branches)) cycle
+            if (on_a_branch(train, in_force, motion, branch, branches)) cycle
             call add_branch(branches, 'attractor '//text(i)//' at Lambda = '//text(motion%frequency))
             n = size(branches)
+            if (is_known(n, known)) then
+               branches(n) = known(n)
+               cycle
+            end if
             call response(train, in_force, branches(n), error, motion, observer)
             if (allocated(error)) return
             if (branches(n)%cancelled) return
@@ -47,19 +53,19 @@ contains
    end subroutine follow_attractors
 
    !> Whether the motion, or the same some mesh periods later, lies on a branch or beyond the amplitude limit.
-   logical function is_known(train, settings, motion, branch, branches)
+   logical function on_a_branch(train, settings, motion, branch, branches)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
       type(motion_type), intent(in) :: motion
       type(branch_type), intent(in) :: branch, branches(:)
       integer :: i
 
-      is_known = beyond_limit(train, settings, motion)
-      if (.not. is_known) is_known = lies_on(train, settings, branch, motion)
+      on_a_branch = beyond_limit(train, settings, motion)
+      if (.not. on_a_branch) on_a_branch = lies_on(train, settings, branch, motion)
       do i = 1, size(branches)
-         if (is_known) return
-         is_known = lies_on(train, settings, branches(i), motion)
+         if (on_a_branch) return
+         on_a_branch = lies_on(train, settings, branches(i), motion)
       end do
-   end function is_known
+   end function on_a_branch
 
 end module geartrain_branch_islands

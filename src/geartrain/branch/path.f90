@@ -4,7 +4,7 @@ module geartrain_branch_path
    use geartrain_base_kinds, only: dp
    use geartrain_branch_units, only: units_type
    use geartrain_motion_balance, only: balance_type
-   use geartrain_motion_bordered, only: bordered_type
+   use geartrain_motion_linearization, only: linearization_type
    implicit none (type, external)
    private
    public :: path_type, place_type, inner
@@ -22,7 +22,7 @@ module geartrain_branch_path
 
    type :: path_type
       type(balance_type) :: balance
-      type(bordered_type) :: matrix
+      type(linearization_type) :: matrix
       type(units_type) :: units
       !> Equation (11): the unknown that changes fastest is prescribed, instead of the arclength.
       logical :: local_control = .false.
@@ -36,6 +36,7 @@ module geartrain_branch_path
       procedure :: correct
       procedure :: orient
       procedure :: advance
+      procedure :: refit
       procedure :: length_of
       procedure, private :: across
       procedure, private :: tolerance_at
@@ -49,7 +50,7 @@ contains
    subroutine setup(self)
       class(path_type), intent(inout) :: self
 
-      call self%matrix%resize(self%balance%block, self%balance%unknowns)
+      call self%matrix%setup(self%balance)
       if (allocated(self%step)) deallocate (self%step)
       allocate (self%step(self%balance%block, self%balance%unknowns))
    end subroutine setup
@@ -131,8 +132,8 @@ contains
       real(dp), intent(in) :: row(:, :), row_frequency, longest
       logical, intent(out) :: success
       real(dp) :: y, length, before, tolerance
-      integer :: info, iteration
-      logical :: last
+      integer :: iteration
+      logical :: last, regular
 
       success = .false.
       last = .false.
@@ -141,15 +142,15 @@ contains
          self%iterations = iteration
          call self%balance%evaluate(place%u, place%frequency)
          if (.not. last) then
-            call self%balance%jacobian(self%matrix)
+            call self%matrix%linearize(self%balance)
             self%matrix%row = row
             self%matrix%corner = row_frequency
-            call self%matrix%factor(info)
-            if (info /= 0) return
+            call self%matrix%factor(self%balance, regular)
+            if (.not. regular) return
          end if
          self%step = -self%balance%residual
          y = 0
-         call self%matrix%solve(self%step, y)
+         call self%matrix%solve(self%balance, self%step, y)
          length = self%length_of(self%step, y)
          if (.not. length <= longest) return
          if (iteration == 1) self%correction = length/longest
@@ -173,7 +174,7 @@ contains
 
       self%step = 0
       y = 1
-      call self%matrix%solve(self%step, y)
+      call self%matrix%solve(self%balance, self%step, y)
       length = self%length_of(self%step, y)
       if (inner(self%step, place%tangent)/self%units%length**2 &
           + y*place%tangent_frequency/self%units%frequency**2 < 0) length = -length
@@ -182,6 +183,23 @@ contains
       if (length < 0) place%orientation = -place%orientation
       place%tangent_frequency = y/length
    end subroutine find_tangent
+
+   !> Cuts or pads the coefficients of a place to the present number of harmonics.
+   pure subroutine refit(self, place)
+      class(path_type), intent(in) :: self
+      type(place_type), intent(inout) :: place
+      real(dp) :: u(self%balance%block, size(place%u, 2)), tangent(self%balance%block, size(place%u, 2))
+      integer :: n
+
+      n = min(size(u, 1), size(place%u, 1))
+      u = 0
+      tangent = 0
+      u(:n, :) = place%u(:n, :)
+      tangent(:n, :) = place%tangent(:n, :)
+      place%u = u
+      place%tangent = tangent
+      place%orientation = 0
+   end subroutine refit
 
    !> Length in the metric of a change of the coefficients and, where given, of Lambda.
    pure real(dp) function length_of(self, u, frequency)

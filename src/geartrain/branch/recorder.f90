@@ -39,16 +39,16 @@ contains
       self%stability = stability
       branch%points = 0
       branch%meshes = balance%system%meshes
-      branch%states = 2*balance%system%elements
       branch%backlash = balance%system%backlash
       branch%subharmonic = balance%eta
       branch%harmonics = balance%highest
       allocate (branch%special_points(0))
       if (stability) then
          call self%monodromy%setup(balance%system)
+         branch%states = self%monodromy%given
          allocate (self%multipliers(branch%states))
       end if
-      call resize(branch, 256, balance%highest, stability)
+      call resize(branch, 16, balance%highest, stability)
    end subroutine setup
 
    !> Adds the place at which the balance was last evaluated.

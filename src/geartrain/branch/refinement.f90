@@ -17,18 +17,22 @@ module geartrain_branch_refinement
    real(dp), parameter :: another = 10
    !> Least difference that is asked about, relative: below it the estimate may be rounding.
    real(dp), parameter :: rounding = 1e-6_dp
+   !> The correction of a point that has not been tried yet.
+   real(dp), parameter :: to_do = -2
 
 contains
 
    !> Replaces every point by the orbit near it to about 1e-11 and sets branch%correction, by how much each waveform changed.
    !> Lambda stays. A point near which shooting finds no orbit, as next to a fold, whose true place is elsewhere, stays as it is,
-   !> with a negative correction. Special points stay as they are.
-   subroutine refine_branch(train, branch, error, observer)
+   !> with a negative correction. Special points stay as they are. A refinement under way, as a checkpoint of the same case holds
+   !> it, is taken up where `go_on`.
+   subroutine refine_branch(train, branch, error, observer, go_on)
       type(train_type), intent(in) :: train
       type(branch_type), intent(inout), target :: branch
       type(error_type), allocatable, intent(out) :: error
       !> Told of 'refinement', by one thread at a time.
       class(observer_type), intent(inout), optional :: observer
+      logical, intent(in), optional :: go_on
       type(motion_type) :: motion
       integer :: i, done
       logical :: keep_going, go
@@ -36,19 +40,24 @@ contains
 
       call check_train(train, error)
       if (allocated(error)) return
-      if (allocated(branch%correction)) deallocate (branch%correction)
-      allocate (branch%correction(branch%points), source=-1.0_dp)
-      done = 0
+      go = .false.
+      if (present(go_on)) go = go_on .and. allocated(branch%correction)
+      if (.not. go) then
+         if (allocated(branch%correction)) deallocate (branch%correction)
+         allocate (branch%correction(branch%points), source=to_do)
+      end if
+      done = count(branch%correction > to_do)
       keep_going = .true.
       !$omp parallel do private(motion, correction, go) schedule(dynamic)
       do i = 1, branch%points
          !$omp atomic read
          go = keep_going
-         if (.not. go) cycle
+         if (.not. go .or. branch%correction(i) > to_do) cycle
          call refine_point(train, branch, i, motion, correction)
          ! Whoever reads the branch meanwhile is the observer, and no point changes while it does.
          !$omp critical (geartrain_refinement)
-         if (.not. correction < 0) call replace_point(motion, correction, i, branch)
+         branch%correction(i) = correction
+         if (.not. correction < 0) call replace_point(motion, i, branch)
          done = done + 1
          go = keep_going
          if (go .and. present(observer)) call observer%on_step('refinement', done, branch%frequency(i), go)
@@ -93,9 +102,8 @@ contains
    end function difference
 
    !> The harmonics that the branch holds are those of the orbit; rms, extremes and loads are those of its whole waveform.
-   subroutine replace_point(motion, correction, i, branch)
+   subroutine replace_point(motion, i, branch)
       type(motion_type), intent(in) :: motion
-      real(dp), intent(in) :: correction
       integer, intent(in) :: i
       type(branch_type), intent(inout), target :: branch
       integer :: n
@@ -109,9 +117,9 @@ contains
       branch%mesh_load(:, i) = motion%mesh_load
       branch%error_estimate(i) = motion%error_estimate
       branch%estimate_doubtful(i) = .false.
-      branch%correction(i) = correction
       if (.not. allocated(branch%stable)) return
-      branch%multipliers(:, i) = motion%multipliers
+      ! Largest first; of a train of many states a branch has the leading ones only.
+      branch%multipliers(:, i) = motion%multipliers(:size(branch%multipliers, 1))
       branch%stable(i) = motion%stable
       branch%undecided(i) = .false.
    end subroutine replace_point

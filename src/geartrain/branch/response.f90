@@ -24,7 +24,8 @@ module geartrain_branch_response
 
 contains
 
-   !> Traces the response of a train. Fails on bad input only: a branch that ends early says why in branch%ended.
+   !> Traces the response of a train. Fails on bad input only: a branch that ends early says why in branch%ended. A branch under
+   !> way (branch%trace is allocated, as a checkpoint of the same case holds it) is taken up where it stands.
    subroutine response(train, settings, branch, error, seed, observer)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
@@ -38,32 +39,52 @@ contains
       type(branch_type) :: empty
       integer :: outcome
       character(:), allocatable :: reason
-      logical :: whole
+      logical :: resumed
 
-      ! All is new but where it comes from.
-      call move_alloc(branch%origin, empty%origin)
-      branch = empty
+      resumed = .false.
+      if (allocated(branch%trace)) resumed = branch%points > 0 .and. (branch%trace%steps > 0 .or. branch%trace%from_stop)
+      if (.not. resumed) then
+         ! All is new but where it comes from.
+         call move_alloc(branch%origin, empty%origin)
+         branch = empty
+      end if
       call check_train(train, error)
       if (.not. allocated(error)) call check_response(settings, error)
       if (.not. allocated(error) .and. present(seed)) call check_seed(train, seed, error)
       if (allocated(error)) return
       call begin_trace(train, settings, tracer)
-      call tracer%recorder%setup(tracer%path%balance, settings%stability, branch)
       if (present(seed)) then
+         call tracer%recorder%setup(tracer%path%balance, settings%stability, branch)
          tracer%analysis = 'branch'
          call trace_from_seed(tracer, seed, branch, observer)
       else
-         call trace_part(train, tracer, settings%start, settings%stop, branch, outcome, branch%ended, observer)
-         branch%complete = outcome == reached_end
-         if (outcome /= reached_end .and. outcome /= cancelled) then
+         if (resumed) then
+            ! The recorder for the same balance, the branch as it is.
+            call tracer%recorder%setup(tracer%path%balance, settings%stability, empty)
+            tracer%part = branch%part(branch%points)
+            tracer%resumes = branch%trace%steps > 0
+            call tracer%restore_state(branch%trace)
+         else
+            call tracer%recorder%setup(tracer%path%balance, settings%stability, branch)
+            allocate (branch%trace)
+         end if
+         outcome = 0
+         if (.not. branch%trace%from_stop) then
+            call trace_part(train, tracer, settings%start, settings%stop, branch, outcome, branch%ended, observer)
+            branch%complete = outcome == reached_end
             ! Two arcs, each followed to where it leaves the range, are the whole as well.
-            whole = outcome == came_back .or. outcome == left_beyond
-            tracer%part = tracer%part + 1
+            branch%trace%whole = outcome == came_back .or. outcome == left_beyond
+         end if
+         if (outcome /= reached_end .and. outcome /= cancelled) then
+            if (.not. tracer%resumes) tracer%part = tracer%part + 1
+            branch%trace%from_stop = .true.
             call trace_part(train, tracer, settings%stop, settings%start, branch, outcome, reason, observer)
-            branch%complete = outcome == reached_end .or. whole .and. (outcome == came_back .or. outcome == left_beyond)
+            branch%complete = outcome == reached_end &
+                              .or. branch%trace%whole .and. (outcome == came_back .or. outcome == left_beyond)
             branch%ended = 'from Lambda = '//text(settings%start)//': '//branch%ended//'; from Lambda = ' &
                            //text(settings%stop)//': '//reason
          end if
+         deallocate (branch%trace)
       end if
       call tracer%tell_missed(branch)
       call tracer%recorder%finish(branch)
@@ -98,18 +119,25 @@ contains
       logical :: success
 
       outcome = 0
-      call find_start(train, tracer, from, place, success, observer)
-      if (.not. success) then
-         reason = 'no motion of period '//text(tracer%settings%subharmonic)//' found to start from'
-         if (floats(tracer%system)) reason = reason//' (without a mean torque a train with backlash floats in its gaps, where &
-            &its mean position is not unique)'
-         return
-      end if
-      call tracer%path%orient(place, merge(1, -1, to > from))
-      call tracer%adapt(place, success, fixed=.true.)
       before = ''
-      do
+      if (tracer%resumes) then
+         before = branch%trace%before
+      else
+         branch%trace%steps = 0
+         branch%trace%before = ''
+         call tracer%note_state(branch%trace)
+         call find_start(train, tracer, from, place, success, observer)
+         if (.not. success) then
+            reason = 'no motion of period '//text(tracer%settings%subharmonic)//' found to start from'
+            if (floats(tracer%system)) reason = reason//' (without a mean torque a train with backlash floats in its gaps, &
+               &where its mean position is not unique)'
+            return
+         end if
+         call tracer%path%orient(place, merge(1, -1, to > from))
+         call tracer%adapt(place, success, fixed=.true.)
          call tracer%record(place, branch)
+      end if
+      do
          call tracer%trace(place, min(from, to), max(from, to), to, branch, outcome, reason, observer)
          reason = before//reason
          if (outcome /= left_by_amplitude) return
@@ -123,7 +151,9 @@ contains
          call tracer%adapt(place, success)
          before = before//'beyond the amplitude limit '//text(tracer%amplitude_limit)//' from Lambda = '//text(left_at) &
                   //' to '//text(place%frequency)//'; '
+         branch%trace%before = before
          tracer%part = tracer%part + 1
+         call tracer%record(place, branch)
       end do
    end subroutine trace_part
 
@@ -134,7 +164,8 @@ contains
       floats = any(system%backlash > 0) .and. .not. any(abs(system%load) > 0)
    end function floats
 
-   !> A motion at exactly the frequency: from rest, or one that time integration settles on.
+   !> A motion at exactly the frequency: from rest, one that time integration settles on, or on the branch of a frequency at
+   !> which there is one from rest.
    subroutine find_start(train, tracer, frequency, place, success, observer)
       type(train_type), intent(in) :: train
       type(tracer_type), intent(inout) :: tracer
@@ -145,15 +176,57 @@ contains
       type(motion_type) :: motion
       type(integration_settings_type) :: integration
       type(error_type), allocatable :: error
+      real(dp), parameter :: elsewhere(*) = [0.5_dp, 2.0_dp, 0.2_dp, 5.0_dp]
+      integer :: i
 
       place = resting(tracer, frequency)
       call tracer%path%solve_at(place, success)
       if (success) return
       call integrate(train, frequency, integration, motion, error, observer=observer)
-      if (motion%period == 0 .or. mod(tracer%settings%subharmonic, max(1, motion%period)) /= 0) return
-      place = place_of(tracer, motion)
-      call tracer%path%solve_at(place, success)
+      if (motion%period > 0 .and. mod(tracer%settings%subharmonic, max(1, motion%period)) == 0) then
+         place = place_of(tracer, motion)
+         call tracer%path%solve_at(place, success)
+      end if
+      do i = 1, size(elsewhere)
+         if (success) return
+         call scout(train, tracer%settings, elsewhere(i)*frequency, frequency, motion, success)
+         if (.not. success) cycle
+         place = place_of(tracer, motion)
+         call tracer%path%solve_at(place, success)
+      end do
    end subroutine find_start
+
+   !> Follows the branch from rest at one frequency to another, unrecorded.
+   subroutine scout(train, settings, from, to, motion, success)
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      real(dp), intent(in) :: from, to
+      type(motion_type), intent(out) :: motion
+      logical, intent(out) :: success
+      type(response_settings_type) :: unjudged
+      type(tracer_type) :: tracer
+      type(branch_type), target :: way
+      type(place_type) :: place
+      character(:), allocatable :: reason
+      integer :: outcome
+
+      unjudged = settings
+      unjudged%stability = .false.
+      unjudged%max_points = min(2000, settings%max_points)
+      if (settings%harmonics == 0) unjudged%harmonics = 6*settings%subharmonic
+      call begin_trace(train, unjudged, tracer)
+      place = resting(tracer, from)
+      call tracer%path%solve_at(place, success)
+      if (.not. success) return
+      call tracer%path%orient(place, merge(1, -1, to > from))
+      call tracer%recorder%setup(tracer%path%balance, .false., way)
+      call tracer%record(place, way)
+      call tracer%trace(place, min(from, to), max(from, to), to, way, outcome, reason)
+      success = outcome == reached_end
+      motion%frequency = to
+      motion%period = settings%subharmonic
+      motion%coefficients = way%coefficients(:, :, way%points)
+   end subroutine scout
 
    !> Both ways from a seed; the backward part is put in front, so that the branch is one curve.
    subroutine trace_from_seed(tracer, seed, branch, observer)
@@ -197,7 +270,7 @@ contains
       branch%complete = branch%closed
       if (branch%closed .or. outcome == cancelled) return
       forward = branch%points
-      if (size(backward%u, 1) /= tracer%path%balance%block) call tracer%refit(backward)
+      if (size(backward%u, 1) /= tracer%path%balance%block) call tracer%path%refit(backward)
       call tracer%path%solve_at(backward, success)
       call tracer%path%orient(backward, merge(-1, 1, tracer%settings%stop > tracer%settings%start))
       call tracer%trace(backward, low, high, target, branch, outcome, reason, observer)

@@ -1,12 +1,13 @@
 !> Locates what a reader looks for on a branch between two neighbouring points: folds and changes of stability.
 module geartrain_branch_special_points
    use geartrain_base_kinds, only: dp
+   use geartrain_branch_bend, only: odd_product
    use geartrain_branch_branch, only: branch_type, special_point_type
    use geartrain_branch_path, only: path_type, place_type
    use geartrain_stability_monodromy, only: monodromy_type, neutral
    implicit none (type, external)
    private
-   public :: locate_fold, locate_half_period, locate_stability_change, add_special_point, unstable_count, odd_product
+   public :: locate_fold, locate_half_period, locate_stability_change, add_special_point, unstable_count
    public :: between, shrink
 
    integer, parameter :: max_steps = 30
@@ -52,30 +53,18 @@ contains
       kept = 0
       a = 0
       b = h
-      scale = odd_product(path, here, here)
+      scale = odd_product(here, here)
       fa = scale
-      fb = odd_product(path, here, next)
+      fb = odd_product(here, next)
       do i = 1, max_steps
          s = between(a, b, fa, fb)
          call path%advance(here, s, place, success)
          if (.not. success) return
-         f = odd_product(path, here, place)
+         f = odd_product(here, place)
          if (abs(f) < 1e-6_dp*scale) return
          call shrink(a, b, fa, fb, s, f, kept)
       end do
    end subroutine locate_half_period
-
-   !> Inner product of the odd harmonics of two places.
-   pure real(dp) function odd_product(path, here, next)
-      type(path_type), intent(in) :: path
-      type(place_type), intent(in) :: here, next
-      integer :: k
-
-      odd_product = 0
-      do k = 1, size(path%balance%harmonic), 2
-         odd_product = odd_product + sum(here%u(2*k:2*k + 1, :)*next%u(2*k:2*k + 1, :))
-      end do
-   end function odd_product
 
    !> Number of multipliers outside the unit circle.
    pure integer function unstable_count(multipliers)

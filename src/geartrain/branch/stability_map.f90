@@ -157,7 +157,7 @@ contains
 
       call build_system(train, system)
       call monodromy%setup(system)
-      allocate (multipliers(monodromy%states))
+      allocate (multipliers(monodromy%given))
       ! A balance without unknowns: no mesh leaves its contact.
       balance%system = system
       balance%eta = 1

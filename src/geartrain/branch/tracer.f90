@@ -4,12 +4,11 @@ module geartrain_branch_tracer
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_base_numbers, only: text
-   use geartrain_branch_bend, only: closes, cosine, cosine_limit, hides_folds, turns
-   use geartrain_branch_branch, only: branch_type, response_settings_type
+   use geartrain_branch_bend, only: closes, cosine, cosine_limit, hides_folds, loses_odd, passes_half_period, turns
+   use geartrain_branch_branch, only: branch_type, response_settings_type, trace_state_type
    use geartrain_branch_path, only: path_type, place_type
    use geartrain_branch_recorder, only: recorder_type
-   use geartrain_branch_special_points, only: add_special_point, locate_fold, locate_half_period, locate_stability_change, &
-                                             odd_product, unstable_count
+   use geartrain_branch_special_points, only: add_special_point, locate_fold, locate_stability_change, unstable_count
    use geartrain_model_system, only: system_type
    use geartrain_motion_truncation, only: find_truncation, harmonics_for, truncation_type
    implicit none (type, external)
@@ -46,6 +45,8 @@ module geartrain_branch_tracer
       character(8) :: analysis = 'response'
       !> Number of the part of the branch that is traced.
       integer :: part = 1
+      !> The next trace goes on from branch%trace.
+      logical :: resumes = .false.
       !> Points that miss the tolerance, where the number of harmonics is left to the program.
       integer :: missed = 0
       type(truncation_type) :: truncation
@@ -59,8 +60,9 @@ module geartrain_branch_tracer
       procedure, private :: relax
       procedure, private :: solve_again
       procedure :: tell_missed
+      procedure :: note_state
+      procedure :: restore_state
       procedure :: estimate_error
-      procedure :: refit
       procedure, private :: stop_at
       procedure, private :: add_fold
       procedure, private :: add_stability_change
@@ -111,7 +113,7 @@ contains
 
    !> Follows the branch from `here` (solved, oriented, already a point of the branch) within [low, high]. Of the two bounds
    !> `target` is the end and the other one a return. `here` becomes the place where the
-   !> branch left by the amplitude limit, or met that of half its period, if it did.
+   !> branch left by the amplitude limit, if it did.
    subroutine trace(self, here, low, high, target, branch, outcome, reason, observer)
       class(tracer_type), intent(inout) :: self
       type(place_type), intent(inout) :: here
@@ -131,6 +133,13 @@ contains
       h = min(first_step, self%settings%step)
       steps = 0
       outcome = 0
+      if (self%resumes) then
+         self%resumes = .false.
+         here = branch%trace%here
+         origin = branch%trace%origin
+         h = branch%trace%step
+         steps = branch%trace%steps
+      end if
       do
          call self%path%advance(here, h, next, success)
          if (success) success = acceptable(self, here, next, h)
@@ -166,22 +175,9 @@ contains
          if (self%recorder%stability .and. (steps > 1 .or. begins_at_latest)) &
             call self%add_stability_change(here, next, h, branch)
 
-         if (present(observer)) then
-            keep_going = .true.
-            call observer%on_step(trim(self%analysis), branch%points, next%frequency, keep_going)
-            if (.not. keep_going) then
-               outcome = cancelled
-               branch%cancelled = .true.
-               reason = 'cancelled at Lambda = '//text(next%frequency)
-               return
-            end if
-         end if
-         if (passes_half_period(self, here, next)) then
+         if (passes_half_period(here, next, self%settings%subharmonic)) then
             outcome = met_half_period
             reason = 'met the branch of half its period at Lambda = '//text(next%frequency)
-            call locate_half_period(self%path, here, next, h, origin, success)
-            if (.not. success) origin = next
-            here = origin
             return
          end if
          mesh = maxloc(branch%rms(:, branch%points), 1)
@@ -212,8 +208,44 @@ contains
                return
             end if
          end if
+
+         ! Last in the loop: the observer may keep the branch, and another run go on from branch%trace.
+         if (.not. present(observer)) cycle
+         if (allocated(branch%trace)) then
+            call self%note_state(branch%trace)
+            branch%trace%steps = steps
+            branch%trace%step = h
+            branch%trace%here = here
+            branch%trace%origin = origin
+         end if
+         keep_going = .true.
+         call observer%on_step(trim(self%analysis), branch%points, here%frequency, keep_going)
+         if (keep_going) cycle
+         outcome = cancelled
+         branch%cancelled = .true.
+         reason = 'cancelled at Lambda = '//text(here%frequency)
+         return
       end do
    end subroutine trace
+
+   !> Notes what outlives a trace: the next one, from the other end, begins with it.
+   pure subroutine note_state(self, state)
+      class(tracer_type), intent(in) :: self
+      type(trace_state_type), intent(inout) :: state
+
+      state%harmonics = self%path%balance%highest
+      state%bend = self%bend
+      state%missed = self%missed
+   end subroutine note_state
+
+   subroutine restore_state(self, state)
+      class(tracer_type), intent(inout) :: self
+      type(trace_state_type), intent(in) :: state
+
+      if (self%path%balance%highest /= state%harmonics) call self%prepare(state%harmonics)
+      self%bend = state%bend
+      self%missed = state%missed
+   end subroutine restore_state
 
    !> Whether a step stayed on the branch: a small correction, a small turn, the same orientation, and not a jump onto the branch of
    !> half the period, which it crosses.
@@ -223,33 +255,10 @@ contains
       real(dp), intent(in) :: h
 
       acceptable = self%path%correction < correction_limit .and. cosine(here, next, self%path%units) > cosine_limit
-      if (mod(self%settings%subharmonic, 2) == 0) &
-         acceptable = acceptable .and. .not. loses_odd(odd_product(self%path, here, here)/self%path%units%length**2, &
-                                                       odd_product(self%path, next, next)/self%path%units%length**2)
+      acceptable = acceptable .and. .not. loses_odd(here, next, self%settings%subharmonic, self%path%units)
       if (self%path%local_control) return
       acceptable = acceptable .and. (here%orientation == next%orientation .or. here%orientation == 0 .or. h < jump_step)
    end function acceptable
-
-   !> Whether the odd harmonics, whose squares sum to `before` and `after` in the unit of
-   !> the branch, vanish from one point to the next.
-   elemental logical function loses_odd(before, after)
-      real(dp), intent(in) :: before, after
-
-      loses_odd = before > 1e-12_dp .and. after < 1e-12_dp*before
-   end function loses_odd
-
-   !> Whether the odd harmonics of a motion of even period change sign between two points: the branch passes through one of
-   !> half its period there, and goes on as its own mirror image, shifted by half a period.
-   pure logical function passes_half_period(self, here, next)
-      class(tracer_type), intent(in) :: self
-      type(place_type), intent(in) :: here, next
-      !> Odd harmonics below this share of the motion are rounding: a motion of half the period has none.
-      real(dp), parameter :: none = 1e-7_dp
-
-      passes_half_period = mod(self%settings%subharmonic, 2) == 0
-      if (passes_half_period) passes_half_period = odd_product(self%path, here, next) < 0 &
-                                                   .and. odd_product(self%path, next, next) > none**2*sum(next%u**2)
-   end function passes_half_period
 
    !> Aims at a certain turn and a certain first Newton correction (which goes with the square of the step); at most `longest`.
    real(dp) function next_step(self, here, next, h, longest)
@@ -303,7 +312,7 @@ contains
          call self%adapt(fold, enough, here, origin)
          if (self%path%balance%highest == highest) exit
          ! With more harmonics it lies elsewhere.
-         call self%refit(next)
+         call self%path%refit(next)
       end do
       if (success) then
          call self%record(fold, branch)
@@ -369,9 +378,9 @@ contains
          if (self%truncation%limited <= self%settings%tolerance .or. highest >= most) return
          call self%prepare(min(most, max(highest + self%system%excitation_order, harmonics_for(self%truncation, &
                                          tolerance_share*self%settings%tolerance/self%truncation%limited))))
-         call self%refit(place)
-         if (present(here)) call self%refit(here)
-         if (present(origin)) call self%refit(origin)
+         call self%path%refit(place)
+         if (present(here)) call self%path%refit(here)
+         if (present(origin)) call self%path%refit(origin)
          call self%solve_again(place, success, fixed)
          if (.not. success) exit
       end do
@@ -417,8 +426,8 @@ contains
       if (fewer > worth_lowering*highest) return
       before = [here, origin]
       call self%prepare(fewer)
-      call self%refit(here)
-      call self%refit(origin)
+      call self%path%refit(here)
+      call self%path%refit(origin)
       call self%path%correct(here, success)
       if (success) return
       call self%prepare(highest)
@@ -435,22 +444,5 @@ contains
       branch%ended = branch%ended//'; '//text(self%missed)//' of '//text(branch%points)//' points miss the tolerance ' &
                      //text(self%settings%tolerance)//' with '//text(branch%harmonics)//' harmonics at most'
    end subroutine tell_missed
-
-   !> Cuts or pads the coefficients of a place to the present number of harmonics.
-   pure subroutine refit(self, place)
-      class(tracer_type), intent(in) :: self
-      type(place_type), intent(inout) :: place
-      real(dp) :: u(self%path%balance%block, size(place%u, 2)), tangent(self%path%balance%block, size(place%u, 2))
-      integer :: n
-
-      n = min(size(u, 1), size(place%u, 1))
-      u = 0
-      tangent = 0
-      u(:n, :) = place%u(:n, :)
-      tangent(:n, :) = place%tangent(:n, :)
-      place%u = u
-      place%tangent = tangent
-      place%orientation = 0
-   end subroutine refit
 
 end module geartrain_branch_tracer

@@ -4,6 +4,7 @@ module geartrain_case_assigner
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text
    use geartrain_base_variable, only: variable_type
+   use geartrain_case_cursor, only: letters, shortened
    use geartrain_case_scanner, only: group_type, token_type
    use geartrain_case_values, only: read_integer, read_logical, read_real, read_text
    implicit none (type, external)
@@ -12,7 +13,10 @@ module geartrain_case_assigner
 
    type, extends(checker_type) :: assigner_type
       type(group_type), allocatable :: groups(:)
+      !> Which of them is being visited; 0: none.
+      integer, private :: visited = 0
    contains
+      procedure :: enter
       procedure :: on_real => assign_real
       procedure :: on_integer => assign_integer
       procedure :: on_logical => assign_logical
@@ -25,6 +29,21 @@ module geartrain_case_assigner
    end type assigner_type
 
 contains
+
+   subroutine enter(self, group, index)
+      class(assigner_type), intent(inout) :: self
+      character(*), intent(in) :: group
+      integer, intent(in) :: index
+      integer :: i
+
+      call self%checker_type%enter(group, index)
+      self%visited = 0
+      do i = 1, size(self%groups)
+         if (self%groups(i)%name /= group .or. self%groups(i)%index /= index) cycle
+         self%visited = i
+         return
+      end do
+   end subroutine enter
 
    subroutine assign_real(self, variable, value, in_force)
       class(assigner_type), intent(inout) :: self
@@ -138,6 +157,15 @@ contains
          found = size(given%values) == 1
          token = given%values(1)
          if (found) return
+         do i = 2, size(given%values)
+            associate (word => given%values(i))
+               if (word%quoted .or. word%line == token%line .or. scan(word%text, letters) /= 1) cycle
+               if (self%problems%reported(self%group, self%index, variable%name)) return
+               call self%problems%add('expected "=" after "'//shown(word)//'": it is no value of '//trim(variable%name), &
+                                      self%group, self%index, variable%name, word%line, word%column)
+               return
+            end associate
+         end do
          text = shown(token)
          do i = 2, min(size(given%values), 4)
             text = text//', '//shown(given%values(i))
@@ -154,16 +182,13 @@ contains
       character(*), intent(in) :: name
       integer, intent(out) :: group, place
 
+      group = self%visited
       place = 0
-      do group = 1, size(self%groups)
-         if (self%groups(group)%name /= self%group .or. self%groups(group)%index /= self%index) cycle
-         do place = 1, size(self%groups(group)%assignments)
-            if (self%groups(group)%assignments(place)%name == name) return
-         end do
-         place = 0
-         return
+      if (group == 0) return
+      do place = 1, size(self%groups(group)%assignments)
+         if (self%groups(group)%assignments(place)%name == name) return
       end do
-      group = 0
+      place = 0
    end subroutine find
 
    pure integer function count_of(self, name)
@@ -207,8 +232,7 @@ contains
       type(token_type), intent(in) :: token
       character(:), allocatable :: text
 
-      text = token%text
-      if (len(text) > 60) text = text(:57)//'...'
+      text = shortened(token%text)
       if (token%quoted) text = "'"//text//"'"
    end function shown
 

@@ -2,7 +2,7 @@
 module geartrain_case_cursor
    implicit none (type, external)
    private
-   public :: cursor_type, lower, blanks, digits, letters, newline
+   public :: cursor_type, lower, shortened, blanks, digits, letters, newline
 
    character(*), parameter :: newline = achar(10), blanks = ' '//achar(9)//achar(13)
    character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ', digits = '0123456789'
@@ -81,21 +81,25 @@ contains
       character(:), allocatable, intent(out) :: text
       integer, intent(out) :: status
       character(1) :: quote
+      integer :: length, first
 
       quote = self%peek()
       text = ''
       status = 0
       call self%advance()
       do
+         first = self%at
+         length = scan(self%text(first:), quote//newline) - 1
+         call self%advance(length)
+         text = text//self%text(first:first + length - 1)
          if (self%peek() == newline) then
             status = 1
             return
          end if
-         if (self%peek() == quote) then
-            call self%advance()
-            if (self%peek() /= quote) return
-         end if
-         text = text//self%peek()
+         call self%advance()
+         if (self%peek() /= quote) return
+         ! Doubled: one of the two belongs to the text.
+         text = text//quote
          call self%advance()
       end do
    end subroutine take_quoted
@@ -146,5 +150,21 @@ contains
          if (text(i:i) >= 'A' .and. text(i:i) <= 'Z') lowered(i:i) = achar(iachar(text(i:i)) + 32)
       end do
    end function lower
+
+   !> What a message shows of a word: all of it, unless it is very long.
+   pure function shortened(text) result(start)
+      character(*), intent(in) :: text
+      character(:), allocatable :: start
+      integer :: last
+
+      start = text
+      if (len(text) <= 60) return
+      ! Not within a character of UTF-8.
+      last = 57
+      do while (last > 53 .and. iand(iachar(text(last + 1:last + 1)), 192) == 128)
+         last = last - 1
+      end do
+      start = text(:last)//'...'
+   end function shortened
 
 end module geartrain_case_cursor

@@ -4,13 +4,14 @@ module geartrain_case_run
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
+   use geartrain_branch_branch, only: branch_type
    use geartrain_branch_doublings, only: follow_doublings
    use geartrain_branch_islands, only: follow_attractors
    use geartrain_branch_refinement, only: refine_branch
    use geartrain_branch_response, only: response
    use geartrain_branch_stability_map, only: stability_map
    use geartrain_case_case, only: case_type
-   use geartrain_case_checkpoint, only: checkpoint_type
+   use geartrain_case_checkpoint, only: checkpoint_type, take_up_checkpoint
    use geartrain_case_variables, only: check_agreement
    use geartrain_model_modes, only: natural_modes
    use geartrain_motion_attractors, only: attractors
@@ -25,15 +26,17 @@ contains
 
    !> Runs the analyses of the case in the order modes, response with its period doublings, integration, attractors with the
    !> branches through them, stability map, refinement, and writes `path`. Meanwhile path.partial holds what there is so far,
-   !> every 5 s or so. An analysis that ends early is told by an error of status_ended_early after everything has been written;
+   !> every 2 s or so. An analysis that ends early is told by an error of status_ended_early after everything has been written;
    !> bad input and a place that cannot be written to are told before anything is computed.
-   subroutine run_case(case, path, results, error, observer)
+   subroutine run_case(case, path, results, error, observer, resume)
       type(case_type), intent(in), target :: case
       !> The HDF5 file; empty: write nothing.
       character(*), intent(in) :: path
       type(results_type), intent(out), target :: results
       type(error_type), allocatable, intent(out) :: error
       class(observer_type), intent(inout), target, optional :: observer
+      !> The checkpoint of another run of this case, path.partial of that time, to go on from; empty: begin anew.
+      character(*), intent(in), optional :: resume
       type(checkpoint_type) :: checkpoint
       type(checker_type) :: checker
       type(error_type), allocatable :: early
@@ -43,6 +46,10 @@ contains
       if (allocated(error)) return
       if (path /= '') call check_place(path, error)
       if (allocated(error)) return
+      if (present(resume)) then
+         if (resume /= '') call take_up_checkpoint(resume, case, results, error)
+         if (allocated(error)) return
+      end if
       if (present(observer)) checkpoint%observer => observer
       checkpoint%case => case
       checkpoint%results => results
@@ -55,14 +62,21 @@ contains
       if (allocated(early)) call fatal(error, early%message, early%status)
    end subroutine run_case
 
+   !> Goes on from where `results` are, analysis by analysis; a branch of the list that was under way is traced again.
    !> `early` tells which analyses ended early and why, `error` that the input is bad.
    subroutine compute(case, results, early, error, checkpoint)
       type(case_type), intent(in) :: case
       type(results_type), intent(inout), target :: results
       type(error_type), allocatable, intent(inout) :: early, error
       type(checkpoint_type), intent(inout) :: checkpoint
+      type(branch_type), allocatable :: known(:)
+      logical :: followed
       integer :: i
 
+      ! Refinement comes last: where it has begun, all branches are there, and following would see points that it changed.
+      followed = .false.
+      if (allocated(results%response)) followed = allocated(results%response%correction)
+      if (.not. followed) call known_branches(results, known)
       if (case%modes) then
          allocate (results%modes)
          call natural_modes(case%train, results%modes, error)
@@ -71,39 +85,44 @@ contains
          if (allocated(error)) return
       end if
       if (allocated(case%response)) then
-         allocate (results%response)
-         call response(case%train, case%response, results%response, error, observer=checkpoint)
+         if (.not. allocated(results%response)) allocate (results%response)
+         if (.not. is_done(results%response)) &
+            call response(case%train, case%response, results%response, error, observer=checkpoint)
          call set_aside(error, early)
          if (allocated(error)) return
          call tell('response', results%response%complete, results%response%ended, early)
-         if (case%response%period_doublings > 0 .and. .not. checkpoint%cancelled) &
-            call follow_doublings(case%train, case%response, results%response, results%branches, error, checkpoint)
+         if (case%response%period_doublings > 0 .and. .not. (followed .or. checkpoint%cancelled)) &
+            call follow_doublings(case%train, case%response, results%response, results%branches, error, checkpoint, known)
          if (allocated(error)) return
       end if
       if (allocated(case%integration) .and. .not. checkpoint%cancelled) then
          ! A sweep can be long: what came before it is safe from here on.
          call checkpoint%write_now()
-         allocate (results%integration)
-         call sweep(case%train, case%integration, results%integration, error, checkpoint)
+         if (.not. allocated(results%integration)) allocate (results%integration)
+         if (.not. allocated(results%integration%ended)) &
+            call sweep(case%train, case%integration, results%integration, error, checkpoint)
          call set_aside(error, early)
          if (allocated(error)) return
          call tell('integration', results%integration%complete, results%integration%ended, early)
       end if
       if (allocated(case%attractors) .and. .not. checkpoint%cancelled) then
          call checkpoint%write_now()
-         allocate (results%attractors)
-         call attractors(case%train, case%attractors, results%attractors, error, checkpoint)
+         if (.not. allocated(results%attractors)) allocate (results%attractors)
+         if (.not. allocated(results%attractors%ended)) &
+            call attractors(case%train, case%attractors, results%attractors, error, checkpoint)
          if (allocated(error)) return
          call tell('attractors', results%attractors%complete, results%attractors%ended, early)
-         if (case%attractors%follow .and. .not. checkpoint%cancelled) &
+         if (case%attractors%follow .and. .not. (followed .or. checkpoint%cancelled)) &
             call follow_attractors(case%train, case%response, results%attractors, results%response, results%branches, error, &
-                                   checkpoint)
+                                   checkpoint, known)
          if (allocated(error)) return
       end if
       if (allocated(case%stability_map) .and. .not. checkpoint%cancelled) then
          call checkpoint%write_now()
-         allocate (results%stability_map)
-         call stability_map(case%train, case%stability_map, results%stability_map, error, checkpoint)
+         if (.not. allocated(results%stability_map)) then
+            allocate (results%stability_map)
+            call stability_map(case%train, case%stability_map, results%stability_map, error, checkpoint)
+         end if
          if (allocated(error)) return
          call tell('stability map', results%stability_map%complete, results%stability_map%ended, early)
       end if
@@ -117,6 +136,24 @@ contains
       end do
    end subroutine compute
 
+   !> The branches of the list that another run has traced to their end. The last one may be under way.
+   subroutine known_branches(results, known)
+      type(results_type), intent(inout) :: results
+      type(branch_type), allocatable, intent(out) :: known(:)
+
+      allocate (known(0))
+      if (.not. allocated(results%branches)) return
+      if (size(results%branches) > 0) known = results%branches(:size(results%branches) - 1)
+      deallocate (results%branches)
+   end subroutine known_branches
+
+   !> Whether another run has traced a response to its end.
+   pure logical function is_done(branch)
+      type(branch_type), intent(in) :: branch
+
+      is_done = allocated(branch%ended) .and. .not. allocated(branch%trace)
+   end function is_done
+
    !> Last, since branches are followed and told apart by their balances.
    subroutine refine_all(case, results, early, error, checkpoint)
       type(case_type), intent(in) :: case
@@ -128,13 +165,13 @@ contains
       if (.not. allocated(case%response) .or. checkpoint%cancelled) return
       if (.not. case%response%refine) return
       call checkpoint%write_now()
-      call refine_branch(case%train, results%response, error, checkpoint)
+      call refine_branch(case%train, results%response, error, checkpoint, go_on=.true.)
       if (allocated(error)) return
       if (checkpoint%cancelled) call tell('response', .false., results%response%ended, early)
       if (.not. allocated(results%branches)) return
       do i = 1, size(results%branches)
          if (allocated(error) .or. checkpoint%cancelled) return
-         call refine_branch(case%train, results%branches(i), error, checkpoint)
+         call refine_branch(case%train, results%branches(i), error, checkpoint, go_on=.true.)
       end do
    end subroutine refine_all
 

@@ -4,7 +4,7 @@
 !> interpreted here; the reader does that. After a mistake the scan goes on, so that all mistakes are told at once.
 module geartrain_case_scanner
    use geartrain_base_problems, only: problems_type
-   use geartrain_case_cursor, only: blanks, cursor_type, digits, letters, lower, newline
+   use geartrain_case_cursor, only: blanks, cursor_type, digits, letters, lower, newline, shortened
    implicit none (type, external)
    private
    public :: scan_text, group_type, assignment_type, token_type
@@ -36,7 +36,7 @@ module geartrain_case_scanner
 
    !> UTF-8's, EF BB BF, which some editors put first.
    character(*), parameter :: byte_order_mark = char(239)//char(187)//char(191)
-   integer, parameter :: most_values = 1000
+   integer, parameter :: most_values = 1000, most_assignments = 100, most_groups = 10000
 
 contains
 
@@ -45,8 +45,11 @@ contains
       type(group_type), allocatable, intent(out) :: groups(:)
       type(problems_type), intent(inout) :: problems
       type(cursor_type) :: cursor
+      type(group_type), allocatable :: room(:)
+      integer :: n
 
-      allocate (groups(0))
+      allocate (groups(0), room(16))
+      n = 0
       cursor%text = text//newline
       if (index(text, byte_order_mark) == 1) cursor%at = 4
       if (index(text, achar(0)) > 0) then
@@ -57,38 +60,52 @@ contains
          call cursor%skip_space()
          if (cursor%ended()) exit
          if (cursor%peek() == '&') then
-            call scan_group(cursor, groups, problems)
+            if (n == most_groups) then
+               call problems%add('more than 10000 groups', line=cursor%line, column=cursor%column)
+               exit
+            end if
+            if (n == size(room)) call enlarge_groups(room)
+            n = n + 1
+            call scan_group(cursor, room(:n), problems)
          else
             call problems%add('text outside of a group: a group begins with &name and ends with /', &
                               line=cursor%line, column=cursor%column)
             call cursor%skip_to_group()
          end if
       end do
+      groups = room(:n)
    end subroutine scan_text
 
+   !> Fills the last of `groups`.
    subroutine scan_group(cursor, groups, problems)
       type(cursor_type), intent(inout) :: cursor
-      type(group_type), allocatable, intent(inout) :: groups(:)
+      type(group_type), intent(inout) :: groups(:)
       type(problems_type), intent(inout) :: problems
       type(group_type) :: group
-      type(assignment_type) :: skipped
-      integer :: i
+      type(assignment_type) :: skipped, room(most_assignments)
+      integer :: i, n
 
       group%line = cursor%line
       group%column = cursor%column
-      allocate (group%assignments(0))
       call cursor%advance()
       group%name = lower(cursor%take_name())
-      do i = 1, size(groups)
+      do i = 1, size(groups) - 1
          if (groups(i)%name == group%name) group%index = group%index + 1
       end do
+      n = 0
       do
          call cursor%skip_space()
          if (cursor%ended()) exit
          if (cursor%peek() == '/') exit
          if (cursor%peek() == '&') exit
-         if (scan(cursor%peek(), letters) == 1) then
-            call scan_assignment(cursor, group, problems)
+         if (n == most_assignments) then
+            call problems%add('more than 100 variables: is a closing / missing?', group%name, group%index, line=cursor%line, &
+                              column=cursor%column)
+            call cursor%skip_to_group()
+            exit
+         else if (scan(cursor%peek(), letters) == 1) then
+            n = n + 1
+            call scan_assignment(cursor, room(n), group, problems)
          else
             call problems%add('expected "name = value" or the closing /, found "'//cursor%peek()//'"', group%name, &
                               group%index, line=cursor%line, column=cursor%column)
@@ -96,8 +113,9 @@ contains
             call scan_values(cursor, skipped, group, problems)
          end if
       end do
-      call close_group(cursor, group, problems)
-      call append_group(groups, group)
+      if (n < most_assignments) call close_group(cursor, group, problems)
+      group%assignments = room(:n)
+      groups(size(groups)) = group
    end subroutine scan_group
 
    !> The group ends with /, and nothing but a comment or the next group stands after it on that line.
@@ -127,22 +145,21 @@ contains
    end subroutine close_group
 
    !> name = value, value, ... up to the next name, / or &.
-   subroutine scan_assignment(cursor, group, problems)
+   subroutine scan_assignment(cursor, assignment, group, problems)
       type(cursor_type), intent(inout) :: cursor
-      type(group_type), intent(inout) :: group
+      type(assignment_type), intent(inout) :: assignment
+      type(group_type), intent(in) :: group
       type(problems_type), intent(inout) :: problems
-      type(assignment_type) :: assignment
       character(:), allocatable :: written
 
       assignment%line = cursor%line
       assignment%column = cursor%column
-      allocate (assignment%values(0))
       written = cursor%take_name()
       assignment%name = lower(written)
       call cursor%skip_space()
       if (scan(cursor%peek(), '(%') == 1) then
-         call complain('"'//written//'" with an index or component: give the whole list, '//assignment%name// &
-                       ' = first, second, ...')
+         call complain('"'//shortened(written)//'" with an index or component: give the whole list, '// &
+                       shortened(assignment%name)//' = first, second, ...')
          do while (scan(cursor%peek(), '=/&'//newline) == 0)
             call cursor%advance()
          end do
@@ -150,11 +167,10 @@ contains
       if (cursor%peek() == '=') then
          call cursor%advance()
       else if (.not. assignment%bad) then
-         call complain('expected "=" after "'//written//'"')
+         call complain('expected "=" after "'//shortened(written)//'"')
       end if
       call scan_values(cursor, assignment, group, problems)
-      if (size(assignment%values) == 0 .and. .not. assignment%bad) call complain(written//' has no value')
-      call append_assignment(group%assignments, assignment)
+      if (size(assignment%values) == 0 .and. .not. assignment%bad) call complain(shortened(written)//' has no value')
 
    contains
 
@@ -173,9 +189,12 @@ contains
       type(group_type), intent(in) :: group
       type(problems_type), intent(inout) :: problems
       type(token_type) :: token
+      type(token_type), allocatable :: room(:)
       logical :: after_value
-      integer :: repeats, i
+      integer :: repeats, i, n
 
+      allocate (room(8))
+      n = 0
       after_value = .false.
       do
          call cursor%skip_space()
@@ -207,13 +226,16 @@ contains
          after_value = .true.
          if (assignment%bad) cycle
          do i = 1, repeats
-            if (size(assignment%values) == most_values) then
+            if (n == most_values) then
                call complain('more than 1000 values')
                exit
             end if
-            call append_token(assignment%values, token)
+            if (n == size(room)) call enlarge_tokens(room)
+            n = n + 1
+            room(n) = token
          end do
       end do
+      assignment%values = room(:n)
 
    contains
 
@@ -221,8 +243,8 @@ contains
       subroutine complain(text)
          character(*), intent(in) :: text
 
-         if (.not. assignment%bad) call problems%add(assignment%name//': '//text, group%name, group%index, assignment%name, &
-                                                     token%line, token%column)
+         if (.not. assignment%bad) call problems%add(shortened(assignment%name)//': '//text, group%name, group%index, &
+                                                     assignment%name, token%line, token%column)
          assignment%bad = .true.
       end subroutine complain
 
@@ -261,46 +283,29 @@ contains
       cursor%column = column
    end function begins_assignment
 
-   subroutine append_group(list, item)
-      type(group_type), allocatable, intent(inout) :: list(:)
-      type(group_type), intent(in) :: item
-      type(group_type), allocatable :: longer(:)
+   !> Twice the room.
+   subroutine enlarge_groups(room)
+      type(group_type), allocatable, intent(inout) :: room(:)
+      type(group_type), allocatable :: larger(:)
       integer :: i
 
-      allocate (longer(size(list) + 1))
-      do i = 1, size(list)
-         longer(i) = list(i)
+      allocate (larger(2*size(room)))
+      do i = 1, size(room)
+         larger(i) = room(i)
       end do
-      longer(size(longer)) = item
-      call move_alloc(longer, list)
-   end subroutine append_group
+      call move_alloc(larger, room)
+   end subroutine enlarge_groups
 
-   subroutine append_assignment(list, item)
-      type(assignment_type), allocatable, intent(inout) :: list(:)
-      type(assignment_type), intent(in) :: item
-      type(assignment_type), allocatable :: longer(:)
+   subroutine enlarge_tokens(room)
+      type(token_type), allocatable, intent(inout) :: room(:)
+      type(token_type), allocatable :: larger(:)
       integer :: i
 
-      allocate (longer(size(list) + 1))
-      do i = 1, size(list)
-         longer(i) = list(i)
+      allocate (larger(2*size(room)))
+      do i = 1, size(room)
+         larger(i) = room(i)
       end do
-      longer(size(longer)) = item
-      call move_alloc(longer, list)
-   end subroutine append_assignment
-
-   subroutine append_token(list, item)
-      type(token_type), allocatable, intent(inout) :: list(:)
-      type(token_type), intent(in) :: item
-      type(token_type), allocatable :: longer(:)
-      integer :: i
-
-      allocate (longer(size(list) + 1))
-      do i = 1, size(list)
-         longer(i) = list(i)
-      end do
-      longer(size(longer)) = item
-      call move_alloc(longer, list)
-   end subroutine append_token
+      call move_alloc(larger, room)
+   end subroutine enlarge_tokens
 
 end module geartrain_case_scanner

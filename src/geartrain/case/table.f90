@@ -2,6 +2,7 @@
 module geartrain_case_table
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
+   use geartrain_case_cursor, only: shortened
    use geartrain_base_variable, only: variable_type, visitor_type
    use geartrain_case_case, only: case_type
    use geartrain_case_variables, only: groups, visit_case
@@ -21,6 +22,7 @@ module geartrain_case_table
    !> Writes down every row that it is led over.
    type, extends(visitor_type) :: collector_type
       type(row_type), allocatable :: rows(:)
+      integer :: count = 0
    contains
       procedure :: on_real
       procedure :: on_integer
@@ -38,10 +40,10 @@ contains
       type(collector_type) :: collector
       type(case_type) :: case
 
-      allocate (collector%rows(0), case%train%shafts(1), case%train%meshes(1), case%response, case%integration, &
+      allocate (collector%rows(64), case%train%shafts(1), case%train%meshes(1), case%response, case%integration, &
                 case%attractors, case%stability_map)
       call visit_case(case, collector)
-      call move_alloc(collector%rows, rows)
+      rows = collector%rows(:collector%count)
    end subroutine list_variables
 
    subroutine collect(self, variable, kind, default)
@@ -54,7 +56,9 @@ contains
       row%kind = kind
       if (.not. variable%required) row%default = default
       row%variable = variable
-      self%rows = [self%rows, row]
+      if (self%count == size(self%rows)) self%rows = [self%rows, self%rows]
+      self%count = self%count + 1
+      self%rows(self%count) = row
    end subroutine collect
 
    subroutine on_real(self, variable, value, in_force)
@@ -115,7 +119,7 @@ contains
       integer :: i, best
 
       best = closest(name, [(groups(i)%name, i = 1, size(groups))])
-      text = 'unknown group &'//name
+      text = 'unknown group &'//shortened(name)
       if (best > 0) then
          text = text//' (did you mean &'//trim(groups(best)%name)//'?)'
       else
@@ -136,7 +140,7 @@ contains
       integer :: i, best
 
       names = pack([(rows(i)%variable%name, i = 1, size(rows))], [(rows(i)%group == group, i = 1, size(rows))])
-      text = 'unknown variable "'//name//'" in &'//group
+      text = 'unknown variable "'//shortened(name)//'" in &'//group
       meant = ''
       best = closest(name, names)
       if (name == 'start') best = findloc(names, 'from', dim=1)
@@ -170,6 +174,8 @@ contains
       integer :: i, distance, least
 
       closest = 0
+      ! So long a word is no misspelt name.
+      if (len(name) > 60) return
       least = max(1, len(name)/3) + 1
       do i = 1, size(candidates)
          distance = edits(name, trim(candidates(i)))

@@ -2,7 +2,7 @@
 module geartrain_model_modes
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_kinds, only: dp
-   use geartrain_base_lapack, only: dgeev, dsteqr
+   use geartrain_base_lapack, only: dgeev, dsteqr, dsterf
    use geartrain_model_check, only: check_train
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
@@ -49,13 +49,12 @@ contains
    pure function natural_frequencies(system) result(frequency)
       type(system_type), intent(in) :: system
       real(dp), allocatable :: frequency(:), off(:)
-      real(dp) :: none(1, 1), work(1)
       integer :: n, info
 
       n = system%elements
       frequency = system%coupling(2, :)
       off = -sqrt(system%coupling(3, :n - 1)*system%coupling(1, 2:))
-      call dsteqr('N', n, frequency, off, none, 1, work, info)
+      call dsterf(n, frequency, off, info)
       frequency = sqrt(max(frequency, 0.0_dp))
       if (info /= 0) frequency = [real(dp) ::]
    end function natural_frequencies

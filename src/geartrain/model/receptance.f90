@@ -35,7 +35,7 @@ contains
       type(receptance_type), intent(inout) :: r
       complex(dp) :: alpha(3), d_alpha(3), next(3), d_next(3), torque
       real(dp) :: omega, d_omega
-      integer :: j, m, n, before, after
+      integer :: j, m, n, before, after, last_unknown
 
       m = system%meshes
       if (.not. allocated(r%h)) allocate (r%h(3, m), r%dh(3, m), r%a(m), r%da(m))
@@ -70,28 +70,29 @@ contains
          alpha = next
          d_alpha = d_next
       end do
+      last_unknown = 0
       do j = 1, m
-         if (.not. unknown(j)) call eliminate(system, j, frequency*harmonic/eta, real(harmonic, dp)/eta, unknown, r)
+         if (unknown(j)) then
+            last_unknown = j
+         else
+            call eliminate(system, j, last_unknown, frequency*harmonic/eta, real(harmonic, dp)/eta, r)
+         end if
       end do
    end subroutine find_receptance
 
    !> Eliminates linear mesh j: (1/z + H_jj) phi_j + H_j,j-1 phi_j-1 + H_j,j+1 phi_j+1 = a_j with z = 1 + i omega gamma.
-   !> Its neighbours then couple to each other. Meshes before j that are linear have been eliminated already.
-   pure subroutine eliminate(system, j, omega, d_omega, unknown, r)
+   !> Its neighbours then couple to each other. Meshes before j that are linear have been eliminated already: `before` is the last
+   !> one that has not, or 0.
+   pure subroutine eliminate(system, j, before, omega, d_omega, r)
       type(system_type), intent(in) :: system
-      integer, intent(in) :: j
+      integer, intent(in) :: j, before
       real(dp), intent(in) :: omega, d_omega
-      logical, intent(in) :: unknown(:)
       type(receptance_type), intent(inout) :: r
       complex(dp) :: pivot, d_pivot, z
-      integer :: before
 
       z = cmplx(1, omega*system%damping(system%mesh_element(j)), dp)
       pivot = 1/z + r%h(2, j)
       d_pivot = r%dh(2, j) - cmplx(0, d_omega*system%damping(system%mesh_element(j)), dp)/z**2
-      do before = j - 1, 1, -1
-         if (unknown(before)) exit
-      end do
       if (before >= 1) call eliminate_from(r, before, 3, j, pivot, d_pivot)
       if (j < system%meshes) call eliminate_from(r, j + 1, 1, j, pivot, d_pivot)
    end subroutine eliminate
@@ -125,14 +126,15 @@ contains
       complex(dp) :: z
       integer :: j, before
 
+      before = system%meshes
       do j = system%meshes, 1, -1
          if (unknown(j)) cycle
+         do before = min(before, j - 1), 1, -1
+            if (unknown(before)) exit
+         end do
          z = cmplx(1, omega*system%damping(system%mesh_element(j)), dp)
          phi(j) = r%a(j)
          if (j < system%meshes) phi(j) = phi(j) - r%h(3, j)*phi(j + 1)
-         do before = j - 1, 1, -1
-            if (unknown(before)) exit
-         end do
          if (before >= 1) phi(j) = phi(j) - r%h(1, j)*phi(before)
          phi(j) = phi(j)/(1/z + r%h(2, j))
          p(j) = phi(j)/z

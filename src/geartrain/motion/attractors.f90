@@ -25,7 +25,8 @@ module geartrain_motion_attractors
 
 contains
 
-   !> Settles settings%starts random states, in parallel and with results that do not depend on the number of threads.
+   !> Settles settings%starts random states, in parallel and with results that do not depend on the number of threads. A
+   !> search under way (its motions are there, why it ended is not, as in a checkpoint of the same case) is taken up.
    subroutine attractors(train, settings, found, error, observer)
       type(train_type), intent(in) :: train
       type(attractors_settings_type), intent(in) :: settings
@@ -42,7 +43,7 @@ contains
       integer :: first, last, i
       logical :: keep_going
 
-      found = empty
+      if (allocated(found%ended) .or. .not. allocated(found%motions)) found = empty
       call check_train(train, error)
       if (.not. allocated(error)) call check_attractors(settings, error)
       if (allocated(error)) return
@@ -53,9 +54,10 @@ contains
       integration%stability = settings%stability
       found%frequency = settings%frequency
       found%random_seed = settings%random_seed
-      allocate (found%motions(0), hits(0))
+      if (.not. allocated(found%motions)) allocate (found%motions(0))
+      hits = nint(found%motions%share*found%starts)
       keep_going = .true.
-      do first = 1, settings%starts, batch
+      do first = found%starts + 1, settings%starts, batch
          last = first + min(batch - 1, settings%starts - first)
          !$omp parallel do private(state) schedule(dynamic)
          do i = first, last

@@ -2,15 +2,21 @@
 !>    S_j0 = phi_j0 - load_j,     S_jr = p_jr + sum over i = j-1, j, j+1 of H_ji(r Lambda/eta) phi_ir - a_jr(Lambda).
 !> Identity plus compact: well conditioned for any number of harmonics. Equations (8) to (10) put right, shafts condensed.
 module geartrain_motion_balance
+   use geartrain_base_fftw, only: transform_type
    use geartrain_base_kinds, only: dp
    use geartrain_model_receptance, only: find_receptance, is_unknown, receptance_type, recover_meshes
    use geartrain_model_system, only: system_type
    use geartrain_motion_bordered, only: bordered_type
    use geartrain_motion_contact, only: contact_type
    use geartrain_motion_needed_harmonics, only: needed_harmonics
+   use geartrain_motion_trigonometric, only: fine_samples, sample
    implicit none (type, external)
    private
    public :: balance_type
+
+   !> Up to so many harmonics the derivatives of the mesh forces are matrices; beyond, those of the lowest ones are, and the whole
+   !> is applied by FFT.
+   integer, parameter :: most_direct = 28, explicit_of_many = 10
 
    type :: balance_type
       type(system_type) :: system
@@ -30,26 +36,43 @@ module geartrain_motion_balance
       type(contact_type), allocatable :: contact(:)
       !> Residual S and dS/dLambda, (block, unknowns).
       real(dp), allocatable :: residual(:, :), d_frequency(:, :)
-      !> Mesh forces phi (block, unknowns) and their derivatives (block, block, unknowns).
+      !> Mesh forces phi (block, unknowns) and their derivatives (1 + 2*explicit, 1 + 2*explicit, unknowns) at the mean and the
+      !> lowest `explicit` of the harmonics that are carried: all of them, where they are few.
       real(dp), allocatable :: force(:, :), tangent(:, :, :)
+      integer :: explicit = 0
       !> Of the harmonics that are carried.
       type(receptance_type), allocatable :: receptance(:)
+      !> Lambda at the last `evaluate`.
+      real(dp), private :: frequency = 0
+      !> Plan of the meshes' waveforms; where not all harmonics are explicit, stiffness in contact (sample, unknowns).
+      type(transform_type), private :: fine
+      real(dp), allocatable, private :: wave(:, :)
    contains
       procedure :: setup
       procedure :: evaluate
       procedure :: jacobian
+      procedure :: is_direct
+      procedure :: make_explicit
+      procedure :: apply
       procedure :: full_coefficients
       procedure :: damping_of
+      procedure :: mean_stiffness
       procedure, private :: mesh_force
+      procedure, private :: find_tangent
+      procedure, private :: damp_tangent
+      procedure, private :: damping_rate
+      procedure, private :: product
    end type balance_type
 
 contains
 
-   !> Prepares the balance of `system` with `highest` harmonics of Lambda/eta; samples = 0: exact coefficients.
-   subroutine setup(self, system, highest, eta, samples)
+   !> Prepares the balance of `system` with `highest` harmonics of Lambda/eta; samples = 0: exact coefficients. `explicit`: as
+   !> the component, instead of what is fastest.
+   subroutine setup(self, system, highest, eta, samples, explicit)
       class(balance_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       integer, intent(in) :: highest, eta, samples
+      integer, intent(in), optional :: explicit
       integer :: i, r
 
       self%system = system
@@ -72,10 +95,16 @@ contains
             call self%contact(i)%setup(system%backlash(j), system%mesh_stiffness(j), eta, self%harmonic, 2*highest, samples)
          end associate
       end do
-      if (allocated(self%residual)) deallocate (self%residual, self%d_frequency, self%force, self%tangent, self%receptance)
+      call self%fine%plan(fine_samples(maxval([1, self%harmonic])))
+      if (allocated(self%residual)) deallocate (self%residual, self%d_frequency, self%force, self%receptance, self%wave)
       allocate (self%residual(self%block, self%unknowns), self%d_frequency(self%block, self%unknowns), &
-                self%force(self%block, self%unknowns), self%tangent(self%block, self%block, self%unknowns), &
-                self%receptance(size(self%harmonic)))
+                self%force(self%block, self%unknowns), self%receptance(size(self%harmonic)))
+      self%explicit = size(self%harmonic)
+      if (self%explicit > most_direct) self%explicit = explicit_of_many
+      if (present(explicit)) self%explicit = min(explicit, size(self%harmonic))
+      allocate (self%wave(merge(0, self%fine%samples, self%is_direct()), self%unknowns))
+      if (allocated(self%tangent)) deallocate (self%tangent)
+      allocate (self%tangent(1 + 2*self%explicit, 1 + 2*self%explicit, self%unknowns))
    end subroutine setup
 
    !> Forces, residual and dS/dLambda at the coefficients u (block, unknowns), mean, cos, sin, ...
@@ -85,8 +114,9 @@ contains
       integer :: i, k, r, neighbour
       complex(dp) :: s, ds, force, d_force
 
+      self%frequency = frequency
       do i = 1, self%unknowns
-         call self%mesh_force(i, u(:, i), frequency)
+         call self%mesh_force(i, u(:, i))
          self%residual(1, i) = self%force(1, i) - self%system%load(self%system%mesh_element(self%mesh(i)))
          self%d_frequency(1, i) = 0
       end do
@@ -123,27 +153,88 @@ contains
       damping_of = self%system%damping(self%system%mesh_element(self%mesh(i)))
    end function damping_of
 
-   !> phi and d phi/du of unknown mesh i: Toeplitz(w) p - b sigma + gamma p' by the spectra of its contact.
-   subroutine mesh_force(self, i, u, frequency)
+   !> Mean stiffness of unknown mesh i in contact at the last `evaluate`, with its damping at a harmonic, over its stiffness.
+   pure complex(dp) function mean_stiffness(self, i, harmonic)
+      class(balance_type), intent(in) :: self
+      integer, intent(in) :: i, harmonic
+
+      mean_stiffness = cmplx(real(self%contact(i)%stiffness(0), dp), self%damping_of(i)*harmonic*self%frequency/self%eta, dp)
+   end function mean_stiffness
+
+   !> Whether the derivatives of the forces are matrices for all harmonics.
+   pure logical function is_direct(self)
+      class(balance_type), intent(in) :: self
+
+      is_direct = self%explicit == size(self%harmonic)
+   end function is_direct
+
+   !> Makes the derivatives matrices for more harmonics, at the last `evaluate`.
+   subroutine make_explicit(self, harmonics)
+      class(balance_type), intent(inout) :: self
+      integer, intent(in) :: harmonics
+      integer :: i
+
+      self%explicit = min(harmonics, size(self%harmonic))
+      deallocate (self%tangent)
+      allocate (self%tangent(1 + 2*self%explicit, 1 + 2*self%explicit, self%unknowns))
+      do i = 1, self%unknowns
+         call self%find_tangent(i)
+         call self%damp_tangent(i)
+      end do
+   end subroutine make_explicit
+
+   !> phi of unknown mesh i, Toeplitz(w) p - b sigma + gamma p' by the spectra of its contact, and its derivative.
+   subroutine mesh_force(self, i, u)
       class(balance_type), intent(inout) :: self
       integer, intent(in) :: i
-      real(dp), intent(in) :: u(:), frequency
+      real(dp), intent(in) :: u(:)
+      real(dp) :: f(self%block), rate
+      integer :: k
+
+      call self%contact(i)%update(u, self%fine)
+      call self%find_tangent(i)
+      if (self%is_direct()) then
+         f = matmul(self%tangent(:, :, i), u)
+      else
+         self%fine%coefficient = 0
+         associate (n => 2*self%harmonic(size(self%harmonic)))
+            self%fine%coefficient(:n + 1) = self%contact(i)%stiffness(:n)
+         end associate
+         call self%fine%to_samples()
+         self%wave(:, i) = self%fine%sample
+         call self%product(i, u, f)
+      end if
+      associate (sigma => self%contact(i)%offset, b => self%contact(i)%backlash, r => self%harmonic)
+         f(1) = f(1) - b*real(sigma(0), dp)
+         do k = 1, size(r)
+            f(2*k) = f(2*k) - 2*b*real(sigma(r(k)), dp)
+            f(2*k + 1) = f(2*k + 1) + 2*b*aimag(sigma(r(k)))
+            rate = self%damping_rate(i, k)
+            f(2*k) = f(2*k) + rate*u(2*k + 1)
+            f(2*k + 1) = f(2*k + 1) - rate*u(2*k)
+         end do
+      end associate
+      call self%damp_tangent(i)
+      self%force(:, i) = f
+   end subroutine mesh_force
+
+   !> d phi/du of unknown mesh i at the explicit harmonics, but for the damping.
+   subroutine find_tangent(self, i)
+      class(balance_type), intent(inout) :: self
+      integer, intent(in) :: i
       complex(dp) :: difference, total
-      real(dp) :: rate
       integer :: k, l, m
 
-      call self%contact(i)%update(u)
-      associate (w => self%contact(i)%stiffness, t => self%tangent(:, :, i), f => self%force(:, i), &
-                 sigma => self%contact(i)%offset, b => self%contact(i)%backlash, r => self%harmonic)
+      associate (w => self%contact(i)%stiffness, t => self%tangent(:, :, i), r => self%harmonic)
          t(1, 1) = real(w(0), dp)
-         do k = 1, size(r)
+         do k = 1, self%explicit
             t(1, 2*k) = real(w(r(k)), dp)
             t(1, 2*k + 1) = -aimag(w(r(k)))
             t(2*k, 1) = 2*t(1, 2*k)
             t(2*k + 1, 1) = 2*t(1, 2*k + 1)
          end do
-         do l = 1, size(r)
-            do m = 1, size(r)
+         do l = 1, self%explicit
+            do m = 1, self%explicit
                difference = w(abs(r(m) - r(l)))
                if (r(m) < r(l)) difference = conjg(difference)
                total = w(r(m) + r(l))
@@ -153,37 +244,103 @@ contains
                t(2*m + 1, 2*l + 1) = difference%re - total%re
             end do
          end do
-         f = matmul(t, u)
-         f(1) = f(1) - b*real(sigma(0), dp)
+      end associate
+   end subroutine find_tangent
+
+   !> Adds the damping to that.
+   subroutine damp_tangent(self, i)
+      class(balance_type), intent(inout) :: self
+      integer, intent(in) :: i
+      real(dp) :: rate
+      integer :: k
+
+      do k = 1, self%explicit
+         rate = self%damping_rate(i, k)
+         self%tangent(2*k, 2*k + 1, i) = self%tangent(2*k, 2*k + 1, i) + rate
+         self%tangent(2*k + 1, 2*k, i) = self%tangent(2*k + 1, 2*k, i) - rate
+      end do
+   end subroutine damp_tangent
+
+   !> What the damping of unknown mesh i makes of the k-th harmonic that is carried, at the last `evaluate`: the factor of p'.
+   pure real(dp) function damping_rate(self, i, k)
+      class(balance_type), intent(in) :: self
+      integer, intent(in) :: i, k
+
+      damping_rate = self%damping_of(i)*self%harmonic(k)*self%frequency/self%eta
+   end function damping_rate
+
+   !> (d phi/du) x of unknown mesh i at all harmonics but for the damping, by samples of the stiffness in contact: exact, since
+   !> there are more of them than four times the highest harmonic.
+   subroutine product(self, i, x, f)
+      class(balance_type), intent(inout) :: self
+      integer, intent(in) :: i
+      real(dp), intent(in) :: x(:)
+      real(dp), intent(out) :: f(:)
+      integer :: k
+
+      associate (fine => self%fine, r => self%harmonic)
+         call sample(x, r, fine)
+         fine%sample = self%wave(:, i)*fine%sample
+         call fine%to_coefficients()
+         f(1) = real(fine%coefficient(1), dp)/fine%samples
          do k = 1, size(r)
-            f(2*k) = f(2*k) - 2*b*real(sigma(r(k)), dp)
-            f(2*k + 1) = f(2*k + 1) + 2*b*aimag(sigma(r(k)))
-            rate = self%damping_of(i)*r(k)*frequency/self%eta
-            f(2*k) = f(2*k) + rate*u(2*k + 1)
-            f(2*k + 1) = f(2*k + 1) - rate*u(2*k)
-            t(2*k, 2*k + 1) = t(2*k, 2*k + 1) + rate
-            t(2*k + 1, 2*k) = t(2*k + 1, 2*k) - rate
+            f(2*k) = 2*real(fine%coefficient(r(k) + 1), dp)/fine%samples
+            f(2*k + 1) = -2*aimag(fine%coefficient(r(k) + 1))/fine%samples
          end do
       end associate
-   end subroutine mesh_force
+   end subroutine product
 
-   !> dS/du at the last `evaluate`, and dS/dLambda as the border column.
+   !> (dS/du) x at the last `evaluate`, for harmonics that are not all explicit; x and s are (block, unknowns).
+   subroutine apply(self, x, s)
+      class(balance_type), intent(inout) :: self
+      real(dp), intent(in) :: x(:, :)
+      real(dp), intent(out) :: s(:, :)
+      real(dp) :: force(self%block, self%unknowns), rate
+      complex(dp) :: total
+      integer :: i, k, neighbour
+
+      do i = 1, self%unknowns
+         call self%product(i, x(:, i), force(:, i))
+         do k = 1, size(self%harmonic)
+            rate = self%damping_rate(i, k)
+            force(2*k, i) = force(2*k, i) + rate*x(2*k + 1, i)
+            force(2*k + 1, i) = force(2*k + 1, i) - rate*x(2*k, i)
+         end do
+      end do
+      s(1, :) = force(1, :)
+      do k = 1, size(self%harmonic)
+         associate (h => self%receptance(k)%h)
+            do i = 1, self%unknowns
+               total = cmplx(x(2*k, i), -x(2*k + 1, i), dp)
+               do neighbour = max(1, i - 1), min(self%unknowns, i + 1)
+                  total = total + h(neighbour - i + 2, self%mesh(i)) &
+                          *cmplx(force(2*k, neighbour), -force(2*k + 1, neighbour), dp)
+               end do
+               s(2*k, i) = total%re
+               s(2*k + 1, i) = -total%im
+            end do
+         end associate
+      end do
+   end subroutine apply
+
+   !> dS/du at the last `evaluate`, and dS/dLambda as the border column, at the explicit harmonics.
    subroutine jacobian(self, matrix)
       class(balance_type), intent(in) :: self
       type(bordered_type), intent(inout) :: matrix
-      integer :: i, l
+      integer :: i, l, block
 
-      call matrix%resize(self%block, self%unknowns)
+      block = 1 + 2*self%explicit
+      call matrix%resize(block, self%unknowns)
       do i = 1, self%unknowns
          call fill(matrix%diagonal(:, :, i), i, 2, self%tangent(:, :, i))
          matrix%diagonal(1, :, i) = self%tangent(1, :, i)
-         do l = 2, self%block
+         do l = 2, block
             matrix%diagonal(l, l, i) = matrix%diagonal(l, l, i) + 1
          end do
          if (i > 1) call fill(matrix%lower(:, :, i), i, 1, self%tangent(:, :, i - 1))
          if (i < self%unknowns) call fill(matrix%upper(:, :, i), i, 3, self%tangent(:, :, i + 1))
       end do
-      matrix%column = self%d_frequency
+      matrix%column = self%d_frequency(:block, :)
 
    contains
 
@@ -192,7 +349,7 @@ contains
          real(dp), intent(inout) :: a(:, :)
          integer, intent(in) :: i, neighbour
          real(dp), intent(in) :: t(:, :)
-         complex(dp) :: h(size(self%harmonic))
+         complex(dp) :: h(self%explicit)
          integer :: k, column
 
          do k = 1, size(h)

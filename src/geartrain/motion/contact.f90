@@ -9,7 +9,7 @@ module geartrain_motion_contact
    use geartrain_base_fftw, only: transform_type
    use geartrain_base_kinds, only: dp, pi
    use geartrain_model_system, only: series_type, series_value
-   use geartrain_motion_trigonometric, only: evaluate, fine_samples, sample
+   use geartrain_motion_trigonometric, only: evaluate, sample
    implicit none (type, external)
    private
    public :: contact_type
@@ -29,7 +29,7 @@ module geartrain_motion_contact
       integer, allocatable :: contact(:)
       !> Two-sided Fourier coefficients of chi kappa and of sigma kappa, indices 0..highest.
       complex(dp), allocatable :: stiffness(:), offset(:)
-      type(transform_type), private :: fine, sampled
+      type(transform_type), private :: sampled
       real(dp), allocatable, private :: p(:), slope(:), kappa_sample(:)
       integer, allocatable, private :: flank_sample(:)
       logical, private :: exact = .true.
@@ -66,9 +66,6 @@ contains
       self%exact = samples == 0
       if (allocated(self%stiffness)) deallocate (self%stiffness, self%offset)
       allocate (self%stiffness(0:highest), self%offset(0:highest))
-      call self%fine%plan(fine_samples(maxval([1, harmonic])))
-      self%p = self%fine%sample
-      self%slope = self%p
       if (.not. allocated(self%instant)) allocate (self%instant(64), self%contact(64))
       if (self%exact) return
       call self%sampled%plan(samples)
@@ -78,14 +75,16 @@ contains
    end subroutine setup
 
    !> Events and spectra of the motion with the coefficients `u` (mean, cos, sin, ...).
-   subroutine update(self, u)
+   subroutine update(self, u, fine)
       class(contact_type), intent(inout) :: self
       real(dp), intent(in) :: u(:)
+      !> A plan of `fine_samples` of the highest harmonic: one serves all meshes.
+      type(transform_type), intent(inout) :: fine
 
       self%events = 0
       self%first_contact = 1
       if (self%backlash > 0) then
-         call self%find_events(u)
+         call self%find_events(u, fine)
          if (.not. self%exact) then
             call self%sampled_spectra(u)
             return
@@ -159,21 +158,26 @@ contains
 
    !> Samples bracket the crossings of +-b, Newton polishes them; where two samples on one side of a wall turn back between
    !> them, the extreme decides whether the wall was crossed twice.
-   subroutine find_events(self, u)
+   subroutine find_events(self, u, fine)
       class(contact_type), intent(inout) :: self
       real(dp), intent(in) :: u(:)
+      type(transform_type), intent(inout) :: fine
       real(dp) :: spacing, wall, f0, f1, turn, f_turn
       integer :: q, next, side, first
 
-      call sample(u, self%harmonic, self%fine)
-      self%p = self%fine%sample
+      call sample(u, self%harmonic, fine)
+      if (allocated(self%p)) then
+         if (size(self%p) /= fine%samples) deallocate (self%p, self%slope)
+      end if
+      if (.not. allocated(self%p)) allocate (self%p(fine%samples), self%slope(fine%samples))
+      self%p = fine%sample
       self%first_contact = contact_of(self%p(1), self%backlash)
       if (all(self%p > self%backlash + 0.1_dp*(maxval(self%p) - minval(self%p)))) return
-      call sample(u, self%harmonic, self%fine, derivative=.true.)
-      self%slope = self%fine%sample
-      spacing = 2*pi/self%fine%samples
-      do q = 1, self%fine%samples
-         next = merge(1, q + 1, q == self%fine%samples)
+      call sample(u, self%harmonic, fine, derivative=.true.)
+      self%slope = fine%sample
+      spacing = 2*pi/fine%samples
+      do q = 1, fine%samples
+         next = merge(1, q + 1, q == fine%samples)
          ! Nothing happens between two samples of one contact, the first of which is too far from a wall to reach it and turn.
          if (abs(abs(self%p(q)) - self%backlash) >= spacing*abs(self%slope(q)) .and. &
              (self%p(q) > self%backlash .eqv. self%p(next) > self%backlash) .and. &

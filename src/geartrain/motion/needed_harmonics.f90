@@ -6,7 +6,7 @@ module geartrain_motion_needed_harmonics
    private
    public :: needed_harmonics
 
-   !> Orders in a sum, at least. Orders 17 and 23 with 138 harmonics at Lambda = 0.0541: sums of 6, 8, 10, any number make a waveform
+   !> Orders in a sum, at least. Orders 17 and 23 with 138 harmonics at Lambda = 0.0541: sums of 6, 8, 10 or any make a waveform
    !> error of 2e-2, 1e-2, 2e-3, 6e-4 with 42, 59, 73, 138 harmonics.
    integer, parameter :: fewest_sums = 10
 

@@ -19,6 +19,9 @@ module geartrain_motion_shooting
    integer, parameter :: max_iterations = 25
    !> Relative Newton step at which the orbit counts as found; rounding over a period leaves about 1e-13.
    real(dp), parameter :: converged = 1e-11_dp
+   !> What an orbit may lack to be closed, relative, where the Newton steps do not get shorter any more: of a motion that hardly
+   !> anything holds, as of a train between very large inertias, rounding leaves that much and the step says what it makes of it.
+   real(dp), parameter :: closed = 1e-12_dp
    integer, parameter :: fewest_harmonics = 16
 
 contains
@@ -32,7 +35,7 @@ contains
       type(system_type) :: system
       type(motion_type) :: refined
       real(dp), allocatable :: state(:), final(:), step(:), monodromy(:, :), matrix(:, :)
-      real(dp) :: length, before, scale
+      real(dp) :: length, before, scale, gap
       integer, allocatable :: pivot(:)
       integer :: i, k, n, info
 
@@ -40,6 +43,10 @@ contains
       if (allocated(error)) return
       if (motion%period < 1) then
          call fatal(error, 'refine: no period was found for this motion, so there is no orbit to refine')
+         return
+      end if
+      if (.not. (allocated(motion%state) .or. allocated(motion%coefficients))) then
+         call fatal(error, 'refine: the motion has neither a state nor coefficients')
          return
       end if
       call build_system(train, system)
@@ -57,10 +64,11 @@ contains
          call factor_matrix(n, matrix, pivot, info)
          if (info == 0) call solve_factored(n, 1, matrix, pivot, step)
          scale = maxval(abs(state))
+         gap = maxval(abs(final - state))/scale
          length = maxval(abs(step))/scale
          if (info /= 0 .or. .not. length < 10) exit
          state = state + step
-         if (length < converged .or. (length < 100*converged .and. length > 0.5_dp*before)) then
+         if (length < converged .or. (length > 0.5_dp*before .and. (length < 100*converged .or. gap < closed))) then
             call finish()
             return
          end if

@@ -9,6 +9,7 @@ module geartrain_motion_sweep
    use geartrain_model_train, only: train_type
    use geartrain_motion_integration, only: add_exponent, settle
    use geartrain_motion_integration_settings, only: integration_settings_type, sweep_type
+   use geartrain_motion_motion, only: motion_type
    use geartrain_motion_start_state, only: resting_state
    use geartrain_motion_variables, only: check_integration
    implicit none (type, external)
@@ -18,7 +19,8 @@ module geartrain_motion_sweep
 contains
 
    !> Visits settings%points frequencies between start and stop, upwards, downwards or both. A frequency without a steady
-   !> motion has period 0; the sweep goes on from the state reached, or from rest where the motion grew without bound.
+   !> motion has period 0; the sweep goes on from the state reached, or from rest where the motion grew without bound. A sweep under
+   !> way (its motions are there, why it ended is not, as in a checkpoint of the same case) is taken up after its last motion.
    subroutine sweep(train, settings, result, error, observer)
       type(train_type), intent(in) :: train
       type(integration_settings_type), intent(in) :: settings
@@ -26,13 +28,17 @@ contains
       type(error_type), allocatable, intent(out) :: error
       class(observer_type), intent(inout), optional :: observer
       type(sweep_type) :: empty
+      type(motion_type) :: motion
       type(system_type) :: system
       real(dp), allocatable :: state(:)
       real(dp) :: low, high, frequency
       integer :: i, n, done, total
-      logical :: keep_going, stopped
+      logical :: keep_going, stopped, resumed
 
-      result = empty
+      total = merge(2*settings%points, settings%points, settings%direction == 'both')
+      resumed = allocated(result%motions) .and. .not. allocated(result%ended)
+      if (resumed) resumed = size(result%motions) == total
+      if (.not. resumed) result = empty
       call check_train(train, error)
       if (allocated(error)) return
       call check_integration(settings, error)
@@ -43,21 +49,25 @@ contains
       low = min(settings%start, settings%stop)
       high = max(settings%start, settings%stop)
       n = settings%points
-      total = merge(2*n, n, settings%direction == 'both')
-      allocate (result%motions(total), result%direction(total))
+      if (.not. resumed) allocate (result%motions(total), result%direction(total))
       result%direction = 'up'
       if (settings%direction == 'down') result%direction = 'down'
       if (settings%direction == 'both') result%direction(n + 1:) = 'down'
-      done = 0
-      do i = 1, total
+      done = count(result%motions%frequency > 0)
+      if (done > 0) then
+         if (allocated(result%motions(done)%coefficients)) state = result%motions(done)%state
+      end if
+      do i = done + 1, total
          frequency = low
          if (n > 1) frequency = low + (high - low)*(mod(i - 1, n)/real(n - 1, dp))
          if (mod(i, n) == 0 .and. n > 1) frequency = high
          if (result%direction(i) == 'down') frequency = low + high - frequency
-         call settle(system, frequency, settings, state, result%motions(i), observer, stopped)
+         call settle(system, frequency, settings, state, motion, observer, stopped)
          if (stopped) exit
-         call add_exponent(system, settings, result%motions(i), observer)
-         if (.not. allocated(result%motions(i)%coefficients)) state = resting_state(system)
+         call add_exponent(system, settings, motion, observer)
+         ! A whole motion or none: what has a frequency counts as done where the sweep is taken up again.
+         result%motions(i) = motion
+         if (.not. allocated(motion%coefficients)) state = resting_state(system)
          done = i
          if (.not. present(observer)) cycle
          keep_going = .true.

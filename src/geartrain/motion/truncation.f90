@@ -1,10 +1,11 @@
 !> What a balance leaves out: the harmonics above its highest, and what they do to those it carries.
 module geartrain_motion_truncation
+   use geartrain_base_fftw, only: transform_type
    use geartrain_base_kinds, only: dp
    use geartrain_model_receptance, only: find_receptance, receptance_type
    use geartrain_motion_balance, only: balance_type
-   use geartrain_motion_bordered, only: bordered_type
-   use geartrain_motion_trigonometric, only: evaluate
+   use geartrain_motion_linearization, only: linearization_type
+   use geartrain_motion_trigonometric, only: evaluate, fine_samples, sample
    implicit none (type, external)
    private
    public :: truncation_type, find_truncation, harmonics_for
@@ -38,6 +39,8 @@ module geartrain_motion_truncation
       complex(dp), allocatable, private :: tail(:, :), stiffness(:, :), offset(:, :)
       !> The error of the kept coefficients, (block, unknowns), which corrects the motion to first order.
       real(dp), allocatable, private :: error(:, :)
+      !> Plan for products of the tail with the spectra, where the balance works by FFT too.
+      type(transform_type), private :: wide
    contains
       procedure :: waveform_error
       procedure, private :: reserve
@@ -53,12 +56,12 @@ contains
    !> Where that is y and Lambda = slope s + bend s**2/2 along the branch, the way back along it is the nearer root s of
    !> y + slope s + bend s**2/2 = 0.
    subroutine find_truncation(balance, u, frequency, tangent, slope, bend, unit, matrix, truncation)
-      type(balance_type), intent(in) :: balance
+      type(balance_type), intent(inout) :: balance
       !> The solution, the unit tangent there, its Lambda part and the change of that along the branch.
       real(dp), intent(in) :: u(:, :), frequency, tangent(:, :), slope, bend
       !> Of Lambda, for what counts as steep.
       real(dp), intent(in) :: unit
-      type(bordered_type), intent(inout) :: matrix
+      type(linearization_type), intent(inout) :: matrix
       type(truncation_type), intent(inout) :: truncation
       real(dp) :: correction(balance%block, balance%unknowns), error(balance%block, balance%unknowns), y, way, scale
       integer :: i, reach
@@ -76,11 +79,14 @@ contains
          do i = 1, balance%unknowns
             call balance%contact(i)%spectra(truncation%stiffness(0:reach, i), truncation%offset(0:reach, i))
          end do
-         call find_tail(balance, u, frequency, harmonic(:n), truncation%stiffness, truncation%offset, tail)
+         ! Room for the product of the spectra with the motion or the tail, without aliases where it is used.
+         if (.not. balance%is_direct()) call truncation%wide%plan(fine_samples(reach/4 + 1))
+         call find_forces(balance, u, harmonic(:n), truncation%stiffness(0:reach, :), truncation%offset, truncation%wide, tail)
+         call find_tail(balance, frequency, harmonic(:n), tail)
          call find_remainder(balance, u, harmonic(:n), tail, truncation%remainder)
-         call find_shift(balance, harmonic(:n), truncation%stiffness, tail, correction)
+         call find_shift(balance, harmonic(:n), truncation%stiffness(0:reach, :), truncation%wide, tail, correction)
          y = 0
-         call matrix%solve(correction, y)
+         call matrix%solve(balance, correction, y)
          scale = sqrt(max(sum(u(2:, :)**2), tiny(1.0_dp)))
          way = -y/sign(max(abs(slope), steepest*unit), slope)
          error = correction + way*tangent
@@ -202,24 +208,60 @@ contains
       remainder = sqrt(remainder)
    end subroutine find_remainder
 
-   !> Complex amplitudes of the tail, (tail, unknowns): each harmonic by itself under the force of the kept ones, the meshes
-   !> coupled and with their mean stiffness (a harmonic near a natural frequency resonates).
-   pure subroutine find_tail(balance, u, frequency, harmonic, stiffness, offset, tail)
+   !> Forces that the kept harmonics cause at those of the tail, (tail, unknowns).
+   subroutine find_forces(balance, u, harmonic, stiffness, offset, wide, force)
       type(balance_type), intent(in) :: balance
-      real(dp), intent(in) :: u(:, :), frequency
+      real(dp), intent(in) :: u(:, :)
       integer, intent(in) :: harmonic(:)
       complex(dp), intent(in) :: stiffness(0:, :), offset(0:, :)
-      complex(dp), intent(out) :: tail(:, :)
+      type(transform_type), intent(inout) :: wide
+      complex(dp), intent(out) :: force(:, :)
+      integer :: i, m
+
+      do i = 1, balance%unknowns
+         if (balance%is_direct()) then
+            do m = 1, size(harmonic)
+               force(m, i) = 2*stiffness(harmonic(m), i)*u(1, i) + driven(balance%harmonic, stiffness(:, i), u(:, i), harmonic(m))
+            end do
+         else
+            call sample(u(:, i), balance%harmonic, wide)
+            call multiply(wide, stiffness(:, i))
+            force(:, i) = 2*wide%coefficient(harmonic + 1)
+         end if
+         force(:, i) = force(:, i) - 2*balance%contact(i)%backlash*offset(harmonic, i)
+      end do
+   end subroutine find_forces
+
+   !> Multiplies the waveform in wide%sample with that of the two-sided coefficients w; leaves coefficients there.
+   subroutine multiply(wide, w)
+      type(transform_type), intent(inout) :: wide
+      complex(dp), intent(in) :: w(:)
+      real(dp) :: waveform(wide%samples)
+
+      waveform = wide%sample/wide%samples
+      wide%coefficient = 0
+      wide%coefficient(:size(w)) = w
+      call wide%to_samples()
+      wide%sample = waveform*wide%sample
+      call wide%to_coefficients()
+   end subroutine multiply
+
+   !> Complex amplitudes of the tail in place of the forces there, (tail, unknowns): each harmonic by itself, the meshes coupled
+   !> and with their mean stiffness (a harmonic near a natural frequency resonates).
+   pure subroutine find_tail(balance, frequency, harmonic, tail)
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: frequency
+      integer, intent(in) :: harmonic(:)
+      complex(dp), intent(inout) :: tail(:, :)
       type(receptance_type) :: local
       complex(dp) :: force(balance%unknowns), own(balance%unknowns), pivot(balance%unknowns), ratio
       integer :: i, m, r, neighbour
 
       do m = 1, size(harmonic)
          r = harmonic(m)
+         force = tail(m, :)
          do i = 1, balance%unknowns
-            force(i) = 2*stiffness(r, i)*u(1, i) - 2*balance%contact(i)%backlash*offset(r, i) &
-                       + driven(balance%harmonic, stiffness(:, i), u(:, i), r)
-            own(i) = cmplx(real(stiffness(0, i), dp), balance%damping_of(i)*r*frequency/balance%eta, dp)
+            own(i) = balance%mean_stiffness(i, r)
          end do
          call find_receptance(balance%system, balance%unknown, frequency, r, balance%eta, local)
          ! Elimination down the chain and back; the diagonal is 1 plus something small, save at a resonance.
@@ -266,17 +308,22 @@ contains
    end function two_sided
 
    !> What the tail's force moves the kept harmonics by, before the balance answers.
-   pure subroutine find_shift(balance, harmonic, stiffness, tail, correction)
+   subroutine find_shift(balance, harmonic, stiffness, wide, tail, correction)
       type(balance_type), intent(in) :: balance
       integer, intent(in) :: harmonic(:)
       complex(dp), intent(in) :: stiffness(0:, :), tail(:, :)
+      type(transform_type), intent(inout) :: wide
       real(dp), intent(out) :: correction(:, :)
       real(dp) :: d_phi(balance%block, balance%unknowns)
       complex(dp) :: shift
       integer :: i, k, neighbour
 
       do i = 1, balance%unknowns
-         call tail_force(balance%harmonic, harmonic, stiffness(:, i), tail(:, i), d_phi(:, i))
+         if (balance%is_direct()) then
+            call tail_force(balance%harmonic, harmonic, stiffness(:, i), tail(:, i), d_phi(:, i))
+         else
+            call transform_tail(balance%harmonic, harmonic, stiffness(:, i), tail(:, i), wide, d_phi(:, i))
+         end if
       end do
       do i = 1, balance%unknowns
          correction(1, i) = -d_phi(1, i)
@@ -310,5 +357,24 @@ contains
          d_phi(2*k + 1) = -total%im
       end do
    end subroutine tail_force
+
+   !> The same by FFT.
+   subroutine transform_tail(kept, harmonic, w, tail, wide, d_phi)
+      integer, intent(in) :: kept(:), harmonic(:)
+      complex(dp), intent(in) :: w(0:), tail(:)
+      type(transform_type), intent(inout) :: wide
+      real(dp), intent(out) :: d_phi(:)
+      integer :: k
+
+      wide%coefficient = 0
+      wide%coefficient(harmonic + 1) = tail/2
+      call wide%to_samples()
+      call multiply(wide, w)
+      d_phi(1) = real(wide%coefficient(1), dp)
+      do k = 1, size(kept)
+         d_phi(2*k) = 2*real(wide%coefficient(kept(k) + 1), dp)
+         d_phi(2*k + 1) = -2*aimag(wide%coefficient(kept(k) + 1))
+      end do
+   end subroutine transform_tail
 
 end module geartrain_motion_truncation

@@ -15,6 +15,7 @@ module geartrain_results_results
    use geartrain_results_file, only: replace_file
    use geartrain_results_integration, only: write_integration
    use geartrain_results_modes, only: write_modes
+   use geartrain_results_reading, only: state_path
    use geartrain_results_response, only: write_response
    use geartrain_results_stability_map, only: write_stability_map
    use geartrain_results_store, only: store_type
@@ -39,11 +40,13 @@ module geartrain_results_results
 contains
 
    !> Writes an HDF5 file; a file of that name is replaced once the new one is whole, and kept where writing fails.
-   subroutine write_results(path, case, results, error)
+   subroutine write_results(path, case, results, error, state)
       character(*), intent(in) :: path
       type(case_type), intent(in) :: case
       type(results_type), intent(in) :: results
       type(error_type), allocatable, intent(out) :: error
+      !> What another run needs to go on from here.
+      integer(int8), intent(in), contiguous, optional :: state(:)
       integer(int8), allocatable :: content(:)
       type(store_type) :: store
       integer :: i
@@ -61,6 +64,7 @@ contains
             call write_response(store, '/branch_'//text(i), results%branches(i))
          end do
       end if
+      if (present(state)) call store%put_bytes(state_path, state, 'what geartrain --resume goes on from')
       call store%close(content, error)
       !$omp end critical (geartrain_hdf5)
       if (allocated(error)) then

@@ -1,14 +1,14 @@
 !> HDF5 without its rough edges: a file is put together in memory and handed over as bytes, so that the disk only ever sees
 !> whole files and its failures are those of plain writing. Silent; the first failure is kept and told at the end.
 module geartrain_results_store
-   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t, c_loc, c_null_char, c_null_ptr, c_ptr
+   use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_int, c_int64_t, c_loc, c_null_char, c_null_ptr, c_ptr
    use, intrinsic :: iso_fortran_env, only: int8
    use hdf5, only: h5aclose_f, h5acreate_f, h5awrite_f, h5dclose_f, h5dcreate_f, h5dopen_f, h5dwrite_f, &
       h5eset_auto_f, h5fclose_f, h5fcreate_f, h5fflush_f, h5fget_file_image_f, h5gclose_f, h5gcreate_f, h5iis_valid_f, &
       h5lexists_f, h5oclose_f, h5oopen_f, h5open_f, h5pclose_f, h5pcreate_f, h5pset_fapl_core_f, h5sclose_f, h5screate_f, &
       h5screate_simple_f, h5tclose_f, h5tcopy_f, h5tset_cset_f, h5tset_size_f, &
-      h5f_acc_trunc_f, h5f_scope_global_f, h5p_file_access_f, h5s_scalar_f, h5t_c_s1, h5t_cset_utf8_f, h5t_native_double, &
-      h5t_native_integer, h5t_std_i8le, hid_t, hsize_t, size_t
+      h5f_acc_trunc_f, h5f_scope_global_f, h5p_dataset_create_f, h5p_file_access_f, h5s_scalar_f, h5t_c_s1, h5t_cset_utf8_f, &
+      h5t_native_double, h5t_native_integer, h5t_std_i8le, hid_t, hsize_t, size_t
    use geartrain_base_error, only: error_type, fatal, status_file
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
@@ -31,6 +31,7 @@ module geartrain_results_store
       generic :: attribute => text_attribute, integer_attribute, real_attribute
       generic :: axis => index_axis, real_axis, text_axis
       generic :: put => put_text, put_logical, put_integer, put_integer_2, put_real_1, put_real_2, put_real_3
+      procedure :: put_bytes
       procedure :: close => close_store
       procedure, private :: text_attribute, integer_attribute, real_attribute, write_attribute
       procedure, private :: index_axis, real_axis, text_axis, make_axis
@@ -39,7 +40,8 @@ module geartrain_results_store
       procedure, private :: note
    end type store_type
 
-   !> Dimension scales of HDF5's C library (the Fortran module for them has no fixed place among the systems).
+   !> Of HDF5's C library: dimension scales (the Fortran module for them has no fixed place among the systems), and whether a
+   !> dataset holds the time at which it was made (not in the Fortran module of every version).
    interface
       integer(c_int) function h5ds_set_scale(dataset, name) bind(c, name='H5DSset_scale')
          import :: c_char, c_int, c_int64_t
@@ -54,6 +56,13 @@ module geartrain_results_store
          integer(c_int64_t), value :: dataset, scale
          integer(c_int), value :: dimension
       end function h5ds_attach_scale
+
+      integer(c_int) function h5pset_obj_track_times(list, track) bind(c, name='H5Pset_obj_track_times')
+         import :: c_bool, c_int, c_int64_t
+         implicit none (type, external)
+         integer(c_int64_t), value :: list
+         logical(c_bool), value :: track
+      end function h5pset_obj_track_times
    end interface
 
 contains
@@ -246,6 +255,15 @@ contains
       call self%attribute(path, 'dtype', 'bool')
    end subroutine put_logical
 
+   !> Without axes: of use to this program alone.
+   subroutine put_bytes(self, path, values, description)
+      class(store_type), intent(inout) :: self
+      character(*), intent(in) :: path, description
+      integer(int8), intent(in), contiguous, target :: values(:)
+
+      call self%put_any(path, h5t_std_i8le, shape(values), [character(1) ::], '', description, c_loc(values))
+   end subroutine put_bytes
+
    subroutine put_integer(self, path, values, dimensions, units, description)
       class(store_type), intent(inout) :: self
       character(*), intent(in) :: path, dimensions(:), units, description
@@ -293,12 +311,15 @@ contains
       integer(hid_t), intent(in) :: kind
       integer, intent(in) :: extents(:)
       type(c_ptr), intent(in) :: address
-      integer(hid_t) :: space, id
+      integer(hid_t) :: space, id, how
       integer :: status
 
       if (allocated(self%failure)) return
       call h5screate_simple_f(size(extents), int(extents, hsize_t), space, status)
-      call h5dcreate_f(self%file, path, kind, space, id, status)
+      ! Without the time: the same results are the same bytes.
+      call h5pcreate_f(h5p_dataset_create_f, how, status)
+      status = h5pset_obj_track_times(int(how, c_int64_t), .false._c_bool)
+      call h5dcreate_f(self%file, path, kind, space, id, status, dcpl_id=how)
       call self%note(status, 'create '//path)
       if (status >= 0) then
          if (product(extents) > 0) call h5dwrite_f(id, kind, address, status)
@@ -306,6 +327,7 @@ contains
          call self%attach_axes(id, path, dimensions)
          call h5dclose_f(id, status)
       end if
+      call h5pclose_f(how, status)
       call h5sclose_f(space, status)
       call self%attribute(path, 'units', units)
       call self%attribute(path, 'description', description)

@@ -6,7 +6,7 @@
 !> thirds of the terms of Taylor's series. kappa within a step is a short polynomial, made likewise.
 module geartrain_stability_propagator
    use geartrain_base_kinds, only: dp
-   use geartrain_base_lapack, only: dsteqr
+   use geartrain_base_lapack, only: dsterf
    use geartrain_model_system, only: system_type
    use geartrain_stability_exponential, only: exponential_type
    use geartrain_stability_recurrence, only: add_up, chunk, find_derivatives, most_terms
@@ -33,11 +33,14 @@ module geartrain_stability_propagator
       !> Columns of displacements, then velocities over `band`, (column, 2*elements, block of columns).
       real(dp), allocatable, private :: x(:, :, :)
       integer, private :: elements = 0, width = 0
+      !> The columns are those of a whole matrix, which begins as the identity.
+      logical, private :: whole = .true.
       !> Largest rates of all modes, with all meshes in contact and stiffest, and of a mesh of varying stiffness alone [1];
       !> the largest that a step has to follow, at `frequency`.
       real(dp), private :: fastest = 0, fastest_mesh = 0, band = 1, frequency = 1
       type(system_type), private :: system
-      type(exponential_type), private :: motion, kappa
+      !> Allocatable, because gfortran 12 never frees the second of two components of a type that itself has allocatable ones.
+      type(exponential_type), allocatable, private :: motion, kappa
       !> Highest order of Lambda in any kappa.
       integer, private :: highest_order = 0
       !> Derivatives of one block of columns (column, element, derivative), with zeros before the first; their weights; factors of
@@ -52,15 +55,19 @@ module geartrain_stability_propagator
       procedure :: advance
       procedure :: restart
       procedure :: get
+      procedure :: put_columns
+      procedure :: get_columns
       procedure, private :: step
       procedure, private :: expand_kappa
    end type propagator_type
 
 contains
 
-   subroutine setup(self, system)
+   subroutine setup(self, system, columns)
       class(propagator_type), intent(inout) :: self
       type(system_type), intent(in) :: system
+      !> Carry so many columns (an even number, at most `widest`), given by `put_columns`, instead of a whole matrix.
+      integer, intent(in), optional :: columns
       real(dp) :: stiffest(system%elements), aspect
       integer :: blocks, i, j, k, most
 
@@ -70,6 +77,11 @@ contains
       ! Blocks of equal width, even for the sake of vector code.
       blocks = (self%states + widest - 1)/widest
       self%width = 2*((self%states + 2*blocks - 1)/(2*blocks))
+      self%whole = .not. present(columns)
+      if (present(columns)) then
+         blocks = 1
+         self%width = columns
+      end if
       stiffest = 1
       self%highest_order = 0
       self%fastest_mesh = 0
@@ -85,6 +97,7 @@ contains
       self%fastest_decay = largest_eigenvalue(system, system%damping)
       aspect = min(0.6_dp, max(0.1_dp, 2*self%fastest_decay/self%fastest))
       self%fastest = hypot(self%fastest, self%fastest_decay/aspect)
+      if (.not. allocated(self%motion)) allocate (self%motion, self%kappa)
       call self%motion%setup([(longest*i/16, i=1, 16)], aspect, tolerance)
       call self%kappa%setup([(0.05_dp*1.5_dp**i, i=0, 11)], 0.0_dp, tolerance)
       most = maxval(self%motion%degree)
@@ -116,7 +129,7 @@ contains
    real(dp) function largest_eigenvalue(system, factor) result(largest)
       type(system_type), intent(in) :: system
       real(dp), intent(in) :: factor(:)
-      real(dp) :: diagonal(size(factor)), off(size(factor)), empty(1, 1), work(1)
+      real(dp) :: diagonal(size(factor)), off(size(factor))
       integer :: n, info
 
       off = 0
@@ -124,11 +137,11 @@ contains
          diagonal(n) = system%coupling(2, n)*factor(n)
          if (n > 1) off(n - 1) = sqrt(system%coupling(1, n)*factor(n - 1)*system%coupling(3, n - 1)*factor(n))
       end do
-      call dsteqr('N', size(factor), diagonal, off, empty, 1, work, info)
+      call dsterf(size(factor), diagonal, off, info)
       largest = maxval(diagonal)
    end function largest_eigenvalue
 
-   !> Begins with the identity at `frequency`; steps are shortened by `refinement`.
+   !> Begins at `frequency`, a whole matrix with the identity; steps are shortened by `refinement`.
    subroutine start(self, frequency, refinement)
       class(propagator_type), intent(inout) :: self
       real(dp), intent(in) :: frequency, refinement
@@ -140,7 +153,7 @@ contains
       do n = 1, self%elements
          self%damper(:, n) = -self%system%coupling(2, n)*self%system%damping(n)/self%band
       end do
-      call self%restart()
+      if (self%whole) call self%restart()
    end subroutine start
 
    !> Puts the identity in place of the columns.
@@ -170,6 +183,24 @@ contains
          transposed(m + 1:, :m) = transposed(m + 1:, :m)/self%band
       end associate
    end subroutine get
+
+   !> Takes columns (state, column), velocities in plain units.
+   subroutine put_columns(self, columns)
+      class(propagator_type), intent(inout) :: self
+      real(dp), intent(in) :: columns(:, :)
+
+      self%x(:, :, 1) = transpose(columns)
+      self%x(:, self%elements + 1:, 1) = self%x(:, self%elements + 1:, 1)/self%band
+   end subroutine put_columns
+
+   !> Gives them back.
+   subroutine get_columns(self, columns)
+      class(propagator_type), intent(in) :: self
+      real(dp), intent(out) :: columns(:, :)
+
+      columns = transpose(self%x(:, :, 1))
+      columns(self%elements + 1:, :) = columns(self%elements + 1:, :)*self%band
+   end subroutine get_columns
 
    !> From one time to another along constant contacts (mesh), 0 for separation.
    subroutine advance(self, from, to, contact)

@@ -30,17 +30,42 @@ contains
          do i = 1, all_
             psi(i) = spring(i)*p(i, k) + damper(i)*p(i, k + 1)
          end do
-         do j = 1, meshes
-            first = (mesh_element(j) - 1)*width
-            do l = 0, terms(j) - 1, chunk
-               call add_product(width, all_, leibniz(l:l + 7, k, j), p(:, k - l - 7:k - l), first, psi(first + 1:first + width))
+         if (width == 2) then
+            call add_pairs(elements, meshes, k, most_degree, mesh_element, terms, leibniz, p, psi(1:all_))
+         else
+            do j = 1, meshes
+               first = (mesh_element(j) - 1)*width
+               do l = 0, terms(j) - 1, chunk
+                  call add_product(width, all_, leibniz(l:l + 7, k, j), p(:, k - l - 7:k - l), first, psi(first + 1:first + width))
+               end do
             end do
-         end do
+         end if
          do i = 1, all_
             p(i, k + 2) = psi(i) + before(i)*psi(i - width) + after(i)*psi(i + width)
          end do
       end do
    end subroutine find_derivatives
+
+   !> All terms of kappa p for all meshes, two columns only: a call for each mesh would cost more than its eight products.
+   pure subroutine add_pairs(elements, meshes, k, most_degree, mesh_element, terms, leibniz, p, psi)
+      integer, intent(in) :: elements, meshes, k, most_degree, mesh_element(meshes), terms(meshes)
+      real(dp), intent(in) :: leibniz(0:most_terms - 1, 0:most_degree, meshes), p(2, elements, 1 - most_terms:most_degree + 1)
+      real(dp), intent(inout) :: psi(2, elements)
+      real(dp) :: sum_1, sum_2
+      integer :: j, l, n
+
+      do j = 1, meshes
+         n = mesh_element(j)
+         sum_1 = psi(1, n)
+         sum_2 = psi(2, n)
+         do l = 0, terms(j) - 1
+            sum_1 = sum_1 + leibniz(l, k, j)*p(1, n, k - l)
+            sum_2 = sum_2 + leibniz(l, k, j)*p(2, n, k - l)
+         end do
+         psi(1, n) = sum_1
+         psi(2, n) = sum_2
+      end do
+   end subroutine add_pairs
 
    !> Eight terms of kappa p for one mesh, two columns at a time.
    pure subroutine add_product(width, length, c, p, first, psi)

@@ -1,0 +1,265 @@
+"""Every variable of the contract given wrongly, in a file and in a call: the variables come from `geartrain --reference`,
+so that a new one is tested as soon as it is in the table."""
+
+import re
+import subprocess
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from conftest import paper_train
+
+import geartrain as gt
+
+#: What a message must say to be of help: what is expected, or what to do.
+CURE = (
+    r"must |did you mean|there are |belongs to|leave out|takes one value|has no value|given twice|empty value|more than"
+    r"|lacks |not closed|expected \"=\"|give the whole list|values are separated by commas"
+)
+GIVEN = {
+    "train": {"input_torque": "150.0", "prime_mover_inertia": "2.3e-7", "load_inertia": "2.3e-7",
+              "characteristic_length": "3e-5", "characteristic_frequency": "9870.0"},
+    "shaft": {"stiffness": "1e3"},
+    "mesh": {"driving_radius": "0.05", "driven_radius": "0.1", "driving_inertia": "0.0023", "driven_inertia": "0.037",
+             "stiffness": "2.5e8", "stiffness_cos": "0.3"},
+    "response": {"from": "0.2", "to": "2.6"},
+    "integration": {"from": "0.2", "to": "2.6"},
+    "attractors": {"frequency": "0.6"},
+    "stability_map": {"from": "0.2", "to": "2.6", "parameter_from": "0.01", "parameter_to": "0.1"},
+    "output": {},
+}
+WORDS = {"from": "start", "to": "stop", "parameter_from": "parameter_start", "parameter_to": "parameter_stop"}
+
+
+class Variable(NamedTuple):
+    group: str
+    name: str
+    kind: str
+    required: bool
+    allowed: str
+
+
+@pytest.fixture(scope="module")
+def table(executable):
+    text = subprocess.run([executable, "--reference"], check=True, capture_output=True, text=True).stdout
+    variables = []
+    for line in text.splitlines():
+        if heading := re.match(r"### `&(\w+)`", line):
+            group = heading[1]
+        elif row := re.match(r"\| `(\w+)` \|", line):
+            cells = [cell.strip() for cell in line.split("|")[1:-1]]
+            variables.append(Variable(group, row[1], cells[1], cells[3] == "required", cells[4]))
+    assert len(variables) > 50 and {variable.kind for variable in variables} == {"real", "integer", "logical", "text", "reals"}
+    return variables
+
+
+def case_text(table, fault=None, assignment="", without=""):
+    """A whole case, one assignment a line; `assignment` takes the place of the faulty variable's own."""
+    groups = dict.fromkeys(variable.group for variable in table)
+    lines = []
+    order = ["train", "shaft", "mesh", "shaft", *(group for group in groups if group not in ("train", "shaft", "mesh"))]
+    for number, group in enumerate(order):
+        given = {v.name: GIVEN.get(group, {}).get(v.name, "1.0") for v in table if v.group == group and v.required}
+        given.update(GIVEN.get(group, {}))
+        faulty = fault is not None and fault.group == group and number != 3
+        if faulty or group == without:
+            given.pop(fault.name if faulty else "", None)
+        lines.append(f"&{group}")
+        lines.extend(f"   {name} = {value}" for name, value in given.items())
+        if faulty:
+            lines.extend(f"   {line}" for line in assignment.splitlines())
+        lines.append("/")
+    return "\n".join(lines) + "\n"
+
+
+def faults(variable):
+    """Namelist assignments of the variable that must be refused."""
+    name, kind = variable.name, variable.kind
+    wrong_types = {
+        "real": ["'abc'", "abc", ".true.", "1.0.0", "0x10", "1,5"],
+        "reals": ["'abc'", "0.1 x", ".true."],
+        "integer": ["'3'", "1.5", "x", "99999999999"],
+        "logical": ["3", "'yes'", "maybe"],
+        "text": ["5", "bare", ".true."],
+    }
+    values = list(wrong_types[kind])
+    if kind in ("real", "reals", "integer"):
+        values += ["NaN", "Inf", "-Infinity", "1e999"]
+    if kind in ("real", "integer") and ">" in variable.allowed:
+        values.append("-7.0" if kind == "real" else "-7")
+    if kind == "text" and variable.allowed:
+        values.append("'nonsense'")
+    if kind == "text":
+        values += [f"'{chr(7)}'", "'not closed"]
+    values.append("1001*1.0" if kind == "reals" else "'a' 'b'" if kind == "text" else "1, 2")
+    lines = [f"{name} = {value}" for value in values]
+    good = {"real": "1.0", "reals": "0.1", "integer": "1", "logical": ".true.", "text": "'x'"}[kind]
+    lines += [f"{name} =", f"{name} = , {good}", f"{name} {good}", f"{name}(1) = {good}", f"{name}%x = {good}"]
+    lines += [f"{name} = {good}\n{name} = {good}", f"{name[:-1]}q{name[-1]}q = {good}", f"{name} = = {good}"]
+    return lines
+
+
+def test_every_variable_given_wrongly(table, tmp_path):
+    path = tmp_path / "case.nml"
+    path.write_text(case_text(table))
+    gt.read_case(path)
+    count = 0
+    for variable in table:
+        for assignment in faults(variable):
+            text = case_text(table, variable, assignment)
+            path.write_text(text)
+            with pytest.raises(gt.InputError) as caught:
+                gt.read_case(path)
+            count += 1
+            messages = str(caught.value).splitlines()
+            faulty = [n for n, line in enumerate(text.splitlines(), 1) if line.strip() in assignment.splitlines()]
+            begins = tuple(f"{path}:{line}:" for line in faulty)
+            told = [message for message in messages if message.startswith(begins)]
+            assert told, (assignment, messages)
+            assert all(": error: " in message for message in messages)
+            assert all(re.search(CURE, message) for message in told), (assignment, told)
+            assert any(variable.name in message or variable.name[:-1] + "q" in message for message in told), (assignment, told)
+    assert count > 10 * len(table)
+
+
+def test_what_is_required_is_missed(table, tmp_path):
+    path = tmp_path / "case.nml"
+    for variable in table:
+        if variable.required:
+            path.write_text(case_text(table, variable))
+            place = rf"{re.escape(str(path))}:\d+:\d+"
+            with pytest.raises(gt.InputError, match=rf"{place}: error: &{variable.group}.*lacks {variable.name}"):
+                gt.read_case(path)
+
+
+def test_every_group_given_wrongly(table, tmp_path):
+    path = tmp_path / "case.nml"
+    whole = case_text(table)
+
+    def refused(text, message):
+        path.write_text(text)
+        with pytest.raises(gt.InputError, match=message):
+            gt.read_case(path)
+
+    for group in {variable.group for variable in table}:
+        begin = whole.index(f"&{group}\n")
+        end = whole.index("\n/\n", begin) if f"&{group}\n/\n" not in whole else begin + len(group) + 1
+        refused(whole[:end] + "\n" + whole[end + 2:], f"&{group}.*has no closing /")
+        refused(whole.replace(f"&{group}\n", f"&{group}q\n"), f"unknown group &{group}q")
+        if group not in ("shaft", "mesh"):
+            block = whole[begin:end + 3]
+            refused(whole + block, f"&{group}: stands twice; the first is on line")
+        if group in ("train", "shaft", "mesh"):
+            refused(whole[:begin] + whole[end + 2:], "&(train|shaft|mesh)")
+            block = whole[begin:end + 3]
+            refused(whole[:begin] + whole[end + 3:] + block, "train|must|stands|follows")
+    for group in ("shaft", "mesh"):
+        both = case_text(table, Variable(group, "damping", "real", False, ""), "damping = 1.0\n   damping_ratio = 0.1")
+        refused(both, "is given together with damping_ratio: leave out one of the two")
+
+
+def test_all_problems_in_one_go_and_no_output_touched(table, executable, tmp_path):
+    """One wrong value for each variable of a group, in all groups: as many messages, sorted by line."""
+    lines = []
+    for group in ("train", "shaft", "mesh", "shaft", "response", "integration", "attractors", "stability_map", "output"):
+        lines.append(f"&{group}")
+        for variable in table:
+            if variable.group == group:
+                lines.append(f"   {variable.name} = {'5' if variable.kind == 'text' else 'x'}")
+        lines.append("/")
+    case, output = tmp_path / "bad.nml", tmp_path / "bad.h5"
+    case.write_text("\n".join(lines))
+    output.write_bytes(b"precious")
+    before = output.stat()
+    done = subprocess.run([executable, case, "--output", output], capture_output=True, text=True, check=False)
+    assert done.returncode == 2 and done.stdout == ""
+    numbers = [int(re.match(rf"{re.escape(str(case))}:(\d+):", line)[1]) for line in done.stderr.splitlines()]
+    wrong = [n for n, line in enumerate(lines, 1) if line.startswith("   ")]
+    assert numbers == sorted(numbers) and set(wrong) <= set(numbers)
+    assert output.read_bytes() == b"precious" and output.stat().st_mtime_ns == before.st_mtime_ns
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["bad.h5", "bad.nml"]
+
+
+def call(group, name, value):
+    """A Python call with one keyword given so."""
+    name = WORDS.get(name, name)
+    train = paper_train()
+    if group == "train":
+        return paper_train(**{name: value})
+    if group in ("shaft", "mesh"):
+        parts = list(getattr(train, group + ("es" if group == "mesh" else "s")))
+        kind = type(parts[0])
+        fields = {key: getattr(parts[0], key) for key in kind.__dataclass_fields__}
+        parts[0] = kind(**{**fields, name: value})
+        return paper_train(**{"meshes" if group == "mesh" else "shafts": parts})
+    if group == "response":
+        return train.response(**{"start": 0.2, "stop": 0.3, name: value})
+    if group == "integration":
+        return train.sweep(**{"start": 0.2, "stop": 0.3, "points": 2, name: value})
+    if group == "stability_map":
+        given = {"start": 0.2, "stop": 0.3, "points": 2, "parameter_start": 0.01, "parameter_stop": 0.1, "parameter_points": 2}
+        return train.stability_map(**{**given, name: value})
+    return train.attractors(**{"frequency": 0.6, "starts": 1, name: value})
+
+
+def test_every_keyword_given_wrongly(table):
+    wrong = {
+        "real": ["x", [1.0, 2.0], np.ones(1), float("nan"), float("inf"), True, 1j, {}],
+        "reals": ["x", [0.1, "x"], [[0.1, 0.2]], np.ones((2, 2)), [float("nan")], np.array([np.inf]), {1: 2}, 0.1j],
+        "integer": ["3", 1.5, [3], float("nan"), True, 10**12],
+        "logical": ["yes", 3, [True], 0.0],
+        "text": [5, b"x", ["x"], "a\nb", "\x07"],
+    }
+    for variable in table:
+        # What &attractors calls follow is a branch in a call.
+        if variable.group == "output" or (variable.group, variable.name) == ("attractors", "follow"):
+            continue
+        values = wrong[variable.kind] + ([-7] if ">" in variable.allowed else [])
+        for value in values:
+            with pytest.raises(gt.InputError, match=WORDS.get(variable.name, variable.name) + "|" + variable.name):
+                call(variable.group, variable.name, value)
+        with pytest.raises(TypeError):
+            call(variable.group, variable.name + "q", 1)
+
+
+@pytest.mark.parametrize(("content", "message"), [
+    (b"", "there is no &train group"),
+    (b"\x89HDF\r\n\x1a\n\x00\x00", "binary file"),
+    (b"\x7fELF" + bytes(1000), "binary file"),
+    (bytes(range(1, 256)) * 100, "text outside of a group"),
+    (b"&train title = 'Zahnr\xe4der' /", "one line of UTF-8 text"),
+    (b"&a/ " * 400_000, "more than 10000 groups"),
+    (b"&train\n" + b"x=1\n" * 400_000 + b"/", "more than 100 variables: is a closing / missing?"),
+    (b"&train title='" + b"x" * 9_000_000, "the quote is not closed on its line"),
+    (b"&" + b"x" * 9_000_000, "unknown group"),
+])
+def test_files_of_junk(content, message, tmp_path):
+    path = tmp_path / "junk.nml"
+    path.write_bytes(content)
+    with pytest.raises(gt.InputError, match=message):
+        gt.read_case(path)
+
+
+def test_files_that_are_none(executable, tmp_path):
+    huge = tmp_path / "huge.nml"
+    with huge.open("wb") as file:
+        file.truncate(100_000_000)
+    for name, message in (("huge.nml", "at most 10 MB"), (".", "regular file|cannot be"), ("none.nml", "no such file")):
+        done = subprocess.run([executable, name], cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert done.returncode == 2 and re.search(message, done.stderr), done.stderr
+    secret = tmp_path / "secret.nml"
+    secret.write_text("&train /")
+    secret.chmod(0)
+    done = subprocess.run([executable, secret], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 2  # for root, whom no mode keeps out, the train is incomplete
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["huge.nml", "secret.nml"]
+
+
+def test_line_ends_marks_and_titles(table, tmp_path):
+    path = tmp_path / "case.nml"
+    title = "Zähne, 歯車, ⚙, it''s"
+    text = case_text(table).replace("&train\n", f"&train\n   title = '{title}'\n", 1)
+    expected = title.replace("''", "'")
+    for content in (text, text.replace("\n", "\r\n"), "\ufeff" + text, "\ufeff" + text.replace("\n", "\r\n")):
+        path.write_bytes(content.encode())
+        assert gt.read_case(path).train.title == expected
