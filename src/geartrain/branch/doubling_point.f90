@@ -104,20 +104,17 @@ contains
       type(tracer_type) :: tracer
       type(place_type) :: here, next
       real(dp) :: chord
-      integer :: n
 
       met = .false.
       if (branch%points < 2) return
       call begin_trace(train, settings, tracer)
       tracer%path%local_control = .false.
-      ! There may be a fold between it and the last point, and then the fold is on the branch.
-      do n = branch%points - 1, max(1, branch%points - 2), -1
+      associate (n => branch%points - 1)
          if (settings%harmonics == 0) call tracer%prepare(maxval(branch%point_harmonics(n:n + 1)))
          call span(tracer, branch, n, here, next, chord)
-         if (.not. passes_half_period(here, next, branch%subharmonic)) cycle
-         call locate_half_period(tracer%path, here, next, chord, place, met)
-         if (met) return
-      end do
+      end associate
+      met = passes_half_period(here, next, branch%subharmonic)
+      if (met) call locate_half_period(tracer%path, here, next, chord, place)
    end subroutine find_meeting
 
    !> Points n and n+1 of a branch as places; `here` has the unit vector along the chord as its tangent.

@@ -8,7 +8,7 @@ module geartrain_branch_tracer
    use geartrain_branch_branch, only: branch_type, response_settings_type, trace_state_type
    use geartrain_branch_path, only: path_type, place_type
    use geartrain_branch_recorder, only: recorder_type
-   use geartrain_branch_special_points, only: add_special_point, locate_fold, locate_stability_change, unstable_count
+   use geartrain_branch_special_points, only: add_special_point, add_stability_change, locate_fold
    use geartrain_model_system, only: system_type
    use geartrain_motion_truncation, only: find_truncation, harmonics_for, truncation_type
    implicit none (type, external)
@@ -65,7 +65,7 @@ module geartrain_branch_tracer
       procedure :: estimate_error
       procedure, private :: stop_at
       procedure, private :: add_fold
-      procedure, private :: add_stability_change
+      procedure, private :: add_stability_changes
    end type tracer_type
 
 contains
@@ -123,9 +123,9 @@ contains
       character(:), allocatable, intent(out) :: reason
       class(observer_type), intent(inout), optional :: observer
       type(place_type) :: next, origin
-      real(dp) :: h, longer, gap
+      real(dp) :: h, longer, gap, fold_at
       integer :: steps, mesh
-      logical :: success, keep_going, begins_at_latest
+      logical :: success, keep_going, begins_at_latest, meets
 
       begins_at_latest = abs(branch%frequency(branch%points) - here%frequency) <= 0
       next = here
@@ -169,13 +169,16 @@ contains
             return
          end if
 
-         if (turns(here, next, self%path%units)) call self%add_fold(here, next, origin, h, branch)
+         fold_at = 0
+         ! It goes on as its own mirror image, so that Lambda seems to turn there.
+         meets = passes_half_period(here, next, self%settings%subharmonic)
+         if (turns(here, next, self%path%units) .and. .not. meets) &
+            call self%add_fold(here, next, origin, h, fold_at, branch)
          call self%record(next, branch)
          steps = steps + 1
-         if (self%recorder%stability .and. (steps > 1 .or. begins_at_latest)) &
-            call self%add_stability_change(here, next, h, branch)
+         call self%add_stability_changes(here, h, fold_at, steps > 1 .or. begins_at_latest, branch)
 
-         if (passes_half_period(here, next, self%settings%subharmonic)) then
+         if (meets) then
             outcome = met_half_period
             reason = 'met the branch of half its period at Lambda = '//text(next%frequency)
             return
@@ -294,11 +297,13 @@ contains
       if (success) call self%path%orient(next, merge(1, -1, bound > here%frequency))
    end subroutine stop_at
 
-   !> Puts the fold between `here` and `next` on the branch, and solves `next` again, which comes after it.
-   subroutine add_fold(self, here, next, origin, h, branch)
+   !> Puts the fold between `here` and `next`, a distance `fold_at` from `here`, on the branch, and solves `next` again, which
+   !> comes after it. fold_at = 0: it was not found.
+   subroutine add_fold(self, here, next, origin, h, fold_at, branch)
       class(tracer_type), intent(inout) :: self
       type(place_type), intent(inout) :: here, next, origin
       real(dp), intent(in) :: h
+      real(dp), intent(out) :: fold_at
       type(branch_type), intent(inout), target :: branch
       type(place_type) :: fold
       integer :: highest
@@ -306,7 +311,7 @@ contains
 
       do
          fold = next
-         call locate_fold(self%path, here, next, h, fold, success)
+         call locate_fold(self%path, here, next, h, fold, fold_at, success)
          if (.not. success) exit
          highest = self%path%balance%highest
          call self%adapt(fold, enough, here, origin)
@@ -317,40 +322,31 @@ contains
       if (success) then
          call self%record(fold, branch)
          call add_special_point(branch, 'fold', fold%frequency, branch%points, branch%rms(:, branch%points))
+      else
+         fold_at = 0
       end if
       call self%path%advance(here, h, next, success)
    end subroutine add_fold
 
-   !> Where the number of unstable multipliers changed since `here`, other than by a fold: locates the change.
-   subroutine add_stability_change(self, here, next, h, branch)
+   !> Changes of stability in the latest step, which began at `here`: before and after the fold, where it has one.
+   subroutine add_stability_changes(self, here, h, fold_at, from_here, branch)
       class(tracer_type), intent(inout) :: self
-      type(place_type), intent(in) :: here, next
-      real(dp), intent(in) :: h
+      type(place_type), intent(in) :: here
+      real(dp), intent(in) :: h, fold_at
+      !> `here` is a point of the branch, the one before.
+      logical, intent(in) :: from_here
       type(branch_type), intent(inout), target :: branch
-      type(place_type) :: place
-      character(16) :: kind
-      integer :: n, before, last
-      logical :: success, fold
 
-      n = branch%points
-      fold = turns(here, next, self%path%units)
-      before = n - 1
-      if (fold) before = n - 2
-      if (before < 1) return
-      if (unstable_count(branch%multipliers(:, before)) == unstable_count(branch%multipliers(:, n))) return
-      if (fold) return
-      place = next
-      call locate_stability_change(self%path, self%recorder%monodromy, here, h, branch%multipliers(:, before), &
-                                   branch%multipliers(:, n), place, kind, success)
-      if (.not. success) return
-      ! A truncated balance and its monodromy place one fold slightly apart: that is no change of its own.
-      last = size(branch%special_points)
-      if (kind == 'symmetry' .and. last > 0) then
-         if (branch%special_points(last)%kind == 'fold' .and. branch%special_points(last)%point > n - 6) return
-      end if
-      if (kind == 'symmetry' .and. abs(place%tangent_frequency) < 0.1_dp*self%path%units%frequency) return
-      call add_special_point(branch, kind, place%frequency, before, branch%rms(:, n))
-   end subroutine add_stability_change
+      if (.not. self%recorder%stability) return
+      associate (path => self%path, monodromy => self%recorder%monodromy, n => branch%points)
+         if (fold_at > 0) then
+            if (from_here) call add_stability_change(path, monodromy, here, 0.0_dp, fold_at, n - 2, branch)
+            call add_stability_change(path, monodromy, here, fold_at, h, n - 1, branch)
+         else if (from_here) then
+            call add_stability_change(path, monodromy, here, 0.0_dp, h, n - 1, branch)
+         end if
+      end associate
+   end subroutine add_stability_changes
 
    !> Where the number of harmonics is left to the program: raises it until `place`, just solved, is within the tolerance; the
    !> places that go with it are padded alike. Where the balance of more harmonics finds no solution, all is as it was and
