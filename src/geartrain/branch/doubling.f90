@@ -20,7 +20,7 @@ module geartrain_branch_doubling
    public :: period_doubled, trace_doubled
 
    !> Way along the critical vector to the first point, in the metric of the branch, and the least that is tried.
-   real(dp), parameter :: first_step = 0.01_dp, least_step = 1e-4_dp
+   real(dp), parameter :: first_step = 1e-3_dp, least_step = 1e-5_dp
 
 contains
 
