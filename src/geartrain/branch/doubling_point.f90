@@ -34,7 +34,7 @@ contains
 
    !> The balance's own doubling nearest to special point number `special` of `branch`, as a place of the balance of twice the
    !> period (all its odd harmonics 0), the unit critical vector as its tangent.
-   subroutine find_doubling(train, settings, branch, special, place, success)
+   subroutine find_doubling(train, settings, branch, special, place, success, harmonics)
       type(train_type), intent(in) :: train
       !> Those that `branch` was traced with.
       type(response_settings_type), intent(in) :: settings
@@ -42,18 +42,22 @@ contains
       integer, intent(in) :: special
       type(place_type), intent(out) :: place
       logical, intent(out) :: success
+      !> Of the balance of the single period, where `settings` leaves them to the program; else those of the branch there.
+      integer, intent(in), optional :: harmonics
       type(tracer_type) :: single, double
       type(place_type) :: side(2), next
       real(dp), allocatable :: border(:, :, :)
       real(dp) :: g(2), step(2), way(2), g_next, h
       logical :: open_end(2)
-      integer :: i, k
+      integer :: i, k, highest
 
       call begin_trace(train, settings, single)
       call begin_trace(train, settings_for(settings, 2*settings%subharmonic), double)
       if (settings%harmonics == 0) then
-         call single%prepare(harmonics_at(branch, special))
-         call double%prepare(2*harmonics_at(branch, special))
+         highest = harmonics_at(branch, special)
+         if (present(harmonics)) highest = harmonics
+         call single%prepare(highest)
+         call double%prepare(2*highest)
       end if
       ! The way along the branch is what counts here, whatever the control of the trace.
       single%path%local_control = .false.
@@ -104,15 +108,28 @@ contains
       type(tracer_type) :: tracer
       type(place_type) :: here, next
       real(dp) :: chord
+      logical :: success
 
       met = .false.
       if (branch%points < 2) return
       call begin_trace(train, settings, tracer)
       tracer%path%local_control = .false.
       associate (n => branch%points - 1)
-         if (settings%harmonics == 0) call tracer%prepare(maxval(branch%point_harmonics(n:n + 1)))
+         ! An even number, so that a balance of half the period has half as many.
+         if (settings%harmonics == 0) call tracer%prepare(2*((maxval(branch%point_harmonics(n:n + 1)) + 1)/2))
          call span(tracer, branch, n, here, next, chord)
       end associate
+      if (settings%harmonics == 0) then
+         next%tangent = here%tangent
+         next%tangent_frequency = here%tangent_frequency
+         call tracer%path%correct(here, success)
+         if (success) call tracer%path%correct(next, success)
+         if (success) then
+            call point_at(tracer, here, next, chord)
+         else
+            call span(tracer, branch, branch%points - 1, here, next, chord)
+         end if
+      end if
       met = passes_half_period(here, next, branch%subharmonic)
       if (met) call locate_half_period(tracer%path, here, next, chord, place)
    end subroutine find_meeting
@@ -133,13 +150,23 @@ contains
       motion%frequency = branch%frequency(n + 1)
       motion%coefficients = branch%coefficients(:, :, n + 1)
       next = place_of(tracer, motion)
+      call point_at(tracer, here, next, chord)
+   end subroutine span
+
+   !> Makes the tangent of `here` the unit vector along the chord to `next`.
+   subroutine point_at(tracer, here, next, chord)
+      type(tracer_type), intent(in) :: tracer
+      type(place_type), intent(inout) :: here
+      type(place_type), intent(in) :: next
+      real(dp), intent(out) :: chord
+
       here%tangent = next%u - here%u
       here%tangent_frequency = next%frequency - here%frequency
       chord = tracer%path%length_of(here%tangent, here%tangent_frequency)
       if (.not. chord > 0) return
       here%tangent = here%tangent/chord
       here%tangent_frequency = here%tangent_frequency/chord
-   end subroutine span
+   end subroutine point_at
 
    !> Harmonics of the points next to the special point: the more of the two.
    pure integer function harmonics_at(branch, special)

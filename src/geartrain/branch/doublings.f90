@@ -1,6 +1,7 @@
 !> All branches that follow from the period doublings of a branch, generation by generation.
 module geartrain_branch_doublings
    use geartrain_base_error, only: error_type
+   use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
    use geartrain_branch_branch, only: branch_type, response_settings_type
@@ -15,6 +16,9 @@ module geartrain_branch_doublings
    implicit none (type, external)
    private
    public :: follow_doublings, add_branch, is_known
+
+   !> Doublings farther apart in Lambda than this, in the unit of the branch, are different whatever the harmonics.
+   real(dp), parameter :: near = 0.05_dp
 
 contains
 
@@ -75,7 +79,7 @@ contains
          if (parent%special_points(i)%kind /= 'period doubling') cycle
          call find_doubling(train, settings, parent, i, place, found)
          if (found) then
-            if (is_among(place, places(:count), parent%subharmonic, units)) cycle
+            if (is_among(train, settings, parent, i, place, places(:count), units)) cycle
             count = count + 1
             places(count) = place
          end if
@@ -94,16 +98,27 @@ contains
       end do
    end subroutine follow
 
-   !> Whether `place` is one of the doublings `places` of a branch of period `period`.
-   pure logical function is_among(place, places, period, units)
+   !> Whether doubling number `special` of `parent`, found at `place`, is one of `places`. Where the number of harmonics is left to
+   !> the program the same doubling may be at another place for each number: it is found again with that of the other.
+   logical function is_among(train, settings, parent, special, place, places, units)
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      type(branch_type), intent(in) :: parent
+      integer, intent(in) :: special
       type(place_type), intent(in) :: place, places(:)
-      integer, intent(in) :: period
       type(units_type), intent(in) :: units
+      type(place_type) :: again
+      logical :: found
       integer :: i
 
       is_among = .false.
       do i = 1, size(places)
-         is_among = same_doubling(place, places(i), period, units)
+         is_among = same_doubling(place, places(i), parent%subharmonic, units)
+         if (is_among) return
+         if (size(place%u, 1) == size(places(i)%u, 1)) cycle
+         if (abs(place%frequency - places(i)%frequency) > near*units%frequency) cycle
+         call find_doubling(train, settings, parent, special, again, found, harmonics=size(places(i)%u, 1)/4)
+         if (found) is_among = same_doubling(again, places(i), parent%subharmonic, units)
          if (is_among) return
       end do
    end function is_among
