@@ -126,15 +126,29 @@ contains
       write (output_unit, '()')
    end subroutine report_ranges
 
+   !> As printed: without the gaps, and the ranges beside others, that four decimals do not show.
    function list(ranges) result(text)
       type(band_type), intent(in) :: ranges(:)
       character(:), allocatable :: text
-      integer :: i
+      type(band_type) :: shown(size(ranges))
+      integer :: i, n
 
-      text = ''
+      n = 0
       do i = 1, size(ranges)
-         if (i > 1) text = text//', '
-         text = text//fixed(ranges(i)%from, 4)//' to '//fixed(ranges(i)%to, 4)
+         if (n > 0) then
+            if (fixed(ranges(i)%from, 4) == fixed(shown(n)%to, 4)) then
+               shown(n)%to = ranges(i)%to
+               cycle
+            end if
+         end if
+         n = n + 1
+         shown(n) = ranges(i)
+      end do
+      text = ''
+      do i = 1, n
+         if (n > 1 .and. fixed(shown(i)%from, 4) == fixed(shown(i)%to, 4)) cycle
+         if (text /= '') text = text//', '
+         text = text//fixed(shown(i)%from, 4)//' to '//fixed(shown(i)%to, 4)
       end do
    end function list
 

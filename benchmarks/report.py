@@ -193,6 +193,19 @@ Exponents, fitted over the upper half of the sizes:
 {table(("what", "exponent"), slopes)}"""
 
 
+def cores_section(found):
+    rows = [
+        (row["what"], spread(row["one"]), spread(row["every"]), f"{np.median(row['one']) / np.median(row['every']):.2f}",
+         "yes" if row["same"] else "**no**")
+        for row in found["rows"]
+    ]  # fmt: skip
+    return f"""## Many cases, all cores
+
+One call of the executable, to closed files, on one thread and on {found["cores"]}.
+
+{table(("what", "1 thread", f"{found['cores']} threads", "faster by", "the same bits"), rows)}"""
+
+
 def floor_section(machine, curve):
     own = next(row for row in curve["rows"] if row["label"] == "geartrain, R = 6")
     floor = 3 * machine["solve"] + machine["eigenvalues"]
@@ -224,7 +237,7 @@ def write(found, path):
     measured = "; ".join(f"{name} {part['measured']}" for name, part in found.items())
     sections = (
         machine_section(found["machine"]), WHERE, curve_section(found["curve"]), accuracy_section(found["accuracy"]),
-        scale_section(found["scale"]), floor_section(found["machine"], found["curve"]),
+        scale_section(found["scale"]), cores_section(found["cores"]), floor_section(found["machine"], found["curve"]),
     )  # fmt: skip
     intro = f"""# Speed against error
 

@@ -6,18 +6,20 @@ Each part is a module with `measure(quick, executable, say)`, and a section of t
 import argparse
 import json
 import time
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
 
 import accuracy
+import cores
 import curve
 import machine
 import report
 import scale
 from timing import one_core
 
-PARTS = {"machine": machine, "curve": curve, "accuracy": accuracy, "scale": scale}
+PARTS = {"machine": machine, "curve": curve, "accuracy": accuracy, "scale": scale, "cores": cores}
 KEPT = Path("build/benchmarks")
 EXECUTABLE = KEPT / "bin/geartrain"
 
@@ -39,7 +41,7 @@ def main():
         print(f"{time.perf_counter() - begun:6.0f} s  {text}", flush=True)
 
     for name in options.parts or PARTS:
-        with one_core():
+        with nullcontext() if name == "cores" else one_core():
             found = PARTS[name].measure(options.quick, EXECUTABLE, say)
         found["measured"] = time.strftime("%Y-%m-%d %H:%M") + (", quick" if options.quick else "")
         (KEPT / f"{name}.json").write_text(json.dumps(found, default=plain), encoding="utf-8")

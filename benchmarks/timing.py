@@ -38,12 +38,12 @@ def timed(call, repeats, patience=1.0):
     return seconds or [first], result
 
 
-def run(command, allowed=(0,)):
+def run(command, allowed=(0,), **options):
     """Wall seconds of a process; RuntimeError with the last line it said where its exit status is none of those allowed."""
     begun = time.perf_counter()
     done = subprocess.run(
         [str(part) for part in command], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-        text=True, errors="replace", check=False,
+        text=True, errors="replace", check=False, **options,
     )  # fmt: skip
     seconds = time.perf_counter() - begun
     if done.returncode not in allowed:

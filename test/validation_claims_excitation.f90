@@ -102,6 +102,8 @@ contains
       call tests%is_true(half_b(1) <= 0, 'claim 48: at 0.1 there is no peak at w_b/2 yet')
       call tests%is_close(half_b(2), 0.2578_dp, 3e-3_dp, 'claim 48: at 0.2')
       call tests%is_close(half_b(3), 0.4189_dp, 3e-3_dp, 'claim 48: at 0.3')
+      call tests%is_true(is_band(kappa2, 1.817_dp, 1.993_dp, 2e-3_dp), 'claim 49: the band at 0.2')
+      call tests%is_true(is_band(kappa3, 1.749_dp, 2.044_dp, 2e-3_dp), 'claim 49: the wider band at 0.3')
       bands = bands_without_stability(kappa1)
       call tests%is_true(size(bands) == 0, 'claim 50: a stable motion everywhere up to 4.5 at kappa 0.1')
       call tests%is_true(all(kappa1%stable .or. kappa1%frequency < 0.92_dp), 'claim 50: unstable only between the folds')

@@ -34,7 +34,7 @@ contains
    subroutine period_two(tests)
       class(tests_type), intent(inout) :: tests
       type(branch_type) :: branch
-      type(motion_type) :: motion, diverging
+      type(motion_type) :: motion, diverging, far
       type(motion_type), allocatable :: motions(:)
       type(train_type) :: train
       type(integration_settings_type) :: settings
@@ -76,6 +76,18 @@ contains
       call integrate(train, 1.92_dp, settings, diverging, error)
       call tests%is_true(allocated(error) .and. diverging%period == 0 .and. maxval(abs(diverging%state)) > 1e3_dp, &
                          'claim 70: without backlash it grows without bound')
+
+      ! With it too, from far beyond the gap: there the train is the linear one, and the largest multiplier of that is beyond 1.
+      settings%max_periods = 150
+      call integrate(paper_train(), 1.9_dp, settings, motion, error)
+      call tests%is_true(maxval(abs(motion%state)) < 5, 'claim 70: with backlash it stays within some half backlashes from rest')
+      far = motion
+      far%state(4) = 5
+      call integrate(paper_train(), 1.9_dp, settings, motion, error, start=far)
+      call tests%is_true(maxval(abs(motion%state)) < 5, 'claim 70: and from mesh 2 at 5 b_c')
+      far%state(4) = 20
+      call integrate(paper_train(), 1.9_dp, settings, motion, error, start=far)
+      call tests%is_true(maxval(abs(motion%state)) > 1e6_dp, 'claim 70: from mesh 2 at 20 b_c it grows without bound')
    end subroutine period_two
 
    !> Claims 71 to 74.

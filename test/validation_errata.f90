@@ -70,9 +70,9 @@ contains
       printed = train%input_torque/(train%characteristic_frequency**2*train%prime_mover_inertia)
       scaled = printed*train%meshes(1)%driving_radius/train%characteristic_length
       call tests%is_close(printed, 6.69_dp, 0.01_dp, '(6a): f1 as printed')
-      call tests%is_close(scaled, 11158.0_dp, 1.0_dp, '(6a): f1 with shaft angles scaled by r/b_c, 150 N m')
-      call tests%is_close(scaled*100/150, 7439.0_dp, 1.0_dp, '(6a): 100 N m')
-      call tests%is_close(scaled*50/150, 3719.0_dp, 1.0_dp, '(6a): 50 N m')
+      call tests%is_close(scaled, 11158.0_dp, 1.0_dp, 'claim 34, (6a): f1 with shaft angles scaled by r/b_c, 150 N m')
+      call tests%is_close(scaled*100/150, 7439.0_dp, 1.0_dp, 'claim 34, (6a): 100 N m')
+      call tests%is_close(scaled*50/150, 3719.0_dp, 1.0_dp, 'claim 34, (6a): 50 N m')
       call tests%is_true(all(system%load > 0), '(6b): every element carries a positive load')
       call tests%is_close(system%load(5)*system%stiffness(5)*train%characteristic_length*system%left_radius(5), 600.0_dp, &
                           1e-9_dp, '(6b): the output shaft carries 4 T1')

@@ -20,6 +20,8 @@ contains
       call tests%begin('figures 6 to 11')
       train = paper_train()
       call both_ends(tests, train, 6, 'figure 6, 150 N m')
+      call within_a_resonance(tests, train, 1.101_dp, 0.751_dp)
+      call within_a_resonance(tests, train, 1.954_dp, 1.604_dp)
       train%input_torque = 100
       call both_ends(tests, train, 6, 'figure 6, 100 N m')
       train%input_torque = 50
@@ -74,6 +76,35 @@ contains
          end do
       end do
    end subroutine both_ends
+
+   !> A range that ends between two folds: the curve that passes them is not the one from the other end. At its end, too, there are
+   !> as many motions as on the whole curve.
+   subroutine within_a_resonance(tests, train, high, low)
+      class(tests_type), intent(inout) :: tests
+      type(train_type), intent(in) :: train
+      real(dp), intent(in) :: high, low
+      type(branch_type) :: whole, branch
+      type(error_type), allocatable :: error
+      type(motion_type), allocatable :: all(:), some(:)
+      real(dp) :: frequency
+      integer :: direction, i, k
+
+      call response(train, unjudged(0.2_dp, 2.6_dp, 6), whole, error)
+      do direction = 1, 2
+         if (direction == 1) call response(train, unjudged(high, low, 6), branch, error)
+         if (direction == 2) call response(train, unjudged(low, high, 6), branch, error)
+         call tests%is_true(branch%complete, 'range that ends within a resonance: complete')
+         do i = 0, 4
+            frequency = low + 0.25_dp*i*(high - low)
+            call solutions_at(train, unjudged(0.2_dp, 2.6_dp, 6), whole, frequency, all, error)
+            call solutions_at(train, unjudged(high, low, 6), branch, frequency, some, error)
+            call tests%is_true(size(some) == size(all), 'range that ends within a resonance: as many solutions')
+            do k = 1, size(all)
+               call tests%is_true(nearest_motion(all(k), some) < 1e-7_dp, 'range that ends within a resonance: the same solutions')
+            end do
+         end do
+      end do
+   end subroutine within_a_resonance
 
    !> Where a branch goes to infinity and comes back with the other sign, the train without backlash has a multiplier +1: the
    !> edges of a range of parametric instability. `edges` are those that the branch passes, in its order.

@@ -1,5 +1,6 @@
-!> The frequency response: one branch of periodic motions from `start` to `stop`, through its folds; traced from the other end
-!> as well when it does not get there; from a seed, in both directions, as a closed curve if it is an island.
+!> The frequency response: the branch of periodic motions from rest at `start`, through its folds, and the one from rest at `stop`
+!> where that is another: the same curves whichever end is named first. From a seed: in both directions, as a closed curve if it
+!> is an island.
 module geartrain_branch_response
    use geartrain_base_error, only: error_type, fatal
    use geartrain_base_kinds, only: dp
@@ -21,6 +22,11 @@ module geartrain_branch_response
    implicit none (type, external)
    private
    public :: response
+
+   !> The outcome of a part that would begin where the branch ends, beside those of the tracer.
+   integer, parameter :: known_start = -1
+   !> Relative distance of the coefficients up to which two motions at one frequency, both solved for, are one.
+   real(dp), parameter :: same_motion = 1e-6_dp
 
 contains
 
@@ -72,23 +78,29 @@ contains
          if (.not. branch%trace%from_stop) then
             call trace_part(train, tracer, settings%start, settings%stop, branch, outcome, branch%ended, observer)
             branch%complete = outcome == reached_end
-            ! Two arcs, each followed to where it leaves the range, are the whole as well.
-            branch%trace%whole = outcome == came_back .or. outcome == left_beyond
+            branch%trace%whole = followed_out(outcome)
          end if
-         if (outcome /= reached_end .and. outcome /= cancelled) then
-            if (.not. tracer%resumes) tracer%part = tracer%part + 1
+         if (outcome /= cancelled) then
             branch%trace%from_stop = .true.
             call trace_part(train, tracer, settings%stop, settings%start, branch, outcome, reason, observer)
-            branch%complete = outcome == reached_end &
-                              .or. branch%trace%whole .and. (outcome == came_back .or. outcome == left_beyond)
-            branch%ended = 'from Lambda = '//text(settings%start)//': '//branch%ended//'; from Lambda = ' &
-                           //text(settings%stop)//': '//reason
+            if (outcome /= known_start) then
+               branch%complete = outcome == reached_end .or. branch%trace%whole .and. followed_out(outcome)
+               branch%ended = 'from Lambda = '//text(settings%start)//': '//branch%ended//'; from Lambda = ' &
+                              //text(settings%stop)//': '//reason
+            end if
          end if
          deallocate (branch%trace)
       end if
       call tracer%tell_missed(branch)
       call tracer%recorder%finish(branch)
    end subroutine response
+
+   !> Whether a part was followed to where it leaves the range.
+   pure logical function followed_out(outcome)
+      integer, intent(in) :: outcome
+
+      followed_out = outcome == reached_end .or. outcome == came_back .or. outcome == left_beyond
+   end function followed_out
 
    subroutine check_seed(train, seed, error)
       type(train_type), intent(in) :: train
@@ -103,7 +115,8 @@ contains
       end if
    end subroutine check_seed
 
-   !> From one end of the range towards the other, through what lies beyond the amplitude limit.
+   !> From one end of the range towards the other, through what lies beyond the amplitude limit. The outcome is `known_start` where
+   !> the branch so far ends at the motion that this part would begin at.
    subroutine trace_part(train, tracer, from, to, branch, outcome, reason, observer)
       type(train_type), intent(in) :: train
       type(tracer_type), intent(inout) :: tracer
@@ -133,6 +146,13 @@ contains
                &where its mean position is not unique)'
             return
          end if
+         if (branch%points > 0) then
+            if (is_last_point(tracer, place, branch)) then
+               outcome = known_start
+               return
+            end if
+            tracer%part = branch%part(branch%points) + 1
+         end if
          call tracer%path%orient(place, merge(1, -1, to > from))
          call tracer%adapt(place, success, fixed=.true.)
          call tracer%record(place, branch)
@@ -156,6 +176,23 @@ contains
          call tracer%record(place, branch)
       end do
    end subroutine trace_part
+
+   !> Whether a motion is the one that the branch ends at.
+   logical function is_last_point(tracer, place, branch)
+      type(tracer_type), intent(inout) :: tracer
+      type(place_type), intent(in) :: place
+      type(branch_type), intent(in) :: branch
+      real(dp) :: coefficients(1 + 2*tracer%path%balance%highest, tracer%system%meshes)
+      integer :: n
+
+      is_last_point = .false.
+      if (abs(branch%frequency(branch%points) - place%frequency) > 0) return
+      call tracer%path%balance%full_coefficients(place%u, place%frequency, coefficients)
+      n = min(size(coefficients, 1), size(branch%coefficients, 1))
+      associate (last => branch%coefficients(:n, :, branch%points))
+         is_last_point = maxval(abs(coefficients(:n, :) - last)) <= same_motion*maxval(abs(last))
+      end associate
+   end function is_last_point
 
    !> Whether nothing holds the teeth together at rest.
    pure logical function floats(system)

@@ -58,7 +58,7 @@ contains
 
       do i = 1, branch%points - 1
          if (branch%part(i) /= branch%part(i + 1)) cycle
-         if (.not. crosses(branch%frequency(i), branch%frequency(i + 1), frequency, i == branch%points - 1)) cycle
+         if (.not. crosses(branch%frequency(i), branch%frequency(i + 1), frequency, ends(branch, i + 1))) cycle
          share = 0
          if (abs(branch%frequency(i + 1) - branch%frequency(i)) > 0) &
             share = (frequency - branch%frequency(i))/(branch%frequency(i + 1) - branch%frequency(i))
@@ -71,7 +71,16 @@ contains
       end do
    end subroutine record_crossings
 
-   !> A half-open interval, so that a point exactly at the frequency counts once; the last one is closed.
+   !> Whether a part of the branch ends at a point.
+   pure logical function ends(branch, point)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: point
+
+      ends = point == branch%points
+      if (.not. ends) ends = branch%part(point + 1) /= branch%part(point)
+   end function ends
+
+   !> A half-open interval, so that a point exactly at the frequency counts once; the last one of a part is closed.
    pure logical function crosses(a, b, frequency, last)
       real(dp), intent(in) :: a, b, frequency
       logical, intent(in) :: last
