@@ -9,29 +9,32 @@ module geartrain_branch_bend
 
    !> Cosine of the largest angle between tangents of neighbouring points.
    real(dp), parameter :: cosine_limit = 0.85_dp
+   !> Lambda's part of a tangent below which its sign is rounding: a branch of period 2 leaves vertically and stays so until
+   !> contact is lost.
+   real(dp), parameter :: vertical = 1e-6_dp
 
 contains
 
-   !> Whether Lambda turns between two points. Where a branch leaves vertically (a period-2 branch does, until contact is lost)
-   !> the sign of the tangent's Lambda part is rounding: that is no fold.
+   !> Whether Lambda turns between two points.
    pure logical function turns(here, next, units)
       type(place_type), intent(in) :: here, next
       type(units_type), intent(in) :: units
 
       turns = here%tangent_frequency*next%tangent_frequency < 0 &
-              .and. max(abs(here%tangent_frequency), abs(next%tangent_frequency)) > 1e-6_dp*units%frequency
+              .and. max(abs(here%tangent_frequency), abs(next%tangent_frequency)) > vertical*units%frequency
    end function turns
 
    !> Whether Lambda seems to turn twice between two points: whether the cubic through them, with their slopes, does.
-   pure logical function hides_folds(here, next, h)
+   pure logical function hides_folds(here, next, units, h)
       type(place_type), intent(in) :: here, next
+      type(units_type), intent(in) :: units
       real(dp), intent(in) :: h
       real(dp) :: bend, share, chord
 
       hides_folds = .false.
       chord = (next%frequency - here%frequency)/h
       associate (first => here%tangent_frequency, last => next%tangent_frequency)
-         if (first*last <= 0) return
+         if (first*last <= 0 .or. max(abs(first), abs(last), abs(chord)) < vertical*units%frequency) return
          bend = first + last - 2*chord
          if (abs(bend) <= 0) return
          share = (2*first + last - 3*chord)/(3*bend)

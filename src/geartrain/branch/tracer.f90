@@ -143,7 +143,7 @@ contains
       do
          call self%path%advance(here, h, next, success)
          if (success) success = acceptable(self, here, next, h)
-         if (success) success = h < jump_step .or. .not. hides_folds(here, next, h)
+         if (success) success = h < jump_step .or. .not. hides_folds(here, next, self%path%units, h)
          if (success .and. (next%frequency < low .or. next%frequency > high)) then
             call self%stop_at(merge(low, high, next%frequency < low), here, next, h, success)
             if (success) call self%adapt(next, success, fixed=.true.)
