@@ -57,7 +57,8 @@ contains
          call tests%is_true(points > 20, 'R = '//name//': points that are not doubtful')
          call tests%is_true(within_3 >= 0.95_dp*points, 'R = '//name//': a factor of 3 for 95 %')
          call tests%is_true(within_6 == points, 'R = '//name//': a factor of 6 for all')
-         call tests%is_true(all_within_3 >= 0.95_dp*(branch%points - 3), 'R = '//name//': a factor of 3 for 95 %, doubtful ones too')
+         call tests%is_true(all_within_3 >= 0.95_dp*(branch%points - 3), &
+                            'R = '//name//': a factor of 3 for 95 %, doubtful ones too')
          call tests%is_true(count(branch%estimate_doubtful) <= 0.15_dp*branch%points, 'R = '//name//': few are doubtful')
       end do
    end subroutine against_shooting
