@@ -1,7 +1,8 @@
 """True error over estimated error on the paper's figures: every point sampled is compared with shooting at the same Lambda.
 
-Where the branch turns before that Lambda, so that no exact motion of its kind is there, the true error is the distance to the motion
-of the exact fold. The table tells how many points these are, and what comes of the distance to whatever motion there is at that Lambda.
+Where the branch turns before that Lambda, so that no exact motion of its kind is there, the true error is the distance to the
+motion of the exact fold. The table tells how many points these are, and what comes of the distance to whatever motion there is at
+that Lambda.
 
 Run after scripts/setup:  .venv/bin/python benchmarks/error_estimate.py [CASE ...]     (names of namelists/, default: all)
 The exact motions at the Lambda of a point are those of a branch traced to 1e-6, each polished by shooting to about 1e-11; the true
@@ -98,7 +99,8 @@ def report(name, harmonics, rows):
     beyond = (rows[:, 1] < rows[:, 3]).mean()
     print(
         f"{name:20s} {harmonics!s:>3s} {len(rows):6d} {1 - sure.mean():8.1%} {np.median(ratio[:, 0]):6.2f} "
-        f"{within[0][:, 0].mean():8.1%}{within[0][sure, 0].mean():16.1%} {within[1][sure, 0].mean():8.1%} {beyond:11.1%} {within[0][:, 1].mean():8.1%}",
+        f"{within[0][:, 0].mean():8.1%}{within[0][sure, 0].mean():16.1%} {within[1][sure, 0].mean():8.1%} "
+        f"{beyond:11.1%} {within[0][:, 1].mean():8.1%}",
         flush=True,
     )
 

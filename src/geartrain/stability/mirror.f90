@@ -1,9 +1,10 @@
 !> Monodromy over an interval from that over its second half.
 !>
-!> The equations of motion M p'' + C p' + K(t) p = 0 with M = D W^-1, C = D diag(gamma), K = D diag(kappa), D the diagonal matrix that
-!> makes D W symmetric, have symmetric matrices. Where kappa is even about an instant, x(t) and z(t) solutions of them and z(-t) the
-!> mirror image, z(-t)^T M x' + z'(-t)^T M x + z(-t)^T C x = (z, z')(-t)^T J (x, x')(t) is constant, J = [C M; M 0]. With Phi
-!> from the middle to the end and Psi from the beginning to the middle therefore J Phi = Psi^T J, and Phi Psi = Phi J^-1 Phi^T J.
+!> The matrices of the equations of motion M p'' + C p' + K(t) p = 0 are symmetric: M = D W^-1, C = D diag(gamma),
+!> K = D diag(kappa), with the diagonal D that makes D W so. Where kappa is even about an instant, x(t) and z(t) solutions of
+!> them and z(-t) the mirror image, z(-t)^T M x' + z'(-t)^T M x + z(-t)^T C x = (z, z')(-t)^T J (x, x')(t) is constant,
+!> J = [C M; M 0]. With Phi from the middle to the end and Psi from the beginning to the middle therefore J Phi = Psi^T J, and
+!> Phi Psi = Phi J^-1 Phi^T J.
 module geartrain_stability_mirror
    use geartrain_base_elimination, only: factor_matrix, solve_factored
    use geartrain_base_kinds, only: dp, pi
@@ -24,7 +25,7 @@ module geartrain_stability_mirror
       logical, allocatable, private :: varies(:)
    contains
       procedure :: setup
-      procedure :: nearest
+      procedure :: centre_near
       procedure :: complete
    end type mirror_type
 
@@ -106,16 +107,16 @@ contains
 
    !> The instant nearest to `middle` about which every kappa is even; `middle` itself where none of a mesh in contact varies.
    !> Minus infinity, as good as: there is none.
-   pure real(dp) function nearest(self, contact, frequency, middle)
+   pure real(dp) function centre_near(self, contact, frequency, middle)
       class(mirror_type), intent(in) :: self
       integer, intent(in) :: contact(:)
       real(dp), intent(in) :: frequency, middle
       real(dp) :: offset, least
       integer :: i
 
-      nearest = -huge(1.0_dp)
+      centre_near = -huge(1.0_dp)
       if (size(self%centre) == 0) return
-      nearest = middle
+      centre_near = middle
       if (.not. any(self%varies .and. contact /= 0)) return
       least = huge(1.0_dp)
       do i = 1, size(self%centre)
@@ -123,8 +124,8 @@ contains
          offset = 2*pi*anint(offset/(2*pi)) - offset
          if (abs(offset) < abs(least)) least = offset
       end do
-      nearest = middle + least/frequency
-   end function nearest
+      centre_near = middle + least/frequency
+   end function centre_near
 
    !> From the transposed matrix of the second half to that of the whole: J Phi J^-1 Phi^T.
    subroutine complete(self, half, whole, work)

@@ -214,7 +214,7 @@ contains
       if (events > 0) then
          begin = self%instant(1)
       else
-         begin = max(-period/2, self%mirror%nearest(self%now, frequency, 0.0_dp) - period/2)
+         begin = max(-period, self%mirror%centre_near(self%now, frequency, 0.0_dp)) - period/2
       end if
       self%piece_start = begin
       if (events == 0) call self%carry_along(frequency, begin, begin + period)
@@ -238,7 +238,7 @@ contains
       n = self%states
       least = shortest_half/self%propagator%fastest
       middle = -huge(1.0_dp)
-      if (to - from > 2*least) middle = self%mirror%nearest(self%now, frequency, (from + to)/2)
+      if (to - from > 2*least) middle = self%mirror%centre_near(self%now, frequency, (from + to)/2)
       if (min(middle - from, to - middle) < least) then
          call self%advance(from, to)
          return
