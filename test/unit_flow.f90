@@ -1,11 +1,12 @@
 !> The Taylor flow against closed forms.
 module unit_flow
    use fixtures, only: long_train, paper_train, single_pair
-   use geartrain, only: dp
+   use geartrain, only: dp, train_type
    use geartrain_base_kinds, only: pi
    use geartrain_model_system, only: build_system, system_type
    use geartrain_motion_flow, only: flow_type
    use geartrain_motion_orbit, only: propagate
+   use geartrain_stability_mirror, only: mirror_type
    use geartrain_stability_propagator, only: propagator_type
    use testing, only: tests_type
    implicit none (type, external)
@@ -22,6 +23,7 @@ contains
       call tangents(tests)
       call interrupted(tests)
       call along_contacts(tests)
+      call half_an_interval(tests)
    end subroutine flow_tests
 
    !> x'' + g(x) = f without damping: from rest at x0 > b the mass leaves contact, flies through the gap under the constant
@@ -143,5 +145,52 @@ contains
                              'propagator along the contacts of the flow')
       end do
    end subroutine along_contacts
+
+   !> The matrix over an interval from its second half, where every kappa is even about the middle: against the whole interval,
+   !> harmonics and orders of kappa, damping, a linear mesh, a mesh apart.
+   subroutine half_an_interval(tests)
+      class(tests_type), intent(inout) :: tests
+      type(train_type) :: train
+      type(system_type) :: system
+      type(propagator_type) :: propagator
+      type(mirror_type) :: mirror
+      real(dp), allocatable :: half(:, :), whole(:, :), made(:, :), work(:, :)
+      integer, parameter :: contacts(3, 3) = reshape([1, 1, 1, 0, 1, -1, 0, 1, 0], [3, 3])
+      real(dp), parameter :: frequency = 0.7_dp, lead = 0.4_dp, reach = 5
+      real(dp) :: middle
+      integer :: i, j, n
+
+      train = long_train(4)
+      call build_system(train, system)
+      call mirror%setup(system)
+      call tests%is_true(size(mirror%centre) == 0, 'kappa that is even about no instant')
+      train%meshes(3)%order = 1
+      do j = 1, 3, 2
+         associate (mesh => train%meshes(j))
+            mesh%stiffness_cos = [0.12_dp*cos(mesh%order*lead), 0.03_dp*cos(2*mesh%order*lead)]
+            mesh%stiffness_sin = [-0.12_dp*sin(mesh%order*lead), -0.03_dp*sin(2*mesh%order*lead)]
+         end associate
+      end do
+      call build_system(train, system)
+      call mirror%setup(system)
+      call propagator%setup(system)
+      call tests%is_close(minval(mirror%centre), pi - lead, 1e-12_dp, 'kappa that is even about an instant')
+      call tests%is_close(maxval(mirror%centre), 2*pi - lead, 1e-12_dp, 'and half a period later')
+      n = 2*system%elements
+      allocate (half(n, n), whole(n, n), made(n, n), work(n, n))
+      do i = 1, size(contacts, 2)
+         middle = mirror%centre_near(contacts(:, i), frequency, 7.0_dp)
+         if (i < 3) call tests%is_close(middle, (2*pi - lead)/frequency, 1e-12_dp, 'the nearest such instant')
+         if (i == 3) call tests%is_close(middle, 7.0_dp, 0.0_dp, 'any instant while the meshes of varying stiffness are apart')
+         call propagator%start(frequency, 1.0_dp)
+         call propagator%advance(middle, middle + reach, contacts(:, i))
+         call propagator%get(half)
+         call propagator%start(frequency, 1.0_dp)
+         call propagator%advance(middle - reach, middle + reach, contacts(:, i))
+         call propagator%get(whole)
+         call mirror%complete(half, made, work)
+         call tests%is_close(maxval(abs(made - whole))/maxval(abs(whole)), 0.0_dp, 1e-8_dp, 'a whole interval from its half')
+      end do
+   end subroutine half_an_interval
 
 end module unit_flow

@@ -73,7 +73,8 @@ class Branch:
     coefficients : ndarray, (points, meshes, 1 + 2*harmonics)
         Mean, cos 1, sin 1, cos 2, ... of the frequency Lambda/subharmonic.
     error_estimate : ndarray, (points,)
-        Relative error of the waveform as estimated.
+        Relative error of the waveform as estimated, against the motion at the same Lambda or, where the branch turns before it,
+        that of its fold.
     estimate_doubtful : ndarray of bool, (points,)
         Where that may be off by more than a small factor: a fold as near as it is itself misplaced, a contact that begins or ends
         within the error, or an error beyond 0.1.

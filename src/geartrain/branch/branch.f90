@@ -81,7 +81,8 @@ module geartrain_branch_branch
       !> by a second estimate, negative where none was needed; (point), see geartrain_branch_verdict.
       logical, allocatable :: undecided(:)
       real(dp), allocatable :: second_estimate(:)
-      !> Relative error of the waveform as estimated, (point).
+      !> Relative error of the waveform as estimated, against the motion at the same Lambda or, where the branch turns before it,
+      !> that of its fold, (point).
       real(dp), allocatable :: error_estimate(:)
       !> Relative change of the waveform by refine_branch, which is the error that the point had, (point); negative where it was
       !> not refined; not allocated where that was not asked for.

@@ -66,13 +66,11 @@ module geartrain_motion_balance
 
 contains
 
-   !> Prepares the balance of `system` with `highest` harmonics of Lambda/eta; samples = 0: exact coefficients. `explicit`: as
-   !> the component, instead of what is fastest.
-   subroutine setup(self, system, highest, eta, samples, explicit)
+   !> Prepares the balance of `system` with `highest` harmonics of Lambda/eta; samples = 0: exact coefficients.
+   subroutine setup(self, system, highest, eta, samples)
       class(balance_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       integer, intent(in) :: highest, eta, samples
-      integer, intent(in), optional :: explicit
       integer :: i, r
 
       self%system = system
@@ -101,7 +99,6 @@ contains
                 self%force(self%block, self%unknowns), self%receptance(size(self%harmonic)))
       self%explicit = size(self%harmonic)
       if (self%explicit > most_direct) self%explicit = explicit_of_many
-      if (present(explicit)) self%explicit = min(explicit, size(self%harmonic))
       allocate (self%wave(merge(0, self%fine%samples, self%is_direct()), self%unknowns))
       if (allocated(self%tangent)) deallocate (self%tangent)
       allocate (self%tangent(1 + 2*self%explicit, 1 + 2*self%explicit, self%unknowns))

@@ -10,8 +10,9 @@ module geartrain_motion_truncation
    private
    public :: truncation_type, find_truncation, harmonics_for
 
-   !> Beyond this the estimate is doubtful: 2 bend y/slope**2 (1: the fold lies at the point itself), relative error.
-   real(dp), parameter :: near_fold = 0.3_dp, large = 0.1_dp
+   !> Beyond this the estimate is doubtful: 2 bend y/slope**2 (1: the fold lies at the point's Lambda), relative error; and where an
+   !> extreme comes as near to a wall as this share of the error.
+   real(dp), parameter :: near_fold = 0.7_dp, large = 0.1_dp, grazing = 0.3_dp
    !> Steepest branch, dLambda along it, on which a number of harmonics is to hold a tolerance: at a fold itself an error at
    !> constant Lambda falls with the root of the shift of the fold only.
    real(dp), parameter :: steepest = 0.05_dp
@@ -24,7 +25,8 @@ module geartrain_motion_truncation
    type :: truncation_type
       !> Of the train in contact, over characteristic frequency; to be set before `find_truncation`.
       real(dp), allocatable :: natural_frequency(:)
-      !> Relative error of the waveform at the same Lambda, to first order.
+      !> Relative error of the waveform, to first order: against the motion at the same Lambda or, where the branch turns before it,
+      !> that of its fold.
       real(dp) :: estimate = 0
       !> The same on a branch that is nowhere steeper than `steepest`: what the number of harmonics is chosen by.
       real(dp) :: limited = 0
@@ -54,7 +56,7 @@ contains
    !> row lets Lambda move.
    !>
    !> Where that is y and Lambda = slope s + bend s**2/2 along the branch, the way back along it is the nearer root s of
-   !> y + slope s + bend s**2/2 = 0.
+   !> y + slope s + bend s**2/2 = 0, or to the vertex.
    subroutine find_truncation(balance, u, frequency, tangent, slope, bend, unit, matrix, truncation)
       type(balance_type), intent(inout) :: balance
       !> The solution, the unit tangent there, its Lambda part and the change of that along the branch.
@@ -96,8 +98,8 @@ contains
          truncation%error = error
          truncation%doubtful = truncation%estimate > large .or. abs(2*bend*y) > near_fold*slope**2
          do i = 1, balance%unknowns
-            if (balance%contact(i)%clearance() < sqrt(sum(abs(tail(:, i))**2) + 2*error(1, i)**2 + sum(error(2:, i)**2))) &
-               truncation%doubtful = .true.
+            if (balance%contact(i)%clearance() &
+                < grazing*sqrt(sum(abs(tail(:, i))**2) + 2*error(1, i)**2 + sum(error(2:, i)**2))) truncation%doubtful = .true.
          end do
       end associate
    end subroutine find_truncation
@@ -162,14 +164,17 @@ contains
       end do
    end function waveform_error
 
-   !> The nearer root s of y + slope s + bend s**2/2 = 0; where there is none, as far as if the fold had moved the other way.
+   !> The nearer root s of y + slope s + bend s**2/2 = 0; where there is none, the fold.
    pure real(dp) function way_back(y, slope, bend)
       real(dp), intent(in) :: y, slope, bend
       real(dp) :: inside
 
       inside = slope**2 - 2*bend*y
-      if (inside < 0) inside = slope**2 + abs(2*bend*y)
-      way_back = -2*y/sign(max(abs(slope) + sqrt(inside), tiny(1.0_dp)), slope)
+      if (inside < 0) then
+         way_back = -slope/bend
+      else
+         way_back = -2*y/sign(max(abs(slope) + sqrt(inside), tiny(1.0_dp)), slope)
+      end if
    end function way_back
 
    !> Fewest harmonics for which the error is to be `share` of what it is, by the decay of the harmonics; at most twice as many as

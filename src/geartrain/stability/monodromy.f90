@@ -9,6 +9,7 @@ module geartrain_stability_monodromy
    use geartrain_model_system, only: system_type
    use geartrain_motion_balance, only: balance_type
    use geartrain_stability_arnoldi, only: arnoldi_type, pair
+   use geartrain_stability_mirror, only: mirror_type
    use geartrain_stability_propagator, only: propagator_type
    implicit none (type, external)
    private
@@ -22,6 +23,10 @@ module geartrain_stability_monodromy
    integer, parameter :: most_attempts = 3
    !> A piece is cut where some motion may have fallen to exp(-6): the determinant of a longer one drowns in rounding.
    real(dp), parameter :: largest_decay = 6
+   !> Halves shorter than this [rad of the fastest motion] are not worth making a whole of.
+   real(dp), parameter :: shortest_half = 6
+   !> Of an interval, which is no part of its own.
+   real(dp), parameter :: rounding = 1e-12_dp
 
    !> From so many states on only so many multipliers are found, with residuals below `residual_limit` (the multipliers of a
    !> propagator good to 1e-9), in a space of at most this share of the states.
@@ -43,7 +48,11 @@ module geartrain_stability_monodromy
       type(arnoldi_type), private :: space
       !> Multipliers that were found without the matrix.
       complex(dp), allocatable, private :: found(:)
-      real(dp), allocatable, private :: product(:, :), piece(:, :), factors(:, :), instant(:)
+      !> What makes a whole of a half.
+      type(mirror_type), private :: mirror
+      !> Rate at which the determinant decays; the open piece's beginning and the longest one.
+      real(dp), private :: decay = 0, piece_start = 0, piece_limit = 0
+      real(dp), allocatable, private :: product(:, :), piece(:, :), before(:, :), factors(:, :), instant(:)
       integer, allocatable, private :: mesh(:), contact(:), now(:), pivot(:)
    contains
       procedure :: setup
@@ -51,6 +60,8 @@ module geartrain_stability_monodromy
       procedure :: multipliers
       procedure, private :: prepare_matrix
       procedure, private :: carry
+      procedure, private :: carry_along
+      procedure, private :: advance
       procedure, private :: find_leading
       procedure, private :: carry_vectors
       procedure, private :: collect_events
@@ -81,8 +92,10 @@ contains
       type(system_type), intent(in) :: system
 
       call self%propagator%setup(system)
+      call self%mirror%setup(system)
       allocate (self%transposed(self%states, self%states), self%product(self%states, self%states), &
-                self%piece(self%states, self%states), self%factors(self%states, self%states), self%pivot(self%states))
+                self%piece(self%states, self%states), self%before(self%states, self%states), &
+                self%factors(self%states, self%states), self%pivot(self%states))
    end subroutine prepare_matrix
 
    !> Monodromy matrix over the period 2 pi eta/Lambda of the motion at which `balance` was last evaluated, or what is wanted of it.
@@ -107,7 +120,7 @@ contains
       if (.not. allocated(self%transposed)) call self%prepare_matrix(balance%system)
       do attempt = 0, most_attempts - 1
          call self%propagator%start(frequency, 2.0_dp**attempt)
-         call self%carry(balance, period, events)
+         call self%carry(balance, frequency, period, events)
          if (self%liouville_defect < largest_defect) exit
       end do
    end subroutine integrate
@@ -181,39 +194,83 @@ contains
       call self%few%advance(time, period, self%now)
    end subroutine carry_vectors
 
-   !> The product of the pieces from event to event over the period.
-   subroutine carry(self, balance, period, events)
+   !> The product of the pieces from event to event over a period that begins at an event or, without any, where a half gives the
+   !> whole: the multipliers do not depend on that.
+   subroutine carry(self, balance, frequency, period, events)
       class(monodromy_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
-      real(dp), intent(in) :: period
+      real(dp), intent(in) :: frequency, period
       integer, intent(in) :: events
-      real(dp) :: decay, piece_start, piece_limit, time, next
+      real(dp) :: begin, next
       integer :: i
 
-      decay = sum(balance%system%coupling(2, :)*balance%system%damping)
-      piece_limit = period/ceiling(max(1.0_dp, self%propagator%fastest_decay*period/largest_decay))
+      self%decay = sum(balance%system%coupling(2, :)*balance%system%damping)
+      self%piece_limit = period/ceiling(max(1.0_dp, self%propagator%fastest_decay*period/largest_decay))
       do i = 1, balance%unknowns
          self%now(balance%mesh(i)) = balance%contact(i)%first_contact
       end do
       call identity(self%transposed)
       self%liouville_defect = 0
-      piece_start = 0
-      time = 0
-      do i = 1, events + 1
-         next = period
-         if (i <= events) next = self%instant(i)
-         do while (next > piece_start + piece_limit)
-            call self%propagator%advance(time, piece_start + piece_limit, self%now)
-            time = piece_start + piece_limit
-            call self%close_piece(decay*(time - piece_start))
-            piece_start = time
-         end do
-         call self%propagator%advance(time, next, self%now)
-         time = next
-         if (i <= events) self%now(self%mesh(i)) = self%contact(i)
+      if (events > 0) then
+         begin = self%instant(1)
+      else
+         begin = max(-period, self%mirror%centre_near(self%now, frequency, 0.0_dp)) - period/2
+      end if
+      self%piece_start = begin
+      if (events == 0) call self%carry_along(frequency, begin, begin + period)
+      do i = 1, events
+         self%now(self%mesh(i)) = self%contact(i)
+         next = begin + period
+         if (i < events) next = self%instant(i + 1)
+         call self%carry_along(frequency, self%instant(i), next)
       end do
-      call self%close_piece(decay*(time - piece_start))
+      call self%close_piece(begin + period)
    end subroutine carry
+
+   !> Along constant contacts: where kappa is even about an instant between, the part as long before it as after it is made of the
+   !> latter.
+   recursive subroutine carry_along(self, frequency, from, to)
+      class(monodromy_type), intent(inout) :: self
+      real(dp), intent(in) :: frequency, from, to
+      real(dp) :: middle, first, last, least
+      integer :: n
+
+      n = self%states
+      least = shortest_half/self%propagator%fastest
+      middle = -huge(1.0_dp)
+      if (to - from > 2*least) middle = self%mirror%centre_near(self%now, frequency, (from + to)/2)
+      if (min(middle - from, to - middle) < least) then
+         call self%advance(from, to)
+         return
+      end if
+      first = max(from, 2*middle - to)
+      last = min(to, 2*middle - from)
+      if (first - from > rounding*(to - from)) call self%carry_along(frequency, from, first)
+      call self%close_piece(first)
+      self%before = self%transposed
+      call identity(self%transposed)
+      self%piece_start = middle
+      call self%advance(middle, last)
+      call self%close_piece(last)
+      call self%mirror%complete(self%transposed, self%piece, self%product)
+      call dgemm('N', 'N', n, n, n, 1.0_dp, self%before, n, self%piece, n, 0.0_dp, self%transposed, n)
+      if (to - last > rounding*(to - from)) call self%carry_along(frequency, last, to)
+   end subroutine carry_along
+
+   !> Along constant contacts, cut into pieces.
+   subroutine advance(self, from, to)
+      class(monodromy_type), intent(inout) :: self
+      real(dp), intent(in) :: from, to
+      real(dp) :: time
+
+      time = from
+      do while (to > self%piece_start + self%piece_limit)
+         call self%propagator%advance(time, self%piece_start + self%piece_limit, self%now)
+         time = self%piece_start + self%piece_limit
+         call self%close_piece(time)
+      end do
+      call self%propagator%advance(time, to, self%now)
+   end subroutine advance
 
    !> Events of all meshes in order of time.
    subroutine collect_events(self, balance, period, events, shift)
@@ -252,13 +309,14 @@ contains
       end do
    end subroutine collect_events
 
-   !> Multiplies the piece onto the product, checks its determinant against exp(-decay) and begins the next.
-   subroutine close_piece(self, decay)
+   !> Multiplies the piece that ends at `time` onto the product, checks its determinant and begins the next.
+   subroutine close_piece(self, time)
       class(monodromy_type), intent(inout) :: self
-      real(dp), intent(in) :: decay
+      real(dp), intent(in) :: time
       real(dp) :: log_determinant
       integer :: n, i, info
 
+      if (.not. time > self%piece_start) return
       n = self%states
       call self%propagator%get(self%piece)
       self%factors = self%piece
@@ -267,10 +325,11 @@ contains
       do i = 1, n
          log_determinant = log_determinant + log(max(abs(self%factors(i, i)), tiny(1.0_dp)))
       end do
-      self%liouville_defect = self%liouville_defect + abs(log_determinant + decay)
+      self%liouville_defect = self%liouville_defect + abs(log_determinant + self%decay*(time - self%piece_start))
       call dgemm('N', 'N', n, n, n, 1.0_dp, self%transposed, n, self%piece, n, 0.0_dp, self%product, n)
       self%transposed = self%product
       call self%propagator%restart()
+      self%piece_start = time
    end subroutine close_piece
 
    pure subroutine identity(a)

@@ -30,14 +30,15 @@ module geartrain_stability_propagator
       integer :: states = 0
       !> Largest rate of decay of any motion [1].
       real(dp) :: fastest_decay = 0
+      !> Largest rate of all modes, with all meshes in contact and stiffest [1].
+      real(dp) :: fastest = 0
       !> Columns of displacements, then velocities over `band`, (column, 2*elements, block of columns).
       real(dp), allocatable, private :: x(:, :, :)
       integer, private :: elements = 0, width = 0
       !> The columns are those of a whole matrix, which begins as the identity.
       logical, private :: whole = .true.
-      !> Largest rates of all modes, with all meshes in contact and stiffest, and of a mesh of varying stiffness alone [1];
-      !> the largest that a step has to follow, at `frequency`.
-      real(dp), private :: fastest = 0, fastest_mesh = 0, band = 1, frequency = 1
+      !> That of a mesh of varying stiffness alone [1]; the largest that a step has to follow, at `frequency`.
+      real(dp), private :: fastest_mesh = 0, band = 1, frequency = 1
       type(system_type), private :: system
       !> Allocatable, because gfortran 12 never frees the second of two components of a type that itself has allocatable ones.
       type(exponential_type), allocatable, private :: motion, kappa

@@ -7,7 +7,7 @@ module geartrain_stability_recurrence
    public :: find_derivatives, add_up, chunk, most_terms
 
    !> Terms of kappa come by so many; there are at most as many as this.
-   integer, parameter :: chunk = 8, most_terms = 32
+   integer, parameter :: chunk = 4, most_terms = 32
 
 contains
 
@@ -20,7 +20,7 @@ contains
       real(dp), intent(in) :: leibniz(0:most_terms - 1, 0:most_degree, meshes), x(width*elements, 2)
       real(dp), intent(inout) :: p(width*elements, 1 - most_terms:most_degree + 1)
       real(dp) :: psi(1 - width:width*(elements + 1))
-      integer :: first, i, j, k, l, all_
+      integer :: first, i, j, k, l, last, all_
 
       all_ = width*elements
       p(:, 0:1) = x
@@ -35,9 +35,15 @@ contains
          else
             do j = 1, meshes
                first = (mesh_element(j) - 1)*width
-               do l = 0, terms(j) - 1, chunk
-                  call add_product(width, all_, leibniz(l:l + 7, k, j), p(:, k - l - 7:k - l), first, psi(first + 1:first + width))
+               ! Terms beyond k are none.
+               last = min(terms(j), k + 1)
+               l = 0
+               do while (l + chunk < last)
+                  call add_eight(width, all_, leibniz(l:l + 7, k, j), p(:, k - l - 7:k - l), first, psi(first + 1:first + width))
+                  l = l + 8
                end do
+               if (l < last) call add_four(width, all_, leibniz(l:l + 3, k, j), p(:, k - l - 3:k - l), first, &
+                                           psi(first + 1:first + width))
             end do
          end if
          do i = 1, all_
@@ -68,7 +74,7 @@ contains
    end subroutine add_pairs
 
    !> Eight terms of kappa p for one mesh, two columns at a time.
-   pure subroutine add_product(width, length, c, p, first, psi)
+   pure subroutine add_eight(width, length, c, p, first, psi)
       integer, intent(in) :: width, length, first
       real(dp), intent(in) :: c(0:7), p(length, 0:7)
       real(dp), intent(inout) :: psi(width)
@@ -80,7 +86,21 @@ contains
          psi(i:i + 1) = psi(i:i + 1) + c(0)*p(n:n + 1, 7) + c(1)*p(n:n + 1, 6) + c(2)*p(n:n + 1, 5) + c(3)*p(n:n + 1, 4) &
                         + c(4)*p(n:n + 1, 3) + c(5)*p(n:n + 1, 2) + c(6)*p(n:n + 1, 1) + c(7)*p(n:n + 1, 0)
       end do
-   end subroutine add_product
+   end subroutine add_eight
+
+   !> Four of them.
+   pure subroutine add_four(width, length, c, p, first, psi)
+      integer, intent(in) :: width, length, first
+      real(dp), intent(in) :: c(0:3), p(length, 0:3)
+      real(dp), intent(inout) :: psi(width)
+      integer :: i, n
+
+      !GCC$ unroll 1
+      do i = 1, width, 2
+         n = first + i
+         psi(i:i + 1) = psi(i:i + 1) + c(0)*p(n:n + 1, 3) + c(1)*p(n:n + 1, 2) + c(2)*p(n:n + 1, 1) + c(3)*p(n:n + 1, 0)
+      end do
+   end subroutine add_four
 
    !> The end of the step: weighted sums of the derivatives of p and, one place on, of p'.
    pure subroutine add_up(length, degree, most_degree, weight, p, x)
