@@ -3,6 +3,7 @@
 module hard_figures
    use fixtures, only: paper_train, settings_of
    use geartrain, only: branch_type, dp, error_type, motion_type, response_settings_type, solutions_at, train_type
+   use geartrain_branch_summary, only: folds
    use hard_cases, only: cases_type, solve
    implicit none (type, external)
    private
@@ -68,8 +69,8 @@ contains
       type(motion_type), allocatable :: motions(:), reference(:)
       type(error_type), allocatable :: error
       real(dp) :: worst
-      integer :: i, k, run
-      logical :: complete, odd
+      integer :: i, k, run, turns
+      logical :: complete, odd, turned
       type :: list_type
          type(motion_type), allocatable :: motions(:)
       end type list_type
@@ -77,6 +78,7 @@ contains
 
       complete = .true.
       odd = .true.
+      turned = .true.
       worst = 0
       do run = 1, size(step)
          settings = settings_of(0.2_dp, 2.6_dp, harmonics)
@@ -85,6 +87,8 @@ contains
          settings%step = step(run)
          branch = solve(train, settings)
          complete = complete .and. branch%complete
+         if (run == 1) turns = size(folds(branch))
+         turned = turned .and. size(folds(branch)) == turns
          do i = 1, size(frequency)
             call solutions_at(train, settings, branch, frequency(i), motions, error)
             odd = odd .and. mod(size(motions) + passages(branch, frequency(i)), 2) == 1
@@ -101,6 +105,7 @@ contains
          end do
       end do
       call cases%holds(name, 'complete from either end, an odd number of solutions', complete .and. odd)
+      call cases%holds(name, 'it turns back as often, whatever end and step', turned)
       call cases%measured(name, 'the same solutions from the other end, at steps 0.2 and 0.02', worst, 1e-10_dp)
    end subroutine one_figure
 
