@@ -120,8 +120,8 @@ contains
          changes = changes .and. (branch%stable(1) .eqv. i == 2)
       end do
       write (text, '(a, f5.2)') ', zeta =', zeta
-      call cases%measured(name//', edges of the principal instability'//trim(text), 'a multiplier is -1: 1 + their sum + their product', off, &
-                          merge(1e-9_dp, 1e-6_dp, name == 'Mathieu'))
+      call cases%measured(name//', edges of the principal instability'//trim(text), &
+                          'a multiplier is -1: 1 + their sum + their product', off, merge(1e-9_dp, 1e-6_dp, name == 'Mathieu'))
       if (zeta > 0) call cases%holds(name//', 0.1 % beside these edges'//trim(text), 'stable outside, unstable inside', changes)
    end subroutine boundary
 
