@@ -114,6 +114,12 @@ contains
       call check_response(train, response_settings_type(start=2e-7_dp, stop=2.6e-6_dp), error)
       call tests%is_true(.not. allocated(error), 'the same Lambda over the own frequency of the train: any unit will do')
       train = case%train
+      train%characteristic_frequency = 1e-300_dp
+      train%meshes%stiffness = [1e300_dp, 1e300_dp]
+      train%meshes%driving_inertia = 1e-300_dp
+      call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp), error)
+      call tests%is_true(allocated(error), 'a frequency beyond all numbers: refused without an overflow')
+      train = case%train
       train%meshes%order = [2, 17]
       call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp, harmonics=33, subharmonic=2), error)
       call tests%is_true(allocated(error), 'harmonics that do not reach the mesh frequency are refused')

@@ -23,10 +23,12 @@ contains
       character(*), intent(in) :: name
       real(dp), intent(in) :: value
       class(checker_type), intent(inout) :: checker
-      real(dp) :: least
+      real(dp) :: decades, least
 
       if (.not. in_order(train, checker)) return
-      least = slowest*10.0_dp**nint(log10(own_frequency(train)/train%characteristic_frequency))
+      ! Any two numbers that can be written: their ratio need not be one.
+      decades = log10(own_frequency(train)) - log10(train%characteristic_frequency)
+      least = slowest*10.0_dp**nint(max(-300.0_dp, min(300.0_dp, decades)))
       if (.not. value >= least) call checker%complain(name, real_text(value), 'must be >= '//real_text(least)// &
          ': the train vibrates too often in a slower mesh period')
    end subroutine check_frequency
@@ -98,17 +100,24 @@ contains
 
       in_order = allocated(train%shafts) .and. allocated(train%meshes)
       if (.not. in_order) return
-      in_order = size(train%meshes) > 0 .and. size(train%shafts) == size(train%meshes) + 1
+      in_order = size(train%meshes) > 0 .and. size(train%shafts) == size(train%meshes) + 1 .and. train%characteristic_frequency > 0
+      ! What stands outside of a group is a problem of none.
+      if (in_order) in_order = all(train%meshes%stiffness > 0 .and. train%meshes%driving_radius > 0 .and. &
+                                   train%meshes%driven_radius > 0 .and. train%meshes%driving_inertia > 0 .and. &
+                                   train%meshes%driven_inertia > 0)
       if (in_order) in_order = .not. (checker%problems%in_group('train') .or. checker%problems%in_group('shaft') .or. &
                                       checker%problems%in_group('mesh'))
    end function in_order
 
-   !> Frequency of the slowest mesh [rad/s], between its two gears alone.
+   !> Frequency of the slowest mesh [rad/s], between its two gears alone; neither 0 nor infinite.
    pure real(dp) function own_frequency(train)
       type(train_type), intent(in) :: train
       integer :: j
 
-      own_frequency = minval([(mesh_frequency(train, j), j=1, size(train%meshes))])
+      own_frequency = huge(1.0_dp)
+      do j = 1, size(train%meshes)
+         own_frequency = min(own_frequency, max(tiny(1.0_dp), mesh_frequency(train, j)))
+      end do
    end function own_frequency
 
    pure real(dp) function mesh_frequency(train, j) result(frequency)
