@@ -47,10 +47,12 @@ contains
    subroutine read_arguments(arguments)
       type(arguments_type), intent(out) :: arguments
       character(:), allocatable :: word
-      integer :: i
+      type(file_name_type), allocatable :: files(:)
+      integer :: i, n
 
       arguments%action = 'run'
-      allocate (arguments%case_files(0))
+      allocate (files(command_argument_count()))
+      n = 0
       arguments%output_file = ''
       arguments%wrong = ''
       i = 0
@@ -77,10 +79,12 @@ contains
             else if (index(word, '-') == 1) then
                arguments%wrong = 'unknown option '//word
             else
-               arguments%case_files = [arguments%case_files, file_name_type(word)]
+               n = n + 1
+               files(n)%name = word
             end if
          end select
       end do
+      arguments%case_files = files(:n)
       if (arguments%wrong == '' .and. size(arguments%case_files) == 0) arguments%wrong = 'no case file given'
       if (arguments%wrong == '' .and. arguments%action == 'check') then
          if (arguments%output_file /= '') arguments%wrong = '--check writes nothing: leave out --output'

@@ -80,6 +80,13 @@ contains
          jobs(i)%status = error%status
          return
       end if
+      if (.not. asks_for_something(jobs(i)%case)) then
+         ! A file of nothing must not take the place of results.
+         write (error_unit, '(2a)') files(i)%name, ': error: nothing to compute, nothing is written: add &modes, &response, &
+            &&integration, &attractors or &stability_map'
+         jobs(i)%status = status_input
+         return
+      end if
       path = output_path(files(i)%name, output_file, jobs(i)%case)
       jobs(i)%path = path
       if (any([(path == files(k)%name, k=1, size(files))]) .or. index(path//' ', '.nml ') > 0) then
@@ -144,14 +151,16 @@ contains
       if (allocated(results%attractors)) call report_attractors(results%attractors, progress%attractors_seconds)
       if (allocated(results%stability_map)) call report_stability_map(results%stability_map, progress%map_seconds)
       if (allocated(results%branches)) call report_branches(results%branches, progress%branch_seconds)
-      associate (case => job%case)
-         if (.not. (case%modes .or. allocated(case%response) .or. allocated(case%integration) .or. allocated(case%attractors) &
-                    .or. allocated(case%stability_map))) write (output_unit, '(a)') &
-            'Nothing to compute: the case has no &modes, &response, &integration, &attractors or &stability_map'
-      end associate
       if (job%status == 0 .or. job%status == status_ended_early) write (output_unit, '(2a)') 'Written: ', job%path
       flush (output_unit)
    end subroutine report
+
+   pure logical function asks_for_something(case)
+      type(case_type), intent(in) :: case
+
+      asks_for_something = case%modes .or. allocated(case%response) .or. allocated(case%integration) .or. &
+                           allocated(case%attractors) .or. allocated(case%stability_map)
+   end function asks_for_something
 
    !> --output, else &output, else the name of the case with .h5, in the working directory.
    function output_path(case_file, output_file, case) result(path)

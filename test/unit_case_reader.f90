@@ -132,7 +132,7 @@ contains
       call one_value(tests, 'control = local', 0, 'control = local: must be a text in quotes, ''...''')
       call one_value(tests, 'samples = 37', 0, 'samples = 37: must be >= 8 harmonics + 2 = 50, or 0 to leave the choice to &
                      &the program')
-      call one_value(tests, 'step = ', 4, 'step has no value')
+      call one_value(tests, 'step = ', 4, 'step has no value: give one, or leave the variable out')
       call one_value(tests, 'step = ,', 0, 'step: an empty value before the comma')
       call one_value(tests, 'step(1) = 0.1', 4, '"step" with an index or component: give the whole list, step = first, &
                      &second, ...')
@@ -198,7 +198,7 @@ contains
                    'x.nml:7:1: error: &integration: points = 121: must be 1 where from and to are equal')
       call refused(tests, good//'&response from=0.2, to=2.6, period_doublings = 1, stability = .false. /', 'x.nml:7:48: error: &
                    &&response: period_doublings = 1: needs stability = .true.: the multipliers tell where a period doubles')
-      call refused(tests, good//'&attractors starts=10 /', 'x.nml:7:1: error: &attractors: lacks frequency (>= 0.0001)')
+      call refused(tests, good//'&attractors starts=10 /', 'x.nml:7:1: error: &attractors: lacks frequency (> 0)')
       call refused(tests, good//'&attractors frequency=1.0, follow=.true. /', 'x.nml:7:35: error: &attractors: follow = .true.: &
                    &needs &response: its range and settings are those of the branches')
       call refused(tests, good//response//'&attractors frequency=3.0, follow=.true. /', 'x.nml:8:23: error: &attractors: &
@@ -206,7 +206,7 @@ contains
       ! Everything at once, in the order of the file.
       call refused(tests, train//'&shaft stiffness=-1.0 /'//n//mesh//shaft//'&response from=0.2 harmonics=x /', &
                    'x.nml:3:18: error: &shaft 1: stiffness = -1.0: must be > 0 N m/rad'//n// &
-                   'x.nml:7:1: error: &response: lacks to (>= 0.0001)'//n// &
+                   'x.nml:7:1: error: &response: lacks to (> 0)'//n// &
                    'x.nml:7:30: error: &response: harmonics = x: must be a whole number')
    end subroutine agreement
 

@@ -61,6 +61,11 @@ contains
       case%train%shafts(3)%stiffness = 0
       call refused(tests, case%train, '&shaft 3: stiffness = 0.0: must be > 0 N m/rad')
       case = paper_case()
+      case%train%load_inertia = 1e-20_dp
+      call refused(tests, case%train, '&shaft 3: stiffness = 1000.0: must be smaller: it makes the part vibrate more than 1e6 &
+                   &times as fast as the slowest mesh, too fast to be followed: make the shaft rigid, or give the inertias at &
+                   &its ends as they are')
+      case = paper_case()
       case%train%meshes = case%train%meshes(:1)
       call refused(tests, case%train, 'the train has 3 &shaft and 1 &mesh: a train is shaft, mesh, shaft, ..., shaft, at least &
                    &2 shafts and one mesh less than shafts')
@@ -83,19 +88,50 @@ contains
 
    subroutine bad_settings(tests)
       class(tests_type), intent(inout) :: tests
+      type(train_type) :: train
+      type(case_type) :: case
       type(error_type), allocatable :: error
 
-      call check_response(response_settings_type(start=0.2_dp, stop=2.6_dp), error)
+      case = paper_case()
+      train = case%train
+      call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp), error)
       call tests%is_true(.not. allocated(error), 'default settings of a response')
-      call check_response(response_settings_type(start=0.2_dp, stop=2.6_dp, control='x', step=0.0_dp), error)
+      call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp, control='x', step=0.0_dp), error)
       call tests%is_true(allocated(error), 'bad settings of a response are refused')
       if (allocated(error)) call tests%is_text(error%message, '&response: control = ''x'': must be ''arclength'' or ''local''' &
                                                //new_line('a')//'&response: step = 0.0: must be > 0', 'message')
-      call check_integration(integration_settings_type(start=0.2_dp, stop=2.6_dp), error)
+      call check_integration(train, integration_settings_type(start=0.2_dp, stop=2.6_dp), error)
       call tests%is_true(.not. allocated(error), 'default settings of a sweep')
-      call check_integration(integration_settings_type(start=0.2_dp, stop=2.6_dp, points=0), error)
+      call check_integration(train, integration_settings_type(start=0.2_dp, stop=2.6_dp, points=0), error)
       call tests%is_true(allocated(error), 'bad settings of a sweep are refused')
-      if (allocated(error)) call tests%is_text(error%message, '&integration: points = 0: must be >= 1', 'message')
+      if (allocated(error)) call tests%is_text(error%message, '&integration: points = 0: must be >= 1 and <= 100000', 'message')
+      ! What would keep the program busy for hours, fill the memory, or leave an excitation out.
+      call check_response(train, response_settings_type(start=5e-5_dp, stop=2.6_dp), error)
+      call tests%is_true(allocated(error), 'a Lambda far below what the train vibrates at is refused')
+      if (allocated(error)) call tests%is_text(error%message, '&response: from = 5.0e-5: must be >= 0.0001: the train vibrates &
+                                               &too often in a slower mesh period', 'message')
+      train%characteristic_frequency = 1e6_dp*train%characteristic_frequency
+      call check_response(train, response_settings_type(start=2e-7_dp, stop=2.6e-6_dp), error)
+      call tests%is_true(.not. allocated(error), 'the same Lambda over the own frequency of the train: any unit will do')
+      train = case%train
+      train%characteristic_frequency = 1e-300_dp
+      train%meshes%stiffness = [1e300_dp, 1e300_dp]
+      train%meshes%driving_inertia = 1e-300_dp
+      call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp), error)
+      call tests%is_true(allocated(error), 'a frequency beyond all numbers: refused without an overflow')
+      train = case%train
+      train%meshes%order = [2, 17]
+      call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp, harmonics=33, subharmonic=2), error)
+      call tests%is_true(allocated(error), 'harmonics that do not reach the mesh frequency are refused')
+      if (allocated(error)) call tests%is_text(error%message, '&response: harmonics = 33: must be >= order of &mesh 2 times &
+                                               &subharmonic, 17*2: the excitation of that mesh would be left out', 'message')
+      call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp, harmonics=34, subharmonic=2), error)
+      call tests%is_true(.not. allocated(error), 'harmonics that just reach it')
+      train%meshes(2)%stiffness_cos = [0.0_dp]
+      call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp, harmonics=4, subharmonic=2), error)
+      call tests%is_true(.not. allocated(error), 'a mesh that excites nothing needs no harmonics')
+      call check_integration(case%train, integration_settings_type(start=0.2_dp, stop=2.6_dp, points=2000000000), error)
+      call tests%is_true(allocated(error), 'more points than memory are refused')
    end subroutine bad_settings
 
 end module unit_check

@@ -7,8 +7,6 @@ from collections.abc import Iterable, Mapping
 from numbers import Integral, Real
 from typing import Any
 
-from .errors import InputError
-
 __all__ = ["group", "parse"]
 
 Value = Any
@@ -23,7 +21,7 @@ _WANTED = {
 }
 
 
-def group(name: str, kinds: Kinds, values: Mapping[str, Value], place: str = "") -> str:
+def group(name: str, kinds: Kinds, values: Mapping[str, Value], problems: dict[str, str], place: str = "") -> str:
     """One namelist group.
 
     Parameters
@@ -34,23 +32,23 @@ def group(name: str, kinds: Kinds, values: Mapping[str, Value], place: str = "")
         ``number``, ``integer``, ``flag``, ``text`` or ``series`` for each variable.
     values : mapping
         The variables; those that are None are left out, so that Fortran's default holds.
+    problems : dict of str to str
+        Takes up what cannot be written, messages by the names of the variables; the group goes without them.
     place : str
         What messages call the group, ``&name`` unless told.
     """
     lines = [f"&{name}"]
-    problems = []
     for key, value in values.items():
         if value is None:
             continue
         try:
             text = _FORMATS[kinds[key]](value)
         except (TypeError, ValueError, OverflowError):
-            problems.append(f"{place or '&' + name}: {key} = {value!r}: must be {_WANTED[kinds[key]]}")
+            label = place or "&" + name
+            problems[f"{label}: {key}"] = f"{label}: {key} = {value!r}: must be {_WANTED[kinds[key]]}"
             continue
         if text:
             lines.append(f"   {key} = {text}")
-    if problems:
-        raise InputError("\n".join(problems))
     return "\n".join([*lines, "/", ""])
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from itertools import zip_longest
@@ -211,22 +212,25 @@ class Train:
             The variables of the group, ``from`` and ``to`` under the names ``start`` and ``stop``,
             ``parameter_from`` and ``parameter_to`` as ``parameter_start`` and ``parameter_stop``.
         """
-        text = group("train", _TRAIN, {name: getattr(self, name) for name in _TRAIN})
+        problems: dict[str, str] = {}
+        text = group("train", _TRAIN, {name: getattr(self, name) for name in _TRAIN}, problems)
         for number, (shaft, mesh) in enumerate(zip_longest(self.shafts, self.meshes), 1):
             if shaft is not None:
-                text += group("shaft", _SHAFT, _values(shaft), f"&shaft {number}")
+                text += group("shaft", _SHAFT, _values(shaft), problems, f"&shaft {number}")
             if mesh is not None:
-                text += group("mesh", _MESH, _values(mesh), f"&mesh {number}")
+                text += group("mesh", _MESH, _values(mesh), problems, f"&mesh {number}")
         if modes:
-            text += group("modes", {}, {})
+            text += group("modes", {}, {}, problems)
         if response is not None:
-            text += group("response", _RESPONSE, _range(response))
+            text += group("response", _RESPONSE, _range(response), problems)
         if integration is not None:
-            text += group("integration", _INTEGRATION, _range(integration))
+            text += group("integration", _INTEGRATION, _range(integration), problems)
         if attractors is not None:
-            text += group("attractors", _ATTRACTORS, attractors)
+            text += group("attractors", _ATTRACTORS, attractors, problems)
         if stability_map is not None:
-            text += group("stability_map", _STABILITY_MAP, _range(stability_map))
+            text += group("stability_map", _STABILITY_MAP, _range(stability_map), problems)
+        if problems:
+            raise InputError("\n".join([*problems.values(), *_further_problems(text, problems)]))
         return text
 
     def natural_frequencies(self) -> NDArray[np.float64]:
@@ -657,6 +661,23 @@ def _freeze_series(part: Train | Mesh, kinds: Mapping[str, str]) -> None:
         if kind != "series" or value is None or isinstance(value, (str, Mapping)):
             continue
         object.__setattr__(part, name, tuple(value) if isinstance(value, Iterable) else (value,))
+
+
+def _further_problems(text: str, known: Mapping[str, str]) -> list[str]:
+    """What Fortran says of the other values; not what follows from the lack of those whose problems are known."""
+    try:
+        with Box(text):
+            return []
+    except InputError as error:
+        return [line for line in str(error).splitlines() if not any(_follows(line, name) for name in known)]
+
+
+def _follows(line: str, name: str) -> bool:
+    """Whether the problem comes of the lack of a variable, ``&mesh 2: stiffness``, and is not one of its namesake elsewhere."""
+    place, _, variable = name.rpartition(": ")
+    if not re.search(rf"\b{variable}\b", line):
+        return False
+    return line.startswith(f"{place}:") or f": {variable} = " not in line
 
 
 def _range(settings: Mapping[str, Any]) -> dict[str, Any]:

@@ -222,6 +222,56 @@ def test_every_keyword_given_wrongly(table):
             call(variable.group, variable.name + "q", 1)
 
 
+def test_all_problems_of_a_call_in_one_go():
+    """Wrong types and wrong values, of the train, of its parts and of the settings, in one message."""
+    shafts = [gt.Shaft(stiffness="stiff"), gt.Shaft(stiffness=-1.0), gt.Shaft(rigid="yes")]
+    meshes = [gt.Mesh(driving_radius=[0.05], driven_radius=-0.1, stiffness=float("nan"), order=1.5)]
+    with pytest.raises(gt.InputError) as caught:
+        paper_train(input_torque="x", load_inertia=-1.0, torque_cos=[[1.0]], shafts=shafts, meshes=meshes)
+    told = str(caught.value).splitlines()
+    for begin in (
+        "&train: input_torque = 'x': must be a number", "&train: torque_cos = ", "&train: load_inertia = -1.0: must be >= 0",
+        "&shaft 1: stiffness = 'stiff': must be a number", "&shaft 2: stiffness = -1.0: must be > 0",
+        "&shaft 3: rigid = 'yes': must be True or False", "&mesh 1: driving_radius = [0.05]: must be a number",
+        "&mesh 1: order = 1.5: must be a whole number", "&mesh 1: driven_radius = -0.1: must be > 0",
+        "&mesh 1: stiffness = nan: must be a finite number", "&mesh 1: lacks driving_inertia",
+        "&shaft 3: follows &shaft 2: a &mesh must",
+    ):
+        assert sum(line.startswith(begin) for line in told) == 1, (begin, told)
+    # What was given, though wrongly, is not said to be lacking.
+    assert not re.search("lacks (input_torque|driving_radius)|&shaft 1: lacks", str(caught.value))
+    with pytest.raises(gt.InputError) as caught:
+        paper_train().response(start="x", stop=-1.0, harmonics=1.5, step=0.0, stability=3)
+    assert len(str(caught.value).splitlines()) == 5
+
+
+def test_what_would_fill_the_memory_is_refused(executable, tmp_path):
+    """No Fortran error stop that takes the interpreter along."""
+    train = paper_train()
+    for call in (
+        lambda: train.sweep(start=0.2, stop=0.3, points=2_000_000_000),
+        lambda: train.attractors(frequency=0.6, starts=2_000_000_000),
+        lambda: train.response(start=0.2, stop=0.3, max_points=2_000_000_000),
+        lambda: train.stability_map(start=0.2, stop=0.3, parameter_start=0.1, parameter_stop=0.2, points=20_000),
+    ):
+        with pytest.raises(gt.InputError, match="and <= "):
+            call()
+    case = tmp_path / "case.nml"
+    case.write_text(train.namelist(attractors={"frequency": 0.6}).replace("frequency = 0.6", "frequency = 0.6 starts = 2000000000"))
+    done = subprocess.run([executable, case], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 2 and "starts = 2000000000: must be >= 1 and <= " in done.stderr
+
+
+def test_nothing_to_compute_writes_nothing(executable, tmp_path):
+    """Results must not be replaced by a file of nothing."""
+    case, output = tmp_path / "case.nml", tmp_path / "case.h5"
+    case.write_text(paper_train().namelist())
+    output.write_bytes(b"precious")
+    done = subprocess.run([executable, case, "--output", output], capture_output=True, text=True, check=False)
+    assert done.returncode == 2 and "nothing to compute" in done.stderr and "add &modes" in done.stderr
+    assert output.read_bytes() == b"precious"
+
+
 @pytest.mark.parametrize(("content", "message"), [
     (b"", "there is no &train group"),
     (b"\x89HDF\r\n\x1a\n\x00\x00", "binary file"),

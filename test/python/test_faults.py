@@ -8,8 +8,10 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 import tracemalloc
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -65,11 +67,76 @@ def test_a_target_that_cannot_be_written_is_left_alone(executable, tmp_path):
     output.rmdir()
     for target in ("/dev/full", "/proc/out.h5"):
         assert run(executable, case, "--output", target).returncode == 4
-    if os.geteuid() != 0:  # for root nothing is write-protected
-        output.write_bytes(b"old")
-        output.chmod(0o444)
-        done = run(executable, case, "--output", output)
-        assert done.returncode == 4 and "write-protected" in done.stderr and output.read_bytes() == b"old"
+
+
+@pytest.fixture
+def open_folder(executable):
+    """A folder for everyone with the executable in it, and who is to run it: root, whom no mode keeps out, runs it as nobody."""
+    with tempfile.TemporaryDirectory(dir="/tmp") as name:
+        folder = Path(name)
+        folder.chmod(0o777)
+        shutil.copy(executable, folder / "geartrain")
+        write_case(folder, QUICK)
+        yield folder, {"user": 65534, "group": 65534, "extra_groups": []} if os.geteuid() == 0 else {}
+
+
+def test_a_write_protected_target_is_left_alone(open_folder):
+    folder, who = open_folder
+    output = folder / "out.h5"
+    output.write_bytes(b"old")
+    output.chmod(0o444)
+    done = run(folder / "geartrain", folder / "case.nml", "--output", output, **who)
+    assert done.returncode == 4 and "write-protected" in done.stderr, done.stderr
+    assert output.read_bytes() == b"old" and names(folder) == ["case.nml", "geartrain", "out.h5"]
+
+
+def test_a_write_protected_folder_is_told_before_anything_is_computed(open_folder):
+    folder, who = open_folder
+    output = folder / "out.h5"
+    output.write_bytes(b"old")
+    output.chmod(0o666)
+    folder.chmod(0o555)
+    done = run(folder / "geartrain", folder / "case.nml", "--output", output, **who)
+    folder.chmod(0o777)
+    assert done.returncode == 4 and "out.h5: error: " in done.stderr and "Response" not in done.stdout, done
+    assert output.read_bytes() == b"old" and names(folder) == ["case.nml", "geartrain", "out.h5"]
+
+
+def test_an_unreadable_case_is_told(open_folder):
+    folder, who = open_folder
+    case = folder / "case.nml"
+    case.chmod(0)
+    done = run(folder / "geartrain", case, "--output", folder / "out.h5", **who)
+    assert done.returncode == 2 and "case.nml: error: cannot be opened" in done.stderr
+    assert names(folder) == ["case.nml", "geartrain"]
+
+
+def test_the_time_between_checkpoints_is_bounded(executable, tmp_path):
+    """The first one comes after half a second, each further one within 2 s (nine times what the writing took if that is more) and
+    a point of the work; five times that for a machine that is busy with other things."""
+    analyses = LONG + (
+        "&attractors frequency = 0.6, starts = 2000 /\n"
+        "&stability_map from = 0.4, to = 1.6, points = 20, parameter_from = 0.01, parameter_to = 0.1, parameter_points = 60 /\n"
+    )
+    case, output = write_case(tmp_path, analyses), tmp_path / "out.h5"
+    partial = output.with_name(output.name + ".partial")
+    work = subprocess.Popen([executable, case, "--output", output], stdout=subprocess.DEVNULL)
+    began = last = time.monotonic()
+    seen, gaps = 0, []
+    while work.poll() is None and last - began < 12:
+        time.sleep(0.01)
+        try:
+            stamp = partial.stat().st_mtime_ns
+        except FileNotFoundError:  # not yet, or done
+            continue
+        if stamp != seen:
+            now = time.monotonic()
+            gaps.append(now - last)
+            seen, last = stamp, now
+    gaps.append(time.monotonic() - last)
+    work.kill()
+    work.wait()
+    assert len(gaps) > 2 and max(gaps) < 10, gaps
 
 
 FULL_DISK = """
@@ -255,10 +322,13 @@ def test_ten_thousand_solves_leak_nothing():
     grown = sum(item.size_diff for item in tracemalloc.take_snapshot().compare_to(before, "filename"))
     tracemalloc.stop()
     assert grown < 50_000
-    resident = resident_bytes()
-    solve(1000)
-    # Less than 100 bytes a call; scripts/sanitize looks at every byte.
-    assert resident_bytes() - resident < 1_000_000
+    resident = [resident_bytes()]
+    for _ in range(3):
+        solve(350)
+        resident.append(resident_bytes())
+    # Less than 100 bytes a call, in one round at least: a leak is in each of them, what the allocator keeps or gives back (up to
+    # 0.9 MB, now and then) is not. scripts/sanitize looks at every byte.
+    assert np.diff(resident).min() < 350_000, resident
 
 
 def resident_bytes():

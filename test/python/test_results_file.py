@@ -239,7 +239,7 @@ def _has_integration(partial):
 
 def test_a_killed_run_leaves_a_readable_file(executable, tmp_path):
     case = tmp_path / "long.nml"
-    case.write_text(PAIR + RESPONSE + "&integration from = 0.2, to = 2.6, points = 1000000 /\n", encoding="utf-8")
+    case.write_text(PAIR + RESPONSE + "&integration from = 0.2, to = 2.6, points = 100000 /\n", encoding="utf-8")
     partial = tmp_path / "long.h5.partial"
     work = subprocess.Popen(
         [executable, case, "--output", tmp_path / "long.h5"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL

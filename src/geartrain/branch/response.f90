@@ -55,7 +55,7 @@ contains
          branch = empty
       end if
       call check_train(train, error)
-      if (.not. allocated(error)) call check_response(settings, error)
+      if (.not. allocated(error)) call check_response(train, settings, error)
       if (.not. allocated(error) .and. present(seed)) call check_seed(train, seed, error)
       if (allocated(error)) return
       call begin_trace(train, settings, tracer)

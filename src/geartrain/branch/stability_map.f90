@@ -3,7 +3,7 @@
 !> threads; each is computed by itself, so that the numbers do not depend on how many threads there are.
 module geartrain_branch_stability_map
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use geartrain_base_error, only: error_type
+   use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
@@ -51,7 +51,8 @@ contains
       call check_train(train, error)
       if (.not. allocated(error)) call check_stability_map(train, settings, error)
       if (allocated(error)) return
-      call make_room(train, settings, map)
+      call make_room(train, settings, map, error)
+      if (allocated(error)) return
       done = 0
       keep_going = .true.
       !$omp parallel do private(row, go) schedule(dynamic)
@@ -79,11 +80,13 @@ contains
    end subroutine stability_map
 
    !> The grid, nothing on it yet.
-   subroutine make_room(train, settings, map)
+   subroutine make_room(train, settings, map, error)
       type(train_type), intent(in) :: train
       type(stability_map_settings_type), intent(in) :: settings
       type(stability_map_type), intent(inout), target :: map
+      type(error_type), allocatable, intent(inout) :: error
       type(stability_map_type) :: empty
+      integer :: status(3)
       real(dp) :: nan
 
       nan = ieee_value(nan, ieee_quiet_nan)
@@ -94,9 +97,16 @@ contains
       map%frequency = spaced(settings%start, settings%stop, settings%points)
       map%parameter = spaced(settings%parameter_start, settings%parameter_stop, settings%parameter_points)
       associate (points => settings%points, rows => settings%parameter_points)
-         allocate (map%motions(points, rows), map%stable_motions(points, rows), source=-1)
-         allocate (map%multiplier(points, rows), source=cmplx(nan, nan, dp))
-         if (.not. settings%linear) allocate (map%rms(size(train%meshes), points, rows), source=nan)
+         status = 0
+         allocate (map%motions(points, rows), map%stable_motions(points, rows), source=-1, stat=status(1))
+         allocate (map%multiplier(points, rows), source=cmplx(nan, nan, dp), stat=status(2))
+         if (.not. settings%linear) allocate (map%rms(size(train%meshes), points, rows), source=nan, stat=status(3))
+         if (any(status /= 0)) then
+            map = empty
+            call fatal(error, 'stability map: no memory for '//text(points)//' times '//text(rows)//' motions: take fewer &
+                       &points', status_ended_early)
+            return
+         end if
          allocate (map%done(rows), map%whole(rows), source=.false.)
       end associate
    end subroutine make_room

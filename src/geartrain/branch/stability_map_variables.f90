@@ -6,9 +6,9 @@ module geartrain_branch_stability_map_variables
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_base_variable, only: row => variable_type, visitor_type
    use geartrain_branch_stability_map_settings, only: stability_map_settings_type
+   use geartrain_model_limits, only: check_frequency, check_harmonics
    use geartrain_model_mesh, only: mesh_type
    use geartrain_model_train, only: train_type
-   use geartrain_motion_variables, only: smallest_frequency
    implicit none (type, external)
    private
    public :: visit_stability_map, check_stability_map, check_stability_map_consistency, train_with, unit_of
@@ -25,9 +25,9 @@ contains
       character(:), allocatable :: word
 
       call v%enter('stability_map', 1)
-      call v%on_real(row('from', '', 'one end of the range of Lambda (start in a call)', required=.true., &
-                         least=smallest_frequency), settings%start)
-      call v%on_real(row('to', '', 'its other end (stop in a call)', required=.true., least=smallest_frequency), settings%stop)
+      call v%on_real(row('from', '', 'one end of the range of Lambda (start in a call)', required=.true., above=zero), &
+                     settings%start)
+      call v%on_real(row('to', '', 'its other end (stop in a call)', required=.true., above=zero), settings%stop)
       call v%on_integer(row('points', '', 'frequencies in the range, both ends included', least=one, most=most_points), &
                         settings%points)
       word = trim(settings%parameter)
@@ -78,6 +78,9 @@ contains
       if (abs(settings%parameter_start - settings%parameter_stop) <= 0 .neqv. settings%parameter_points == 1) &
          call checker%complain('parameter_points', integer_text(settings%parameter_points), &
                                'must be 1 where parameter_from and parameter_to are equal, and only there')
+      call check_frequency(train, 'from', settings%start, checker)
+      call check_frequency(train, 'to', settings%stop, checker)
+      if (.not. settings%linear) call check_harmonics(train, settings%harmonics, 1, checker)
       if (settings%linear .and. (settings%parameter == 'input_torque' .or. settings%parameter == 'half_backlash')) &
          call checker%complain('parameter', "'"//trim(settings%parameter)//"'", &
                                'has no influence on the stability of the linear train: leave out linear = .true.')

@@ -6,7 +6,8 @@ module geartrain_branch_variables
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_base_variable, only: row => variable_type, visitor_type
    use geartrain_branch_branch, only: response_settings_type
-   use geartrain_motion_variables, only: smallest_frequency
+   use geartrain_model_limits, only: check_frequency, check_harmonics
+   use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
    public :: visit_response, check_response, check_response_consistency, settings_for
@@ -22,11 +23,9 @@ contains
       character(:), allocatable :: word
 
       call v%enter('response', 1)
-      call v%on_real(row('from', '', 'Lambda at which the branch begins (start in a call)', required=.true., &
-                         least=smallest_frequency), &
+      call v%on_real(row('from', '', 'Lambda at which the branch begins (start in a call)', required=.true., above=zero), &
                      settings%start)
-      call v%on_real(row('to', '', 'Lambda at which it ends, above or below (stop in a call)', required=.true., &
-                         least=smallest_frequency), &
+      call v%on_real(row('to', '', 'Lambda at which it ends, above or below (stop in a call)', required=.true., above=zero), &
                      settings%stop)
       call v%on_integer(row('harmonics', '', 'harmonics R of Lambda/subharmonic; 0: as many as tolerance needs', least=one, &
                             most=most_harmonics*one, automatic=zero), settings%harmonics)
@@ -52,7 +51,8 @@ contains
       call v%on_real(row('step', '', 'largest step along the branch, in Lambda and mesh displacement together, each over the power &
                          &of ten nearest to the own scale of the train (see docs/numerics.md)', above=zero), &
                      settings%step)
-      call v%on_integer(row('max_points', '', 'points after which the branch is given up', least=2*one), settings%max_points)
+      call v%on_integer(row('max_points', '', 'points after which the branch is given up', least=2*one, most=1e7*one), &
+                        settings%max_points)
       call v%on_integer(row('period_doublings', '', 'how often a period doubling is followed: 1: the branches of twice the period, &
                             &2: those of four times as well, ...', least=zero, most=6*one), settings%period_doublings)
       call v%on_logical(row('refine', '', 'every point polished by shooting to about 1e-11, multipliers included; in the end, &
@@ -60,8 +60,9 @@ contains
       call v%leave()
    end subroutine visit_response
 
-   !> Checks settings however they were made; the error tells every problem, one a line.
-   subroutine check_response(settings, error)
+   !> Checks the settings for a train that is in order; the error tells every problem, one a line.
+   subroutine check_response(train, settings, error)
+      type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
       type(error_type), allocatable, intent(out) :: error
       type(response_settings_type) :: copy
@@ -69,12 +70,13 @@ contains
 
       copy = settings
       call visit_response(copy, checker)
-      call check_response_consistency(settings, checker)
+      call check_response_consistency(train, settings, checker)
       call checker%problems%raise('', error)
    end subroutine check_response
 
    !> What single values cannot say; the problems are added to those of `checker`.
-   subroutine check_response_consistency(settings, checker)
+   subroutine check_response_consistency(train, settings, checker)
+      type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
       class(checker_type), intent(inout) :: checker
       integer :: fewest
@@ -88,6 +90,9 @@ contains
          call checker%complain('harmonics', integer_text(settings%harmonics), 'must be >= subharmonic = '// &
                                integer_text(settings%subharmonic)//': the mesh frequency itself would be left out')
       end if
+      call check_frequency(train, 'from', settings%start, checker)
+      call check_frequency(train, 'to', settings%stop, checker)
+      if (settings%harmonics > 0) call check_harmonics(train, settings%harmonics, settings%subharmonic, checker)
       fewest = 8*settings%harmonics + 2
       if (settings%samples > 0 .and. settings%samples < fewest) then
          call checker%complain('samples', integer_text(settings%samples), 'must be >= 8 harmonics + 2 = '// &

@@ -13,7 +13,8 @@ module geartrain_case_reader
    use geartrain_case_variables, only: check_agreement, groups, visit_modes, visit_output
    use geartrain_model_check, only: check_consistency
    use geartrain_model_variables, only: visit_mesh, visit_shaft, visit_train
-   use geartrain_motion_variables, only: check_integration_consistency, visit_attractors, visit_integration
+   use geartrain_motion_variables, only: check_attractors_consistency, check_integration_consistency, visit_attractors, &
+      visit_integration
    implicit none (type, external)
    private
    public :: read_case, read_case_text
@@ -59,8 +60,9 @@ contains
       end do
       call read_groups(found, reader)
       if (in_order == 0) call check_consistency(found%train, reader)
-      if (allocated(found%response)) call check_response_consistency(found%response, reader)
-      if (allocated(found%integration)) call check_integration_consistency(found%integration, reader)
+      if (allocated(found%response)) call check_response_consistency(found%train, found%response, reader)
+      if (allocated(found%integration)) call check_integration_consistency(found%train, found%integration, reader)
+      if (allocated(found%attractors)) call check_attractors_consistency(found%train, found%attractors, reader)
       call check_agreement(found, reader)
       call reader%locate()
       call reader%problems%raise(name, error)

@@ -170,7 +170,8 @@ contains
          call complain('expected "=" after "'//shortened(written)//'"')
       end if
       call scan_values(cursor, assignment, group, problems)
-      if (size(assignment%values) == 0 .and. .not. assignment%bad) call complain(shortened(written)//' has no value')
+      if (size(assignment%values) == 0 .and. .not. assignment%bad) &
+         call complain(shortened(written)//' has no value: give one, or leave the variable out')
 
    contains
 

@@ -106,7 +106,8 @@ contains
       call v%on_list(row('error_cos', 'm', 'cosine amplitudes of the static transmission error, harmonics 1, 2, ...; it adds to &
                          &the mesh displacement'), mesh%error_cos)
       call v%on_list(row('error_sin', 'm', 'sine amplitudes, likewise'), mesh%error_sin)
-      call v%on_integer(row('order', '', 'mesh frequency as a multiple of the fundamental, m_n', least=one), mesh%order)
+      call v%on_integer(row('order', '', 'mesh frequency as a multiple of the fundamental, m_n', least=one, &
+                            most=10000*one), mesh%order)
       call v%leave()
    end subroutine visit_mesh
 

@@ -45,7 +45,7 @@ contains
 
       if (allocated(found%ended) .or. .not. allocated(found%motions)) found = empty
       call check_train(train, error)
-      if (.not. allocated(error)) call check_attractors(settings, error)
+      if (.not. allocated(error)) call check_attractors(train, settings, error)
       if (allocated(error)) return
       call build_system(train, system)
       integration%harmonics = settings%harmonics

@@ -1,10 +1,12 @@
 !> Time integration to a steady motion, and its period: 1 to 16 mesh periods, else none found.
 module geartrain_motion_integration
+   use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_observer, only: observer_type
-   use geartrain_base_numbers, only: text
+   use geartrain_base_numbers, only: real_text, text
    use geartrain_model_check, only: check_train
+   use geartrain_model_limits, only: check_frequency
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    use geartrain_motion_flow, only: flow_type
@@ -13,7 +15,7 @@ module geartrain_motion_integration
    use geartrain_motion_motion, only: motion_type
    use geartrain_motion_orbit, only: flow_order, flow_tolerance, measure, propagate
    use geartrain_motion_start_state, only: resting_state, state_of
-   use geartrain_motion_variables, only: check_integration, smallest_frequency
+   use geartrain_motion_variables, only: check_integration
    use geartrain_stability_monodromy, only: eigenvalues, is_neutral, is_stable
    implicit none (type, external)
    private
@@ -48,7 +50,7 @@ contains
 
       call check_train(train, error)
       if (allocated(error)) return
-      call check_single(settings, frequency, error)
+      call check_single(train, settings, frequency, error)
       if (allocated(error)) return
       call build_system(train, system)
       allocate (state(2*system%elements))
@@ -80,21 +82,26 @@ contains
    end subroutine add_exponent
 
    !> Settings for a single frequency, which takes the place of the range.
-   subroutine check_single(settings, frequency, error)
+   subroutine check_single(train, settings, frequency, error)
+      type(train_type), intent(in) :: train
       type(integration_settings_type), intent(in) :: settings
       real(dp), intent(in) :: frequency
       type(error_type), allocatable, intent(inout) :: error
       type(integration_settings_type) :: single
+      type(checker_type) :: checker
 
-      if (.not. (frequency >= smallest_frequency .and. frequency <= huge(1.0_dp))) then
-         call fatal(error, 'frequency = '//text(frequency)//': must be >= '//text(smallest_frequency))
-         return
+      if (.not. (frequency > 0 .and. frequency <= huge(1.0_dp))) then
+         call checker%complain('frequency', real_text(frequency), 'must be a finite number > 0')
+      else
+         call check_frequency(train, 'frequency', frequency, checker)
       end if
+      call checker%problems%raise('', error)
+      if (allocated(error)) return
       single = settings
       single%start = frequency
       single%stop = frequency
       single%points = 1
-      call check_integration(single, error)
+      call check_integration(train, single, error)
    end subroutine check_single
 
    subroutine check_start(system, start, error)

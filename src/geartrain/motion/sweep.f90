@@ -1,6 +1,6 @@
 !> Time integration over a range of frequencies, each begun with the state that the last one ended in.
 module geartrain_motion_sweep
-   use geartrain_base_error, only: error_type
+   use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_base_numbers, only: text
@@ -32,7 +32,7 @@ contains
       type(system_type) :: system
       real(dp), allocatable :: state(:)
       real(dp) :: low, high, frequency
-      integer :: i, n, done, total
+      integer :: i, n, done, total, status
       logical :: keep_going, stopped, resumed
 
       total = merge(2*settings%points, settings%points, settings%direction == 'both')
@@ -41,7 +41,7 @@ contains
       if (.not. resumed) result = empty
       call check_train(train, error)
       if (allocated(error)) return
-      call check_integration(settings, error)
+      call check_integration(train, settings, error)
       if (allocated(error)) return
       call build_system(train, system)
       allocate (state(2*system%elements))
@@ -49,7 +49,13 @@ contains
       low = min(settings%start, settings%stop)
       high = max(settings%start, settings%stop)
       n = settings%points
-      if (.not. resumed) allocate (result%motions(total), result%direction(total))
+      if (.not. resumed) then
+         allocate (result%motions(total), result%direction(total), stat=status)
+         if (status /= 0) then
+            call fatal(error, 'integration: no memory for '//text(total)//' motions: take fewer points', status_ended_early)
+            return
+         end if
+      end if
       result%direction = 'up'
       if (settings%direction == 'down') result%direction = 'down'
       if (settings%direction == 'both') result%direction(n + 1:) = 'down'

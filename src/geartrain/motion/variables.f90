@@ -5,15 +5,14 @@ module geartrain_motion_variables
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text
    use geartrain_base_variable, only: row => variable_type, visitor_type
+   use geartrain_model_limits, only: check_frequency
+   use geartrain_model_train, only: train_type
    use geartrain_motion_attractors_settings, only: attractors_settings_type
    use geartrain_motion_integration_settings, only: integration_settings_type
    implicit none (type, external)
    private
    public :: visit_integration, check_integration, check_integration_consistency, visit_attractors, check_attractors, &
-      smallest_frequency
-
-   !> Smallest Lambda: a mesh period below it takes more than some 1e5 steps of the flow.
-   real(dp), parameter :: smallest_frequency = 1e-4_dp
+      check_attractors_consistency
 
    real(dp), parameter :: zero = 0, one = 1
 
@@ -25,11 +24,10 @@ contains
       character(:), allocatable :: word
 
       call v%enter('integration', 1)
-      call v%on_real(row('from', '', 'one end of the range of Lambda (start in a call)', required=.true., &
-                         least=smallest_frequency), &
+      call v%on_real(row('from', '', 'one end of the range of Lambda (start in a call)', required=.true., above=zero), &
                      settings%start)
-      call v%on_real(row('to', '', 'its other end (stop in a call)', required=.true., least=smallest_frequency), settings%stop)
-      call v%on_integer(row('points', '', 'frequencies in the range, both ends included', least=one), settings%points)
+      call v%on_real(row('to', '', 'its other end (stop in a call)', required=.true., above=zero), settings%stop)
+      call v%on_integer(row('points', '', 'frequencies in the range, both ends included', least=one, most=1e5*one), settings%points)
       word = trim(settings%direction)
       call v%on_text(row('direction', '', 'order in which the frequencies are visited, each starting from the motion before', &
                          choices='up down both'), word)
@@ -44,8 +42,9 @@ contains
       call v%leave()
    end subroutine visit_integration
 
-   !> Checks the settings of a sweep however they were made; the error tells every problem, one a line.
-   subroutine check_integration(settings, error)
+   !> Checks the settings of a sweep for a train that is in order; the error tells every problem, one a line.
+   subroutine check_integration(train, settings, error)
+      type(train_type), intent(in) :: train
       type(integration_settings_type), intent(in) :: settings
       type(error_type), allocatable, intent(out) :: error
       type(integration_settings_type) :: copy
@@ -53,19 +52,22 @@ contains
 
       copy = settings
       call visit_integration(copy, checker)
-      call check_integration_consistency(settings, checker)
+      call check_integration_consistency(train, settings, checker)
       call checker%problems%raise('', error)
    end subroutine check_integration
 
    !> What single values cannot say; the problems are added to those of `checker`.
-   subroutine check_integration_consistency(settings, checker)
+   subroutine check_integration_consistency(train, settings, checker)
+      type(train_type), intent(in) :: train
       type(integration_settings_type), intent(in) :: settings
       class(checker_type), intent(inout) :: checker
 
       if (checker%problems%in_group('integration')) return
-      if (abs(settings%start - settings%stop) > 0 .or. settings%points == 1) return
       call checker%enter('integration', 1)
-      call checker%complain('points', integer_text(settings%points), 'must be 1 where from and to are equal')
+      if (abs(settings%start - settings%stop) <= 0 .and. settings%points /= 1) &
+         call checker%complain('points', integer_text(settings%points), 'must be 1 where from and to are equal')
+      call check_frequency(train, 'from', settings%start, checker)
+      call check_frequency(train, 'to', settings%stop, checker)
       call checker%leave()
    end subroutine check_integration_consistency
 
@@ -74,9 +76,9 @@ contains
       class(visitor_type), intent(inout) :: v
 
       call v%enter('attractors', 1)
-      call v%on_real(row('frequency', '', 'Lambda', required=.true., least=smallest_frequency), settings%frequency)
+      call v%on_real(row('frequency', '', 'Lambda', required=.true., above=zero), settings%frequency)
       call v%on_integer(row('starts', '', 'random starts: mesh displacements and velocities within three times the resting &
-                            &displacement', least=one), settings%starts)
+                            &displacement', least=one, most=1e6*one), settings%starts)
       call v%on_integer(row('random_seed', '', 'the same seed gives the same starts'), settings%random_seed)
       call v%on_logical(row('follow', '', 'each motion found that lies on no branch of the case yet is followed as one, over the &
                             &range of &response and with its settings'), settings%follow)
@@ -90,8 +92,9 @@ contains
       call v%leave()
    end subroutine visit_attractors
 
-   !> Checks the settings of a search however they were made; the error tells every problem, one a line.
-   subroutine check_attractors(settings, error)
+   !> Checks the settings of a search for a train that is in order; the error tells every problem, one a line.
+   subroutine check_attractors(train, settings, error)
+      type(train_type), intent(in) :: train
       type(attractors_settings_type), intent(in) :: settings
       type(error_type), allocatable, intent(out) :: error
       type(attractors_settings_type) :: copy
@@ -99,7 +102,20 @@ contains
 
       copy = settings
       call visit_attractors(copy, checker)
+      call check_attractors_consistency(train, settings, checker)
       call checker%problems%raise('', error)
    end subroutine check_attractors
+
+   !> What single values cannot say; the problems are added to those of `checker`.
+   subroutine check_attractors_consistency(train, settings, checker)
+      type(train_type), intent(in) :: train
+      type(attractors_settings_type), intent(in) :: settings
+      class(checker_type), intent(inout) :: checker
+
+      if (checker%problems%in_group('attractors')) return
+      call checker%enter('attractors', 1)
+      call check_frequency(train, 'frequency', settings%frequency, checker)
+      call checker%leave()
+   end subroutine check_attractors_consistency
 
 end module geartrain_motion_variables

@@ -1,5 +1,5 @@
-!> The hard cases of docs/hard-cases.md; the last line is `N passed, N failed`. Arguments: --all, with what takes minutes; --table,
-!> the rows of the document.
+!> The hard cases of docs/hard-cases.md; the last line is `N passed, N failed`. Arguments: --table, the rows
+!> of the document; --all, in a debug build too what takes minutes there.
 program hard
    use hard_cases, only: cases_type
    use hard_closed_forms, only: closed_forms_cases

@@ -27,6 +27,12 @@ contains
       call meissner(cases, 1.3_dp, 0.0_dp)
       call meissner(cases, 2.05_dp, 0.0_dp)
       call meissner(cases, 2.05_dp, 0.05_dp)
+      ! Edges of the principal instability, multiplier -1: zeros of Hill's determinant (61 harmonics), by integration (DOP853) the
+      ! same to 1e-13; zeros of 1 + trace + exp(-2 zeta T) of the rectangular wave.
+      call boundary(cases, 'Mathieu', [0.3_dp], 0.05_dp, [1.8831440170837_dp, 2.1063923779291_dp])
+      call boundary(cases, 'Mathieu', [0.6_dp], 0.1_dp, [1.7582959167643_dp, 2.2019461807863_dp])
+      call boundary(cases, 'Meissner', rectangular_wave(0.4_dp), 0.0_dp, [1.7406868289481_dp, 2.2460985098936_dp])
+      call boundary(cases, 'Meissner', rectangular_wave(0.4_dp), 0.05_dp, [1.7584523130347_dp, 2.2232619075615_dp])
       call reflection(cases)
       call in_contact(cases)
    end subroutine closed_forms_cases
@@ -64,11 +70,10 @@ contains
       real(dp), parameter :: depth = 0.4_dp
       real(dp) :: fast, slow, half, trace
       character(40) :: text
-      integer :: h
 
       train = single_pair(zeta, 0.0_dp, 1.0_dp)
       train%meshes%half_backlash = 0
-      train%meshes(1)%stiffness_cos = [(4*depth/(pi*h)*sin(h*pi/2), h=1, 199)]
+      train%meshes(1)%stiffness_cos = rectangular_wave(depth)
       branch = solve(train, settings_of(frequency, 1.001_dp*frequency, 8))
       fast = sqrt(1 + depth - zeta**2)
       slow = sqrt(1 - depth - zeta**2)
@@ -78,6 +83,47 @@ contains
       call cases%measured(trim(text), 'sum of the multipliers in closed form (199 harmonics of the wave)', &
                           abs(real(sum(branch%multipliers(:, 1)), dp) - trace*exp(-zeta*2*half)), 1e-6_dp)
    end subroutine meissner
+
+   !> Harmonics 1 to 199 of a wave of +depth and -depth.
+   pure function rectangular_wave(depth) result(amplitude)
+      real(dp), intent(in) :: depth
+      real(dp) :: amplitude(199)
+      integer :: h
+
+      amplitude = [(4*depth/(pi*h)*sin(h*pi/2), h=1, size(amplitude))]
+   end function rectangular_wave
+
+   !> Where a multiplier is -1 on the lower and the upper edge of a band of instability; the verdict changes there.
+   subroutine boundary(cases, name, stiffness, zeta, edge)
+      class(cases_type), intent(inout) :: cases
+      character(*), intent(in) :: name
+      real(dp), intent(in) :: stiffness(:), zeta, edge(2)
+      type(train_type) :: train
+      type(branch_type) :: branch
+      real(dp) :: off
+      logical :: changes
+      character(16) :: text
+      integer :: i
+
+      train = single_pair(zeta, 0.0_dp, 1.0_dp)
+      train%meshes%half_backlash = 0
+      train%meshes(1)%stiffness_cos = stiffness
+      off = 0
+      changes = .true.
+      do i = 1, 2
+         branch = solve(train, settings_of(edge(i), 1.001_dp*edge(i), 8))
+         ! Well conditioned also where both are -1.
+         off = max(off, abs(1 + sum(branch%multipliers(:, 1)) + product(branch%multipliers(:, 1))))
+         branch = solve(train, settings_of(0.999_dp*edge(i), 0.9991_dp*edge(i), 8))
+         changes = changes .and. (branch%stable(1) .eqv. i == 1)
+         branch = solve(train, settings_of(1.001_dp*edge(i), 1.0011_dp*edge(i), 8))
+         changes = changes .and. (branch%stable(1) .eqv. i == 2)
+      end do
+      write (text, '(a, f5.2)') ', zeta =', zeta
+      call cases%measured(name//', edges of the principal instability'//trim(text), &
+                          'a multiplier is -1: 1 + their sum + their product', off, merge(1e-9_dp, 1e-6_dp, name == 'Mathieu'))
+      if (zeta > 0) call cases%holds(name//', 0.1 % beside these edges'//trim(text), 'stable outside, unstable inside', changes)
+   end subroutine boundary
 
    !> Torque and transmission errors with the other sign: every displacement with the other sign.
    subroutine reflection(cases)

@@ -10,9 +10,9 @@ module hard_cases
    public :: cases_type, solve, solution
 
    type, extends(tests_type) :: cases_type
-      !> Also what takes minutes; print the rows.
-      logical :: all_of_them = .false., table = .false.
-      !> Checked by a debug build, which takes ten times as long: the longest cases are left to others.
+      !> Print the rows.
+      logical :: table = .false.
+      !> A debug build, which takes ten times as long: the longest cases are left to the others, unless --all asks for them.
       logical :: slow_build = .false.
       integer :: rows = 0
    contains
@@ -30,12 +30,12 @@ contains
       character(16) :: argument
       integer :: i
 
+      self%slow_build = index(compiler_options(), '-fcheck') > 0
       do i = 1, command_argument_count()
          call get_command_argument(i, argument)
-         if (argument == '--all') self%all_of_them = .true.
+         if (argument == '--all') self%slow_build = .false.
          if (argument == '--table') self%table = .true.
       end do
-      self%slow_build = index(compiler_options(), '-fcheck') > 0
    end subroutine open
 
    !> Begins a group of cases.

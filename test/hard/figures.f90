@@ -3,6 +3,7 @@
 module hard_figures
    use fixtures, only: paper_train, settings_of
    use geartrain, only: branch_type, dp, error_type, motion_type, response_settings_type, solutions_at, train_type
+   use geartrain_branch_summary, only: folds
    use hard_cases, only: cases_type, solve
    implicit none (type, external)
    private
@@ -20,35 +21,32 @@ contains
       call cases%heading('Figures, each from both ends and at several step sizes')
       train = paper_train()
       train%input_torque = 100
-      call figure(cases, train, 'figure 6, 100 N m', [6, 12, 24, 48], 3)
-      call figure(cases, paper_train(0.42_dp), 'figure 7, kappa 0.42', [6, 12, 24, 48], 1)
-      call figure(cases, rectangular(-0.085_dp), 'figure 8 as printed', [6, 12, 24, 48], 1)
-      call figure(cases, rectangular(0.084_dp), 'figure 8, rectangular wave', [6, 12, 24, 48], 1)
+      call figure(cases, train, 'figure 6, 100 N m')
+      call figure(cases, paper_train(0.42_dp), 'figure 7, kappa 0.42')
+      call figure(cases, rectangular(-0.085_dp), 'figure 8 as printed')
+      call figure(cases, rectangular(0.084_dp), 'figure 8, rectangular wave')
       train = paper_train()
       train%meshes%damping_ratio = 0.03_dp
-      call figure(cases, train, 'figure 9, zeta 0.03', [6, 12, 24, 48], 1)
+      call figure(cases, train, 'figure 9, zeta 0.03')
       train%meshes%damping_ratio = 0.01_dp
-      call figure(cases, train, 'figure 9, zeta 0.01', [6, 12, 24, 48], 2)
+      call figure(cases, train, 'figure 9, zeta 0.01')
       train = paper_train()
       train%meshes(2)%order = 2
-      call figure(cases, train, 'figure 10', [6, 12, 24, 48], 1)
+      call figure(cases, train, 'figure 10')
       train%meshes%order = [3, 2]
-      call figure(cases, train, 'figure 11', [6, 12, 24, 48], 2)
+      call figure(cases, train, 'figure 11')
    end subroutine figures_cases
 
-   !> A figure at several numbers of harmonics, the first `usual` of them always, in a debug build one.
-   subroutine figure(cases, train, name, harmonics, usual)
+   !> A figure at several numbers of harmonics; in a debug build, which takes ten times as long, at the first of them.
+   subroutine figure(cases, train, name)
       class(cases_type), intent(inout) :: cases
       type(train_type), intent(in) :: train
       character(*), intent(in) :: name
-      integer, intent(in) :: harmonics(:), usual
+      integer, parameter :: harmonics(*) = [6, 12, 24, 48]
       character(8) :: number
-      integer :: i, last
+      integer :: i
 
-      last = usual
-      if (cases%slow_build) last = 1
-      if (cases%all_of_them) last = size(harmonics)
-      do i = 1, last
+      do i = 1, merge(1, size(harmonics), cases%slow_build)
          write (number, '(a, i0)') ', R = ', harmonics(i)
          call one_figure(cases, train, harmonics(i), name//trim(number))
       end do
@@ -68,8 +66,8 @@ contains
       type(motion_type), allocatable :: motions(:), reference(:)
       type(error_type), allocatable :: error
       real(dp) :: worst
-      integer :: i, k, run
-      logical :: complete, odd
+      integer :: i, k, run, turns
+      logical :: complete, odd, turned
       type :: list_type
          type(motion_type), allocatable :: motions(:)
       end type list_type
@@ -77,6 +75,7 @@ contains
 
       complete = .true.
       odd = .true.
+      turned = .true.
       worst = 0
       do run = 1, size(step)
          settings = settings_of(0.2_dp, 2.6_dp, harmonics)
@@ -85,6 +84,8 @@ contains
          settings%step = step(run)
          branch = solve(train, settings)
          complete = complete .and. branch%complete
+         if (run == 1) turns = size(folds(branch))
+         turned = turned .and. size(folds(branch)) == turns
          do i = 1, size(frequency)
             call solutions_at(train, settings, branch, frequency(i), motions, error)
             odd = odd .and. mod(size(motions) + passages(branch, frequency(i)), 2) == 1
@@ -101,6 +102,7 @@ contains
          end do
       end do
       call cases%holds(name, 'complete from either end, an odd number of solutions', complete .and. odd)
+      call cases%holds(name, 'it turns back as often, whatever end and step', turned)
       call cases%measured(name, 'the same solutions from the other end, at steps 0.2 and 0.02', worst, 1e-10_dp)
    end subroutine one_figure
 

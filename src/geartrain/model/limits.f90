@@ -1,0 +1,140 @@
+!> How slowly the teeth may mesh, how fast a part of the train may vibrate and how many harmonics a motion needs at least: what lies
+!> beyond would keep the program busy for hours over a single point, or leave an excitation out without a word.
+module geartrain_model_limits
+   use geartrain_base_checker, only: checker_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: integer_text, real_text
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: check_frequency, check_harmonics, check_stiffest
+
+   !> Smallest Lambda of a train whose meshes vibrate at the characteristic frequency: a mesh period below it takes more than some
+   !> 1e5 steps of the flow.
+   real(dp), parameter :: slowest = 1e-4_dp
+   !> Largest ratio of the frequencies of two elements: time steps, and what the multipliers cost, follow the fastest one.
+   real(dp), parameter :: largest_ratio = 1e6_dp
+
+contains
+
+   !> Adds a problem where Lambda is too small for a train that is in order: `name = value: must be >= ...`.
+   subroutine check_frequency(train, name, value, checker)
+      type(train_type), intent(in) :: train
+      character(*), intent(in) :: name
+      real(dp), intent(in) :: value
+      class(checker_type), intent(inout) :: checker
+      real(dp) :: decades, least
+
+      if (.not. in_order(train, checker)) return
+      ! Any two numbers that can be written: their ratio need not be one.
+      decades = log10(own_frequency(train)) - log10(train%characteristic_frequency)
+      least = slowest*10.0_dp**nint(max(-300.0_dp, min(300.0_dp, decades)))
+      if (.not. value >= least) call checker%complain(name, real_text(value), 'must be >= '//real_text(least)// &
+         ': the train vibrates too often in a slower mesh period')
+   end subroutine check_frequency
+
+   !> Adds a problem where the harmonics of a motion do not reach the mesh frequency of every mesh that excites it.
+   subroutine check_harmonics(train, harmonics, subharmonic, checker)
+      type(train_type), intent(in) :: train
+      integer, intent(in) :: harmonics, subharmonic
+      class(checker_type), intent(inout) :: checker
+      integer :: j
+
+      if (.not. in_order(train, checker)) return
+      do j = 1, size(train%meshes)
+         associate (mesh => train%meshes(j))
+            if (harmonics/subharmonic >= mesh%order) cycle
+            if (.not. (varies(mesh%stiffness_cos) .or. varies(mesh%stiffness_sin) .or. varies(mesh%error_cos) &
+                       .or. varies(mesh%error_sin))) cycle
+            call checker%complain('harmonics', integer_text(harmonics), 'must be >= order of &mesh '//integer_text(j)// &
+                                  ' times subharmonic, '//integer_text(mesh%order)//'*'//integer_text(subharmonic)// &
+                                  ': the excitation of that mesh would be left out')
+            return
+         end associate
+      end do
+   end subroutine check_harmonics
+
+   !> Adds a problem for every element that vibrates too fast beside the slowest mesh, in a train whose values are in their ranges.
+   subroutine check_stiffest(train, checker)
+      type(train_type), intent(in) :: train
+      class(checker_type), intent(inout) :: checker
+      real(dp) :: own, left, right
+      integer :: i, meshes
+
+      if (.not. in_order(train, checker)) return
+      own = own_frequency(train)
+      meshes = size(train%meshes)
+      do i = 1, meshes + 1
+         if (train%shafts(i)%rigid) cycle
+         left = train%prime_mover_inertia
+         if (i > 1) left = train%meshes(i - 1)%driven_inertia
+         right = train%load_inertia
+         if (i <= meshes) right = train%meshes(i)%driving_inertia
+         call check_element(sqrt(train%shafts(i)%stiffness)*sqrt(1/left + 1/right), 'shaft', train%shafts(i)%stiffness, &
+                            'make the shaft rigid, or give the inertias at its ends as they are')
+      end do
+      do i = 1, meshes
+         call check_element(mesh_frequency(train, i), 'mesh', train%meshes(i)%stiffness, &
+                            'are radii, inertias and stiffness in SI units?')
+      end do
+
+   contains
+
+      subroutine check_element(frequency, group, stiffness, cure)
+         real(dp), intent(in) :: frequency, stiffness
+         character(*), intent(in) :: group, cure
+
+         if (frequency <= largest_ratio*own) return
+         call checker%enter(group, i)
+         call checker%complain('stiffness', real_text(stiffness), 'must be smaller: it makes the part vibrate more than 1e6 times &
+                               &as fast as the slowest mesh, too fast to be followed: '//cure)
+         call checker%leave()
+      end subroutine check_element
+
+   end subroutine check_stiffest
+
+   !> What follows from the train can be said: it is whole, and nothing is wrong with it.
+   pure logical function in_order(train, checker)
+      type(train_type), intent(in) :: train
+      class(checker_type), intent(in) :: checker
+
+      in_order = allocated(train%shafts) .and. allocated(train%meshes)
+      if (.not. in_order) return
+      in_order = size(train%meshes) > 0 .and. size(train%shafts) == size(train%meshes) + 1 .and. train%characteristic_frequency > 0
+      ! What stands outside of a group is a problem of none.
+      if (in_order) in_order = all(train%meshes%stiffness > 0 .and. train%meshes%driving_radius > 0 .and. &
+                                   train%meshes%driven_radius > 0 .and. train%meshes%driving_inertia > 0 .and. &
+                                   train%meshes%driven_inertia > 0)
+      if (in_order) in_order = .not. (checker%problems%in_group('train') .or. checker%problems%in_group('shaft') .or. &
+                                      checker%problems%in_group('mesh'))
+   end function in_order
+
+   !> Frequency of the slowest mesh [rad/s], between its two gears alone; neither 0 nor infinite.
+   pure real(dp) function own_frequency(train)
+      type(train_type), intent(in) :: train
+      integer :: j
+
+      own_frequency = huge(1.0_dp)
+      do j = 1, size(train%meshes)
+         own_frequency = min(own_frequency, max(tiny(1.0_dp), mesh_frequency(train, j)))
+      end do
+   end function own_frequency
+
+   pure real(dp) function mesh_frequency(train, j) result(frequency)
+      type(train_type), intent(in) :: train
+      integer, intent(in) :: j
+
+      associate (mesh => train%meshes(j))
+         frequency = sqrt(mesh%stiffness)*hypot(mesh%driving_radius/sqrt(mesh%driving_inertia), &
+                                                mesh%driven_radius/sqrt(mesh%driven_inertia))
+      end associate
+   end function mesh_frequency
+
+   pure logical function varies(amplitudes)
+      real(dp), allocatable, intent(in) :: amplitudes(:)
+
+      varies = .false.
+      if (allocated(amplitudes)) varies = any(abs(amplitudes) > 0)
+   end function varies
+
+end module geartrain_model_limits
