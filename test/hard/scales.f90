@@ -88,7 +88,7 @@ contains
       type(motion_type), allocatable :: expected(:), motions(:)
       type(error_type), allocatable :: error
       real(dp), allocatable :: at(:), expected_at(:)
-      real(dp) :: worst
+      real(dp) :: worst, off
       integer :: i, k
 
       known = solve(scaled(1.0_dp), settings_of(0.2_dp, 2.6_dp, 6))
@@ -97,17 +97,20 @@ contains
       at = folds(branch)
       expected_at = folds(known)
       worst = 0
+      off = 0
       if (.not. (branch%complete .and. size(at) == size(expected_at))) worst = huge(1.0_dp)
       do i = 1, size(frequency)
          call solutions_at(scaled(1.0_dp), settings_of(0.2_dp, 2.6_dp, 6), known, frequency(i), expected, error)
          call solutions_at(train, settings, branch, frequency(i)*fast, motions, error)
          if (size(motions) /= size(expected) .or. size(motions) == 0) worst = huge(1.0_dp)
          do k = 1, min(size(motions), size(expected))
-            worst = max(worst, maxval(abs(motions(k)%rms/large - expected(k)%rms)/expected(k)%rms), &
-                        maxval(abs(abs(motions(k)%multipliers) - abs(expected(k)%multipliers))))
+            worst = max(worst, maxval(abs(motions(k)%rms/large - expected(k)%rms)/expected(k)%rms))
+            off = max(off, maxval(abs(abs(motions(k)%multipliers) - abs(expected(k)%multipliers))))
          end do
       end do
-      call cases%measured(name, 'rms and multipliers of the same train in fitting units', worst, 1e-10_dp)
+      call cases%measured(name, 'rms of the same train in fitting units', worst, 1e-10_dp)
+      ! They are integrated with series cut at 5e-10 (stability/propagator.f90).
+      call cases%measured(name, 'multipliers of the same train in fitting units', off, 5e-10_dp)
    end subroutine same_curve
 
    !> A light load never reaches the other flank: displacements in proportion to the torque.
