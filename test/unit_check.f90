@@ -94,9 +94,9 @@ contains
 
       case = paper_case()
       train = case%train
-      call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp), error)
+      call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp), .false., error)
       call tests%is_true(.not. allocated(error), 'default settings of a response')
-      call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp, control='x', step=0.0_dp), error)
+      call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp, control='x', step=0.0_dp), .false., error)
       call tests%is_true(allocated(error), 'bad settings of a response are refused')
       if (allocated(error)) call tests%is_text(error%message, '&response: control = ''x'': must be ''arclength'' or ''local''' &
                                                //new_line('a')//'&response: step = 0.0: must be > 0', 'message')
@@ -106,29 +106,29 @@ contains
       call tests%is_true(allocated(error), 'bad settings of a sweep are refused')
       if (allocated(error)) call tests%is_text(error%message, '&integration: points = 0: must be >= 1 and <= 100000', 'message')
       ! What would keep the program busy for hours, fill the memory, or leave an excitation out.
-      call check_response(train, response_settings_type(start=5e-5_dp, stop=2.6_dp), error)
+      call check_response(train, response_settings_type(start=5e-5_dp, stop=2.6_dp), .false., error)
       call tests%is_true(allocated(error), 'a Lambda far below what the train vibrates at is refused')
       if (allocated(error)) call tests%is_text(error%message, '&response: from = 5.0e-5: must be >= 0.0001: the train vibrates &
                                                &too often in a slower mesh period', 'message')
       train%characteristic_frequency = 1e6_dp*train%characteristic_frequency
-      call check_response(train, response_settings_type(start=2e-7_dp, stop=2.6e-6_dp), error)
+      call check_response(train, response_settings_type(start=2e-7_dp, stop=2.6e-6_dp), .false., error)
       call tests%is_true(.not. allocated(error), 'the same Lambda over the own frequency of the train: any unit will do')
       train = case%train
       train%characteristic_frequency = 1e-300_dp
       train%meshes%stiffness = [1e300_dp, 1e300_dp]
       train%meshes%driving_inertia = 1e-300_dp
-      call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp), error)
+      call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp), .false., error)
       call tests%is_true(allocated(error), 'a frequency beyond all numbers: refused without an overflow')
       train = case%train
       train%meshes%order = [2, 17]
-      call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp, harmonics=33, subharmonic=2), error)
+      call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp, harmonics=33, subharmonic=2), .false., error)
       call tests%is_true(allocated(error), 'harmonics that do not reach the mesh frequency are refused')
       if (allocated(error)) call tests%is_text(error%message, '&response: harmonics = 33: must be >= order of &mesh 2 times &
                                                &subharmonic, 17*2: the excitation of that mesh would be left out', 'message')
-      call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp, harmonics=34, subharmonic=2), error)
+      call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp, harmonics=34, subharmonic=2), .false., error)
       call tests%is_true(.not. allocated(error), 'harmonics that just reach it')
       train%meshes(2)%stiffness_cos = [0.0_dp]
-      call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp, harmonics=4, subharmonic=2), error)
+      call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp, harmonics=4, subharmonic=2), .false., error)
       call tests%is_true(.not. allocated(error), 'a mesh that excites nothing needs no harmonics')
       call check_integration(case%train, integration_settings_type(start=0.2_dp, stop=2.6_dp, points=2000000000), error)
       call tests%is_true(allocated(error), 'more points than memory are refused')

@@ -10,7 +10,7 @@ module geartrain_branch_beyond
    use geartrain_motion_trigonometric, only: rms
    implicit none (type, external)
    private
-   public :: pass_beyond, came_down, left_range
+   public :: pass_beyond, came_down, left_range, lost
 
    !> What became of the branch: below the limit again, out of the range of Lambda, not to be followed further.
    integer, parameter :: came_down = 1, left_range = 2, lost = 3

@@ -49,6 +49,8 @@ module geartrain_branch_branch
       logical :: from_stop = .false.
       !> That one was followed to where it leaves the range.
       logical :: whole = .false.
+      !> Points that it has.
+      integer :: first_points = 0
       !> Steps done; 0: the trace from this end has not begun.
       integer :: steps = 0
       !> Harmonics in use.

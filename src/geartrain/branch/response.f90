@@ -7,8 +7,9 @@ module geartrain_branch_response
    use geartrain_base_observer, only: observer_type
    use geartrain_base_numbers, only: text
    use geartrain_branch_branch, only: branch_type, response_settings_type, special_point_type
-   use geartrain_branch_beyond, only: came_down, left_range, pass_beyond
+   use geartrain_branch_beyond, only: came_down, left_range, lost, pass_beyond
    use geartrain_branch_path, only: place_type
+   use geartrain_branch_points, only: drop_first, is_same_point, put_in_front, same_motion
    use geartrain_branch_start, only: begin_trace, place_of, resting
    use geartrain_branch_tracer, only: came_back, cancelled, closed_loop, left_by_amplitude, met_half_period, reached_end, &
                                       left_beyond, tracer_type
@@ -25,8 +26,6 @@ module geartrain_branch_response
 
    !> The outcome of a part that would begin where the branch ends, beside those of the tracer.
    integer, parameter :: known_start = -1
-   !> Relative distance of the coefficients up to which two motions at one frequency, both solved for, are one.
-   real(dp), parameter :: same_motion = 1e-6_dp
 
 contains
 
@@ -55,7 +54,7 @@ contains
          branch = empty
       end if
       call check_train(train, error)
-      if (.not. allocated(error)) call check_response(train, settings, error)
+      if (.not. allocated(error)) call check_response(train, settings, present(seed), error)
       if (.not. allocated(error) .and. present(seed)) call check_seed(train, seed, error)
       if (allocated(error)) return
       call begin_trace(train, settings, tracer)
@@ -81,12 +80,17 @@ contains
             branch%trace%whole = followed_out(outcome)
          end if
          if (outcome /= cancelled) then
+            if (.not. branch%trace%from_stop) branch%trace%first_points = branch%points
             branch%trace%from_stop = .true.
             call trace_part(train, tracer, settings%stop, settings%start, branch, outcome, reason, observer)
             if (outcome /= known_start) then
                branch%complete = outcome == reached_end .or. branch%trace%whole .and. followed_out(outcome)
                branch%ended = 'from Lambda = '//text(settings%start)//': '//branch%ended//'; from Lambda = ' &
                               //text(settings%stop)//': '//reason
+            end if
+            ! It came to where the first part began, over all that this one holds.
+            if (outcome == reached_end .and. branch%trace%first_points > 0) then
+               if (is_same_point(branch, 1, branch%points)) call drop_first(branch, branch%trace%first_points)
             end if
          end if
          deallocate (branch%trace)
@@ -139,7 +143,7 @@ contains
          branch%trace%steps = 0
          branch%trace%before = ''
          call tracer%note_state(branch%trace)
-         call find_start(train, tracer, from, place, success, observer)
+         call find_start(train, tracer, from, to, place, success, observer)
          if (.not. success) then
             reason = 'no motion of period '//text(tracer%settings%subharmonic)//' found to start from'
             if (floats(tracer%system)) reason = reason//' (without a mean torque a train with backlash floats in its gaps, &
@@ -167,6 +171,8 @@ contains
             outcome = left_beyond
             reason = reason//' and left the range of Lambda beyond it'
          end if
+         if (beyond == lost) reason = reason//' and could not be followed beyond it; &
+            &a larger amplitude_limit traces it there as usual'
          if (beyond /= came_down) return
          call tracer%adapt(place, success)
          before = before//'beyond the amplitude limit '//text(tracer%amplitude_limit)//' from Lambda = '//text(left_at) &
@@ -202,18 +208,19 @@ contains
    end function floats
 
    !> A motion at exactly the frequency: from rest, one that time integration settles on, or on the branch of a frequency at
-   !> which there is one from rest.
-   subroutine find_start(train, tracer, frequency, place, success, observer)
+   !> which there is one from rest, outside the range that ends at `other` or in it.
+   subroutine find_start(train, tracer, frequency, other, place, success, observer)
       type(train_type), intent(in) :: train
       type(tracer_type), intent(inout) :: tracer
-      real(dp), intent(in) :: frequency
+      real(dp), intent(in) :: frequency, other
       type(place_type), intent(out) :: place
       logical, intent(out) :: success
       class(observer_type), intent(inout), optional :: observer
       type(motion_type) :: motion
       type(integration_settings_type) :: integration
       type(error_type), allocatable :: error
-      real(dp), parameter :: elsewhere(*) = [0.5_dp, 2.0_dp, 0.2_dp, 5.0_dp]
+      real(dp), parameter :: times(*) = [0.5_dp, 2.0_dp, 0.2_dp, 5.0_dp], share(*) = [0.25_dp, 0.5_dp, 0.75_dp, 1.0_dp]
+      real(dp) :: elsewhere(size(times) + size(share))
       integer :: i
 
       place = resting(tracer, frequency)
@@ -224,9 +231,10 @@ contains
          place = place_of(tracer, motion)
          call tracer%path%solve_at(place, success)
       end if
+      elsewhere = [times*frequency, frequency + share*(other - frequency)]
       do i = 1, size(elsewhere)
          if (success) return
-         call scout(train, tracer%settings, elsewhere(i)*frequency, frequency, motion, success)
+         call scout(train, tracer%settings, elsewhere(i), frequency, motion, success)
          if (.not. success) cycle
          place = place_of(tracer, motion)
          call tracer%path%solve_at(place, success)
@@ -315,39 +323,5 @@ contains
       branch%complete = any(outcome == proper_ends) .and. any(forward_outcome == proper_ends)
       branch%ended = 'forwards from the seed: '//branch%ended//'; backwards: '//reason
    end subroutine trace_from_seed
-
-   !> Reverses the points after `forward` and puts them before the others.
-   subroutine put_in_front(branch, forward)
-      type(branch_type), intent(inout), target :: branch
-      integer, intent(in) :: forward
-      integer :: order(branch%points), i, n, place(branch%points)
-
-      n = branch%points
-      order = [(i, i=n, forward + 1, -1), (i, i=1, forward)]
-      branch%frequency(:n) = branch%frequency(order)
-      branch%coefficients(:, :, :n) = branch%coefficients(:, :, order)
-      branch%rms(:, :n) = branch%rms(:, order)
-      branch%mean(:, :n) = branch%mean(:, order)
-      branch%minimum(:, :n) = branch%minimum(:, order)
-      branch%maximum(:, :n) = branch%maximum(:, order)
-      branch%mesh_load(:, :n) = branch%mesh_load(:, order)
-      branch%error_estimate(:n) = branch%error_estimate(order)
-      branch%estimate_doubtful(:n) = branch%estimate_doubtful(order)
-      branch%point_harmonics(:n) = branch%point_harmonics(order)
-      if (allocated(branch%stable)) then
-         branch%multipliers(:, :n) = branch%multipliers(:, order)
-         branch%stable(:n) = branch%stable(order)
-         branch%undecided(:n) = branch%undecided(order)
-         branch%second_estimate(:n) = branch%second_estimate(order)
-      end if
-      place(order) = [(i, i=1, n)]
-      do i = 1, size(branch%special_points)
-         associate (special => branch%special_points(i))
-            ! The order being reversed, the point after a place comes before it; a fold is a point itself.
-            if (special%point > forward .and. special%kind /= 'fold') special%point = special%point + 1
-            special%point = place(special%point)
-         end associate
-      end do
-   end subroutine put_in_front
 
 end module geartrain_branch_response

@@ -61,23 +61,26 @@ contains
    end subroutine visit_response
 
    !> Checks the settings for a train that is in order; the error tells every problem, one a line.
-   subroutine check_response(train, settings, error)
+   subroutine check_response(train, settings, seeded, error)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
+      !> It starts from a motion that is given, not from rest.
+      logical, intent(in) :: seeded
       type(error_type), allocatable, intent(out) :: error
       type(response_settings_type) :: copy
       type(checker_type) :: checker
 
       copy = settings
       call visit_response(copy, checker)
-      call check_response_consistency(train, settings, checker)
+      call check_response_consistency(train, settings, seeded, checker)
       call checker%problems%raise('', error)
    end subroutine check_response
 
    !> What single values cannot say; the problems are added to those of `checker`.
-   subroutine check_response_consistency(train, settings, checker)
+   subroutine check_response_consistency(train, settings, seeded, checker)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
+      logical, intent(in) :: seeded
       class(checker_type), intent(inout) :: checker
       integer :: fewest
 
@@ -101,6 +104,10 @@ contains
       if (settings%period_doublings > 0 .and. .not. settings%stability) then
          call checker%complain('period_doublings', integer_text(settings%period_doublings), &
                                'needs stability = .true.: the multipliers tell where a period doubles')
+      end if
+      if (settings%period_doublings > 0 .and. settings%subharmonic > 1 .and. .not. seeded) then
+         call checker%complain('period_doublings', integer_text(settings%period_doublings), 'must be 0 where subharmonic > 1: &
+                               &from rest the motion is one of period 1, whose doublings are followed with subharmonic = 1')
       end if
       call checker%leave()
    end subroutine check_response_consistency

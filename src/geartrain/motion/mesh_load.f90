@@ -6,7 +6,7 @@ module geartrain_motion_mesh_load
    use geartrain_base_fftw, only: transform_type
    use geartrain_base_kinds, only: dp, pi
    use geartrain_model_system, only: series_type, series_value, system_type
-   use geartrain_motion_trigonometric, only: evaluate, sample
+   use geartrain_motion_trigonometric, only: evaluate, highest_maxima, sample
    implicit none (type, external)
    private
    public :: mesh_load_type, force_reader_type, elastic, put_force, stiffness_samples
@@ -111,42 +111,32 @@ contains
       call put_force(system, mesh, largest, reversed, load)
    end subroutine read_force
 
-   !> Largest value of side*phi: of the maxima among the samples the one whose parabola is highest, then Newton on the slope.
+   !> Largest value of side*phi: Newton on the slope from the highest maxima among the samples.
    !> The kinks of phi, at contact events of the flank that bears the load, are minima: none is missed by that.
    pure real(dp) function top(force, side, u, harmonic, stiffness, eta, backlash, rate)
       real(dp), intent(in) :: force(:), u(:), backlash, rate
       integer, intent(in) :: side, harmonic(:), eta
       type(series_type), intent(in) :: stiffness
-      real(dp) :: spacing, theta, left, here, right, offset, highest, phi, slope, curvature, correction
-      integer :: i, q, samples
+      real(dp) :: place(size(force)/2 + 1), spacing, theta, phi, slope, curvature, correction
+      integer :: i, k, number
 
-      samples = size(force)
-      spacing = 2*pi/samples
-      top = side*force(1)
-      highest = -huge(1.0_dp)
-      theta = 0
-      do q = 1, samples
-         here = side*force(q)
-         left = side*force(merge(samples, q - 1, q == 1))
-         right = side*force(merge(1, q + 1, q == samples))
-         if (here < left .or. here <= right) cycle
-         offset = 0.5_dp*(right - left)/(2*here - left - right)
-         if (here + 0.25_dp*(right - left)*offset <= highest) cycle
-         highest = here + 0.25_dp*(right - left)*offset
-         top = here
-         theta = (q - 1 + offset)*spacing
-      end do
-      do i = 1, 8
-         call force_at(theta, u, harmonic, stiffness, eta, backlash, rate, phi, slope, curvature)
-         top = max(top, side*phi)
-         if (.not. side*curvature < 0) return
-         correction = -slope/curvature
-         if (abs(correction) < 1e-4_dp) then
-            ! What is left of the way up is a parabola.
-            top = max(top, side*(phi + 0.5_dp*slope*correction))
-            return
-         end if
-         theta = theta + max(-spacing, min(spacing, correction))
+      spacing = 2*pi/size(force)
+      top = maxval(side*force)
+      call highest_maxima(force, side, place, number)
+      do k = 1, number
+         theta = place(k)
+         do i = 1, 8
+            call force_at(theta, u, harmonic, stiffness, eta, backlash, rate, phi, slope, curvature)
+            top = max(top, side*phi)
+            if (.not. side*curvature < 0) exit
+            correction = -slope/curvature
+            if (abs(correction) < 1e-4_dp) then
+               ! What is left of the way up is a parabola.
+               top = max(top, side*(phi + 0.5_dp*slope*correction))
+               exit
+            end if
+            theta = theta + max(-spacing, min(spacing, correction))
+         end do
       end do
    end function top
 

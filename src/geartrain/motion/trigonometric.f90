@@ -5,7 +5,7 @@ module geartrain_motion_trigonometric
    use geartrain_base_kinds, only: dp, pi
    implicit none (type, external)
    private
-   public :: evaluate, sample, extremes, rms, fine_samples
+   public :: evaluate, sample, extremes, highest_maxima, rms, fine_samples
 
 contains
 
@@ -76,8 +76,7 @@ contains
       call transform%to_samples()
    end subroutine sample
 
-   !> Smallest and largest value over a period: the best sample, then Newton on the slope. Leaves the samples in
-   !> transform%sample.
+   !> Smallest and largest value over a period. Leaves the samples in transform%sample.
    subroutine extremes(u, harmonic, transform, smallest, largest)
       real(dp), intent(in) :: u(:)
       integer, intent(in) :: harmonic(:)
@@ -85,31 +84,66 @@ contains
       real(dp), intent(out) :: smallest, largest
 
       call sample(u, harmonic, transform)
-      largest = polished(maxloc(transform%sample, 1), maxval(transform%sample), 1)
-      smallest = polished(minloc(transform%sample, 1), minval(transform%sample), -1)
+      largest = extreme(1)
+      smallest = extreme(-1)
 
    contains
 
-      real(dp) function polished(index, start, sign)
-         integer, intent(in) :: index, sign
-         real(dp), intent(in) :: start
-         real(dp) :: theta, p, slope, curvature, spacing, correction
-         integer :: i
+      !> Newton on the slope from each of the highest maxima of side*p among the samples.
+      real(dp) function extreme(side)
+         integer, intent(in) :: side
+         real(dp) :: place(transform%samples/2 + 1), spacing, theta, p, slope, curvature, correction
+         integer :: i, k, number
 
-         polished = start
          spacing = 2*pi/transform%samples
-         theta = (index - 1)*spacing
-         do i = 1, 6
-            call evaluate(u, harmonic, theta, p, slope, curvature)
-            polished = sign*max(sign*polished, sign*p)
-            if (sign*curvature >= 0) exit
-            correction = -slope/curvature
-            theta = theta + max(-spacing, min(spacing, correction))
-            if (abs(correction) < 1e-9_dp) exit
+         extreme = side*maxval(side*transform%sample)
+         call highest_maxima(transform%sample, side, place, number)
+         do k = 1, number
+            theta = place(k)
+            do i = 1, 6
+               call evaluate(u, harmonic, theta, p, slope, curvature)
+               extreme = side*max(side*extreme, side*p)
+               if (side*curvature >= 0) exit
+               correction = -slope/curvature
+               if (abs(correction) < 1e-9_dp) exit
+               theta = theta + max(-spacing, min(spacing, correction))
+            end do
          end do
-      end function polished
+      end function extreme
 
    end subroutine extremes
+
+   !> Angles of the maxima of side*values over a period: of those whose height, by a parabola through three neighbours, is the
+   !> greatest or so near to it that the error of the parabola could hide the greatest.
+   pure subroutine highest_maxima(values, side, place, number)
+      real(dp), intent(in) :: values(:)
+      integer, intent(in) :: side
+      real(dp), intent(out) :: place(:)
+      integer, intent(out) :: number
+      !> Share of the range of the values that counts as near.
+      real(dp), parameter :: near = 0.03_dp
+      real(dp) :: height(size(place)), left, here, right, offset
+      logical :: high(size(place))
+      integer :: q, n
+
+      n = size(values)
+      number = 0
+      do q = 1, n
+         here = side*values(q)
+         left = side*values(merge(n, q - 1, q == 1))
+         right = side*values(merge(1, q + 1, q == n))
+         if (here < left .or. here <= right) cycle
+         offset = 0.5_dp*(right - left)/(2*here - left - right)
+         number = number + 1
+         height(number) = here + 0.25_dp*(right - left)*offset
+         place(number) = (q - 1 + offset)*2*pi/n
+      end do
+      if (number < 2) return
+      n = number
+      high(:n) = height(:n) >= maxval(height(:n)) - near*(maxval(values) - minval(values))
+      number = count(high(:n))
+      place(:number) = pack(place(:n), high(:n))
+   end subroutine highest_maxima
 
    !> The paper's rms: square root of the sum of squared harmonic amplitudes, mean left out.
    pure real(dp) function rms(u)

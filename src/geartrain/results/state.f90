@@ -216,6 +216,7 @@ contains
 
       call archive%carry(trace%from_stop)
       call archive%carry(trace%whole)
+      call archive%carry(trace%first_points)
       call archive%carry(trace%steps)
       call archive%carry(trace%harmonics)
       call archive%carry(trace%step)

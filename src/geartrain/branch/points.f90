@@ -1,0 +1,88 @@
+!> The points of a branch as a list: turned round, shortened, compared.
+module geartrain_branch_points
+   use geartrain_base_kinds, only: dp
+   use geartrain_branch_branch, only: branch_type
+   implicit none (type, external)
+   private
+   public :: drop_first, is_same_point, put_in_front, same_motion
+
+   !> Relative distance of the coefficients up to which two motions at one frequency, both solved for, are one.
+   real(dp), parameter :: same_motion = 1e-6_dp
+
+contains
+
+   !> Reverses the points after `forward` and puts them before the others.
+   subroutine put_in_front(branch, forward)
+      type(branch_type), intent(inout), target :: branch
+      integer, intent(in) :: forward
+      integer :: order(branch%points), i, n, place(branch%points)
+
+      n = branch%points
+      order = [(i, i=n, forward + 1, -1), (i, i=1, forward)]
+      call take_points(branch, order)
+      place(order) = [(i, i=1, n)]
+      do i = 1, size(branch%special_points)
+         associate (special => branch%special_points(i))
+            ! The order being reversed, the point after a place comes before it; a fold is a point itself.
+            if (special%point > forward .and. special%kind /= 'fold') special%point = special%point + 1
+            special%point = place(special%point)
+         end associate
+      end do
+   end subroutine put_in_front
+
+   !> Takes the first points off, with what is special among them.
+   subroutine drop_first(branch, points)
+      type(branch_type), intent(inout), target :: branch
+      integer, intent(in) :: points
+      integer :: i
+
+      call take_points(branch, [(i, i=points + 1, branch%points)])
+      branch%part(:branch%points) = branch%part(:branch%points) - branch%part(1) + 1
+      branch%special_points = pack(branch%special_points, branch%special_points%point > points)
+      branch%special_points%point = branch%special_points%point - points
+   end subroutine drop_first
+
+   !> Whether two points at one frequency are one motion.
+   pure logical function is_same_point(branch, i, j)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: i, j
+
+      real(dp) :: allowed
+
+      is_same_point = .false.
+      if (abs(branch%frequency(i) - branch%frequency(j)) > 0) return
+      allowed = same_motion
+      if (branch%point_harmonics(i) /= branch%point_harmonics(j)) &
+         allowed = allowed + 3*(branch%error_estimate(i) + branch%error_estimate(j))
+      is_same_point = maxval(abs(branch%coefficients(:, :, i) - branch%coefficients(:, :, j))) &
+                      <= allowed*maxval(abs(branch%coefficients(:, :, i)))
+   end function is_same_point
+
+   !> Leaves the points of these numbers, in this order.
+   subroutine take_points(branch, order)
+      type(branch_type), intent(inout), target :: branch
+      integer, intent(in) :: order(:)
+      integer :: n
+
+      n = size(order)
+      branch%frequency(:n) = branch%frequency(order)
+      branch%coefficients(:, :, :n) = branch%coefficients(:, :, order)
+      branch%rms(:, :n) = branch%rms(:, order)
+      branch%mean(:, :n) = branch%mean(:, order)
+      branch%minimum(:, :n) = branch%minimum(:, order)
+      branch%maximum(:, :n) = branch%maximum(:, order)
+      branch%mesh_load(:, :n) = branch%mesh_load(:, order)
+      branch%error_estimate(:n) = branch%error_estimate(order)
+      branch%estimate_doubtful(:n) = branch%estimate_doubtful(order)
+      branch%point_harmonics(:n) = branch%point_harmonics(order)
+      branch%part(:n) = branch%part(order)
+      if (allocated(branch%stable)) then
+         branch%multipliers(:, :n) = branch%multipliers(:, order)
+         branch%stable(:n) = branch%stable(order)
+         branch%undecided(:n) = branch%undecided(order)
+         branch%second_estimate(:n) = branch%second_estimate(order)
+      end if
+      branch%points = n
+   end subroutine take_points
+
+end module geartrain_branch_points
