@@ -130,6 +130,12 @@ contains
       train%meshes(2)%stiffness_cos = [0.0_dp]
       call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp, harmonics=4, subharmonic=2), .false., error)
       call tests%is_true(.not. allocated(error), 'a mesh that excites nothing needs no harmonics')
+      call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp, subharmonic=2, period_doublings=1), .false., &
+                          error)
+      call tests%is_true(allocated(error), 'doublings of period 1 are not found with subharmonic 2')
+      call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp, subharmonic=2, period_doublings=1), .true., &
+                          error)
+      call tests%is_true(.not. allocated(error), 'those of a seed of period 2 are')
       call check_integration(case%train, integration_settings_type(start=0.2_dp, stop=2.6_dp, points=2000000000), error)
       call tests%is_true(allocated(error), 'more points than memory are refused')
    end subroutine bad_settings

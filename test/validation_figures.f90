@@ -22,6 +22,7 @@ contains
       call both_ends(tests, train, 6, 'figure 6, 150 N m')
       call within_a_resonance(tests, train, 1.101_dp, 0.751_dp)
       call within_a_resonance(tests, train, 1.954_dp, 1.604_dp)
+      call ends_beyond_the_limit(tests)
       train%input_torque = 100
       call both_ends(tests, train, 6, 'figure 6, 100 N m')
       train%input_torque = 50
@@ -105,6 +106,28 @@ contains
          end do
       end do
    end subroutine within_a_resonance
+
+   !> A linear train has one motion at each frequency, also where the range ends beyond the amplitude limit.
+   subroutine ends_beyond_the_limit(tests)
+      class(tests_type), intent(inout) :: tests
+      type(train_type) :: linear
+      type(response_settings_type) :: settings(2)
+      type(branch_type) :: branch
+      type(error_type), allocatable :: error
+      type(motion_type), allocatable :: motions(:)
+      integer :: i
+
+      linear = paper_train()
+      linear%meshes%half_backlash = 0
+      settings = [unjudged(0.2_dp, 0.95_dp, 6), unjudged(0.95_dp, 0.2_dp, 6)]
+      settings%amplitude_limit = 2
+      do i = 1, 2
+         call response(linear, settings(i), branch, error)
+         call tests%is_true(branch%complete, 'range that ends beyond the amplitude limit: complete')
+         call solutions_at(linear, settings(i), branch, 0.3_dp, motions, error)
+         call tests%is_true(size(motions) == 1, 'range that ends beyond the amplitude limit: nothing twice')
+      end do
+   end subroutine ends_beyond_the_limit
 
    !> Where a branch goes to infinity and comes back with the other sign, the train without backlash has a multiplier +1: the
    !> edges of a range of parametric instability. `edges` are those that the branch passes, in its order.
