@@ -123,9 +123,10 @@ contains
       real(dp), parameter :: pairs(2, 5) = reshape([1.2426_dp, 1.3624_dp, 1.4296_dp, 1.5003_dp, 1.4458_dp, 1.5333_dp, &
                                                     1.5121_dp, 1.7049_dp, 1.6098_dp, 1.7633_dp], [2, 5])
       !> Harmonics, and how far truncation leaves the doublings from those places: with 4 the one at 1.5333 is at 1.5384. Any two
-      !> pairs are 0.03 apart at one end or the other. With 0, for a tolerance of 1e-3, they change along a branch.
+      !> pairs are 0.03 apart at one end or the other. With 0, for a tolerance of 1e-3, they change along a branch, and four do for
+      !> some of the doublings (1.51413 with 0 and with 4, 1.51214 with 12).
       integer, parameter :: harmonics(4) = [4, 6, 8, 0]
-      real(dp), parameter :: accuracy(4) = [6e-3_dp, 1.5e-3_dp, 1e-3_dp, 1.5e-3_dp]
+      real(dp), parameter :: accuracy(4) = [6e-3_dp, 1.5e-3_dp, 1e-3_dp, 6e-3_dp]
       !> Times that each pair was met.
       integer :: met(5), doublings
       real(dp) :: ends(2)

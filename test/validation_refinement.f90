@@ -2,6 +2,7 @@
 module validation_refinement
    use fixtures, only: paper_train, settings_of
    use geartrain, only: branch_type, dp, error_type, motion_type, refine_branch, response, solutions_at
+   use geartrain_branch_summary, only: folds
    use omp_lib, only: omp_get_max_threads, omp_set_num_threads
    use testing, only: tests_type
    implicit none (type, external)
@@ -40,7 +41,8 @@ contains
          call tests%is_close(r%rms(1, n), 0.41003761_dp, 1e-8_dp, 'mesh 1 at 0.9')
          call tests%is_close(r%rms(2, n), 0.71440160_dp, 1e-8_dp, 'mesh 2 at 0.9')
          call tests%is_true(maxval(r%error_estimate, mask=r%correction >= 0) < 2e-11_dp, 'Newton to 1e-11')
-         call tests%is_true(count(r%correction < 0) < n/20, 'few points are left as they were')
+         ! Beside folds, where the balance moves too far for Newton's method.
+         call tests%is_true(count(r%correction < 0) <= 4*size(folds(branch)), 'few points are left as they were')
          call tests%is_true(all(pack(r%rms(1, :) - branch%rms(1, :), r%correction < 0) == 0), 'and those are as they were')
          ! The issue's own demand on the estimate, here of all points of the branch: within a factor 6.
          call tests%is_true(count(r%correction > 6*branch%error_estimate .and. r%correction > 1e-8_dp) < n/50, &

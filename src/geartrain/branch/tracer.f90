@@ -21,10 +21,11 @@ module geartrain_branch_tracer
                          full = 7, met_half_period = 8, left_beyond = 9
 
    real(dp), parameter :: first_step = 0.01_dp, smallest_step = 1e-9_dp
-   !> Angle between tangents of neighbouring points aimed at [rad].
-   real(dp), parameter :: angle_aim = 0.2_dp
-   !> Newton's first correction over the step: aimed at, and refused.
-   real(dp), parameter :: correction_aim = 0.05_dp, correction_limit = 0.35_dp
+   !> Angle between tangents of neighbouring points aimed at [rad], and Newton's first correction over the step; of branches of
+   !> period 1, and of longer periods, whose doublings lie closer together with each generation.
+   real(dp), parameter :: angle_aim(2) = [0.25_dp, 0.2_dp], correction_aim(2) = [0.08_dp, 0.05_dp]
+   !> Newton's first correction over the step that is refused.
+   real(dp), parameter :: correction_limit = 0.35_dp
    !> A change of orientation is a jump to another branch, unless it persists below this step: then branches cross here.
    real(dp), parameter :: jump_step = 1e-4_dp
    !> Amplitude, in the unit of the branch, above which the largest step grows in proportion to it.
@@ -269,10 +270,12 @@ contains
       type(place_type), intent(in) :: here, next
       real(dp), intent(in) :: h, longest
       real(dp) :: angle
+      integer :: i
 
+      i = min(2, self%settings%subharmonic)
       angle = acos(max(-1.0_dp, min(1.0_dp, cosine(here, next, self%path%units))))
-      next_step = h*max(0.4_dp, min(1.8_dp, angle_aim/max(angle, 1e-8_dp), &
-                                    sqrt(correction_aim/max(self%path%correction, 1e-8_dp))))
+      next_step = h*max(0.4_dp, min(1.8_dp, angle_aim(i)/max(angle, 1e-8_dp), &
+                                    sqrt(correction_aim(i)/max(self%path%correction, 1e-8_dp))))
       next_step = min(next_step, longest)
    end function next_step
 
