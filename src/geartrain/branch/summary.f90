@@ -8,9 +8,9 @@ module geartrain_branch_summary
 
    !> A local maximum of a mesh's rms along the branch.
    type :: peak_type
-      !> Lambda and rms over characteristic length [1], of the computed point, not interpolated.
+      !> Lambda and rms over characteristic length [1], by a parabola through the highest point and its neighbours.
       real(dp) :: frequency = 0, rms = 0
-      !> Index of the point.
+      !> Index of the highest point.
       integer :: point = 0
       logical :: stable = .false.
    end type peak_type
@@ -33,9 +33,42 @@ contains
       do i = 2, branch%points - 1
          if (.not. joined(branch, i - 1) .or. .not. joined(branch, i)) cycle
          if (branch%rms(mesh, i - 1) >= branch%rms(mesh, i) .or. branch%rms(mesh, i + 1) > branch%rms(mesh, i)) cycle
-         found = [found, peak_type(branch%frequency(i), branch%rms(mesh, i), i, is_stable(branch, i))]
+         found = [found, top_of(branch, mesh, i)]
       end do
    end function peaks
+
+   !> The peak at a point, from parabolas of the chord length through it and its neighbours.
+   pure type(peak_type) function top_of(branch, mesh, i)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: mesh, i
+      real(dp) :: before, after, along
+
+      associate (f => branch%frequency, rms => branch%rms)
+         before = norm2([f(i) - f(i - 1), rms(:, i) - rms(:, i - 1)])
+         after = norm2([f(i + 1) - f(i), rms(:, i + 1) - rms(:, i)])
+         associate (slope => slope_of(rms(mesh, i - 1:i + 1)), bend => bend_of(rms(mesh, i - 1:i + 1)))
+            along = 0
+            if (bend < 0) along = max(-before, min(after, -0.5_dp*slope/bend))
+            top_of = peak_type(f(i) + along*(slope_of(f(i - 1:i + 1)) + along*bend_of(f(i - 1:i + 1))), &
+                               rms(mesh, i) + along*(slope + along*bend), i, is_stable(branch, i))
+         end associate
+      end associate
+
+   contains
+
+      pure real(dp) function slope_of(y)
+         real(dp), intent(in) :: y(3)
+
+         slope_of = ((y(2) - y(1))/before*after + (y(3) - y(2))/after*before)/(before + after)
+      end function slope_of
+
+      pure real(dp) function bend_of(y)
+         real(dp), intent(in) :: y(3)
+
+         bend_of = ((y(3) - y(2))/after - (y(2) - y(1))/before)/(before + after)
+      end function bend_of
+
+   end function top_of
 
    !> Lambda of the folds, ascending.
    pure function folds(branch) result(frequency)
