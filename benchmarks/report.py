@@ -207,15 +207,15 @@ One call of the executable, to closed files, on one thread and on {found["cores"
 {table(("what", "1 thread", f"{found['cores']} threads", "faster by", "the same bits"), rows)}"""
 
 
-def operations(curve):
+def operations():
     """Floating-point operations of a point of figure 3 at R = 6: three solves, the monodromy matrix, its eigenvalues.
 
     The matrix: 10 columns, in each 5 elements with 8 multiplications and additions a term (three neighbours' springs and dampers,
     two sums), 2.5 terms a radian of the fastest mode (docs/numerics.md); what varies in the stiffness is not counted.
     """
-    own = next(row for row in curve["rows"] if row["label"] == "geartrain, R = 6")
-    fastest_mode = gt.read_case("namelists/fig03.nml").train.natural_frequencies()[-1]
-    radians = fastest_mode * 2 * np.pi * float(np.mean(1 / np.asarray(own["frequency"])))
+    train = gt.read_case("namelists/fig03.nml").train
+    frequency = train.response(start=0.2, stop=2.6, harmonics=6, stability=False).frequency
+    radians = train.natural_frequencies()[-1] * 2 * np.pi * float(np.mean(1 / frequency))
     return {"three solves": 3 * (2 / 3 * 27**3 + 2 * 27**2), "monodromy matrix": 10 * 5 * 2 * 8 * 2.5 * radians,
             "its eigenvalues": 25 * 10**3}  # fmt: skip
 
@@ -224,7 +224,7 @@ def floor_section(machine, curve):
     own = next(row for row in curve["rows"] if row["label"] == "geartrain, R = 6")
     lapack = 3 * machine["solve"] + machine["eigenvalues"]
     with_, without = (np.median(own[key]) / own["points"] for key in ("curve", "without"))
-    counts = operations(curve)
+    counts = operations()
     solves, all_ = counts["three solves"], sum(counts.values())
     rows = [(what, f"{count / 1e3:.0f}", duration([count / machine["flops"]])) for what, count in counts.items()]
     measured = [
