@@ -60,7 +60,7 @@ contains
       end do
       call read_groups(found, reader)
       if (in_order == 0) call check_consistency(found%train, reader)
-      if (allocated(found%response)) call check_response_consistency(found%train, found%response, .false., reader)
+      if (allocated(found%response)) call check_response_consistency(found%train, found%response, .true., reader)
       if (allocated(found%integration)) call check_integration_consistency(found%train, found%integration, reader)
       if (allocated(found%attractors)) call check_attractors_consistency(found%train, found%attractors, reader)
       call check_agreement(found, reader)
