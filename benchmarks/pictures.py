@@ -48,7 +48,7 @@ def draw_peers(found, path):
         axes.margins(x=0.12)
         axes.grid(alpha=0.3)
     both[0].set(ylabel="relative error of rms: median (marker), largest (bar)")
-    both[1].legend(fontsize=8, loc="lower left")
+    both[1].legend(fontsize=8, loc="upper right")
     figure.suptitle("Figure 3's curve")
     save(figure, path)
 
