@@ -41,12 +41,13 @@ contains
    pure type(peak_type) function top_of(branch, mesh, i)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: mesh, i
-      real(dp) :: before, after, along
+      real(dp) :: before, after, along, height(3)
 
       associate (f => branch%frequency, rms => branch%rms)
          before = norm2([f(i) - f(i - 1), rms(:, i) - rms(:, i - 1)])
          after = norm2([f(i + 1) - f(i), rms(:, i + 1) - rms(:, i)])
-         associate (slope => slope_of(rms(mesh, i - 1:i + 1)), bend => bend_of(rms(mesh, i - 1:i + 1)))
+         height = rms(mesh, i - 1:i + 1)
+         associate (slope => slope_of(height), bend => bend_of(height))
             along = 0
             if (bend < 0) along = max(-before, min(after, -0.5_dp*slope/bend))
             top_of = peak_type(f(i) + along*(slope_of(f(i - 1:i + 1)) + along*bend_of(f(i - 1:i + 1))), &

@@ -21,8 +21,8 @@ module geartrain_branch_tracer
                          full = 7, met_half_period = 8, left_beyond = 9
 
    real(dp), parameter :: first_step = 0.01_dp, smallest_step = 1e-9_dp
-   !> Angle between tangents of neighbouring points aimed at [rad], and Newton's first correction over the step; of branches of
-   !> period 1, and of longer periods, whose doublings lie closer together with each generation.
+   !> Angle between tangents of neighbouring points aimed at [rad], and Newton's first correction over the step: as a rule; and on
+   !> branches of longer periods, whose doublings lie closer together with each generation, and beyond the amplitude `large`.
    real(dp), parameter :: angle_aim(2) = [0.25_dp, 0.2_dp], correction_aim(2) = [0.08_dp, 0.05_dp]
    !> Newton's first correction over the step that is refused.
    real(dp), parameter :: correction_limit = 0.35_dp
@@ -272,7 +272,7 @@ contains
       real(dp) :: angle
       integer :: i
 
-      i = min(2, self%settings%subharmonic)
+      i = merge(1, 2, self%settings%subharmonic == 1 .and. self%path%length_of(next%u) < large)
       angle = acos(max(-1.0_dp, min(1.0_dp, cosine(here, next, self%path%units))))
       next_step = h*max(0.4_dp, min(1.8_dp, angle_aim(i)/max(angle, 1e-8_dp), &
                                     sqrt(correction_aim(i)/max(self%path%correction, 1e-8_dp))))
