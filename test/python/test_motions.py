@@ -137,7 +137,10 @@ def test_spectrum(train, branch):
 
 def test_peaks_and_bands(branch):
     highest = max(branch.peaks(2), key=lambda peak: peak.rms)
-    assert branch.rms[highest.point, 1] == highest.rms and branch.frequency[highest.point] == highest.frequency
+    near = branch.frequency[[highest.point - 1, highest.point + 1]]
+    assert near.min() < highest.frequency < near.max()
+    # The top between the points: never below the highest of them.
+    assert 0 <= highest.rms - branch.rms[highest.point, 1] < 1e-3
     assert highest.stable is True
     np.testing.assert_allclose(branch.bands_without_stability, [[1.7492, 2.0439]], atol=5e-5)
 
@@ -270,7 +273,7 @@ def test_readings_of_a_doubled_branch(train):
     (twice,) = train.response(start=2.2, stop=4.2, period_doublings=1).branches
     np.testing.assert_array_equal(twice.minimum < 1, twice.separation_fraction > 0)
     highest = max(twice.peaks(1), key=lambda peak: peak.rms)
-    assert twice.rms[highest.point, 0] == highest.rms
+    assert 0 <= highest.rms - twice.rms[highest.point, 0] < 1e-3
     (motion,) = (motion for motion in twice.at(3.7) if motion.stable)
     (settled,) = train.attractors(3.7, starts=8)
     assert settled.period == 2

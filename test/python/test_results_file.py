@@ -179,7 +179,8 @@ def test_what_one_reads_off_the_branch(path):
     np.testing.assert_array_equal(response.minimum < 1, response.separation_fraction > 0)
 
     peaks = xarray.open_dataset(path, group="response/peaks", engine="h5netcdf")
-    np.testing.assert_array_equal(peaks.rms, response.rms.values[peaks.point - 1, peaks["mesh"] - 1])
+    above = peaks.rms - response.rms.values[peaks.point - 1, peaks["mesh"] - 1]
+    assert (above >= 0).all() and (above < 1e-3).all()
     np.testing.assert_array_equal(peaks.stable, response.stable.values[peaks.point - 1])
 
     jumps = xarray.open_dataset(path, group="response/jumps", engine="h5netcdf")

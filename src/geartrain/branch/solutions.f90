@@ -89,7 +89,8 @@ contains
       if (last) crosses = crosses .or. abs(frequency - b) <= 0
    end function crosses
 
-   !> Newton from the interpolated coefficients, from either neighbour if that fails.
+   !> Newton from the interpolated coefficients, from either neighbour if that fails; across the branch where the frequency is
+   !> that of a point, because a fold cannot be solved at its Lambda.
    subroutine solve_between(tracer, branch, i, share, frequency, place, success)
       type(tracer_type), intent(inout) :: tracer
       type(branch_type), intent(in) :: branch
@@ -121,7 +122,34 @@ contains
                    + 1e-9_dp*tracer%path%units%length
          if (success) return
       end do
+      if (abs(share) <= 0 .or. abs(share - 1) <= 0) call solve_across(tracer, branch, i, frequency, place, success)
    end subroutine solve_between
+
+   !> Solves the point of the branch at `frequency`, i or i + 1, across the chord between the two.
+   subroutine solve_across(tracer, branch, i, frequency, place, success)
+      type(tracer_type), intent(inout) :: tracer
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: i
+      real(dp), intent(in) :: frequency
+      type(place_type), intent(out) :: place
+      logical, intent(out) :: success
+      type(motion_type) :: motion
+      type(place_type) :: ends(2)
+      integer :: j
+
+      motion%period = branch%subharmonic
+      do j = 1, 2
+         motion%frequency = branch%frequency(i + j - 1)
+         motion%coefficients = branch%coefficients(:, :, i + j - 1)
+         ends(j) = place_of(tracer, motion)
+      end do
+      place = ends(merge(1, 2, abs(frequency - ends(1)%frequency) <= 0))
+      place%tangent = ends(2)%u - ends(1)%u
+      place%tangent_frequency = ends(2)%frequency - ends(1)%frequency
+      call tracer%path%correct(place, success)
+      success = success .and. abs(place%frequency - frequency) <= same*frequency
+      place%frequency = frequency
+   end subroutine solve_across
 
    subroutine gather(found, settings, motions)
       type(branch_type), intent(in) :: found
