@@ -92,14 +92,15 @@ contains
          scale = sqrt(max(sum(u(2:, :)**2), tiny(1.0_dp)))
          way = -y/sign(max(abs(slope), steepest*unit), slope)
          error = correction + way*tangent
-         truncation%limited = sqrt(sum(abs(tail)**2) + 2*sum(error(1, :)**2) + sum(error(2:, :)**2))/scale
+         truncation%limited = sqrt(sum(tail%re**2 + tail%im**2) + 2*sum(error(1, :)**2) + sum(error(2:, :)**2))/scale
          error = correction + way_back(y, slope, bend)*tangent
-         truncation%estimate = sqrt(sum(abs(tail)**2) + 2*sum(error(1, :)**2) + sum(error(2:, :)**2))/scale
+         truncation%estimate = sqrt(sum(tail%re**2 + tail%im**2) + 2*sum(error(1, :)**2) + sum(error(2:, :)**2))/scale
          truncation%error = error
          truncation%doubtful = truncation%estimate > large .or. abs(2*bend*y) > near_fold*slope**2
          do i = 1, balance%unknowns
             if (balance%contact(i)%clearance() &
-                < grazing*sqrt(sum(abs(tail(:, i))**2) + 2*error(1, i)**2 + sum(error(2:, i)**2))) truncation%doubtful = .true.
+                < grazing*sqrt(sum(tail(:, i)%re**2 + tail(:, i)%im**2) + 2*error(1, i)**2 + sum(error(2:, i)**2))) &
+               truncation%doubtful = .true.
          end do
       end associate
    end subroutine find_truncation
@@ -205,7 +206,7 @@ contains
       end do
       do m = 1, size(harmonic)
          k = min(harmonic(m) - 1, ubound(remainder, 1))
-         remainder(k) = remainder(k) + sum(abs(tail(m, :))**2)
+         remainder(k) = remainder(k) + sum(tail(m, :)%re**2 + tail(m, :)%im**2)
       end do
       do k = ubound(remainder, 1) - 1, 0, -1
          remainder(k) = remainder(k) + remainder(k + 1)

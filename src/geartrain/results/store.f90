@@ -5,10 +5,10 @@ module geartrain_results_store
    use, intrinsic :: iso_fortran_env, only: int8
    use hdf5, only: h5aclose_f, h5acreate_f, h5awrite_f, h5dclose_f, h5dcreate_f, h5dopen_f, h5dwrite_f, &
       h5eset_auto_f, h5fclose_f, h5fcreate_f, h5fflush_f, h5fget_file_image_f, h5gclose_f, h5gcreate_f, h5iis_valid_f, &
-      h5lexists_f, h5oclose_f, h5oopen_f, h5open_f, h5pclose_f, h5pcreate_f, h5pset_fapl_core_f, h5sclose_f, h5screate_f, &
-      h5screate_simple_f, h5tclose_f, h5tcopy_f, h5tset_cset_f, h5tset_size_f, &
-      h5f_acc_trunc_f, h5f_scope_global_f, h5p_dataset_create_f, h5p_file_access_f, h5s_scalar_f, h5t_c_s1, h5t_cset_utf8_f, &
-      h5t_native_double, h5t_native_integer, h5t_std_i8le, hid_t, hsize_t, size_t
+      h5lexists_f, h5oclose_f, h5oopen_f, h5open_f, h5pclose_f, h5pcreate_f, h5pset_buffer_f, h5pset_fapl_core_f, h5sclose_f, &
+      h5screate_f, h5screate_simple_f, h5tclose_f, h5tcopy_f, h5tset_cset_f, h5tset_size_f, &
+      h5f_acc_trunc_f, h5f_scope_global_f, h5p_dataset_create_f, h5p_dataset_xfer_f, h5p_file_access_f, h5s_scalar_f, &
+      h5t_c_s1, h5t_cset_utf8_f, h5t_native_double, h5t_native_integer, h5t_std_i8le, hid_t, hsize_t, size_t
    use geartrain_base_error, only: error_type, fatal, status_file
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
@@ -18,12 +18,16 @@ module geartrain_results_store
    !> H5T_VARIABLE of the C library, which its Fortran module does not name.
    integer(size_t), parameter :: variable_length = -1_size_t
 
+   !> Bytes that text goes through on its way into the file: HDF5's own megabyte, cleared anew for each dataset, takes longer to
+   !> clear than a usual curve to write.
+   integer(hsize_t), parameter :: buffer = 16384
+
    !> A file in the making. Paths are absolute ('/response/rms'); the dimensions of a dataset are named in the order in which
    !> the file has them, the last one varying fastest (Fortran's order reversed), by axes of its group or of the one above.
    !> One at a time: HDF5 knows no threads.
    type :: store_type
       private
-      integer(hid_t) :: file = -1
+      integer(hid_t) :: file = -1, transfer = -1
       character(:), allocatable :: failure
    contains
       procedure :: open => open_store
@@ -83,6 +87,8 @@ contains
       call h5fcreate_f('geartrain results, in memory', h5f_acc_trunc_f, self%file, status, access_prp=access)
       call self%note(status, 'begin a file in memory')
       call h5pclose_f(access, status)
+      call h5pcreate_f(h5p_dataset_xfer_f, self%transfer, status)
+      call h5pset_buffer_f(self%transfer, buffer, status)
    end subroutine open_store
 
    subroutine group(self, path)
@@ -120,6 +126,7 @@ contains
          call h5fget_file_image_f(self%file, address, bytes, status)
          call self%note(status, 'copy the file in memory')
       end if
+      call h5pclose_f(self%transfer, status)
       call h5fclose_f(self%file, status)
       self%file = -1
       if (allocated(self%failure)) call fatal(error, self%failure, status_file)
@@ -322,7 +329,7 @@ contains
       call h5dcreate_f(self%file, path, kind, space, id, status, dcpl_id=how)
       call self%note(status, 'create '//path)
       if (status >= 0) then
-         if (product(extents) > 0) call h5dwrite_f(id, kind, address, status)
+         if (product(extents) > 0) call h5dwrite_f(id, kind, address, status, xfer_prp=self%transfer)
          call self%note(status, 'write '//path)
          call self%attach_axes(id, path, dimensions)
          call h5dclose_f(id, status)

@@ -50,6 +50,8 @@ module geartrain_stability_monodromy
       complex(dp), allocatable, private :: found(:)
       !> What makes a whole of a half.
       type(mirror_type), private :: mirror
+      !> `transposed` holds nothing yet: it stands for the identity.
+      logical, private :: empty = .true.
       !> Rate at which the determinant decays; the open piece's beginning and the longest one.
       real(dp), private :: decay = 0, piece_start = 0, piece_limit = 0
       real(dp), allocatable, private :: product(:, :), piece(:, :), before(:, :), factors(:, :), instant(:)
@@ -209,7 +211,7 @@ contains
       do i = 1, balance%unknowns
          self%now(balance%mesh(i)) = balance%contact(i)%first_contact
       end do
-      call identity(self%transposed)
+      self%empty = .true.
       self%liouville_defect = 0
       if (events > 0) then
          begin = self%instant(1)
@@ -234,6 +236,7 @@ contains
       real(dp), intent(in) :: frequency, from, to
       real(dp) :: middle, first, last, least
       integer :: n
+      logical :: begins
 
       n = self%states
       least = shortest_half/self%propagator%fastest
@@ -247,13 +250,19 @@ contains
       last = min(to, 2*middle - from)
       if (first - from > rounding*(to - from)) call self%carry_along(frequency, from, first)
       call self%close_piece(first)
-      self%before = self%transposed
-      call identity(self%transposed)
+      begins = self%empty
+      if (.not. begins) self%before = self%transposed
+      self%empty = .true.
       self%piece_start = middle
       call self%advance(middle, last)
       call self%close_piece(last)
-      call self%mirror%complete(self%transposed, self%piece, self%product)
-      call dgemm('N', 'N', n, n, n, 1.0_dp, self%before, n, self%piece, n, 0.0_dp, self%transposed, n)
+      if (begins) then
+         self%product = self%transposed
+         call self%mirror%complete(self%product, self%transposed, self%piece)
+      else
+         call self%mirror%complete(self%transposed, self%piece, self%product)
+         call dgemm('N', 'N', n, n, n, 1.0_dp, self%before, n, self%piece, n, 0.0_dp, self%transposed, n)
+      end if
       if (to - last > rounding*(to - from)) call self%carry_along(frequency, last, to)
    end subroutine carry_along
 
@@ -326,21 +335,16 @@ contains
          log_determinant = log_determinant + log(max(abs(self%factors(i, i)), tiny(1.0_dp)))
       end do
       self%liouville_defect = self%liouville_defect + abs(log_determinant + self%decay*(time - self%piece_start))
-      call dgemm('N', 'N', n, n, n, 1.0_dp, self%transposed, n, self%piece, n, 0.0_dp, self%product, n)
-      self%transposed = self%product
+      if (self%empty) then
+         self%transposed = self%piece
+      else
+         call dgemm('N', 'N', n, n, n, 1.0_dp, self%transposed, n, self%piece, n, 0.0_dp, self%product, n)
+         self%transposed = self%product
+      end if
+      self%empty = .false.
       call self%propagator%restart()
       self%piece_start = time
    end subroutine close_piece
-
-   pure subroutine identity(a)
-      real(dp), intent(out) :: a(:, :)
-      integer :: i
-
-      a = 0
-      do i = 1, size(a, 1)
-         a(i, i) = 1
-      end do
-   end subroutine identity
 
    !> The multipliers, largest magnitude first, (given).
    subroutine multipliers(self, values)
@@ -363,17 +367,22 @@ contains
       real(dp), intent(inout) :: matrix(:, :)
       complex(dp), intent(out) :: values(:)
       complex(dp) :: held
+      real(dp) :: magnitude(size(values)), held_magnitude
       integer :: info, i, j
 
       call find_eigenvalues(size(values), matrix, values, info)
       if (info /= 0) values = ieee_value(0.0_dp, ieee_quiet_nan)
+      magnitude = abs(values)
       do i = 2, size(values)
          held = values(i)
+         held_magnitude = magnitude(i)
          do j = i - 1, 1, -1
-            if (abs(values(j)) >= abs(held)) exit
+            if (magnitude(j) >= held_magnitude) exit
             values(j + 1) = values(j)
+            magnitude(j + 1) = magnitude(j)
          end do
          values(j + 1) = held
+         magnitude(j + 1) = held_magnitude
       end do
    end subroutine eigenvalues
 

@@ -5,17 +5,19 @@
 !> of a step, weighted with the coefficients of an economised exponential series, give its end: no step control, and two
 !> thirds of the terms of Taylor's series. kappa within a step is a short polynomial, made likewise.
 module geartrain_stability_propagator
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
    use geartrain_base_kinds, only: dp
    use geartrain_base_lapack, only: dsterf
    use geartrain_model_system, only: system_type
    use geartrain_stability_exponential, only: exponential_type
-   use geartrain_stability_recurrence, only: add_up, chunk, find_derivatives, most_terms
    implicit none (type, external)
    private
    public :: propagator_type
 
-   !> Most columns that are carried together: their derivatives stay in a cache.
+   !> Most columns that are carried together, a multiple of four (step.c): their derivatives stay in a cache.
    integer, parameter :: widest = 12
+   !> Most terms of kappa in a step, a multiple of four too.
+   integer, parameter :: most_terms = 32
    !> Longest step [rad of the band]: rounding grows as exp(reach).
    real(dp), parameter :: longest = 16
    !> Error of a step relative to the state, and of kappa: multipliers to about 1e-9.
@@ -44,12 +46,12 @@ module geartrain_stability_propagator
       type(exponential_type), allocatable, private :: motion, kappa
       !> Highest order of Lambda in any kappa.
       integer, private :: highest_order = 0
-      !> Derivatives of one block of columns (column, element, derivative), with zeros before the first; their weights; factors of
-      !> p in Leibniz' rule (term, derivative, mesh) and the terms that there are (mesh).
-      real(dp), allocatable, private :: derivative(:, :, :), weight(:), binomial(:, :), leibniz(:, :, :)
+      !> Weights of the derivatives at the beginning of a step; for Leibniz' rule, the binomials (term, derivative), -W_nn times the
+      !> derivatives of kappa (term, mesh) and how many of them there are.
+      real(dp), allocatable, private :: weight(:), binomial(:, :), kappa_terms(:, :)
       integer, allocatable, private :: terms(:)
-      !> Factors of `find_derivatives` (column and element).
-      real(dp), allocatable, private :: before(:, :), after(:, :), spring(:, :), damper(:, :)
+      !> Further arguments of `take_step` (column and element), and its work space.
+      real(dp), allocatable, private :: before(:, :), after(:, :), spring(:, :), damper(:, :), work(:)
    contains
       procedure :: setup
       procedure :: start
@@ -62,12 +64,25 @@ module geartrain_stability_propagator
       procedure, private :: expand_kappa
    end type propagator_type
 
+   !> In step.c, where its arguments are described.
+   interface
+      pure subroutine take_step(width, elements, meshes, degree, most_terms, mesh_element, terms, spring, damper, before, after, &
+                                binomial, kappa, weight, work, x) bind(c, name='geartrain_step')
+         import :: c_double, c_int
+         implicit none (type, external)
+         integer(c_int), value :: width, elements, meshes, degree, most_terms
+         integer(c_int), intent(in), dimension(*) :: mesh_element, terms
+         real(c_double), intent(in), dimension(*) :: spring, damper, before, after, binomial, kappa, weight
+         real(c_double), intent(inout), dimension(*) :: work, x
+      end subroutine take_step
+   end interface
+
 contains
 
    subroutine setup(self, system, columns)
       class(propagator_type), intent(inout) :: self
       type(system_type), intent(in) :: system
-      !> Carry so many columns (an even number, at most `widest`), given by `put_columns`, instead of a whole matrix.
+      !> Carry so many columns (at most `widest`), given by `put_columns`, instead of a whole matrix.
       integer, intent(in), optional :: columns
       real(dp) :: stiffest(system%elements), aspect
       integer :: blocks, i, j, k, most
@@ -75,13 +90,13 @@ contains
       self%system = system
       self%elements = system%elements
       self%states = 2*system%elements
-      ! Blocks of equal width, even for the sake of vector code.
+      ! Blocks of equal width.
       blocks = (self%states + widest - 1)/widest
-      self%width = 2*((self%states + 2*blocks - 1)/(2*blocks))
+      self%width = 4*((self%states + 4*blocks - 1)/(4*blocks))
       self%whole = .not. present(columns)
       if (present(columns)) then
          blocks = 1
-         self%width = columns
+         self%width = 4*((columns + 3)/4)
       end if
       stiffest = 1
       self%highest_order = 0
@@ -102,15 +117,15 @@ contains
       call self%motion%setup([(longest*i/16, i=1, 16)], aspect, tolerance)
       call self%kappa%setup([(0.05_dp*1.5_dp**i, i=0, 11)], 0.0_dp, tolerance)
       most = maxval(self%motion%degree)
-      if (allocated(self%x)) deallocate (self%x, self%binomial, self%leibniz, self%derivative, self%weight, self%before, &
-                                         self%after, self%spring, self%damper, self%terms)
+      if (allocated(self%x)) deallocate (self%x, self%binomial, self%kappa_terms, self%weight, self%before, self%after, &
+                                         self%spring, self%damper, self%work, self%terms)
       associate (w => self%width, m => self%elements)
-         allocate (self%x(w, self%states, blocks), self%weight(-3:most), self%binomial(0:most_terms - 1, 0:most), &
-                   self%leibniz(0:most_terms - 1, 0:most, system%meshes), self%derivative(w, m, 1 - most_terms:most + 1), &
-                   self%before(w, m), self%after(w, m), self%spring(w, m), self%damper(w, m), self%terms(system%meshes))
+         allocate (self%x(w, self%states, blocks), self%weight(0:most), self%binomial(0:most_terms - 1, 0:most), &
+                   self%kappa_terms(0:most_terms - 1, system%meshes), self%before(w, m), self%after(w, m), &
+                   self%spring(w, m), self%damper(w, m), self%work(w*(m*(most + 3) + 2) + most_terms + 4), &
+                   self%terms(system%meshes))
       end associate
-      self%derivative = 0
-      self%weight = 0
+      self%x = 0
       self%before = 0
       self%after = 0
       do i = 2, self%elements
@@ -190,7 +205,7 @@ contains
       class(propagator_type), intent(inout) :: self
       real(dp), intent(in) :: columns(:, :)
 
-      self%x(:, :, 1) = transpose(columns)
+      self%x(:size(columns, 2), :, 1) = transpose(columns)
       self%x(:, self%elements + 1:, 1) = self%x(:, self%elements + 1:, 1)/self%band
    end subroutine put_columns
 
@@ -199,7 +214,7 @@ contains
       class(propagator_type), intent(in) :: self
       real(dp), intent(out) :: columns(:, :)
 
-      columns = transpose(self%x(:, :, 1))
+      columns = transpose(self%x(:size(columns, 2), :, 1))
       columns(self%elements + 1:, :) = columns(self%elements + 1:, :)*self%band
    end subroutine get_columns
 
@@ -234,36 +249,34 @@ contains
       class(propagator_type), intent(inout) :: self
       real(dp), intent(in) :: time, h
       real(dp) :: power
-      integer :: series, degree, most, i, j, k
+      integer :: series, degree, i, j, k
 
       series = self%motion%index_of(h*self%band)
       degree = self%motion%degree(series)
-      most = ubound(self%weight, 1)
       power = 1
       do k = 0, degree
          self%weight(k) = self%motion%coefficient(k, series)*power
          power = power*h*self%band
       end do
       do j = 1, self%system%meshes
-         if (self%terms(j) > 0) call self%expand_kappa(j, time, h, degree)
+         if (self%terms(j) > 0) call self%expand_kappa(j, time, h)
       end do
       do i = 1, size(self%x, 3)
-         call find_derivatives(self%width, self%elements, self%system%meshes, degree, most, self%system%mesh_element, self%terms, &
-                               self%spring, self%damper, self%before, self%after, self%leibniz, self%x(:, :, i), &
-                               self%derivative)
-         call add_up(self%width*self%elements, degree, most, self%weight, self%derivative, self%x(:, :, i))
+         call take_step(self%width, self%elements, self%system%meshes, degree, most_terms, self%system%mesh_element, self%terms, &
+                        self%spring, self%damper, self%before, self%after, self%binomial, self%kappa_terms, self%weight, &
+                        self%work, self%x(:, :, i))
       end do
    end subroutine step
 
-   !> -W_nn binomial(k, l) times derivative l of kappa at the beginning of a step, for Leibniz' rule: kappa as a polynomial
-   !> about the middle of the step, shifted to its beginning.
-   subroutine expand_kappa(self, mesh, time, h, degree)
+   !> -W_nn times the derivatives of kappa at the beginning of a step: kappa as a polynomial about the middle of the step, shifted
+   !> to its beginning.
+   subroutine expand_kappa(self, mesh, time, h)
       class(propagator_type), intent(inout) :: self
-      integer, intent(in) :: mesh, degree
+      integer, intent(in) :: mesh
       real(dp), intent(in) :: time, h
       real(dp) :: polynomial(0:most_terms - 1), rate, power, factor
       complex(dp) :: phase
-      integer :: i, k, l, last, series
+      integer :: i, l, last, series
 
       polynomial = 0
       polynomial(0) = 1
@@ -287,17 +300,12 @@ contains
             polynomial(l) = polynomial(l) - h/2*polynomial(l + 1)
          end do
       end do
-      last = (last/chunk + 1)*chunk - 1
       factor = -self%system%coupling(2, self%system%mesh_element(mesh))/self%band**2
       do l = 0, last
          polynomial(l) = factor*polynomial(l)
          factor = factor*(l + 1)/self%band
       end do
-      do k = 0, degree
-         do l = 0, last
-            self%leibniz(l, k, mesh) = self%binomial(l, k)*polynomial(l)
-         end do
-      end do
+      self%kappa_terms(:, mesh) = polynomial
       self%terms(mesh) = last + 1
    end subroutine expand_kappa
 
