@@ -23,6 +23,7 @@ contains
       call jumps_of_a_resonance(tests)
       call jump_among_three(tests)
       call ranges_of_contact(tests)
+      call closed_island(tests)
    end subroutine branch_summary_tests
 
    !> A softening resonance: up to the peak, back through the fold at 0.72, out through the fold at 0.95; the stable levels overlap.
@@ -175,6 +176,31 @@ contains
       branch%backlash = [0.0_dp]
       call tests%is_true(size(separation_ranges(branch, 1, .false.)) == 0, 'no backlash, no separation')
    end subroutine ranges_of_contact
+
+   !> An island traced from 1.0, stable up to 1.2 and down to 0.8, that comes back to its first motion at 0.999: no gap there.
+   subroutine closed_island(tests)
+      class(tests_type), intent(inout) :: tests
+      type(branch_type) :: branch
+      type(band_type), allocatable :: ranges(:)
+
+      branch = branch_of([1.0_dp, 1.2_dp, 1.0_dp, 0.8_dp, 0.999_dp], [2.0_dp, 1.5_dp, 1.0_dp, 1.5_dp, 2.0_dp], [1, 1, 0, 1, 1])
+      allocate (branch%special_points(2))
+      branch%special_points%kind = 'fold'
+      branch%special_points%point = [2, 3]
+      branch%special_points%frequency = [1.2_dp, 0.8_dp]
+      branch%backlash = [1.0_dp]
+      branch%minimum = reshape([0.5_dp, 0.5_dp, 1.5_dp, 0.5_dp, 0.5_dp], [1, 5])
+      branch%maximum = branch%minimum + 3
+      call tests%is_true(size(bands_without_stability(branch)) == 1, 'an open end leaves a band')
+      call tests%is_true(size(separation_ranges(branch, 1, .true.)) == 2, 'and two ranges')
+      branch%closed = .true.
+      call tests%is_true(size(bands_without_stability(branch)) == 0, 'a closed one leaves none')
+      ranges = separation_ranges(branch, 1, .true.)
+      call tests%is_true(size(ranges) == 1, 'and one range')
+      if (size(ranges) /= 1) return
+      call tests%is_close(ranges(1)%from, 0.8_dp, 1e-14_dp, 'from its one end')
+      call tests%is_close(ranges(1)%to, 1.2_dp, 1e-14_dp, 'to its other')
+   end subroutine closed_island
 
    pure function branch_of(frequency, rms, stable) result(branch)
       real(dp), intent(in) :: frequency(:), rms(:)

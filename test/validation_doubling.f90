@@ -2,7 +2,8 @@
 module validation_doubling
    use fixtures, only: closest, paper_train, settings_of
    use geartrain, only: attractors, attractors_settings_type, attractors_type, branch_type, dp, error_type, follow_attractors, &
-                        follow_doublings, motion_type, period_doubled, refine, response, response_settings_type, solutions_at
+                        follow_doublings, motion_type, period_doubled, refine, response, response_settings_type, solutions_at, &
+                        train_type
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -21,6 +22,7 @@ contains
       call tests%begin('period doubling')
       call each_branch_once(tests)
       call doublings_in_pairs(tests)
+      call joined_parents(tests)
       call island(tests)
       settings = settings_of(1.2_dp, 2.6_dp, 12)
       call response(paper_train(), settings, once, error)
@@ -172,6 +174,43 @@ contains
          call tests%is_true(all(again%points == branches%points), 'and the same')
       end do
    end subroutine doublings_in_pairs
+
+   !> With gaps of 10 and 60 um the two branches of period 2 around 2 w_b do not meet within the amplitude limit, and one branch of
+   !> period 4 leads from a doubling of the one to a doubling of the other. Its motions are there once; the two branches of period 2
+   !> have three doublings, and the third one's branch leaves by the limit. At 3.4 its rms of mesh 1 is 1.687, and 1.782 that of
+   !> the one that joins them.
+   subroutine joined_parents(tests)
+      class(tests_type), intent(inout) :: tests
+      type(train_type) :: train
+      type(branch_type) :: once
+      type(branch_type), allocatable :: branches(:)
+      type(response_settings_type) :: settings
+      type(motion_type), allocatable :: motions(:)
+      type(error_type), allocatable :: error
+      integer :: i, j, doublings, at
+
+      train = paper_train()
+      train%meshes%half_backlash = [10e-6_dp, 60e-6_dp]
+      settings = settings_of(2.6_dp, 4.3_dp, 12)
+      settings%period_doublings = 2
+      call response(train, settings, once, error)
+      call follow_doublings(train, settings, once, branches, error)
+      doublings = 0
+      at = 0
+      do i = 1, size(branches)
+         if (branches(i)%subharmonic == 2) doublings = doublings + count(branches(i)%special_points%kind == 'period doubling')
+         if (branches(i)%subharmonic /= 4) cycle
+         settings%subharmonic = 4
+         settings%harmonics = branches(i)%harmonics
+         call solutions_at(train, settings, branches(i), 3.4_dp, motions, error)
+         do j = 1, size(motions)
+            if (abs(motions(j)%rms(1) - 1.782_dp) < 1e-2_dp) at = at + 1
+         end do
+      end do
+      call tests%is_true(count(branches%subharmonic == 2) == 2 .and. doublings == 3, 'two branches of period 2, three doublings')
+      call tests%is_true(count(branches%subharmonic == 4) == 2, 'one branch of period 4 joins two of them')
+      call tests%is_true(at == 1, 'its motion at 3.4 is there once')
+   end subroutine joined_parents
 
    !> A branch through an attractor is traced where it is on none that is known, and only once.
    subroutine island(tests)

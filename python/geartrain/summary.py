@@ -12,17 +12,16 @@ __all__ = ["Jump", "Peak"]
 
 @dataclass(frozen=True)
 class Peak:
-    """A local maximum of the rms of a mesh along a branch, at one of its points.
+    """A local maximum of the rms of a mesh along a branch.
 
     Attributes
     ----------
-    frequency : float
-        Lambda.
-    rms : float
+    frequency, rms : float
+        Lambda and rms, by a parabola through the highest point and its neighbours.
     point : int
-        Index of the point.
+        Index of the highest point.
     stable : bool or None
-        None where stability was not asked for.
+        Of that point; None where stability was not asked for.
     """
 
     frequency: float

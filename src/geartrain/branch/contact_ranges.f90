@@ -72,6 +72,17 @@ contains
          end if
          call add(ranges, band_type(min(from, to), max(from, to)))
       end do
+      ! An island closes at the motion it began with, but with other harmonics not at quite the same Lambda.
+      associate (n => branch%points)
+         if (.not. branch%closed .or. n < 2) return
+         if (distance(1) >= 0 .or. distance(n) >= 0) return
+         if (stable_only) then
+            if (.not. (branch%stable(1) .and. branch%stable(n))) return
+         end if
+         from = min(branch%frequency(1), branch%frequency(n))
+         to = max(branch%frequency(1), branch%frequency(n))
+      end associate
+      call add(ranges, band_type(from, to))
    end function ranges_below_zero
 
    !> Moves `end` to `edge`, unless it lies beyond that already as seen from its side of `other`.

@@ -23,7 +23,7 @@ module geartrain_branch_doublings
 contains
 
    !> Appends to `branches` those of twice the period that leave `branch`, then those that leave these, and so on,
-   !> settings%period_doublings times. A branch that ends at another doubling of its parent is traced once.
+   !> settings%period_doublings times. A branch that ends at another doubling, of its parent or of another one, is traced once.
    subroutine follow_doublings(train, settings, branch, branches, error, observer, known)
       type(train_type), intent(in) :: train
       !> Those that `branch` was traced with.
@@ -36,45 +36,59 @@ contains
       !> The first of them, where another run has traced these already.
       type(branch_type), intent(in), optional :: known(:)
       type(branch_type) :: parent
-      integer :: generation, first, last, i
+      !> Where the branches of this generation begin and end.
+      type(place_type), allocatable :: places(:)
+      integer :: generation, first, last, i, count
 
       if (.not. allocated(branches)) allocate (branches(0))
       call check_train(train, error)
       if (allocated(error)) return
       last = size(branches)
-      if (settings%period_doublings > 0) &
-         call follow(train, settings, branch, 'the response', branches, observer, known)
+      if (settings%period_doublings > 0) then
+         allocate (places(2*size(branch%special_points)))
+         count = 0
+         call follow(train, settings, branch, 'the response', places, count, branches, observer, known)
+      end if
       do generation = 2, settings%period_doublings
          first = last + 1
          last = size(branches)
+         count = 0
+         do i = first, last
+            if (allocated(branches(i)%special_points)) count = count + size(branches(i)%special_points)
+         end do
+         deallocate (places)
+         allocate (places(2*count))
+         count = 0
          do i = first, last
             if (branches(size(branches))%cancelled) return
             ! A copy, because the list moves when it grows.
             parent = branches(i)
-            call follow(train, settings_for(settings, parent%subharmonic), parent, 'branch '//text(i), branches, observer, known)
+            call follow(train, settings_for(settings, parent%subharmonic), parent, 'branch '//text(i), places, count, &
+                        branches, observer, known)
          end do
       end do
    end subroutine follow_doublings
 
    !> One generation: the branches that leave `parent`.
-   subroutine follow(train, settings, parent, name, branches, observer, known)
+   subroutine follow(train, settings, parent, name, places, count, branches, observer, known)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
       type(branch_type), intent(in) :: parent
       character(*), intent(in) :: name
+      !> Where the branches of this generation begin and end, so far `count` of them; room for two a doubling.
+      type(place_type), intent(inout) :: places(:)
+      integer, intent(inout) :: count
       type(branch_type), allocatable, intent(inout), target :: branches(:)
       class(observer_type), intent(inout), optional :: observer
       type(branch_type), intent(in), optional :: known(:)
-      !> Where the branches so far begin and end.
-      type(place_type) :: places(2*size(parent%special_points)), place
+      type(place_type) :: place
       type(system_type) :: system
       type(units_type) :: units
       logical :: found, met
-      integer :: i, n, count
+      integer :: i, n
 
       call build_system(train, system)
       units = units_of(system)
-      count = 0
       do i = 1, size(parent%special_points)
          if (parent%special_points(i)%kind /= 'period doubling') cycle
          call find_doubling(train, settings, parent, i, place, found)

@@ -108,6 +108,11 @@ contains
          low = [low, min(edge, other)]
          high = [high, max(edge, other)]
       end do
+      ! An island closes at the motion it began with, but with other harmonics not at quite the same Lambda.
+      if (branch%closed .and. branch%stable(1) .and. branch%stable(branch%points)) then
+         low = [low, min(branch%frequency(1), branch%frequency(branch%points))]
+         high = [high, max(branch%frequency(1), branch%frequency(branch%points))]
+      end if
       ! Between two parts that do not meet nothing was recorded, and nothing is said.
       between = gaps(branch)
       low = [low, between%from]
