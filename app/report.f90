@@ -58,6 +58,8 @@ contains
          call report_jumps(branch)
          bands = bands_without_stability(branch)
          do i = 1, size(bands)
+            ! Narrower than what is printed: the file has it.
+            if (fixed(bands(i)%from, 4) == fixed(bands(i)%to, 4)) cycle
             write (output_unit, '(4a)') '    without a stable motion for Lambda ', &
                fixed(bands(i)%from, 4), ' to ', fixed(bands(i)%to, 4)
          end do
