@@ -19,26 +19,33 @@ contains
       real(dp), intent(inout) :: a(n, n)
       complex(dp), intent(out) :: values(n)
       integer, intent(out) :: info
-      real(dp) :: wr(n), wi(n), work(8*n), empty(1, 1), copy(merge(n, 0, n <= most_rows), n)
-      logical :: finite
+      real(dp) :: copy(most_rows, most_rows), wr(most_rows), wi(most_rows)
 
-      info = 1
-      finite = .true.
-      if (n <= most_rows) then
-         copy = a
-         call balance(n, a)
-         call reduce(n, a)
-         call find_roots(n, a, wr, wi, info)
-         ! Shifts that LAPACK chooses otherwise: it was one monodromy matrix in 8000.
-         if (info /= 0) then
-            a = copy
-            finite = sum(abs(a)) < huge(1.0_dp)
-         end if
+      if (n > most_rows) then
+         call ask_library(n, a, values, info)
+         return
       end if
-      if (info /= 0 .and. finite) &
-         call dgeev('N', 'N', n, a, n, wr, wi, empty, 1, empty, 1, work, size(work), info)
-      values = cmplx(wr, wi, dp)
+      copy(:n, :n) = a
+      call balance(n, a)
+      call reduce(n, a)
+      call find_roots(n, a, wr, wi, info)
+      values = cmplx(wr(:n), wi(:n), dp)
+      if (info == 0) return
+      ! Shifts that LAPACK chooses otherwise: it was one monodromy matrix in 8000.
+      a = copy(:n, :n)
+      if (sum(abs(a)) < huge(1.0_dp)) call ask_library(n, a, values, info)
    end subroutine find_eigenvalues
+
+   pure subroutine ask_library(n, a, values, info)
+      integer, intent(in) :: n
+      real(dp), intent(inout) :: a(n, n)
+      complex(dp), intent(out) :: values(n)
+      integer, intent(out) :: info
+      real(dp) :: wr(n), wi(n), work(8*n), empty(1, 1)
+
+      call dgeev('N', 'N', n, a, n, wr, wi, empty, 1, empty, 1, work, size(work), info)
+      values = cmplx(wr, wi, dp)
+   end subroutine ask_library
 
    !> Scales rows and columns until those of the same index are about as large; exact, by powers of two.
    pure subroutine balance(n, a)
@@ -69,30 +76,30 @@ contains
    pure subroutine reduce(n, a)
       integer, intent(in) :: n
       real(dp), intent(inout) :: a(n, n)
-      real(dp) :: v(n), u(n), length
+      real(dp) :: v(most_rows), u(most_rows), length
       integer :: i, j, k
 
       do k = 1, n - 2
          length = norm2(a(k + 1:, k))
          if (.not. length > tiny(length)) cycle
          v(:k) = 0
-         v(k + 1:) = a(k + 1:, k)/length
+         v(k + 1:n) = a(k + 1:, k)/length
          v(k + 1) = v(k + 1) + sign(1.0_dp, v(k + 1))
-         v(k + 1:) = v(k + 1:)/sqrt(abs(v(k + 1)))
+         v(k + 1:n) = v(k + 1:n)/sqrt(abs(v(k + 1)))
          a(k + 1, k) = -sign(length, v(k + 1))
          a(k + 2:, k) = 0
          do j = k + 1, n
-            length = dot_product(v(k + 1:), a(k + 1:, j))
+            length = dot_product(v(k + 1:n), a(k + 1:, j))
             do i = k + 1, n
                a(i, j) = a(i, j) - length*v(i)
             end do
          end do
-         u = 0
+         u(:n) = 0
          do j = k + 1, n
-            u = u + v(j)*a(:, j)
+            u(:n) = u(:n) + v(j)*a(:, j)
          end do
          do j = k + 1, n
-            a(:, j) = a(:, j) - v(j)*u
+            a(:, j) = a(:, j) - v(j)*u(:n)
          end do
       end do
    end subroutine reduce

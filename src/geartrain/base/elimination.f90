@@ -7,8 +7,8 @@ module geartrain_base_elimination
    private
    public :: factor_matrix, solve_factored
 
-   !> Most rows of a matrix that is eliminated here.
-   integer, parameter :: most_rows = 32
+   !> Most rows of a matrix that is eliminated here; columns that are solved for at a time.
+   integer, parameter :: most_rows = 32, most_columns = 32
 
 contains
 
@@ -63,8 +63,7 @@ contains
       integer, intent(in) :: n, columns, pivot(n)
       real(dp), intent(in) :: a(n, n)
       real(dp), intent(inout) :: b(n, columns)
-      real(dp) :: rows(columns, n), held
-      integer :: i, k, info
+      integer :: first, info
 
       if (n > most_rows) then
          call dgetrs('N', n, columns, a, n, pivot, b, n, info)
@@ -74,8 +73,20 @@ contains
          call solve_column(n, a, pivot, b)
          return
       end if
-      ! Row by row, so that the inner loops run over all columns.
-      rows = transpose(b)
+      do first = 1, columns, most_columns
+         call solve_columns(n, min(most_columns, columns - first + 1), a, pivot, b(1, first))
+      end do
+   end subroutine solve_factored
+
+   !> Row by row, so that the inner loops run over all columns.
+   pure subroutine solve_columns(n, columns, a, pivot, b)
+      integer, intent(in) :: n, columns, pivot(n)
+      real(dp), intent(in) :: a(n, n)
+      real(dp), intent(inout) :: b(n, columns)
+      real(dp) :: rows(most_columns, most_rows), held
+      integer :: i, k
+
+      rows(:columns, :n) = transpose(b)
       do k = 1, n
          if (pivot(k) == k) cycle
          do i = 1, columns
@@ -91,13 +102,13 @@ contains
       end do
       do k = n, 1, -1
          held = 1/a(k, k)
-         rows(:, k) = held*rows(:, k)
+         rows(:columns, k) = held*rows(:columns, k)
          do i = 1, k - 1
             call subtract(columns, a(i, k), rows(:, k), rows(:, i))
          end do
       end do
-      b = transpose(rows)
-   end subroutine solve_factored
+      b = transpose(rows(:columns, :n))
+   end subroutine solve_columns
 
    pure subroutine subtract(columns, factor, row, from)
       integer, intent(in) :: columns

@@ -227,14 +227,14 @@ contains
    pure real(dp) function tolerance_at(self, u) result(tolerance)
       class(path_type), intent(in) :: self
       real(dp), intent(in) :: u(:, :)
-      real(dp) :: beyond(size(u, 1), size(u, 2))
+      real(dp) :: beyond
       integer :: i
 
-      beyond = u
+      beyond = 0
       do i = 1, size(u, 2)
-         beyond(1, i) = abs(u(1, i)) - self%balance%system%backlash(self%balance%mesh(i))
+         beyond = beyond + (abs(u(1, i)) - self%balance%system%backlash(self%balance%mesh(i)))**2 + 0.5_dp*sum(u(2:, i)**2)
       end do
-      tolerance = max(converged*(2 + self%length_of(beyond)), rounding*self%length_of(u))
+      tolerance = max(converged*(2 + sqrt(beyond)/self%units%length), rounding*self%length_of(u))
    end function tolerance_at
 
    !> Inner product of two sets of coefficients; the metric's is this over the square of the unit of length.

@@ -185,13 +185,16 @@ contains
       class(balance_type), intent(inout) :: self
       integer, intent(in) :: i
       real(dp), intent(in) :: u(:)
-      real(dp) :: f(self%block), rate
+      real(dp) :: rate
       integer :: k
 
       call self%contact(i)%update(u, self%fine)
       call self%find_tangent(i)
       if (self%is_direct()) then
-         f = matmul(self%tangent(:, :, i), u)
+         self%force(:, i) = 0
+         do k = 1, self%block
+            self%force(:, i) = self%force(:, i) + u(k)*self%tangent(:, k, i)
+         end do
       else
          self%fine%coefficient = 0
          associate (n => 2*self%harmonic(size(self%harmonic)))
@@ -199,9 +202,9 @@ contains
          end associate
          call self%fine%to_samples()
          self%wave(:, i) = self%fine%sample
-         call self%product(i, u, f)
+         call self%product(i, u, self%force(:, i))
       end if
-      associate (sigma => self%contact(i)%offset, b => self%contact(i)%backlash, r => self%harmonic)
+      associate (f => self%force(:, i), sigma => self%contact(i)%offset, b => self%contact(i)%backlash, r => self%harmonic)
          f(1) = f(1) - b*real(sigma(0), dp)
          do k = 1, size(r)
             f(2*k) = f(2*k) - 2*b*real(sigma(r(k)), dp)
@@ -212,7 +215,6 @@ contains
          end do
       end associate
       call self%damp_tangent(i)
-      self%force(:, i) = f
    end subroutine mesh_force
 
    !> d phi/du of unknown mesh i at the explicit harmonics, but for the damping.
@@ -346,17 +348,15 @@ contains
          real(dp), intent(inout) :: a(:, :)
          integer, intent(in) :: i, neighbour
          real(dp), intent(in) :: t(:, :)
-         complex(dp) :: h(self%explicit)
+         complex(dp) :: h
          integer :: k, column
 
-         do k = 1, size(h)
-            h(k) = self%receptance(k)%h(neighbour, self%mesh(i))
-         end do
-         do column = 1, size(t, 2)
-            a(1, column) = 0
-            do k = 1, size(h)
-               a(2*k, column) = h(k)%re*t(2*k, column) + h(k)%im*t(2*k + 1, column)
-               a(2*k + 1, column) = h(k)%re*t(2*k + 1, column) - h(k)%im*t(2*k, column)
+         a(1, :) = 0
+         do k = 1, self%explicit
+            h = self%receptance(k)%h(neighbour, self%mesh(i))
+            do column = 1, size(t, 2)
+               a(2*k, column) = h%re*t(2*k, column) + h%im*t(2*k + 1, column)
+               a(2*k + 1, column) = h%re*t(2*k + 1, column) - h%im*t(2*k, column)
             end do
          end do
       end subroutine fill

@@ -6,7 +6,7 @@ module geartrain_motion_mesh_load
    use geartrain_base_fftw, only: transform_type
    use geartrain_base_kinds, only: dp, pi
    use geartrain_model_system, only: series_type, series_value, system_type
-   use geartrain_motion_trigonometric, only: evaluate, highest_maxima, sample
+   use geartrain_motion_trigonometric, only: evaluate, least_height, next_maximum, sample
    implicit none (type, external)
    private
    public :: mesh_load_type, force_reader_type, elastic, put_force, stiffness_samples
@@ -117,14 +117,16 @@ contains
       real(dp), intent(in) :: force(:), u(:), backlash, rate
       integer, intent(in) :: side, harmonic(:), eta
       type(series_type), intent(in) :: stiffness
-      real(dp) :: place(size(force)/2 + 1), spacing, theta, phi, slope, curvature, correction
-      integer :: i, k, number
+      real(dp) :: least, spacing, theta, phi, slope, curvature, correction
+      integer :: i, q
 
       spacing = 2*pi/size(force)
       top = maxval(side*force)
-      call highest_maxima(force, side, place, number)
-      do k = 1, number
-         theta = place(k)
+      least = least_height(force, side)
+      q = 0
+      do
+         call next_maximum(force, side, least, q, theta)
+         if (q == 0) exit
          do i = 1, 8
             call force_at(theta, u, harmonic, stiffness, eta, backlash, rate, phi, slope, curvature)
             top = max(top, side*phi)

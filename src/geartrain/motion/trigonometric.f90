@@ -5,7 +5,7 @@ module geartrain_motion_trigonometric
    use geartrain_base_kinds, only: dp, pi
    implicit none (type, external)
    private
-   public :: evaluate, sample, extremes, highest_maxima, rms, fine_samples
+   public :: evaluate, sample, extremes, next_maximum, least_height, rms, fine_samples
 
 contains
 
@@ -92,14 +92,16 @@ contains
       !> Newton on the slope from each of the highest maxima of side*p among the samples.
       real(dp) function extreme(side)
          integer, intent(in) :: side
-         real(dp) :: place(transform%samples/2 + 1), spacing, theta, p, slope, curvature, correction
-         integer :: i, k, number
+         real(dp) :: least, spacing, theta, p, slope, curvature, correction
+         integer :: i, q
 
          spacing = 2*pi/transform%samples
          extreme = side*maxval(side*transform%sample)
-         call highest_maxima(transform%sample, side, place, number)
-         do k = 1, number
-            theta = place(k)
+         least = least_height(transform%sample, side)
+         q = 0
+         do
+            call next_maximum(transform%sample, side, least, q, theta)
+            if (q == 0) exit
             do i = 1, 6
                call evaluate(u, harmonic, theta, p, slope, curvature)
                extreme = side*max(side*extreme, side*p)
@@ -113,37 +115,68 @@ contains
 
    end subroutine extremes
 
-   !> Angles of the maxima of side*values over a period: of those whose height, by a parabola through three neighbours, is the
-   !> greatest or so near to it that the error of the parabola could hide the greatest.
-   pure subroutine highest_maxima(values, side, place, number)
+   !> The next maximum of side*values after sample q (0: the first of all) whose height is at least `least`, and its angle; by the
+   !> parabola through the sample and its neighbours. q = 0: there is none.
+   pure subroutine next_maximum(values, side, least, q, place)
+      real(dp), intent(in) :: values(:), least
+      integer, intent(in) :: side
+      integer, intent(inout) :: q
+      real(dp), intent(out) :: place
+      real(dp) :: height
+      integer :: first
+
+      first = q + 1
+      do q = first, size(values)
+         if (.not. is_maximum(values, side, q)) cycle
+         call find_vertex(values, side, q, place, height)
+         if (height >= least) return
+      end do
+      q = 0
+   end subroutine next_maximum
+
+   !> Height from which on a maximum may be the greatest: near it by so much that the error of the parabola could hide it.
+   pure real(dp) function least_height(values, side)
       real(dp), intent(in) :: values(:)
       integer, intent(in) :: side
-      real(dp), intent(out) :: place(:)
-      integer, intent(out) :: number
       !> Share of the range of the values that counts as near.
       real(dp), parameter :: near = 0.03_dp
-      real(dp) :: height(size(place)), left, here, right, offset
-      logical :: high(size(place))
-      integer :: q, n
+      real(dp) :: place, height, greatest
+      integer :: q
 
-      n = size(values)
-      number = 0
-      do q = 1, n
+      greatest = -huge(greatest)
+      do q = 1, size(values)
+         if (.not. is_maximum(values, side, q)) cycle
+         call find_vertex(values, side, q, place, height)
+         greatest = max(greatest, height)
+      end do
+      least_height = greatest - near*(maxval(values) - minval(values))
+   end function least_height
+
+   pure logical function is_maximum(values, side, q)
+      real(dp), intent(in) :: values(:)
+      integer, intent(in) :: side, q
+
+      associate (n => size(values))
+         is_maximum = side*values(q) >= side*values(merge(n, q - 1, q == 1)) &
+                      .and. side*values(q) > side*values(merge(1, q + 1, q == n))
+      end associate
+   end function is_maximum
+
+   pure subroutine find_vertex(values, side, q, place, height)
+      real(dp), intent(in) :: values(:)
+      integer, intent(in) :: side, q
+      real(dp), intent(out) :: place, height
+      real(dp) :: left, here, right, offset
+
+      associate (n => size(values))
          here = side*values(q)
          left = side*values(merge(n, q - 1, q == 1))
          right = side*values(merge(1, q + 1, q == n))
-         if (here < left .or. here <= right) cycle
          offset = 0.5_dp*(right - left)/(2*here - left - right)
-         number = number + 1
-         height(number) = here + 0.25_dp*(right - left)*offset
-         place(number) = (q - 1 + offset)*2*pi/n
-      end do
-      if (number < 2) return
-      n = number
-      high(:n) = height(:n) >= maxval(height(:n)) - near*(maxval(values) - minval(values))
-      number = count(high(:n))
-      place(:number) = pack(place(:n), high(:n))
-   end subroutine highest_maxima
+         height = here + 0.25_dp*(right - left)*offset
+         place = (q - 1 + offset)*2*pi/n
+      end associate
+   end subroutine find_vertex
 
    !> The paper's rms: square root of the sum of squared harmonic amplitudes, mean left out.
    pure real(dp) function rms(u)

@@ -271,20 +271,20 @@ contains
          end do
          call find_receptance(balance%system, balance%unknown, frequency, r, balance%eta, local)
          ! Elimination down the chain and back; the diagonal is 1 plus something small, save at a resonance.
-         associate (p => tail(m, :), h => local%h(:, balance%mesh))
+         associate (p => tail(m, :), h => local%h, j => balance%mesh)
             do i = 1, balance%unknowns
-               p(i) = local%a(balance%mesh(i))
+               p(i) = local%a(j(i))
                do neighbour = max(1, i - 1), min(balance%unknowns, i + 1)
-                  p(i) = p(i) - h(neighbour - i + 2, i)*force(neighbour)
+                  p(i) = p(i) - h(neighbour - i + 2, j(i))*force(neighbour)
                end do
-               pivot(i) = 1 + h(2, i)*own(i)
+               pivot(i) = 1 + h(2, j(i))*own(i)
                if (i == 1) cycle
-               ratio = h(1, i)*own(i - 1)/pivot(i - 1)
-               pivot(i) = pivot(i) - ratio*h(3, i - 1)*own(i)
+               ratio = h(1, j(i))*own(i - 1)/pivot(i - 1)
+               pivot(i) = pivot(i) - ratio*h(3, j(i - 1))*own(i)
                p(i) = p(i) - ratio*p(i - 1)
             end do
             do i = balance%unknowns, 1, -1
-               if (i < balance%unknowns) p(i) = p(i) - h(3, i)*own(i + 1)*p(i + 1)
+               if (i < balance%unknowns) p(i) = p(i) - h(3, j(i))*own(i + 1)*p(i + 1)
                p(i) = p(i)/pivot(i)
             end do
          end associate
