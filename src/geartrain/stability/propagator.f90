@@ -47,11 +47,11 @@ module geartrain_stability_propagator
       !> Highest order of Lambda in any kappa.
       integer, private :: highest_order = 0
       !> Weights of the derivatives at the beginning of a step; for Leibniz' rule, the binomials (term, derivative), -W_nn times the
-      !> derivatives of kappa (term, mesh) and how many of them there are.
+      !> derivatives of kappa (term, element) and how many of them there are.
       real(dp), allocatable, private :: weight(:), binomial(:, :), kappa_terms(:, :)
       integer, allocatable, private :: terms(:)
-      !> Further arguments of `take_step` (column and element), and its work space.
-      real(dp), allocatable, private :: before(:, :), after(:, :), spring(:, :), damper(:, :), work(:)
+      !> Further arguments of `take_step` (element), and its work space.
+      real(dp), allocatable, private :: before(:), after(:), spring(:), damper(:), work(:)
    contains
       procedure :: setup
       procedure :: start
@@ -66,12 +66,12 @@ module geartrain_stability_propagator
 
    !> In step.c, where its arguments are described.
    interface
-      pure subroutine take_step(width, elements, meshes, degree, most_terms, mesh_element, terms, spring, damper, before, after, &
-                                binomial, kappa, weight, work, x) bind(c, name='geartrain_step')
+      pure subroutine take_step(width, elements, degree, most_terms, terms, spring, damper, before, after, binomial, kappa, &
+                                weight, work, x) bind(c, name='geartrain_step')
          import :: c_double, c_int
          implicit none (type, external)
-         integer(c_int), value :: width, elements, meshes, degree, most_terms
-         integer(c_int), intent(in), dimension(*) :: mesh_element, terms
+         integer(c_int), value :: width, elements, degree, most_terms
+         integer(c_int), intent(in), dimension(*) :: terms
          real(c_double), intent(in), dimension(*) :: spring, damper, before, after, binomial, kappa, weight
          real(c_double), intent(inout), dimension(*) :: work, x
       end subroutine take_step
@@ -121,16 +121,15 @@ contains
                                          self%spring, self%damper, self%work, self%terms)
       associate (w => self%width, m => self%elements)
          allocate (self%x(w, self%states, blocks), self%weight(0:most), self%binomial(0:most_terms - 1, 0:most), &
-                   self%kappa_terms(0:most_terms - 1, system%meshes), self%before(w, m), self%after(w, m), &
-                   self%spring(w, m), self%damper(w, m), self%work(w*(m*(most + 3) + 2) + most_terms + 4), &
-                   self%terms(system%meshes))
+                   self%kappa_terms(0:most_terms - 1, m), self%before(m), self%after(m), self%spring(m), self%damper(m), &
+                   self%work(w*m*(most + 2) + most_terms + 4), self%terms(m))
       end associate
       self%x = 0
       self%before = 0
       self%after = 0
       do i = 2, self%elements
-         self%before(:, i) = system%coupling(1, i)/system%coupling(2, i - 1)
-         self%after(:, i - 1) = system%coupling(3, i - 1)/system%coupling(2, i)
+         self%before(i) = system%coupling(1, i)/system%coupling(2, i - 1)
+         self%after(i - 1) = system%coupling(3, i - 1)/system%coupling(2, i)
       end do
       self%binomial = 0
       do k = 0, most
@@ -167,7 +166,7 @@ contains
       self%band = refinement*max(self%fastest + sidebands*self%highest_order*frequency, &
                                  self%fastest_mesh + mesh_sidebands*self%highest_order*frequency)
       do n = 1, self%elements
-         self%damper(:, n) = -self%system%coupling(2, n)*self%system%damping(n)/self%band
+         self%damper(n) = -self%system%coupling(2, n)*self%system%damping(n)/self%band
       end do
       if (self%whole) call self%restart()
    end subroutine start
@@ -228,13 +227,14 @@ contains
 
       if (.not. to > from) return
       do n = 1, self%elements
-         self%spring(:, n) = -self%system%coupling(2, n)/self%band**2
+         self%spring(n) = -self%system%coupling(2, n)/self%band**2
       end do
       self%terms = 0
       do j = 1, self%system%meshes
          if (contact(j) /= 0 .and. size(self%system%mesh_stiffness(j)%amplitude) == 0) cycle
-         self%spring(:, self%system%mesh_element(j)) = 0
-         if (contact(j) /= 0) self%terms(j) = 1
+         n = self%system%mesh_element(j)
+         self%spring(n) = 0
+         if (contact(j) /= 0) self%terms(n) = 1
       end do
       limit = longest/self%band
       if (any(self%terms > 0)) limit = min(limit, longest_kappa/(self%frequency*self%highest_order))
@@ -259,12 +259,11 @@ contains
          power = power*h*self%band
       end do
       do j = 1, self%system%meshes
-         if (self%terms(j) > 0) call self%expand_kappa(j, time, h)
+         if (self%terms(self%system%mesh_element(j)) > 0) call self%expand_kappa(j, time, h)
       end do
       do i = 1, size(self%x, 3)
-         call take_step(self%width, self%elements, self%system%meshes, degree, most_terms, self%system%mesh_element, self%terms, &
-                        self%spring, self%damper, self%before, self%after, self%binomial, self%kappa_terms, self%weight, &
-                        self%work, self%x(:, :, i))
+         call take_step(self%width, self%elements, degree, most_terms, self%terms, self%spring, self%damper, self%before, &
+                        self%after, self%binomial, self%kappa_terms, self%weight, self%work, self%x(:, :, i))
       end do
    end subroutine step
 
@@ -276,7 +275,7 @@ contains
       real(dp), intent(in) :: time, h
       real(dp) :: polynomial(0:most_terms - 1), rate, power, factor
       complex(dp) :: phase
-      integer :: i, l, last, series
+      integer :: i, l, last, n, series
 
       polynomial = 0
       polynomial(0) = 1
@@ -300,13 +299,14 @@ contains
             polynomial(l) = polynomial(l) - h/2*polynomial(l + 1)
          end do
       end do
-      factor = -self%system%coupling(2, self%system%mesh_element(mesh))/self%band**2
+      n = self%system%mesh_element(mesh)
+      factor = -self%system%coupling(2, n)/self%band**2
       do l = 0, last
          polynomial(l) = factor*polynomial(l)
          factor = factor*(l + 1)/self%band
       end do
-      self%kappa_terms(:, mesh) = polynomial
-      self%terms(mesh) = last + 1
+      self%kappa_terms(:, n) = polynomial
+      self%terms(n) = last + 1
    end subroutine expand_kappa
 
 end module geartrain_stability_propagator
