@@ -93,7 +93,8 @@ class Box:
         return [self._motion(kind, place) for place in range(1, fortran.motions_sizes(self.handle, kind)[0] + 1)]
 
     def _motion(self, kind: int, place: int) -> dict[str, Any]:
-        terms, meshes, states, roots, period, stable, undecided = map(int, fortran.motion_sizes(self.handle, kind, place))
+        terms, meshes, states, roots, period, *marks = map(int, fortran.motion_sizes(self.handle, kind, place))
+        stable, undecided, floating = map(bool, marks)
         numbers, coefficients, values, state, multipliers = fortran.copy_motion(
             self.handle, kind, place, terms, meshes, states, roots
         )
@@ -102,8 +103,9 @@ class Box:
             "period": period,
             "coefficients": coefficients.T,
             **_by_name(values.T),
-            "stable": bool(stable) if roots else None,
-            "undecided": bool(undecided),
+            "stable": stable if roots else None,
+            "undecided": undecided,
+            "floating": floating,
             "multipliers": _complex(multipliers.T) if roots else None,
             "state": state if states else None,
             "error_estimate": _known(numbers[1]),
@@ -203,6 +205,7 @@ class Box:
                 motion.period,
                 int(bool(motion.stable)),
                 int(motion.undecided),
+                int(motion.floating),
                 [motion.frequency, *np.nan_to_num([motion.error_estimate, motion.share], nan=-1.0), motion.lyapunov_exponent],
                 motion.coefficients.T,
                 _in_columns(motion),
