@@ -429,8 +429,8 @@ subroutine motions_sizes(handle, kind, sizes)
    if (kind == of_integration .and. allocated(box%results%integration)) sizes(2) = merge(1, 0, box%results%integration%complete)
 end subroutine motions_sizes
 
-! terms (1 + 2*harmonics), meshes, states, multipliers, period, stable, undecided, floating; 0 where not allocated. Places count from 1.
-! A motion that ran away has one term of each mesh.
+! terms (1 + 2*harmonics), meshes, states, multipliers, period, stable, undecided, floating; 0 where not allocated. Places count
+! from 1. A motion that ran away has one term of each mesh.
 subroutine motion_sizes(handle, kind, place, sizes)
    use geartrain, only: motion_type
    use geartrain_python_box, only: box_type, box_of, motion_list

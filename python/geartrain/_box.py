@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _geartrain as fortran
+from ._namelist import in_words_of_the_call
 from .errors import InputError, SolverError
 
 if TYPE_CHECKING:
@@ -37,11 +38,12 @@ class Box:
     Parameters
     ----------
     text : str, optional
-        Namelist text of the case.
+        Namelist text of the case, made from the keywords of a call: errors are then in its words.
     """
 
     def __init__(self, text: str | None = None) -> None:
         self.handle: int = fortran.open_box()
+        self._of_call = text is not None
         if text is None:
             return
         try:
@@ -63,7 +65,8 @@ class Box:
         if status == 0 or (status == _ENDED_EARLY and not whole):
             return
         kinds = {_INPUT: InputError, _ENDED_EARLY: SolverError, _FILE: OSError}
-        raise kinds.get(status, RuntimeError)(self.text("message"))
+        message = self.text("message")
+        raise kinds.get(status, RuntimeError)(in_words_of_the_call(message) if self._of_call else message)
 
     def text(self, name: str, place: int = 0) -> str:
         """A text of the box, see ``text_size`` in _geartrain.f90."""

@@ -55,8 +55,8 @@ class Motion:
     undecided : bool
         ``stable`` is a guess: the largest multiplier is as near to the unit circle as it is uncertain.
     floating : bool
-        Some mesh bears on neither flank of its gap and no mean torque holds it: its mean position is not unique, any other in the gap
-        would do. Of motions that time integration or ``refine`` gave.
+        Some mesh bears on neither flank of its gap and no mean torque holds it: its mean position is not unique, any other in the
+        gap would do. Of motions that time integration or ``refine`` gave.
     multipliers : ndarray of complex, (states,), or None
         Floquet multipliers over one period of the motion.
     state : ndarray, (2*elements,), or None

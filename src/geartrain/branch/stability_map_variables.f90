@@ -72,12 +72,12 @@ contains
       call checker%enter('stability_map', 1)
       ! A branch needs a range; the linear train does not.
       if (abs(settings%start - settings%stop) <= 0 .and. (settings%points > 1 .or. .not. settings%linear)) &
-         call checker%complain('to', real_text(settings%stop), 'must differ from from')
+         call checker%complain('to', real_text(settings%stop), 'must differ from "from"')
       if (abs(settings%start - settings%stop) > 0 .and. settings%points == 1) &
-         call checker%complain('points', integer_text(settings%points), 'must be >= 2 where from and to differ')
+         call checker%complain('points', integer_text(settings%points), 'must be >= 2 where "from" and "to" differ')
       if (abs(settings%parameter_start - settings%parameter_stop) <= 0 .neqv. settings%parameter_points == 1) &
          call checker%complain('parameter_points', integer_text(settings%parameter_points), &
-                               'must be 1 where parameter_from and parameter_to are equal, and only there')
+                               'must be 1 where "parameter_from" and "parameter_to" are equal, and only there')
       call check_frequency(train, 'from', settings%start, checker)
       call check_frequency(train, 'to', settings%stop, checker)
       if (.not. settings%linear) call check_harmonics(train, settings%harmonics, 1, checker)
