@@ -3,6 +3,7 @@ so that a new one is tested as soon as it is in the table."""
 
 import re
 import subprocess
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -120,6 +121,42 @@ def test_every_variable_given_wrongly(table, tmp_path):
             assert all(re.search(CURE, message) for message in told), (assignment, told)
             assert any(variable.name in message or variable.name[:-1] + "q" in message for message in told), (assignment, told)
     assert count > 10 * len(table)
+
+
+@pytest.mark.parametrize("extreme", [1e300, 1e-300, 1e200, 1e-200, -1e300])
+def test_every_number_beyond_all_scales(table, tmp_path, extreme):
+    """Products of such numbers are none. A next to vanishing amplitude in a list is one of 0."""
+    path = tmp_path / "case.nml"
+    count = 0
+    for variable in table:
+        if variable.kind not in ("real", "reals"):
+            continue
+        path.write_text(case_text(table, variable, f"{variable.name} = {extreme}"))
+        if variable.kind == "reals" and abs(extreme) < 1:
+            gt.read_case(path)
+            continue
+        with pytest.raises(gt.InputError) as caught:
+            gt.read_case(path)
+        told = rf"&{variable.group}.*: {variable.name}( harmonic 1)? = {re.escape(str(extreme))}: must .*of a magnitude from"
+        assert re.search(told, str(caught.value)), caught.value
+        count += 1
+    assert count > 25
+
+
+def test_next_to_vanishing_amplitudes_are_none():
+    """Homogeneity at its end: amplitudes of 1e-200 give the motion of those of 0."""
+    meshes = [replace(mesh, error_cos=[1e-200], stiffness_sin=[1e-300]) for mesh in paper_train().meshes]
+    tiny, none = paper_train(meshes=meshes, torque_cos=[1e-300]), paper_train()
+    settings = {"start": 0.4, "stop": 0.41, "harmonics": 6}
+    assert tiny.response(**settings).rms[0] == pytest.approx(none.response(**settings).rms[0], rel=1e-12)
+    assert tiny.integrate(0.4).rms == pytest.approx(none.integrate(0.4).rms, rel=1e-9)
+
+
+def test_a_stability_map_of_trains_that_cannot_be_computed():
+    ends = {"start": 1.7, "stop": 2.1, "points": 3, "parameter_points": 2}
+    with pytest.raises(gt.InputError, match=r"parameter_stop = 1\.0e6: must be a value with which the train can be computed: "
+                                            r"&mesh 1: damping_ratio = 1\.0e6: must be smaller"):
+        paper_train().stability_map(**ends, parameter="mesh_damping_ratio", parameter_start=0.1, parameter_stop=1e6)
 
 
 def test_what_is_required_is_missed(table, tmp_path):

@@ -6,6 +6,7 @@ module geartrain_branch_stability_map_variables
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_base_variable, only: row => variable_type, visitor_type
    use geartrain_branch_stability_map_settings, only: stability_map_settings_type
+   use geartrain_model_check, only: check_train
    use geartrain_model_limits, only: check_frequency, check_harmonics
    use geartrain_model_mesh, only: mesh_type
    use geartrain_model_train, only: train_type
@@ -89,7 +90,26 @@ contains
             call checker%complain('parameter', "'"//trim(settings%parameter)//"'", &
                                   'needs a mesh with stiffness_cos or stiffness_sin, which give the shape that is scaled')
       end if
+      call check_end('parameter_from', settings%parameter_start)
+      call check_end('parameter_to', settings%parameter_stop)
       call checker%leave()
+
+   contains
+
+      !> The train at an end of the range of the parameter is one that can be computed.
+      subroutine check_end(name, value)
+         character(*), intent(in) :: name
+         real(dp), intent(in) :: value
+         type(error_type), allocatable :: wrong
+
+         if (checker%problems%in_group('stability_map')) return
+         call check_train(train, wrong)
+         if (allocated(wrong)) return
+         call check_train(train_with(train, settings, value), wrong)
+         if (allocated(wrong)) call checker%complain(name, real_text(value), 'must be a value with which the train can be &
+            &computed: '//wrong%message(:index(wrong%message//new_line('a'), new_line('a')) - 1))
+      end subroutine check_end
+
    end subroutine check_stability_map_consistency
 
    !> The train of one row of the map.
