@@ -1,6 +1,6 @@
 !> How slowly and how fast the teeth may mesh, how fast or slowly a part of the train may vibrate and how many harmonics a motion
-!> needs at least: what lies beyond would keep the program busy for hours over a single point, be lost in rounding, or leave an excitation
-!> out without a word.
+!> needs at least: what lies beyond would keep the program busy for hours over a single point, be lost in rounding, or leave an
+!> excitation out without a word.
 module geartrain_model_limits
    use geartrain_base_checker, only: checker_type
    use geartrain_base_kinds, only: dp
