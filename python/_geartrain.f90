@@ -429,25 +429,26 @@ subroutine motions_sizes(handle, kind, sizes)
    if (kind == of_integration .and. allocated(box%results%integration)) sizes(2) = merge(1, 0, box%results%integration%complete)
 end subroutine motions_sizes
 
-! terms (1 + 2*harmonics), meshes, states, multipliers, period, stable, undecided; 0 where not allocated. Places count from 1.
-! A motion that ran away has one term of each mesh.
+! terms (1 + 2*harmonics), meshes, states, multipliers, period, stable, undecided, floating; 0 where not allocated. Places count
+! from 1. A motion that ran away has one term of each mesh.
 subroutine motion_sizes(handle, kind, place, sizes)
    use geartrain, only: motion_type
    use geartrain_python_box, only: box_type, box_of, motion_list
    implicit none
    integer(8), intent(in) :: handle
    integer, intent(in) :: kind, place
-   integer, intent(out) :: sizes(7)
+   integer, intent(out) :: sizes(8)
    type(box_type), pointer :: box
    type(motion_type), pointer :: motions(:)
 
    box => box_of(handle)
    motions => motion_list(box, kind)
-   sizes = [1, size(box%case%train%meshes), 0, 0, 0, 0, 0]
+   sizes = [1, size(box%case%train%meshes), 0, 0, 0, 0, 0, 0]
    if (allocated(motions(place)%coefficients)) sizes(1) = size(motions(place)%coefficients, 1)
    if (allocated(motions(place)%state)) sizes(3) = size(motions(place)%state)
    if (allocated(motions(place)%multipliers)) sizes(4) = size(motions(place)%multipliers)
-   sizes(5:7) = [motions(place)%period, merge(1, 0, motions(place)%stable), merge(1, 0, motions(place)%undecided)]
+   sizes(5:8) = [motions(place)%period, merge(1, 0, motions(place)%stable), merge(1, 0, motions(place)%undecided), &
+                 merge(1, 0, motions(place)%floating)]
 end subroutine motion_sizes
 
 ! numbers: frequency, error estimate, share, Lyapunov exponent (NaN: none); values: rms, mean, minimum, maximum, those of
@@ -498,13 +499,13 @@ subroutine reserve_motions(handle, motions)
 end subroutine reserve_motions
 
 ! The inverse of copy_motion; what has no size stays unallocated.
-subroutine put_motion(handle, place, period, stable, undecided, numbers, coefficients, values, state, multipliers, &
+subroutine put_motion(handle, place, period, stable, undecided, floating, numbers, coefficients, values, state, multipliers, &
                       terms, meshes, states, roots)
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use geartrain_python_box, only: as_loads, box_type, box_of
    implicit none
    integer(8), intent(in) :: handle
-   integer, intent(in) :: place, period, stable, undecided, terms, meshes, states, roots
+   integer, intent(in) :: place, period, stable, undecided, floating, terms, meshes, states, roots
    double precision, intent(in) :: numbers(4), coefficients(terms, meshes), values(meshes, 8), state(states)
    double precision, intent(in) :: multipliers(2, roots)
    type(box_type), pointer :: box
@@ -514,6 +515,7 @@ subroutine put_motion(handle, place, period, stable, undecided, numbers, coeffic
       motion%period = period
       motion%stable = stable == 1
       motion%undecided = undecided == 1
+      motion%floating = floating == 1
       motion%frequency = numbers(1)
       motion%error_estimate = numbers(2)
       motion%share = numbers(3)

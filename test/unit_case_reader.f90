@@ -193,9 +193,9 @@ contains
                    'characteristic_length=3e-5 characteristic_frequency=9870 /'//n//rigid//mesh//shaft, 'x.nml:1:58: error: &
                    &&train: load_inertia = 0.0: must be > 0 kg m^2, or the last shaft must have rigid = .true.')
       call refused(tests, good//'&response from=1, to=1.0 /', &
-                   'x.nml:7:22: error: &response: to = 1.0: must differ from from: a branch needs a range')
+                   'x.nml:7:22: error: &response: to = 1.0: must differ from "from": a branch needs a range')
       call refused(tests, good//'&integration from=1, to=1.0 /', &
-                   'x.nml:7:1: error: &integration: points = 121: must be 1 where from and to are equal')
+                   'x.nml:7:1: error: &integration: points = 121: must be 1 where "from" and "to" are equal')
       call refused(tests, good//'&response from=0.2, to=2.6, period_doublings = 1, stability = .false. /', 'x.nml:7:48: error: &
                    &&response: period_doublings = 1: needs stability = .true.: the multipliers tell where a period doubles')
       call refused(tests, good//'&attractors starts=10 /', 'x.nml:7:1: error: &attractors: lacks frequency (> 0)')

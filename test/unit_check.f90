@@ -37,6 +37,7 @@ contains
       call check_train(case%train, error)
       call tests%is_true(.not. allocated(error), 'no inertia at the end of a rigid shaft')
       call bad_trains(tests)
+      call bad_scales(tests)
       call bad_settings(tests)
    end subroutine check_tests
 
@@ -74,6 +75,59 @@ contains
       call refused(tests, empty, 'the train has 0 &shaft and 0 &mesh: a train is shaft, mesh, shaft, ..., shaft, at least &
                    &2 shafts and one mesh less than shafts')
    end subroutine bad_trains
+
+   !> Values in their ranges whose products are not. By hand, of the paper's train: the slowest mesh vibrates at
+   !> sqrt(2.5e8 (0.05^2/0.0023 + 0.1^2/0.037)) = 18420.28 rad/s, and T deflects mesh 1 by T/(0.05*2.5e8) = T*8e-8 m.
+   subroutine bad_scales(tests)
+      class(tests_type), intent(inout) :: tests
+      type(case_type) :: case
+
+      case = paper_case()
+      case%train%input_torque = 1e300_dp
+      case%train%meshes(1)%stiffness = 1e-300_dp
+      call refused(tests, case%train, '&train: input_torque = 1.0e300: must be finite, of a magnitude from 1.0e-20 to 1.0e20' &
+                   //new_line('a')//'&mesh 1: stiffness = 1.0e-300: must be > 0 N/m, of a magnitude from 1.0e-20 to 1.0e20')
+      case = paper_case()
+      case%train%characteristic_frequency = 1e-4_dp
+      call refused(tests, case%train, '&train: characteristic_frequency = 0.0001: must be within a factor of 1e7 of the &
+                   &frequency of the slowest mesh, 18420.279531 rad/s by its stiffness, radii and inertias')
+      case = paper_case()
+      case%train%input_torque = 1e20_dp
+      case%train%characteristic_length = 1e-12_dp
+      call refused(tests, case%train, '&train: input_torque = 1.0e20: must be smaller, or characteristic_length larger: the &
+                   &static deflection of &mesh 1 (by it, the radii up to there and the stiffness) is 1e25 times &
+                   &characteristic_length, at most 1e20 is allowed')
+      case = paper_case()
+      case%train%input_torque = 1e-10_dp
+      call refused(tests, case%train, '&train: input_torque = 1.0e-10: must be 0 or larger: the static deflection of &mesh 1 &
+                   &(by it, the radii up to there and the stiffness), 1e-17 m, is lost in rounding beside its half_backlash')
+      case = paper_case()
+      case%train%meshes(2)%half_backlash = 1e-19_dp
+      call refused(tests, case%train, '&mesh 2: half_backlash = 1.0e-19: must be 0 or larger: it is lost in rounding beside the &
+                   &static deflection (by input_torque, the radii up to there and the stiffness), 1e-5 m')
+      case = paper_case()
+      case%train%meshes(2)%error_sin = [0.0_dp, 1e19_dp]
+      case%train%characteristic_length = 1e-6_dp
+      case%train%meshes(1)%stiffness_cos = [0.3_dp, -2000.0_dp]
+      call refused(tests, case%train, '&mesh 1: stiffness_cos harmonic 2 = -2000.0: must be of a magnitude <= 1000: it is a &
+                   &share of the mean stiffness'//new_line('a')//'&mesh 2: error_sin = 1.0e19: must be smaller, or &
+                   &characteristic_length larger: it is 1e25 times characteristic_length, at most 1e20 is allowed')
+      case = paper_case()
+      case%train%input_torque = 0
+      case%train%meshes%half_backlash = 0
+      case%train%meshes(1)%error_cos = [1e-30_dp]
+      call refused(tests, case%train, '&train: characteristic_length = 3.0e-5: must be smaller: the largest displacement given &
+                   &(half_backlash, the static deflection, an error or that by a torque amplitude) is only 1e-30 m')
+      case = paper_case()
+      case%train%shafts(2)%stiffness = 1e-9_dp
+      call refused(tests, case%train, '&shaft 2: stiffness = 1.0e-9: must be larger: it makes the part vibrate more than 1e6 &
+                   &times as slowly as the slowest mesh, which is lost in rounding')
+      case = paper_case()
+      case%train%meshes(1)%damping_ratio = 1e6_dp
+      call refused(tests, case%train, '&mesh 1: damping_ratio = 1.0e6: must be smaller: the rate at which it brings the part &
+                   &to rest, damping times frequency^2 over stiffness, is more than 1e6 times the frequency of the slowest &
+                   &mesh, too fast to be followed')
+   end subroutine bad_scales
 
    subroutine refused(tests, train, message)
       class(tests_type), intent(inout) :: tests

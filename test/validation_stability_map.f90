@@ -316,8 +316,8 @@ contains
       settings = chart(0.5_dp, 0.5_dp, 3, 0.1_dp, 0.1_dp, 2, .true.)
       settings%parameter = 'input_torque'
       call stability_map(paper_train(), settings, map, error)
-      call tests%is_text(error%message, '&stability_map: to = 0.5: must differ from from'//new_line('a')// &
-                         '&stability_map: parameter_points = 2: must be 1 where parameter_from and parameter_to are equal, and &
+      call tests%is_text(error%message, '&stability_map: to = 0.5: must differ from "from"'//new_line('a')// &
+                         '&stability_map: parameter_points = 2: must be 1 where "parameter_from" and "parameter_to" are equal, and &
                          &only there'//new_line('a')//"&stability_map: parameter = 'input_torque': has no influence on the &
                          &stability of the linear train: leave out linear = .true.", 'three problems')
       train = paper_train(0.0_dp)

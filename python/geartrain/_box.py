@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _geartrain as fortran
+from ._namelist import in_words_of_the_call
 from .errors import InputError, SolverError
 
 if TYPE_CHECKING:
@@ -37,11 +38,12 @@ class Box:
     Parameters
     ----------
     text : str, optional
-        Namelist text of the case.
+        Namelist text of the case, made from the keywords of a call: errors are then in its words.
     """
 
     def __init__(self, text: str | None = None) -> None:
         self.handle: int = fortran.open_box()
+        self._of_call = text is not None
         if text is None:
             return
         try:
@@ -63,7 +65,8 @@ class Box:
         if status == 0 or (status == _ENDED_EARLY and not whole):
             return
         kinds = {_INPUT: InputError, _ENDED_EARLY: SolverError, _FILE: OSError}
-        raise kinds.get(status, RuntimeError)(self.text("message"))
+        message = self.text("message")
+        raise kinds.get(status, RuntimeError)(in_words_of_the_call(message) if self._of_call else message)
 
     def text(self, name: str, place: int = 0) -> str:
         """A text of the box, see ``text_size`` in _geartrain.f90."""
@@ -93,7 +96,8 @@ class Box:
         return [self._motion(kind, place) for place in range(1, fortran.motions_sizes(self.handle, kind)[0] + 1)]
 
     def _motion(self, kind: int, place: int) -> dict[str, Any]:
-        terms, meshes, states, roots, period, stable, undecided = map(int, fortran.motion_sizes(self.handle, kind, place))
+        terms, meshes, states, roots, period, *marks = map(int, fortran.motion_sizes(self.handle, kind, place))
+        stable, undecided, floating = map(bool, marks)
         numbers, coefficients, values, state, multipliers = fortran.copy_motion(
             self.handle, kind, place, terms, meshes, states, roots
         )
@@ -102,8 +106,9 @@ class Box:
             "period": period,
             "coefficients": coefficients.T,
             **_by_name(values.T),
-            "stable": bool(stable) if roots else None,
-            "undecided": bool(undecided),
+            "stable": stable if roots else None,
+            "undecided": undecided,
+            "floating": floating,
             "multipliers": _complex(multipliers.T) if roots else None,
             "state": state if states else None,
             "error_estimate": _known(numbers[1]),
@@ -203,6 +208,7 @@ class Box:
                 motion.period,
                 int(bool(motion.stable)),
                 int(motion.undecided),
+                int(motion.floating),
                 [motion.frequency, *np.nan_to_num([motion.error_estimate, motion.share], nan=-1.0), motion.lyapunov_exponent],
                 motion.coefficients.T,
                 _in_columns(motion),

@@ -7,10 +7,14 @@ from collections.abc import Iterable, Mapping
 from numbers import Integral, Real
 from typing import Any
 
-__all__ = ["group", "parse"]
+__all__ = ["KEYWORDS", "group", "in_words_of_the_call", "parse"]
 
 Value = Any
 Kinds = Mapping[str, str]
+
+#: Names of the case file that are others in a call.
+KEYWORDS = {"from": "start", "to": "stop", "parameter_from": "parameter_start", "parameter_to": "parameter_stop"}
+_NAMES = {keyword: name for name, keyword in KEYWORDS.items()}
 
 _WANTED = {
     "number": "a number",
@@ -29,9 +33,9 @@ def group(name: str, kinds: Kinds, values: Mapping[str, Value], problems: dict[s
     name : str
         The group, without ``&``.
     kinds : mapping of str to str
-        ``number``, ``integer``, ``flag``, ``text`` or ``series`` for each variable.
+        ``number``, ``integer``, ``flag``, ``text`` or ``series`` for each variable, by its keyword.
     values : mapping
-        The variables; those that are None are left out, so that Fortran's default holds.
+        The variables, likewise; those that are None are left out, so that Fortran's default holds.
     problems : dict of str to str
         Takes up what cannot be written, messages by the names of the variables; the group goes without them.
     place : str
@@ -48,8 +52,22 @@ def group(name: str, kinds: Kinds, values: Mapping[str, Value], problems: dict[s
             problems[f"{label}: {key}"] = f"{label}: {key} = {value!r}: must be {_WANTED[kinds[key]]}"
             continue
         if text:
-            lines.append(f"   {key} = {text}")
+            lines.append(f"   {_NAMES.get(key, key)} = {text}")
     return "\n".join([*lines, "/", ""])
+
+
+def in_words_of_the_call(message: str, words: Mapping[str, str] = KEYWORDS) -> str:
+    """A message about a case as one about the call that made it.
+
+    Parameters
+    ----------
+    message : str
+    words : mapping of str to str
+        What the call says for a name. A message gives a name before its value, ``: from = -1.0``, after ``lacks``, or in quotes.
+    """
+    name = rf"""(?:(?<=: )|(?<=lacks )|(?<="))({"|".join(words)})(?= =| \(|"|$)"""
+    message = re.sub(name, lambda found: words[found[1]], message, flags=re.MULTILINE)
+    return message.replace(".true.", "True").replace(".false.", "False")
 
 
 def _number(value: Value) -> str:
@@ -94,7 +112,7 @@ _TOKEN = re.compile(
 
 
 def parse(text: str) -> list[tuple[str, dict[str, Value]]]:
-    """The groups of a resolved namelist, as Fortran's ``case_text`` writes it, in their order.
+    """The groups of a resolved namelist, as Fortran's ``case_text`` writes it, in their order, with keywords for names.
 
     A variable with several values, or of one in a series, comes as a list where it has more than one.
     """
@@ -105,7 +123,7 @@ def parse(text: str) -> list[tuple[str, dict[str, Value]]]:
         if kind == "group":
             groups.append((word, {}))
         elif kind == "key":
-            values = groups[-1][1].setdefault(word, [])
+            values = groups[-1][1].setdefault(KEYWORDS.get(word, word), [])
         elif kind in ("text", "value"):
             values.append(_value(word))
     return [(name, {key: item[0] if len(item) == 1 else item for key, item in found.items()}) for name, found in groups]

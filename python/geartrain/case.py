@@ -180,17 +180,10 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     return Case(
         train=Train(**one["train"], shafts=shafts, meshes=meshes),
         modes="modes" in one,
-        response=_keywords(one.get("response")),
-        integration=_keywords(one.get("integration")),
+        response=one.get("response"),
+        integration=one.get("integration"),
         attractors=one.get("attractors"),
-        stability_map=_keywords(one.get("stability_map")),
+        stability_map=one.get("stability_map"),
         output=one.get("output", {}).get("file"),
         text=text,
     )
-
-
-def _keywords(values: dict[str, Any] | None) -> dict[str, Any] | None:
-    names = {
-        "from": "start", "to": "stop", "parameter_from": "parameter_start", "parameter_to": "parameter_stop",
-    }
-    return None if values is None else {names.get(name, name): value for name, value in values.items()}

@@ -8,7 +8,7 @@ __all__ = ["InputError", "Interrupted", "SolverError"]
 
 
 class InputError(ValueError):
-    """Bad input; the message is the executable's own, one problem a line."""
+    """Bad input; the message is the executable's own, with the names that a call has, one problem a line."""
 
 
 class SolverError(RuntimeError):

@@ -54,6 +54,9 @@ class Motion:
         None where no multipliers were asked for; ``refine`` finds them.
     undecided : bool
         ``stable`` is a guess: the largest multiplier is as near to the unit circle as it is uncertain.
+    floating : bool
+        Some mesh bears on neither flank of its gap and no mean torque holds it: its mean position is not unique, any other in the
+        gap would do. Of motions that time integration or ``refine`` gave.
     multipliers : ndarray of complex, (states,), or None
         Floquet multipliers over one period of the motion.
     state : ndarray, (2*elements,), or None
@@ -89,6 +92,7 @@ class Motion:
     share: float = float("nan")
     undecided: bool = False
     lyapunov_exponent: float = float("nan")
+    floating: bool = False
     train: Train | None = field(default=None, repr=False)
 
     @property
@@ -252,7 +256,7 @@ class Sweep(list[Motion]):
     direction : tuple of str
         ``'up'`` or ``'down'``, one a motion.
     ended : str
-        Why it ended, in words.
+        Why it ended, in words, and that the train floats in its gaps where it does.
     complete : bool
         Whether it got to its end.
     """
@@ -301,7 +305,7 @@ class Attractors(list[Motion]):
     unsettled : float
         Share of the starts that settled on none: not steady after ``max_periods``, or run away.
     ended : str
-        Why it ended, in words.
+        Why it ended, in words, and that the train floats in its gaps where it does.
     complete : bool
         Whether all starts were done.
     branches : list of Branch

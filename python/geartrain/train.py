@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._box import Box, fortran
-from ._namelist import group
+from ._namelist import group, in_words_of_the_call
 from ._watch import watched
 from .branch import Branch
 from .errors import InputError, SolverError
@@ -41,13 +41,13 @@ _TRAIN = {
     "title": "text",
 }
 _RESPONSE = {
-    **dict.fromkeys(("from", "to", "amplitude_limit", "tolerance", "step"), "number"),
+    **dict.fromkeys(("start", "stop", "amplitude_limit", "tolerance", "step"), "number"),
     **dict.fromkeys(("harmonics", "subharmonic", "samples", "max_points", "period_doublings"), "integer"),
     **dict.fromkeys(("coefficients", "control"), "text"),
     **dict.fromkeys(("stability", "refine"), "flag"),
 }
 _INTEGRATION = {
-    **dict.fromkeys(("from", "to", "tolerance"), "number"),
+    **dict.fromkeys(("start", "stop", "tolerance"), "number"),
     **dict.fromkeys(("points", "harmonics", "max_periods"), "integer"),
     "direction": "text",
     "stability": "flag",
@@ -58,7 +58,7 @@ _ATTRACTORS = {
     **dict.fromkeys(("follow", "stability"), "flag"),
 }
 _STABILITY_MAP = {
-    **dict.fromkeys(("from", "to", "parameter_from", "parameter_to"), "number"),
+    **dict.fromkeys(("start", "stop", "parameter_start", "parameter_stop"), "number"),
     **dict.fromkeys(("points", "parameter_points", "harmonics"), "integer"),
     "parameter": "text",
     "linear": "flag",
@@ -209,8 +209,7 @@ class Train:
         ----------
         modes : bool
         response, integration, attractors, stability_map : mapping, optional
-            The variables of the group, ``from`` and ``to`` under the names ``start`` and ``stop``,
-            ``parameter_from`` and ``parameter_to`` as ``parameter_start`` and ``parameter_stop``.
+            The variables of the group by their keywords, hence ``start`` and ``stop`` for ``from`` and ``to``.
         """
         problems: dict[str, str] = {}
         text = group("train", _TRAIN, {name: getattr(self, name) for name in _TRAIN}, problems)
@@ -222,13 +221,13 @@ class Train:
         if modes:
             text += group("modes", {}, {}, problems)
         if response is not None:
-            text += group("response", _RESPONSE, _range(response), problems)
+            text += group("response", _RESPONSE, response, problems)
         if integration is not None:
-            text += group("integration", _INTEGRATION, _range(integration), problems)
+            text += group("integration", _INTEGRATION, integration, problems)
         if attractors is not None:
             text += group("attractors", _ATTRACTORS, attractors, problems)
         if stability_map is not None:
-            text += group("stability_map", _STABILITY_MAP, _range(stability_map), problems)
+            text += group("stability_map", _STABILITY_MAP, stability_map, problems)
         if problems:
             raise InputError("\n".join([*problems.values(), *_further_problems(text, problems)]))
         return text
@@ -635,19 +634,25 @@ class Train:
         max_periods: int | None,
         tolerance: float | None,
     ) -> str:
-        """The case's text for integration at one frequency, which takes the place of the range in Fortran."""
+        """The case's text for integration at one frequency, which is both ends of the range."""
         if isinstance(frequency, bool) or not isinstance(frequency, Real):
             raise InputError(f"frequency = {frequency!r}: must be a number")
         settings = {
-            "start": 1.0,
-            "stop": 1.0,
+            "start": frequency,
+            "stop": frequency,
             "points": 1,
             "stability": stability,
             "harmonics": harmonics,
             "max_periods": max_periods,
             "tolerance": tolerance,
         }
-        return self.namelist(integration=settings)
+        try:
+            text = self.namelist(integration=settings)
+            with Box(text):
+                return text
+        except InputError as error:
+            told = in_words_of_the_call(str(error), {"start": "frequency", "stop": "frequency"})
+            raise InputError("\n".join(dict.fromkeys(told.splitlines()))) from None
 
 
 def _values(part: Shaft | Mesh) -> dict[str, Any]:
@@ -678,13 +683,6 @@ def _follows(line: str, name: str) -> bool:
     if not re.search(rf"\b{variable}\b", line):
         return False
     return line.startswith(f"{place}:") or f": {variable} = " not in line
-
-
-def _range(settings: Mapping[str, Any]) -> dict[str, Any]:
-    names = {
-        "start": "from", "stop": "to", "parameter_start": "parameter_from", "parameter_stop": "parameter_to",
-    }
-    return {names.get(name, name): value for name, value in settings.items()}
 
 
 def _from_state(state: ArrayLike, meshes: int) -> Motion:

@@ -3,7 +3,7 @@
 module hard_speeds
    use fixtures, only: paper_train, settings_of, single_pair
    use geartrain, only: branch_type, dp, error_type, integrate, integration_settings_type, motion_type, refine, &
-      response_settings_type, train_type
+      response_settings_type, sweep, sweep_type, train_type
    use hard_cases, only: cases_type, solution, solve
    implicit none (type, external)
    private
@@ -95,6 +95,7 @@ contains
                        .not. branch%complete .and. index(branch%ended, 'floats in its gaps') > 0)
       train%meshes(1)%error_cos = [5e-6_dp]
       train%meshes(2)%error_cos = [5e-6_dp]
+      call floating(cases, train)
       train%meshes%half_backlash = 0
       motion = solution(train, settings_of(0.9_dp, 0.91_dp, 12))
       exact = motion
@@ -103,6 +104,41 @@ contains
       call cases%measured('no torque, no gap, transmission error', 'shooting, relative', &
                           maxval(abs(motion%rms/exact%rms - 1)), 1e-10_dp)
    end subroutine no_torque
+
+   !> Time integration of a train without torque, with an error that keeps within the gaps and with one that does not.
+   subroutine floating(cases, train)
+      class(cases_type), intent(inout) :: cases
+      type(train_type), intent(in) :: train
+      type(train_type) :: rough
+      type(motion_type) :: motion, start, other
+      type(sweep_type) :: swept
+      type(integration_settings_type) :: settings
+      type(error_type), allocatable :: error
+      real(dp), parameter :: shift = -0.2_dp
+      integer :: j
+
+      call integrate(train, 0.9_dp, settings, motion, error)
+      call cases%holds('no torque, integration', 'told: settled, but floating', motion%period == 1 .and. motion%floating)
+      start = motion
+      ! The meshes are elements 2 and 4 of 5; they do not touch, so that nothing brings them back.
+      start%state([2, 4]) = start%state([2, 4]) + shift
+      call integrate(train, 0.9_dp, settings, other, error, start)
+      call cases%measured('the same from 0.2 further back in the gap', 'the same motion 0.2 further back, all means and extremes', &
+                          maxval([(abs([other%mean(j) - motion%mean(j), other%maximum(j) - motion%maximum(j), &
+                                        other%minimum(j) - motion%minimum(j)] - shift), j=1, 2)]), 1e-9_dp)
+      settings%start = 0.9_dp
+      settings%stop = 0.95_dp
+      settings%points = 2
+      call sweep(train, settings, swept, error)
+      call cases%holds('no torque, a sweep', 'told: the train floats in its gaps, its mean position is not unique', &
+                       swept%complete .and. index(swept%ended, 'floats in its gaps') > 0)
+      rough = train
+      rough%meshes(1)%error_cos = [200e-6_dp]
+      rough%meshes(2)%error_cos = [200e-6_dp]
+      call integrate(rough, 0.5_dp, settings, motion, error)
+      call cases%holds('no torque, both flanks of both meshes hit', 'not said to float', motion%period > 0 .and. &
+                       .not. motion%floating .and. all(motion%maximum > 1 .and. motion%minimum < -1))
+   end subroutine floating
 
    !> Mean stiffness 1, in part of the period none or less; contact is lost, and at the last of these the back flanks collide.
    subroutine soft_mesh(cases)

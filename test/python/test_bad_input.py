@@ -3,6 +3,7 @@ so that a new one is tested as soon as it is in the table."""
 
 import re
 import subprocess
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -122,6 +123,42 @@ def test_every_variable_given_wrongly(table, tmp_path):
     assert count > 10 * len(table)
 
 
+@pytest.mark.parametrize("extreme", [1e300, 1e-300, 1e200, 1e-200, -1e300])
+def test_every_number_beyond_all_scales(table, tmp_path, extreme):
+    """Products of such numbers are none. A next to vanishing amplitude in a list is one of 0."""
+    path = tmp_path / "case.nml"
+    count = 0
+    for variable in table:
+        if variable.kind not in ("real", "reals"):
+            continue
+        path.write_text(case_text(table, variable, f"{variable.name} = {extreme}"))
+        if variable.kind == "reals" and abs(extreme) < 1:
+            gt.read_case(path)
+            continue
+        with pytest.raises(gt.InputError) as caught:
+            gt.read_case(path)
+        told = rf"&{variable.group}.*: {variable.name}( harmonic 1)? = {re.escape(str(extreme))}: must .*of a magnitude from"
+        assert re.search(told, str(caught.value)), caught.value
+        count += 1
+    assert count > 25
+
+
+def test_next_to_vanishing_amplitudes_are_none():
+    """Homogeneity at its end: amplitudes of 1e-200 give the motion of those of 0."""
+    meshes = [replace(mesh, error_cos=[1e-200], stiffness_sin=[1e-300]) for mesh in paper_train().meshes]
+    tiny, none = paper_train(meshes=meshes, torque_cos=[1e-300]), paper_train()
+    settings = {"start": 0.4, "stop": 0.41, "harmonics": 6}
+    assert tiny.response(**settings).rms[0] == pytest.approx(none.response(**settings).rms[0], rel=1e-12)
+    assert tiny.integrate(0.4).rms == pytest.approx(none.integrate(0.4).rms, rel=1e-9)
+
+
+def test_a_stability_map_of_trains_that_cannot_be_computed():
+    ends = {"start": 1.7, "stop": 2.1, "points": 3, "parameter_points": 2}
+    with pytest.raises(gt.InputError, match=r"parameter_stop = 1\.0e6: must be a value with which the train can be computed: "
+                                            r"&mesh 1: damping_ratio = 1\.0e6: must be smaller"):
+        paper_train().stability_map(**ends, parameter="mesh_damping_ratio", parameter_start=0.1, parameter_stop=1e6)
+
+
 def test_what_is_required_is_missed(table, tmp_path):
     path = tmp_path / "case.nml"
     for variable in table:
@@ -216,8 +253,11 @@ def test_every_keyword_given_wrongly(table):
             continue
         values = wrong[variable.kind] + ([-7] if ">" in variable.allowed else [])
         for value in values:
-            with pytest.raises(gt.InputError, match=WORDS.get(variable.name, variable.name) + "|" + variable.name):
+            with pytest.raises(gt.InputError) as caught:
                 call(variable.group, variable.name, value)
+            keyword = WORDS.get(variable.name, variable.name)
+            assert re.search(rf"^&{variable.group}[ 0-9]*: {keyword}( harmonic \d+)? = .*must ", str(caught.value), re.MULTILINE)
+            assert not re.search(r"\b(from|to) = |\b(from|to)\b\"|\.(true|false)\.", str(caught.value))
         with pytest.raises(TypeError):
             call(variable.group, variable.name + "q", 1)
 
@@ -243,6 +283,46 @@ def test_all_problems_of_a_call_in_one_go():
     with pytest.raises(gt.InputError) as caught:
         paper_train().response(start="x", stop=-1.0, harmonics=1.5, step=0.0, stability=3)
     assert len(str(caught.value).splitlines()) == 5
+
+
+def test_messages_have_the_words_of_the_call():
+    """The keyword is `start`, as `from` is a word of Python; a case file's messages say `from`."""
+    train = paper_train()
+    ends = {"start": 0.5, "stop": 0.5}
+    rows = {"parameter_start": 0.1, "parameter_stop": 0.1}
+    slow = "the train vibrates too often in a slower mesh period"
+    rigid = gt.Shaft(rigid=True, stiffness=1.0)
+    for work, *told in (
+        (lambda: train.response(start=-1, stop=2.0), "&response: start = -1.0: must be > 0"),
+        (lambda: train.response(start="x", stop=0),
+         "&response: start = 'x': must be a number", "&response: stop = 0.0: must be > 0"),
+        (lambda: train.response(start=None, stop=2.0), "&response: lacks start (> 0)"),
+        (lambda: train.response(start=1e-9, stop=2.0), f"&response: start = 1.0e-9: must be >= 0.0001: {slow}"),
+        (lambda: train.response(**ends), '&response: stop = 0.5: must differ from "start": a branch needs a range'),
+        (lambda: train.response(start=0.5, stop=0.6, period_doublings=1, stability=False),
+         "&response: period_doublings = 1: needs stability = True: the multipliers tell where a period doubles"),
+        (lambda: train.sweep(**ends), '&integration: points = 121: must be 1 where "start" and "stop" are equal'),
+        (lambda: train.stability_map(**ends, **rows), '&stability_map: stop = 0.5: must differ from "start"',
+         '&stability_map: parameter_points = 200: must be 1 where "parameter_start" and "parameter_stop" are equal, and only '
+         "there"),
+        (lambda: train.integrate(-1), "&integration: frequency = -1.0: must be > 0"),
+        (lambda: train.integrate(float("nan")), "&integration: frequency = nan: must be a finite number"),
+        (lambda: train.integrate(0, tolerance="x"),
+         "&integration: tolerance = 'x': must be a number", "&integration: frequency = 0.0: must be > 0"),
+        (lambda: paper_train(shafts=[rigid, *train.shafts[1:]]),
+         "&shaft 1: stiffness = 1.0: contradicts rigid = True: leave out one of the two"),
+    ):
+        with pytest.raises(gt.InputError) as caught:
+            work()
+        assert str(caught.value).splitlines() == told
+
+
+def test_one_frequency_in_the_trains_own_units():
+    """Only the frequency given is held against the slowest allowed, 1e-4 of the train's own."""
+    train = paper_train(characteristic_frequency=9870e-5)
+    assert train.integrate(0.4e5).rms == pytest.approx(paper_train().integrate(0.4).rms, rel=1e-8)
+    with pytest.raises(gt.InputError, match=r"^&integration: frequency = 1\.0: must be >= 10\.0: "):
+        train.integrate(1.0)
 
 
 def test_what_would_fill_the_memory_is_refused(executable, tmp_path):

@@ -239,6 +239,7 @@ def test_every_analysis_resumed(executable, tmp_path):
         except subprocess.TimeoutExpired:
             work.kill()
             work.wait()
+            slice_of_time *= 1.1  # a map or a branch is computed again as a whole, which a busy machine may not do in this time
     assert_equal_files(plain, output)
 
 

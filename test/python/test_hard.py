@@ -2,10 +2,13 @@
 
 import math
 import pickle
+import subprocess
+from dataclasses import replace
 
+import h5py
 import numpy as np
 import pytest
-from conftest import ROOT
+from conftest import ROOT, paper_train
 
 import geartrain as gt
 
@@ -46,3 +49,40 @@ def test_folds_are_undecided():
     near = abs(abs(branch.multipliers).max(axis=1) - 1) < 0.1
     assert near[np.isfinite(branch.second_estimate)].all()
     assert any(motion.undecided for motion in branch.at(float(branch.frequency[folds[0]])))
+
+
+def test_a_train_without_torque_floats():
+    """Its mean position is not unique: a start elsewhere in the gap stays there."""
+    mesh = gt.Mesh(driving_radius=1.0, driven_radius=1.0, driving_inertia=2.0, driven_inertia=2.0, stiffness=1.0,
+                   damping_ratio=0.05, half_backlash=1.0, error_cos=[0.1])
+    train = gt.Train(input_torque=0.0, prime_mover_inertia=0.0, load_inertia=0.0, characteristic_length=1.0,
+                     characteristic_frequency=1.0, shafts=[gt.Shaft(rigid=True), gt.Shaft(rigid=True)], meshes=[mesh])
+    here, there = (train.integrate(frequency=0.9, start=[start, 0.0]) for start in (0.3, -0.4))
+    assert here.floating and there.floating and "floating=True" in repr(here)
+    assert here.period == there.period == 1
+    assert here.mean - there.mean == pytest.approx(0.7, abs=1e-9)
+    assert here.rms == pytest.approx(there.rms, abs=1e-9)
+    assert pickle.loads(pickle.dumps(here)).floating
+    told = "floats in its gaps, where its mean position is not unique"
+    assert told in train.sweep(start=0.8, stop=0.9, points=2).ended
+    assert told in train.attractors(frequency=0.9, starts=3).ended
+    loaded = replace(train, input_torque=1.0)
+    assert not loaded.integrate(frequency=0.4).floating
+    assert loaded.sweep(start=0.4, stop=0.45, points=2).ended == "all points done"
+
+
+def test_what_floats_is_said_in_the_file(tmp_path, executable):
+    case, output = tmp_path / "floating.nml", tmp_path / "floating.h5"
+    case.write_text(
+        paper_train(input_torque=0.0).namelist(integration={"start": 0.9, "stop": 1.0, "points": 2}, attractors={
+            "frequency": 0.9, "starts": 2}))
+    done = subprocess.run([executable, case, "--output", output], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("floats in its gaps, where its mean position is not unique") == 2
+    results = gt.read_case(case).run()
+    results.write(tmp_path / "python.h5")
+    for path in (output, tmp_path / "python.h5"):
+        with h5py.File(path) as file:
+            for group in ("integration", "attractors"):
+                assert "floats in its gaps" in file[group].attrs["ended"]
+                assert file[group]["floating"][:].all()

@@ -31,7 +31,8 @@ contains
       if (present(in_force)) then
          if (.not. in_force) return
       end if
-      if (.not. variable%allows(value)) call self%complain(variable%name, real_text(value), variable%expectation())
+      if (.not. variable%allows_number(value)) &
+         call self%complain(variable%name, real_text(value), variable%expectation(value))
    end subroutine check_real
 
    subroutine check_integer(self, variable, value)
@@ -74,7 +75,7 @@ contains
 
       if (.not. allocated(value)) return
       bad = findloc(variable%allows(value), .false., dim=1)
-      if (bad > 0) call self%complain(variable%name, real_text(value(bad)), variable%expectation(), bad)
+      if (bad > 0) call self%complain(variable%name, real_text(value(bad)), variable%expectation(value(bad)), bad)
    end subroutine check_list
 
    !> Adds 'name = value: expectation' unless the variable has its problem already.

@@ -8,7 +8,11 @@ module geartrain_base_variable
    use geartrain_base_numbers, only: integer_text, real_text
    implicit none (type, external)
    private
-   public :: variable_type, visitor_type
+   public :: variable_type, visitor_type, smallest, largest
+
+   !> Magnitudes of numbers that are not 0, for every variable: products of several of them are numbers still, and no train in SI
+   !> units comes near. A list may hold smaller ones: rounding of what is 0.
+   real(dp), parameter :: smallest = 1e-20_dp, largest = 1e20_dp
 
    type :: variable_type
       !> Name in the namelist; where the names differ, the keyword of a Fortran or Python call is told in the description.
@@ -27,6 +31,7 @@ module geartrain_base_variable
       character(24) :: excludes = ''
    contains
       procedure :: allows
+      procedure :: allows_number
       procedure :: allows_text
       procedure :: range => range_text
       procedure :: expectation
@@ -111,9 +116,18 @@ contains
 
       allows = ieee_is_finite(value)
       if (.not. allows) return
-      allows = value > self%above .and. value >= self%least .and. value <= self%most
+      allows = value > self%above .and. value >= self%least .and. value <= self%most .and. abs(value) <= largest
       if (self%automatic < huge(1.0_dp)) allows = allows .or. abs(value - self%automatic) <= 0
    end function allows
+
+   !> Of a real number on its own, which must not be next to nothing.
+   pure logical function allows_number(self, value)
+      class(variable_type), intent(in) :: self
+      real(dp), intent(in) :: value
+
+      allows_number = self%allows(value)
+      if (allows_number) allows_number = abs(value) >= smallest .or. abs(value) <= 0
+   end function allows_number
 
    pure logical function allows_text(self, value)
       class(variable_type), intent(in) :: self
@@ -172,9 +186,11 @@ contains
       if (self%automatic < huge(1.0_dp)) text = text//', or '//short(self%automatic)
    end function range_text
 
-   !> What is allowed, as a message says it: 'must be > 0 N/m', 'must be >= 1, or 0 to leave the choice to the program'.
-   pure function expectation(self) result(text)
+   !> What is allowed, as a message says it: 'must be > 0 N/m', 'must be >= 1, or 0 to leave the choice to the program'. Of a value
+   !> that is too large or too small for a number of any variable it says that.
+   pure function expectation(self, value) result(text)
       class(variable_type), intent(in) :: self
+      real(dp), intent(in), optional :: value
       character(:), allocatable :: text
 
       text = self%range()
@@ -185,6 +201,9 @@ contains
          if (self%unit /= '') text = text//' '//trim(self%unit)
          if (self%automatic < huge(1.0_dp)) text = text//' to leave the choice to the program'
       end if
+      if (.not. present(value)) return
+      if (ieee_is_finite(value) .and. (abs(value) > largest .or. abs(value) < smallest .and. abs(value) > 0)) &
+         text = text//', of a magnitude from '//real_text(smallest)//' to '//real_text(largest)
    end function expectation
 
    !> 'up down both' becomes "'up', 'down' or 'both'".

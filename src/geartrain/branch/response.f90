@@ -15,8 +15,8 @@ module geartrain_branch_response
                                       left_beyond, tracer_type
    use geartrain_branch_variables, only: check_response
    use geartrain_model_check, only: check_train
-   use geartrain_model_system, only: system_type
    use geartrain_model_train, only: train_type
+   use geartrain_motion_floating, only: can_float, note_of
    use geartrain_motion_integration, only: integrate
    use geartrain_motion_integration_settings, only: integration_settings_type
    use geartrain_motion_motion, only: motion_type
@@ -146,8 +146,7 @@ contains
          call find_start(train, tracer, from, to, place, success, observer)
          if (.not. success) then
             reason = 'no motion of period '//text(tracer%settings%subharmonic)//' found to start from'
-            if (floats(tracer%system)) reason = reason//' (without a mean torque a train with backlash floats in its gaps, &
-               &where its mean position is not unique)'
+            reason = reason//note_of(can_float(tracer%system))
             return
          end if
          if (branch%points > 0) then
@@ -199,13 +198,6 @@ contains
          is_last_point = maxval(abs(coefficients(:n, :) - last)) <= same_motion*maxval(abs(last))
       end associate
    end function is_last_point
-
-   !> Whether nothing holds the teeth together at rest.
-   pure logical function floats(system)
-      type(system_type), intent(in) :: system
-
-      floats = any(system%backlash > 0) .and. .not. any(abs(system%load) > 0)
-   end function floats
 
    !> A motion at exactly the frequency: from rest, one that time integration settles on, or on the branch of a frequency at
    !> which there is one from rest, outside the range that ends at `other` or in it.

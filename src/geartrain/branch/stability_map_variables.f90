@@ -6,6 +6,7 @@ module geartrain_branch_stability_map_variables
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_base_variable, only: row => variable_type, visitor_type
    use geartrain_branch_stability_map_settings, only: stability_map_settings_type
+   use geartrain_model_check, only: check_train
    use geartrain_model_limits, only: check_frequency, check_harmonics
    use geartrain_model_mesh, only: mesh_type
    use geartrain_model_train, only: train_type
@@ -72,12 +73,12 @@ contains
       call checker%enter('stability_map', 1)
       ! A branch needs a range; the linear train does not.
       if (abs(settings%start - settings%stop) <= 0 .and. (settings%points > 1 .or. .not. settings%linear)) &
-         call checker%complain('to', real_text(settings%stop), 'must differ from from')
+         call checker%complain('to', real_text(settings%stop), 'must differ from "from"')
       if (abs(settings%start - settings%stop) > 0 .and. settings%points == 1) &
-         call checker%complain('points', integer_text(settings%points), 'must be >= 2 where from and to differ')
+         call checker%complain('points', integer_text(settings%points), 'must be >= 2 where "from" and "to" differ')
       if (abs(settings%parameter_start - settings%parameter_stop) <= 0 .neqv. settings%parameter_points == 1) &
          call checker%complain('parameter_points', integer_text(settings%parameter_points), &
-                               'must be 1 where parameter_from and parameter_to are equal, and only there')
+                               'must be 1 where "parameter_from" and "parameter_to" are equal, and only there')
       call check_frequency(train, 'from', settings%start, checker)
       call check_frequency(train, 'to', settings%stop, checker)
       if (.not. settings%linear) call check_harmonics(train, settings%harmonics, 1, checker)
@@ -89,7 +90,26 @@ contains
             call checker%complain('parameter', "'"//trim(settings%parameter)//"'", &
                                   'needs a mesh with stiffness_cos or stiffness_sin, which give the shape that is scaled')
       end if
+      call check_end('parameter_from', settings%parameter_start)
+      call check_end('parameter_to', settings%parameter_stop)
       call checker%leave()
+
+   contains
+
+      !> The train at an end of the range of the parameter is one that can be computed.
+      subroutine check_end(name, value)
+         character(*), intent(in) :: name
+         real(dp), intent(in) :: value
+         type(error_type), allocatable :: wrong
+
+         if (checker%problems%in_group('stability_map')) return
+         call check_train(train, wrong)
+         if (allocated(wrong)) return
+         call check_train(train_with(train, settings, value), wrong)
+         if (allocated(wrong)) call checker%complain(name, real_text(value), 'must be a value with which the train can be &
+            &computed: '//wrong%message(:index(wrong%message//new_line('a'), new_line('a')) - 1))
+      end subroutine check_end
+
    end subroutine check_stability_map_consistency
 
    !> The train of one row of the map.

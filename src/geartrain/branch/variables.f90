@@ -87,7 +87,7 @@ contains
       if (checker%problems%in_group('response')) return
       call checker%enter('response', 1)
       if (abs(settings%start - settings%stop) <= 0) then
-         call checker%complain('to', real_text(settings%stop), 'must differ from from: a branch needs a range')
+         call checker%complain('to', real_text(settings%stop), 'must differ from "from": a branch needs a range')
       end if
       if (settings%harmonics > 0 .and. settings%harmonics < settings%subharmonic) then
          call checker%complain('harmonics', integer_text(settings%harmonics), 'must be >= subharmonic = '// &

@@ -58,7 +58,7 @@ contains
       call self%find_one(variable, token, found)
       if (.not. found) return
       call read_real(token, value, wrong)
-      if (wrong == '' .and. .not. variable%allows(value)) wrong = variable%expectation()
+      if (wrong == '' .and. .not. variable%allows_number(value)) wrong = variable%expectation(value)
       if (wrong /= '') call self%complain(variable%name, shown(token), wrong)
       if (present(in_force)) in_force = .true.
       if (variable%excludes == '') return
@@ -129,7 +129,7 @@ contains
          allocate (value(size(given%values)), source=0.0_dp)
          do i = 1, size(value)
             call read_real(given%values(i), value(i), wrong)
-            if (wrong == '' .and. .not. variable%allows(value(i))) wrong = variable%expectation()
+            if (wrong == '' .and. .not. variable%allows(value(i))) wrong = variable%expectation(value(i))
             if (wrong == '') cycle
             call self%complain(trim(variable%name), shown(given%values(i)), wrong, i)
             return

@@ -2,7 +2,7 @@
 module geartrain_case_text
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
-   use geartrain_base_variable, only: variable_type, visitor_type
+   use geartrain_base_variable, only: largest, smallest, variable_type, visitor_type
    use geartrain_case_case, only: case_type
    use geartrain_case_table, only: list_variables, row_type
    use geartrain_case_variables, only: groups, visit_case
@@ -64,10 +64,10 @@ contains
       integer :: i, j
 
       call list_variables(rows)
-      text = ''
+      text = 'A real number that is not 0 has a magnitude from '//real_text(smallest)//' to '//real_text(largest)// &
+             '; in a list smaller ones count as well.'//newline
       do i = 1, size(groups)
-         if (i > 1) text = text//newline
-         text = text//'### `&'//trim(groups(i)%name)//'`'//newline//newline//trim(groups(i)%description)//newline
+         text = text//newline//'### `&'//trim(groups(i)%name)//'`'//newline//newline//trim(groups(i)%description)//newline
          if (.not. any(rows%group == groups(i)%name)) cycle
          text = text//newline//'| Variable | Type | Unit | Default | Allowed | Meaning |'//newline// &
                 '|---|---|---|---|---|---|'//newline

@@ -5,6 +5,7 @@ module geartrain_model_check
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_model_limits, only: check_stiffest
+   use geartrain_model_scales, only: check_scales
    use geartrain_model_shaft, only: shaft_type
    use geartrain_model_train, only: train_type
    use geartrain_model_variables, only: visit_model
@@ -53,6 +54,7 @@ contains
       call check_end(train%load_inertia, 'load_inertia', 'last', train%shafts(shafts))
       call checker%leave()
       call check_stiffest(train, checker)
+      call check_scales(train, checker)
 
    contains
 

@@ -1,5 +1,6 @@
-!> How slowly the teeth may mesh, how fast a part of the train may vibrate and how many harmonics a motion needs at least: what lies
-!> beyond would keep the program busy for hours over a single point, or leave an excitation out without a word.
+!> How slowly and how fast the teeth may mesh, how fast or slowly a part of the train may vibrate and how many harmonics a motion
+!> needs at least: what lies beyond would keep the program busy for hours over a single point, be lost in rounding, or leave an
+!> excitation out without a word.
 module geartrain_model_limits
    use geartrain_base_checker, only: checker_type
    use geartrain_base_kinds, only: dp
@@ -7,30 +8,35 @@ module geartrain_model_limits
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: check_frequency, check_harmonics, check_stiffest
+   public :: check_frequency, check_harmonics, check_stiffest, in_order, own_frequency
 
    !> Smallest Lambda of a train whose meshes vibrate at the characteristic frequency: a mesh period below it takes more than some
    !> 1e5 steps of the flow.
    real(dp), parameter :: slowest = 1e-4_dp
-   !> Largest ratio of the frequencies of two elements: time steps, and what the multipliers cost, follow the fastest one.
+   !> Largest Lambda of such a train: nothing of the motion but its mean is left at it.
+   real(dp), parameter :: fastest = 1e6_dp
+   !> Largest ratio of the frequencies of two elements: time steps, and what the multipliers cost, follow the fastest one; a slower
+   !> one is lost in rounding.
    real(dp), parameter :: largest_ratio = 1e6_dp
 
 contains
 
-   !> Adds a problem where Lambda is too small for a train that is in order: `name = value: must be >= ...`.
+   !> Adds a problem where Lambda is too small or too large for a train that is in order: `name = value: must be >= ...`.
    subroutine check_frequency(train, name, value, checker)
       type(train_type), intent(in) :: train
       character(*), intent(in) :: name
       real(dp), intent(in) :: value
       class(checker_type), intent(inout) :: checker
-      real(dp) :: decades, least
+      real(dp) :: decades, unit
 
       if (.not. in_order(train, checker)) return
       ! Any two numbers that can be written: their ratio need not be one.
       decades = log10(own_frequency(train)) - log10(train%characteristic_frequency)
-      least = slowest*10.0_dp**nint(max(-300.0_dp, min(300.0_dp, decades)))
-      if (.not. value >= least) call checker%complain(name, real_text(value), 'must be >= '//real_text(least)// &
+      unit = 10.0_dp**nint(max(-300.0_dp, min(300.0_dp, decades)))
+      if (.not. value >= slowest*unit) call checker%complain(name, real_text(value), 'must be >= '//real_text(slowest*unit)// &
          ': the train vibrates too often in a slower mesh period')
+      if (.not. value <= fastest*unit) call checker%complain(name, real_text(value), 'must be <= '//real_text(fastest*unit)// &
+         ': the train does not follow a faster mesh frequency')
    end subroutine check_frequency
 
    !> Adds a problem where the harmonics of a motion do not reach the mesh frequency of every mesh that excites it.
@@ -54,7 +60,8 @@ contains
       end do
    end subroutine check_harmonics
 
-   !> Adds a problem for every element that vibrates too fast beside the slowest mesh, in a train whose values are in their ranges.
+   !> Adds a problem for every element that vibrates or creeps too fast beside the slowest mesh, or too slowly, in a train whose
+   !> values are in their ranges.
    subroutine check_stiffest(train, checker)
       type(train_type), intent(in) :: train
       class(checker_type), intent(inout) :: checker
@@ -70,24 +77,41 @@ contains
          if (i > 1) left = train%meshes(i - 1)%driven_inertia
          right = train%load_inertia
          if (i <= meshes) right = train%meshes(i)%driving_inertia
-         call check_element(sqrt(train%shafts(i)%stiffness)*sqrt(1/left + 1/right), 'shaft', train%shafts(i)%stiffness, &
-                            'make the shaft rigid, or give the inertias at its ends as they are')
+         associate (shaft => train%shafts(i))
+            call check_element(sqrt(shaft%stiffness)*sqrt(1/left + 1/right), 'shaft', shaft%stiffness, shaft%damping_ratio, &
+                               shaft%damping_given, shaft%damping, &
+                               'make the shaft rigid, or give the inertias at its ends as they are')
+         end associate
       end do
       do i = 1, meshes
-         call check_element(mesh_frequency(train, i), 'mesh', train%meshes(i)%stiffness, &
-                            'are radii, inertias and stiffness in SI units?')
+         associate (mesh => train%meshes(i))
+            call check_element(mesh_frequency(train, i), 'mesh', mesh%stiffness, mesh%damping_ratio, mesh%damping_given, &
+                               mesh%damping, 'are radii, inertias and stiffness in SI units?')
+         end associate
       end do
 
    contains
 
-      subroutine check_element(frequency, group, stiffness, cure)
-         real(dp), intent(in) :: frequency, stiffness
+      subroutine check_element(frequency, group, stiffness, ratio, given, damping, cure)
+         real(dp), intent(in) :: frequency, stiffness, ratio, damping
+         logical, intent(in) :: given
          character(*), intent(in) :: group, cure
+         character(*), parameter :: creeps = 'must be smaller: the rate at which it brings the part to rest, damping times &
+            &frequency^2 over stiffness, is more than 1e6 times the frequency of the slowest mesh, too fast to be followed'
 
-         if (frequency <= largest_ratio*own) return
          call checker%enter(group, i)
-         call checker%complain('stiffness', real_text(stiffness), 'must be smaller: it makes the part vibrate more than 1e6 times &
-                               &as fast as the slowest mesh, too fast to be followed: '//cure)
+         if (frequency > largest_ratio*own) then
+            call checker%complain('stiffness', real_text(stiffness), 'must be smaller: it makes the part vibrate more than 1e6 &
+                                  &times as fast as the slowest mesh, too fast to be followed: '//cure)
+         else if (frequency < own/largest_ratio) then
+            call checker%complain('stiffness', real_text(stiffness), 'must be larger: it makes the part vibrate more than 1e6 &
+                                  &times as slowly as the slowest mesh, which is lost in rounding')
+         else if (given) then
+            if (damping*frequency/stiffness*frequency > largest_ratio*own) &
+               call checker%complain('damping', real_text(damping), creeps)
+         else if (2*ratio*frequency > largest_ratio*own) then
+            call checker%complain('damping_ratio', real_text(ratio), creeps)
+         end if
          call checker%leave()
       end subroutine check_element
 

@@ -9,6 +9,7 @@ module geartrain_motion_attractors
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    use geartrain_motion_attractors_settings, only: attractors_settings_type, attractors_type
+   use geartrain_motion_floating, only: note_of
    use geartrain_motion_integration, only: settle
    use geartrain_motion_integration_settings, only: integration_settings_type
    use geartrain_motion_motion, only: motion_type
@@ -78,6 +79,7 @@ contains
       found%complete = found%starts == settings%starts
       found%ended = 'all starts done'
       if (.not. found%complete) found%ended = 'cancelled after '//text(found%starts)//' of '//text(settings%starts)//' starts'
+      found%ended = found%ended//note_of(any(found%motions%floating))
    end subroutine attractors
 
    !> Mesh displacements and velocities uniform within three times the resting displacement; shafts untwisted.

@@ -27,7 +27,7 @@ module geartrain_motion_attractors_settings
       integer :: starts = 0, random_seed = 0
       !> Share of the starts that were not steady after max_periods, or ran away; with the shares of the motions it sums to 1.
       real(dp) :: unsettled = 0
-      !> 'all starts done', or why not.
+      !> 'all starts done', or why not; and that the train floats in its gaps, where it does.
       character(:), allocatable :: ended
       logical :: complete = .false.
    end type attractors_type

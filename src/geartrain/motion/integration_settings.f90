@@ -27,7 +27,7 @@ module geartrain_motion_integration_settings
       type(motion_type), allocatable :: motions(:)
       !> 'up' or 'down', one a motion.
       character(4), allocatable :: direction(:)
-      !> 'all points done', or why not.
+      !> 'all points done', or why not; and that the train floats in its gaps, where it does.
       character(:), allocatable :: ended
       logical :: complete = .false.
    end type sweep_type

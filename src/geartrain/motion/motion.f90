@@ -26,6 +26,8 @@ module geartrain_motion_motion
       logical :: stable = .false.
       !> `stable` is a guess: the largest multiplier is as near to the unit circle as it is uncertain.
       logical :: undecided = .false.
+      !> Some mesh bears on neither flank of its gap and nothing holds it there: its mean position is not unique.
+      logical :: floating = .false.
       !> Largest Lyapunov exponent [1], per unit of time: positive where neighbours part; there where no period was found.
       real(dp), allocatable :: lyapunov_exponent
       !> Relative error of the waveform, as estimated; negative where there is no estimate.

@@ -3,6 +3,7 @@ module geartrain_motion_orbit
    use geartrain_base_fftw, only: transform_type
    use geartrain_base_kinds, only: dp, pi
    use geartrain_model_system, only: system_type
+   use geartrain_motion_floating, only: is_floating
    use geartrain_motion_flow, only: flow_type
    use geartrain_motion_mesh_load, only: elastic, mesh_load_type, put_force, stiffness_samples
    use geartrain_motion_motion, only: motion_type
@@ -99,7 +100,8 @@ contains
    end subroutine sample_orbit
 
    !> Fills in a motion of given frequency, period and state: coefficients up to `harmonics` of Lambda (harmonics*period of
-   !> Lambda/period), rms over all harmonics, mean and extremes, what the meshes bear.
+   !> Lambda/period), rms over all harmonics, mean and extremes, what the meshes bear, whether
+   !> one of them floats.
    subroutine measure(system, harmonics, motion)
       type(system_type), intent(in) :: system
       integer, intent(in) :: harmonics
@@ -127,6 +129,7 @@ contains
          motion%mesh_load(j)%separation = share(0, j)
          motion%mesh_load(j)%back_contact = share(-1, j)
       end do
+      motion%floating = is_floating(system, motion)
       do j = 1, system%meshes
          transform%sample = p(:, j)
          call transform%to_coefficients()

@@ -7,6 +7,7 @@ module geartrain_motion_sweep
    use geartrain_model_check, only: check_train
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
+   use geartrain_motion_floating, only: note_of
    use geartrain_motion_integration, only: add_exponent, settle
    use geartrain_motion_integration_settings, only: integration_settings_type, sweep_type
    use geartrain_motion_motion, only: motion_type
@@ -82,8 +83,9 @@ contains
       end do
       result%complete = done == total
       result%ended = 'all points done'
+      if (.not. result%complete) result%ended = 'cancelled at Lambda = '//text(frequency)
+      result%ended = result%ended//note_of(any(result%motions%floating))
       if (result%complete) return
-      result%ended = 'cancelled at Lambda = '//text(frequency)
       result%motions = result%motions(:done)
       result%direction = result%direction(:done)
    end subroutine sweep

@@ -65,7 +65,7 @@ contains
       if (checker%problems%in_group('integration')) return
       call checker%enter('integration', 1)
       if (abs(settings%start - settings%stop) <= 0 .and. settings%points /= 1) &
-         call checker%complain('points', integer_text(settings%points), 'must be 1 where from and to are equal')
+         call checker%complain('points', integer_text(settings%points), 'must be 1 where "from" and "to" are equal')
       call check_frequency(train, 'from', settings%start, checker)
       call check_frequency(train, 'to', settings%stop, checker)
       call checker%leave()

@@ -96,6 +96,8 @@ contains
                      about_coefficients)
       if (any(has_exponent(motions))) &
          call store%put(home//'/lyapunov_exponent', [(exponent_of(motions(i)), i=1, n)], [along], '1', about_exponent)
+      if (any(motions%floating)) call store%put(home//'/floating', (motions%floating), [along], 'some mesh bears on neither &
+         &flank and no mean torque holds it: its mean position in the gap is not unique, any other would do')
       if (any(has_multipliers(motions))) call write_stability(store, home, along, motions)
    end subroutine write_motions
 

@@ -276,6 +276,7 @@ contains
       call archive%carry(motion%state)
       call archive%carry(motion%stable)
       call archive%carry(motion%undecided)
+      call archive%carry(motion%floating)
       if (archive%has(allocated(motion%lyapunov_exponent))) then
          if (archive%reading) allocate (motion%lyapunov_exponent)
          call archive%carry(motion%lyapunov_exponent)
