@@ -16,7 +16,7 @@ module geartrain_results_state
    public :: pack_state, unpack_state
 
    !> A component added to a type that is carried here must be carried, too.
-   character(*), parameter :: mark = 'geartrain state, version '//version
+   character(*), parameter :: mark = 'geartrain state 2, version '//version
 
 contains
 
