@@ -202,7 +202,8 @@ contains
          if (self%automatic < huge(1.0_dp)) text = text//' to leave the choice to the program'
       end if
       if (.not. present(value)) return
-      if (ieee_is_finite(value) .and. (abs(value) > largest .or. abs(value) < smallest .and. abs(value) > 0)) &
+      if (.not. ieee_is_finite(value)) return
+      if (abs(value) > largest .or. abs(value) < smallest .and. abs(value) > 0) &
          text = text//', of a magnitude from '//real_text(smallest)//' to '//real_text(largest)
    end function expectation
 
