@@ -11,6 +11,8 @@ module geartrain_branch_path
 
    integer, parameter :: max_iterations = 10
    real(dp), parameter :: converged = 1e-10_dp, rounding = 16*epsilon(1.0_dp)
+   !> Accuracy of a Newton step that is solved for by iteration: at first, and as a share of what the step is going to leave.
+   real(dp), parameter :: first_accuracy = 1e-4_dp, accuracy_share = 0.01_dp
 
    !> A point of the branch and the unit tangent there: coefficients of the unknown meshes (block, unknowns) and Lambda.
    type :: place_type
@@ -29,6 +31,8 @@ module geartrain_branch_path
       !> Of the latest corrector: first Newton step over predictor step, iterations.
       real(dp) :: correction = 0
       integer :: iterations = 0
+      !> Evaluations of the balance so far: the same number means the same place.
+      integer :: evaluations = 0
       real(dp), allocatable, private :: step(:, :)
    contains
       procedure :: setup
@@ -126,21 +130,26 @@ contains
    !> Newton on S = 0 with row . (U - U_predicted) = 0. It fails when it stops contracting, needs too many iterations, or
    !> when the first correction is longer than `longest` (then the solution may lie on another branch). Where the next step is
    !> going to be the last one, going by how the steps shrink, it is made with the factors at hand.
+   !> No step is solved for more exactly than its own error of linearisation is worth (inexact Newton: S. C. Eisenstat and H. F.
+   !> Walker, SIAM J. Sci. Comput. 17 (1996) 16-32).
    subroutine newton(self, place, row, row_frequency, longest, success)
       class(path_type), intent(inout) :: self
       type(place_type), intent(inout) :: place
       real(dp), intent(in) :: row(:, :), row_frequency, longest
       logical, intent(out) :: success
-      real(dp) :: y, length, before, tolerance
+      real(dp) :: y, length, before, tolerance, defect, defect_before, accuracy
       integer :: iteration
       logical :: last, regular
 
       success = .false.
       last = .false.
       before = huge(1.0_dp)
+      accuracy = first_accuracy
+      defect_before = 0
       do iteration = 1, max_iterations
          self%iterations = iteration
          call self%balance%evaluate(place%u, place%frequency)
+         self%evaluations = self%evaluations + 1
          if (.not. last) then
             call self%matrix%linearize(self%balance)
             self%matrix%row = row
@@ -150,7 +159,12 @@ contains
          end if
          self%step = -self%balance%residual
          y = 0
-         call self%matrix%solve(self%balance, self%step, y)
+         defect = self%length_of(self%step)
+         ! The residual shrinks by the square of what it shrank by before.
+         if (iteration > 1) accuracy = min(first_accuracy, accuracy_share*(defect/defect_before)**2)
+         accuracy = max(accuracy, accuracy_share*converged/max(defect, converged))
+         defect_before = defect
+         call self%matrix%solve(self%balance, self%step, y, accuracy)
          length = self%length_of(self%step, y)
          if (.not. length <= longest) return
          if (iteration == 1) self%correction = length/longest

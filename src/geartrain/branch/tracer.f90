@@ -51,6 +51,8 @@ module geartrain_branch_tracer
       !> Points that miss the tolerance, where the number of harmonics is left to the program.
       integer :: missed = 0
       type(truncation_type) :: truncation
+      !> Evaluations at the latest error estimate.
+      integer, private :: estimated = -1
       !> Change of the tangent's Lambda part along the branch, at the latest step.
       real(dp), private :: bend = 0
    contains
@@ -103,18 +105,19 @@ contains
       call self%recorder%add(self%path%balance, place, self%truncation, self%part, branch)
    end subroutine record
 
-   !> Error estimate of a solved place, the last one that `path` worked on.
+   !> Error estimate of a solved place, the last one that `path` worked on. It may be known already.
    subroutine estimate_error(self, place)
       class(tracer_type), intent(inout) :: self
       type(place_type), intent(in) :: place
 
+      if (self%estimated == self%path%evaluations) return
+      self%estimated = self%path%evaluations
       call find_truncation(self%path%balance, place%u, place%frequency, place%tangent, place%tangent_frequency, self%bend, &
                            self%path%units%frequency, self%path%matrix, self%truncation)
    end subroutine estimate_error
 
    !> Follows the branch from `here` (solved, oriented, already a point of the branch) within [low, high]. Of the two bounds
-   !> `target` is the end and the other one a return. `here` becomes the place where the
-   !> branch left by the amplitude limit, if it did.
+   !> `target` is the end and the other one a return. `here` becomes the place where the branch left by the amplitude limit, if so.
    subroutine trace(self, here, low, high, target, branch, outcome, reason, observer)
       class(tracer_type), intent(inout) :: self
       type(place_type), intent(inout) :: here

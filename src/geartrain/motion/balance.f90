@@ -9,14 +9,14 @@ module geartrain_motion_balance
    use geartrain_motion_bordered, only: bordered_type
    use geartrain_motion_contact, only: contact_type
    use geartrain_motion_needed_harmonics, only: needed_harmonics
-   use geartrain_motion_trigonometric, only: fine_samples, sample
+   use geartrain_motion_trigonometric, only: fine_samples, sample, transform_length
    implicit none (type, external)
    private
    public :: balance_type
 
    !> Up to so many harmonics the derivatives of the mesh forces are matrices; beyond, those of the lowest ones are, and the whole
    !> is applied by FFT.
-   integer, parameter :: most_direct = 28, explicit_of_many = 10
+   integer, parameter :: most_direct = 16, explicit_of_many = 10
 
    type :: balance_type
       type(system_type) :: system
@@ -44,8 +44,9 @@ module geartrain_motion_balance
       type(receptance_type), allocatable :: receptance(:)
       !> Lambda at the last `evaluate`.
       real(dp), private :: frequency = 0
-      !> Plan of the meshes' waveforms; where not all harmonics are explicit, stiffness in contact (sample, unknowns).
-      type(transform_type), private :: fine
+      !> Plan of the meshes' waveforms; where not all harmonics are explicit, that of products, and stiffness in contact (sample,
+      !> unknowns).
+      type(transform_type), private :: fine, products
       real(dp), allocatable, private :: wave(:, :)
    contains
       procedure :: setup
@@ -99,7 +100,9 @@ contains
                 self%force(self%block, self%unknowns), self%receptance(size(self%harmonic)))
       self%explicit = size(self%harmonic)
       if (self%explicit > most_direct) self%explicit = explicit_of_many
-      allocate (self%wave(merge(0, self%fine%samples, self%is_direct()), self%unknowns))
+      ! No alias of a product with spectra up to twice the highest harmonic reaches a harmonic that is carried.
+      if (.not. self%is_direct()) call self%products%plan(transform_length(4*self%harmonic(size(self%harmonic)) + 1))
+      allocate (self%wave(merge(0, self%products%samples, self%is_direct()), self%unknowns))
       if (allocated(self%tangent)) deallocate (self%tangent)
       allocate (self%tangent(1 + 2*self%explicit, 1 + 2*self%explicit, self%unknowns))
    end subroutine setup
@@ -196,12 +199,12 @@ contains
             self%force(:, i) = self%force(:, i) + u(k)*self%tangent(:, k, i)
          end do
       else
-         self%fine%coefficient = 0
+         self%products%coefficient = 0
          associate (n => 2*self%harmonic(size(self%harmonic)))
-            self%fine%coefficient(:n + 1) = self%contact(i)%stiffness(:n)
+            self%products%coefficient(:n + 1) = self%contact(i)%stiffness(:n)
          end associate
-         call self%fine%to_samples()
-         self%wave(:, i) = self%fine%sample
+         call self%products%to_samples()
+         self%wave(:, i) = self%products%sample
          call self%product(i, u, self%force(:, i))
       end if
       associate (f => self%force(:, i), sigma => self%contact(i)%offset, b => self%contact(i)%backlash, r => self%harmonic)
@@ -277,14 +280,14 @@ contains
       real(dp), intent(out) :: f(:)
       integer :: k
 
-      associate (fine => self%fine, r => self%harmonic)
-         call sample(x, r, fine)
-         fine%sample = self%wave(:, i)*fine%sample
-         call fine%to_coefficients()
-         f(1) = real(fine%coefficient(1), dp)/fine%samples
+      associate (products => self%products, r => self%harmonic)
+         call sample(x, r, products)
+         products%sample = self%wave(:, i)*products%sample
+         call products%to_coefficients()
+         f(1) = real(products%coefficient(1), dp)/products%samples
          do k = 1, size(r)
-            f(2*k) = 2*real(fine%coefficient(r(k) + 1), dp)/fine%samples
-            f(2*k + 1) = -2*aimag(fine%coefficient(r(k) + 1))/fine%samples
+            f(2*k) = 2*real(products%coefficient(r(k) + 1), dp)/products%samples
+            f(2*k + 1) = -2*aimag(products%coefficient(r(k) + 1))/products%samples
          end do
       end associate
    end subroutine product

@@ -11,7 +11,8 @@ module geartrain_motion_linearization
    private
    public :: linearization_type
 
-   !> Residual of a solution relative to the right-hand side; iterations after which more harmonics are made explicit.
+   !> Residual of a solution relative to the right-hand side, where it is to be exact; iterations after which more harmonics are
+   !> made explicit.
    real(dp), parameter :: tolerance = 1e-10_dp
    integer, parameter :: most_iterations = 40
 
@@ -80,15 +81,20 @@ contains
    end subroutine factor
 
    !> Solves in place for the right-hand side x (block, unknowns) and y of the border row. Not a number where it cannot be.
-   subroutine solve(self, balance, x, y)
+   subroutine solve(self, balance, x, y, accuracy)
       class(linearization_type), intent(inout) :: self
       type(balance_type), intent(inout) :: balance
       real(dp), intent(inout) :: x(:, :), y
+      !> Residual relative to the right-hand side that is enough.
+      real(dp), intent(in), optional :: accuracy
+      real(dp) :: enough
       logical :: done
 
+      enough = tolerance
+      if (present(accuracy)) enough = max(tolerance, accuracy)
       self%iterations = 0
       do while (.not. balance%is_direct())
-         call self%iterate(balance, x, y, done)
+         call self%iterate(balance, enough, x, y, done)
          if (done) return
          call balance%make_explicit(2*balance%explicit)
          call balance%jacobian(self%lowest)
@@ -155,9 +161,10 @@ contains
    end subroutine precondition
 
    !> GMRES, preconditioned from the right; x and y are left as they are where it does not converge.
-   subroutine iterate(self, balance, x, y, converged)
+   subroutine iterate(self, balance, enough, x, y, converged)
       class(linearization_type), intent(inout) :: self
       type(balance_type), intent(inout) :: balance
+      real(dp), intent(in) :: enough
       real(dp), intent(inout) :: x(:, :), y
       logical, intent(out) :: converged
       real(dp) :: h(most_iterations + 1, most_iterations), g(most_iterations + 1), cosine(most_iterations), &
@@ -199,7 +206,7 @@ contains
             h(n, n) = held
             g(n + 1) = -sine(n)*g(n)
             g(n) = cosine(n)*g(n)
-            converged = abs(g(n + 1)) <= tolerance*length
+            converged = abs(g(n + 1)) <= enough*length
             if (converged) exit
          end do
          self%iterations = min(n, most_iterations)

@@ -5,19 +5,26 @@ module geartrain_motion_trigonometric
    use geartrain_base_kinds, only: dp, pi
    implicit none (type, external)
    private
-   public :: evaluate, sample, extremes, next_maximum, least_height, rms, fine_samples
+   public :: evaluate, sample, extremes, next_maximum, least_height, rms, fine_samples, transform_length
 
 contains
 
-   !> Power of two that resolves harmonics up to `highest` with at least eight samples a period of the highest.
+   !> Samples that resolve harmonics up to `highest`, at least eight a period of the highest.
    pure integer function fine_samples(highest)
       integer, intent(in) :: highest
 
-      fine_samples = 32
-      do while (fine_samples < 8*highest)
-         fine_samples = 2*fine_samples
-      end do
+      fine_samples = max(32, transform_length(8*highest))
    end function fine_samples
+
+   !> The least power of two from `least` on: transforms of other lengths take longer to plan than they save.
+   pure integer function transform_length(least) result(length)
+      integer, intent(in) :: least
+
+      length = 1
+      do while (length < least)
+         length = 2*length
+      end do
+   end function transform_length
 
    !> Value, slope, curvature and, where asked for, the third derivative with respect to theta.
    pure subroutine evaluate(u, harmonic, theta, p, slope, curvature, third)

@@ -5,7 +5,7 @@ module geartrain_motion_truncation
    use geartrain_model_receptance, only: find_receptance, receptance_type
    use geartrain_motion_balance, only: balance_type
    use geartrain_motion_linearization, only: linearization_type
-   use geartrain_motion_trigonometric, only: evaluate, fine_samples, sample
+   use geartrain_motion_trigonometric, only: evaluate, sample, transform_length
    implicit none (type, external)
    private
    public :: truncation_type, find_truncation, harmonics_for
@@ -21,6 +21,8 @@ module geartrain_motion_truncation
    !> frequency, which is lower than that of the train in contact by the share of separation.
    integer, parameter :: near = 3, far = 8
    real(dp), parameter :: lowest_resonance = 0.7_dp, highest_resonance = 1.15_dp
+   !> Accuracy that is enough for an estimate, where its equations are solved by iteration.
+   real(dp), parameter :: accuracy = 1e-3_dp
 
    type :: truncation_type
       !> Of the train in contact, over characteristic frequency; to be set before `find_truncation`.
@@ -82,13 +84,13 @@ contains
             call balance%contact(i)%spectra(truncation%stiffness(0:reach, i), truncation%offset(0:reach, i))
          end do
          ! Room for the product of the spectra with the motion or the tail, without aliases where it is used.
-         if (.not. balance%is_direct()) call truncation%wide%plan(fine_samples(reach/4 + 1))
+         if (.not. balance%is_direct()) call truncation%wide%plan(transform_length(2*reach + 1))
          call find_forces(balance, u, harmonic(:n), truncation%stiffness(0:reach, :), truncation%offset, truncation%wide, tail)
          call find_tail(balance, frequency, harmonic(:n), tail)
          call find_remainder(balance, u, harmonic(:n), tail, truncation%remainder)
          call find_shift(balance, harmonic(:n), truncation%stiffness(0:reach, :), truncation%wide, tail, correction)
          y = 0
-         call matrix%solve(balance, correction, y)
+         call matrix%solve(balance, correction, y, accuracy)
          scale = sqrt(max(sum(u(2:, :)**2), tiny(1.0_dp)))
          way = -y/sign(max(abs(slope), steepest*unit), slope)
          error = correction + way*tangent
