@@ -186,11 +186,11 @@ def scale_section(found):
             ("memory above that of the smallest train, by shafts", pictures.exponent(above_first(found["memory"]), "memory")),
         )
     ]
+    missing = " *Not measured*: the size before took too long." if "not measured" in str(shafts) else ""
     return f"""## Size
 
 The time of a point at R = 6 for chains of figure 3's gear pairs, teeth parting at the first of them, and the peak memory of the
-executable (all of the process: its libraries, and the {found["points"]} points of the branch). *Not measured*: the size
-before took too long.
+executable (all of the process: its libraries, and the {found["points"]} points of the branch).{missing}
 
 {table(("shafts", "a point, without multipliers", "with", "memory"), shafts)}
 And of figure 3's train for more harmonics:

@@ -1,7 +1,8 @@
 !> The error estimate of every point, and the harmonics chosen by it, against shooting at the same Lambda.
 module validation_error_estimate
    use fixtures, only: paper_train, settings_of
-   use geartrain, only: branch_type, dp, error_type, motion_type, refine, response, response_settings_type, solutions_at
+   use geartrain, only: branch_type, dp, error_type, motion_type, refine, response, response_settings_type, solutions_at, &
+                        train_type
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -18,6 +19,7 @@ contains
       call tests%begin('error estimate')
       call against_shooting(tests)
       call by_tolerance(tests)
+      call hunting_teeth(tests)
    end subroutine error_estimate_tests
 
    !> Figure 3 between 0.9 and 0.65, separation, back contact and folds: at R = 6 a harmonic that meets the highest natural
@@ -100,6 +102,35 @@ contains
       call tests%is_true(minval(branch%point_harmonics) < 12 .and. maxval(branch%point_harmonics) > 18, &
                          'harmonics are raised and lowered along the branch')
    end subroutine by_tolerance
+
+   !> Orders 17 and 23, where harmonics are added between those that are carried already: the branch goes on, and its end is
+   !> as near to shooting as it says.
+   subroutine hunting_teeth(tests)
+      class(tests_type), intent(inout) :: tests
+      type(train_type) :: train
+      type(response_settings_type) :: settings
+      type(branch_type) :: branch
+      type(motion_type) :: exact
+      type(error_type), allocatable :: error
+      real(dp), allocatable :: difference(:, :)
+      integer :: n
+
+      train = paper_train()
+      train%meshes%order = [17, 23]
+      settings = settings_of(0.02_dp, 0.0205_dp, 0)
+      settings%stability = .false.
+      call response(train, settings, branch, error)
+      call tests%is_true(branch%complete, 'orders 17 and 23: '//branch%ended)
+      n = branch%points
+      exact%frequency = branch%frequency(n)
+      exact%period = 1
+      exact%coefficients = branch%coefficients(:, :, n)
+      call refine(train, exact, error)
+      call tests%is_true(.not. allocated(error), 'orders 17 and 23: refined')
+      difference = exact%coefficients(:size(branch%coefficients, 1), :) - branch%coefficients(:, :, n)
+      call tests%is_true(norm2(difference) < 3*branch%error_estimate(n)*norm2(exact%coefficients(2:, :)), &
+                         'orders 17 and 23: shooting within a factor of 3 of the estimate')
+   end subroutine hunting_teeth
 
    !> Distance of point i to the nearest fold of the reference before which its Lambda lies, so that the branch has no motion there.
    pure real(dp) function fold_distance(reference, branch, i)

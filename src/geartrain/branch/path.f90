@@ -198,18 +198,25 @@ contains
       place%tangent_frequency = y/length
    end subroutine find_tangent
 
-   !> Cuts or pads the coefficients of a place to the present number of harmonics.
-   pure subroutine refit(self, place)
+   !> Puts the coefficients of a place, those of the harmonics `former`, onto the present harmonics. Not by their places: fewer
+   !> harmonics of Lambda are not always the first ones of more (needed_harmonics.f90).
+   pure subroutine refit(self, place, former)
       class(path_type), intent(in) :: self
       type(place_type), intent(inout) :: place
+      integer, intent(in) :: former(:)
       real(dp) :: u(self%balance%block, size(place%u, 2)), tangent(self%balance%block, size(place%u, 2))
-      integer :: n
+      integer :: i, k
 
-      n = min(size(u, 1), size(place%u, 1))
       u = 0
       tangent = 0
-      u(:n, :) = place%u(:n, :)
-      tangent(:n, :) = place%tangent(:n, :)
+      u(1, :) = place%u(1, :)
+      tangent(1, :) = place%tangent(1, :)
+      do k = 1, size(self%balance%harmonic)
+         i = findloc(former, self%balance%harmonic(k), 1)
+         if (i == 0) cycle
+         u(2*k:2*k + 1, :) = place%u(2*i:2*i + 1, :)
+         tangent(2*k:2*k + 1, :) = place%tangent(2*i:2*i + 1, :)
+      end do
       place%u = u
       place%tangent = tangent
       place%orientation = 0

@@ -3,7 +3,7 @@
 
 #include <stdint.h>
 
-#if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(__clang__)
+#if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__)
 #define VERSIONS __attribute__((target_clones("fma", "default"), optimize("O3")))
 #define INLINE static inline __attribute__((always_inline, optimize("O3")))
 #else
@@ -14,6 +14,8 @@
 /* Four columns, at any address of a number; `work` is aligned, so that they do not straddle lines of the cache. */
 typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
 
+/* Inlined, so that how a vector would be returned, which differs between processors, does not matter. */
+#pragma GCC diagnostic ignored "-Wpsabi"
 INLINE four load(const double *p) { return *(const four *)p; }
 INLINE void store(double *p, four v) { *(four *)p = v; }
 
