@@ -1,5 +1,6 @@
 !> Runs case files, several of them side by side, and tells what came of each.
 module cases
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_null_char, c_ptr
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    use arguments, only: file_name_type
    use geartrain, only: case_type, error_type, read_case, results_type, run_case, status_ended_early, status_input
@@ -17,6 +18,16 @@ module cases
       !> 0: it can be run.
       integer :: status = 0
    end type job_type
+
+   interface
+      !> `resolved` has room for PATH_MAX bytes; NULL where there is no such file.
+      type(c_ptr) function c_realpath(path, resolved) bind(c, name='realpath')
+         import :: c_char, c_ptr
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         character(kind=c_char), intent(inout) :: resolved(*)
+      end function c_realpath
+   end interface
 
 contains
 
@@ -89,18 +100,51 @@ contains
       end if
       path = output_path(files(i)%name, output_file, jobs(i)%case)
       jobs(i)%path = path
-      if (any([(path == files(k)%name, k=1, size(files))]) .or. index(path//' ', '.nml ') > 0) then
+      if (any([(is_case(path, files(k)%name), k=1, size(files))]) .or. index(path//' ', '.nml ') > 0) then
          write (error_unit, '(2a)') path, ': error: the results would overwrite a case: name another file with --output'
          jobs(i)%status = status_input
       end if
       do k = 1, i - 1
          if (jobs(k)%status /= 0 .or. jobs(i)%status /= 0) cycle
-         if (jobs(k)%path /= path) cycle
+         if (place(jobs(k)%path) /= place(path)) cycle
          write (error_unit, '(6a)') files(i)%name, ': error: its results would overwrite those of ', files(k)%name, ', ', path, &
             ': name another file in &output'
          jobs(i)%status = status_input
       end do
    end subroutine prepare
+
+   !> Whether a file put in place at `path` would take that of a case, be it a link or the file that the link leads to.
+   logical function is_case(path, case_file)
+      character(*), intent(in) :: path, case_file
+
+      is_case = place(path) == place(case_file) .or. place(path) == resolved(case_file)
+   end function is_case
+
+   !> The place that a path names, whichever way its folder is written; a link at its end is a file in its own right.
+   function place(path)
+      character(*), intent(in) :: path
+      character(:), allocatable :: place
+      integer :: slash
+
+      slash = index(path, '/', back=.true.)
+      place = resolved(path(:slash)//'.')//'/'//path(slash + 1:)
+   end function place
+
+   !> The path without links, '.' and '..'; as it is where there is no such file.
+   function resolved(path)
+      character(*), intent(in) :: path
+      character(:), allocatable :: resolved
+      character(kind=c_char) :: buffer(4097)
+      integer :: i
+
+      resolved = path
+      buffer = c_null_char
+      if (.not. c_associated(c_realpath(path//c_null_char, buffer))) return
+      resolved = ''
+      do i = 1, findloc(buffer, c_null_char, dim=1) - 1
+         resolved = resolved//buffer(i)
+      end do
+   end function resolved
 
    !> Runs a case, then tells what came of it in one piece.
    subroutine run(name, alone, resume, job)

@@ -1,14 +1,30 @@
 !> The executable: arguments in, exit status out.
 program main
+   use, intrinsic :: iso_c_binding, only: c_int, c_intptr_t
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    use arguments, only: arguments_type, help_text, read_arguments
    use cases, only: check_cases, run_cases
    use geartrain, only: status_input, template_text, version
    use geartrain_case_text, only: reference_text
    implicit none (type, external)
+   !> As Linux and macOS number it on x86 and ARM; and what C calls SIG_IGN.
+   integer(c_int), parameter :: sigxfsz = 25
+   integer(c_intptr_t), parameter :: sig_ign = 1
+   integer(c_intptr_t) :: default
    type(arguments_type) :: asked
    integer :: status
 
+   interface
+      integer(c_intptr_t) function c_signal(number, handler) bind(c, name='signal')
+         import :: c_int, c_intptr_t
+         implicit none (type, external)
+         integer(c_int), value :: number
+         integer(c_intptr_t), value :: handler
+      end function c_signal
+   end interface
+
+   ! Beyond a limit on the size of files (ulimit -f) writing then fails, as on a full disk, rather than ends the program.
+   default = c_signal(sigxfsz, sig_ign)
    status = 0
    call read_arguments(asked)
    if (asked%wrong /= '') then

@@ -1,5 +1,6 @@
 !> Running a case: what is computed, cancelled, kept while it runs and left at the end.
 module unit_results_run
+   use, intrinsic :: iso_fortran_env, only: int8
    use geartrain_base_error, only: error_type, status_ended_early, status_file
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
@@ -7,8 +8,10 @@ module unit_results_run
    use geartrain_case_checkpoint, only: checkpoint_type
    use geartrain_case_reader, only: read_case_text
    use geartrain_case_run, only: run_case
+   use geartrain_case_text, only: case_text
    use geartrain_results_file, only: temporary
-   use geartrain_results_results, only: results_type
+   use geartrain_results_results, only: results_type, write_results
+   use geartrain_results_state, only: pack_state
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -41,6 +44,7 @@ contains
       call cancelled(tests)
       call nowhere_to_write(tests)
       call checkpoints(tests)
+      call map_resumed(tests)
       call remove(path)
       call remove(path//'.partial')
    end subroutine results_run_tests
@@ -178,6 +182,34 @@ contains
       call checkpoint%on_step('integration', 1, 0.5_dp, keep_going)
       call tests%is_true(.not. keep_going, 'no stays no')
    end subroutine checkpoints
+
+   !> A map under way goes on with its missing rows, to the same bits as one computed in one go.
+   subroutine map_resumed(tests)
+      class(tests_type), intent(inout) :: tests
+      type(case_type) :: case
+      type(results_type) :: results, whole
+      type(error_type), allocatable :: error
+      type(counter_type) :: counter, told
+      integer(int8), allocatable :: state(:)
+      integer :: known
+
+      call tests%begin('run of a case, a stability map resumed')
+      call read_pair(tests, '&stability_map from = 0.5, to = 2.5, points = 5, parameter_from = 0.1, parameter_to = 0.5, &
+                     &parameter_points = 40, linear = .true. /', case)
+      call run_case(case, '', whole, error)
+      told%no_at = 3
+      call run_case(case, '', results, error, told)
+      known = count(results%stability_map%done)
+      call tests%is_true(known >= 3 .and. known < 40, 'some rows are missing')
+      deallocate (results%stability_map%ended)
+      call pack_state(case_text(case), results, state)
+      call write_results(path//'.partial', case, results, error, state)
+      call run_case(case, path, results, error, counter, path//'.partial')
+      call tests%is_true(.not. allocated(error), 'no error')
+      call tests%is_true(counter%steps == 40 - known, 'only the missing rows are computed')
+      call tests%is_true(results%stability_map%complete .and. all(results%stability_map%done), 'all rows are there')
+      call tests%is_true(.not. any(abs(results%stability_map%multiplier - whole%stability_map%multiplier) > 0), 'the same bits')
+   end subroutine map_resumed
 
    !> The single pair with these analyses.
    subroutine read_pair(tests, analyses, case)

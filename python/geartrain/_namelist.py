@@ -20,7 +20,7 @@ _WANTED = {
     "number": "a number",
     "integer": "a whole number",
     "flag": "True or False",
-    "text": "a string",
+    "text": "a string of one line",
     "series": "a number or a list of numbers",
 }
 
@@ -97,7 +97,7 @@ def _text(value: Value) -> str:
 def _series(value: Value) -> str:
     if isinstance(value, Real):
         return _number(value)
-    if isinstance(value, (str, bytes, Mapping)) or not isinstance(value, Iterable):
+    if isinstance(value, (str, bytes, bytearray, Mapping)) or not isinstance(value, Iterable):
         raise TypeError
     return ", ".join(_number(item) for item in value)
 

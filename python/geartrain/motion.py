@@ -134,8 +134,8 @@ class Motion:
             In units of 1/characteristic_frequency.
         displacement : ndarray, (samples, meshes)
         """
-        if not isinstance(samples, Integral) or samples < 1:
-            raise InputError(f"samples = {samples!r}: must be a whole number >= 1")
+        if isinstance(samples, bool) or not isinstance(samples, Integral) or not 1 <= samples < 2**31:
+            raise InputError(f"samples = {samples!r}: must be a whole number >= 1 and below {2**31}")
         return self._sample(samples)[:2]
 
     def _sample(self, samples: int) -> tuple[Array, Array, Array]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
@@ -663,9 +664,11 @@ def _freeze_series(part: Train | Mesh, kinds: Mapping[str, str]) -> None:
     """Make tuples of the series, whichever way they were given."""
     for name, kind in kinds.items():
         value = getattr(part, name)
-        if kind != "series" or value is None or isinstance(value, (str, Mapping)):
+        if kind != "series" or value is None or isinstance(value, (str, bytes, bytearray, Mapping)):
             continue
-        object.__setattr__(part, name, tuple(value) if isinstance(value, Iterable) else (value,))
+        # An array without dimensions says that it can be iterated over, and cannot; the check tells.
+        with contextlib.suppress(TypeError):
+            object.__setattr__(part, name, tuple(value) if isinstance(value, Iterable) else (value,))
 
 
 def _further_problems(text: str, known: Mapping[str, str]) -> list[str]:

@@ -242,7 +242,8 @@ def call(group, name, value):
 def test_every_keyword_given_wrongly(table):
     wrong = {
         "real": ["x", [1.0, 2.0], np.ones(1), float("nan"), float("inf"), True, 1j, {}],
-        "reals": ["x", [0.1, "x"], [[0.1, 0.2]], np.ones((2, 2)), [float("nan")], np.array([np.inf]), {1: 2}, 0.1j],
+        "reals": ["x", [0.1, "x"], [[0.1, 0.2]], np.ones((2, 2)), [float("nan")], np.array([np.inf]), {1: 2}, 0.1j, b"a",
+                  np.array(0.1)],
         "integer": ["3", 1.5, [3], float("nan"), True, 10**12],
         "logical": ["yes", 3, [True], 0.0],
         "text": [5, b"x", ["x"], "a\nb", "\x07"],
@@ -377,6 +378,8 @@ def test_files_that_are_none(executable, tmp_path):
     for name, message in (("huge.nml", "at most 10 MB"), (".", "regular file|cannot be"), ("none.nml", "no such file")):
         done = subprocess.run([executable, name], cwd=tmp_path, capture_output=True, text=True, check=False)
         assert done.returncode == 2 and re.search(message, done.stderr), done.stderr
+    pipe = subprocess.run([executable, "/dev/stdin"], input="&train /", capture_output=True, text=True, check=False)
+    assert pipe.returncode == 2 and "must be a regular file" in pipe.stderr
     secret = tmp_path / "secret.nml"
     secret.write_text("&train /")
     secret.chmod(0)

@@ -158,6 +158,33 @@ def test_a_full_disk_keeps_the_old_file(executable, tmp_path):
     assert "out.h5: error: cannot be written" in done.stderr
 
 
+def test_a_limit_on_the_size_of_files_is_a_full_disk(executable, tmp_path):
+    case, output = write_case(tmp_path, QUICK), tmp_path / "out.h5"
+    output.write_bytes(b"old")
+    done = run("bash", "-c", 'ulimit -f 8; exec "$@"', "bash", executable, case, "--output", output)
+    assert done.returncode == 4 and "out.h5: error: cannot be written" in done.stderr, done
+    assert output.read_bytes() == b"old" and names(tmp_path) == ["case.nml", "out.h5"]
+
+
+def test_a_case_is_not_overwritten_however_its_path_is_written(executable, tmp_path):
+    (tmp_path / "link").symlink_to(tmp_path)
+    case = write_case(tmp_path, QUICK).rename(tmp_path / "case.txt")
+    text = case.read_bytes()
+    (tmp_path / "other.txt").symlink_to(case)
+    for first, target in (("case.txt", "./case.txt"), ("case.txt", "link/case.txt"), ("other.txt", "case.txt")):
+        done = run(executable, first, "--output", target, cwd=tmp_path)
+        assert done.returncode == 2 and "would overwrite a case" in done.stderr, (first, target, done)
+        assert case.read_bytes() == text
+
+
+def test_two_cases_do_not_write_one_file_under_two_names(executable, tmp_path):
+    case = write_case(tmp_path, QUICK)
+    (tmp_path / "other.nml").write_text(case.read_text() + "&output file = './case.h5' /\n")
+    done = run(executable, "case.nml", "other.nml", cwd=tmp_path)
+    assert done.returncode == 2 and "its results would overwrite those of case.nml" in done.stderr, done
+    assert names(tmp_path) == ["case.h5", "case.nml", "other.nml"]
+
+
 def test_two_runs_on_one_file(executable, tmp_path):
     """The later one wins, wholly; readers meanwhile see whole files only."""
     case, output = write_case(tmp_path, QUICK), tmp_path / "out.h5"
@@ -239,7 +266,7 @@ def test_every_analysis_resumed(executable, tmp_path):
         except subprocess.TimeoutExpired:
             work.kill()
             work.wait()
-            slice_of_time *= 1.1  # a map or a branch is computed again as a whole, which a busy machine may not do in this time
+            slice_of_time *= 1.1  # a branch is computed again as a whole, which a busy machine may not do in this time
     assert_equal_files(plain, output)
 
 

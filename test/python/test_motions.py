@@ -88,8 +88,9 @@ def test_waveform(branch):
     )
     np.testing.assert_allclose(motion.displacement, series, atol=1e-12)
     assert motion.waveform(64)[1].shape == (64, 2)
-    with pytest.raises(gt.InputError, match="samples = 0"):
-        motion.waveform(0)
+    for samples in (0, True, 2**31):
+        with pytest.raises(gt.InputError, match=f"samples = {samples}: must be a whole number >= 1"):
+            motion.waveform(samples)
 
 
 def test_linear_train():

@@ -36,7 +36,8 @@ module geartrain_branch_stability_map
 
 contains
 
-   !> Computes the map. The observer is called after each row, by one thread at a time.
+   !> Computes the map. The observer is called after each row, by one thread at a time. A map under way (its rows are there, why it
+   !> ended is not, as in a checkpoint of the same case) is taken up.
    subroutine stability_map(train, settings, map, error, observer)
       type(train_type), intent(in) :: train
       type(stability_map_settings_type), intent(in) :: settings
@@ -47,16 +48,19 @@ contains
       type(map_row_type) :: row
       integer :: i, done
       logical :: keep_going, go
+      logical, allocatable :: known(:)
 
       call check_train(train, error)
       if (.not. allocated(error)) call check_stability_map(train, settings, error)
       if (allocated(error)) return
-      call make_room(train, settings, map, error)
+      if (allocated(map%ended) .or. .not. allocated(map%done)) call make_room(train, settings, map, error)
       if (allocated(error)) return
-      done = 0
+      done = count(map%done)
+      known = map%done
       keep_going = .true.
       !$omp parallel do private(row, go) schedule(dynamic)
       do i = 1, settings%parameter_points
+         if (known(i)) cycle
          !$omp atomic read
          go = keep_going
          if (.not. go) cycle

@@ -145,6 +145,7 @@ contains
       character(:), allocatable, intent(out) :: text
       type(error_type), allocatable, intent(out) :: error
       character(200) :: why
+      character :: byte
       integer :: unit, status, bytes
       logical :: exists
 
@@ -159,7 +160,10 @@ contains
          return
       end if
       inquire (unit=unit, size=bytes)
-      if (bytes < 0 .or. bytes > most_bytes) then
+      ! A pipe or a device has no size, and yet something to read.
+      status = -1
+      if (bytes == 0) read (unit, iostat=status) byte
+      if (bytes < 0 .or. bytes > most_bytes .or. status == 0) then
          close (unit)
          call fatal(error, path//': error: a case file must be a regular file of at most 10 MB')
          return

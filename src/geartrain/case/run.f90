@@ -119,10 +119,9 @@ contains
       end if
       if (allocated(case%stability_map) .and. .not. checkpoint%cancelled) then
          call checkpoint%write_now()
-         if (.not. allocated(results%stability_map)) then
-            allocate (results%stability_map)
+         if (.not. allocated(results%stability_map)) allocate (results%stability_map)
+         if (.not. allocated(results%stability_map%ended)) &
             call stability_map(case%train, case%stability_map, results%stability_map, error, checkpoint)
-         end if
          if (allocated(error)) return
          call tell('stability map', results%stability_map%complete, results%stability_map%ended, early)
       end if

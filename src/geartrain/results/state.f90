@@ -16,7 +16,7 @@ module geartrain_results_state
    public :: pack_state, unpack_state
 
    !> A component added to a type that is carried here must be carried, too.
-   character(*), parameter :: mark = 'geartrain state 2, version '//version
+   character(*), parameter :: mark = 'geartrain state 3, version '//version
 
 contains
 
@@ -59,11 +59,10 @@ contains
       if (archive%broken) wrong = 'it is damaged'
    end subroutine unpack_state
 
-   !> Modes are not kept: they are found again at once. Nor is a stability map under way.
+   !> Modes are not kept: they are found again at once.
    subroutine carry_results(archive, results)
       type(archive_type), intent(inout) :: archive
       type(results_type), intent(inout) :: results
-      logical :: finished
       integer :: i, n
 
       if (archive%has(allocated(results%response))) then
@@ -78,9 +77,7 @@ contains
          if (archive%reading) allocate (results%attractors)
          call carry_attractors(archive, results%attractors)
       end if
-      finished = .false.
-      if (allocated(results%stability_map)) finished = allocated(results%stability_map%ended)
-      if (archive%has(finished)) then
+      if (archive%has(allocated(results%stability_map))) then
          if (archive%reading) allocate (results%stability_map)
          call carry_map(archive, results%stability_map)
       end if
