@@ -10,6 +10,7 @@ module geartrain_branch_tracer
    use geartrain_branch_recorder, only: recorder_type
    use geartrain_branch_special_points, only: add_special_point, add_stability_change, locate_fold
    use geartrain_model_system, only: system_type
+   use geartrain_motion_trigonometric, only: transform_length
    use geartrain_motion_truncation, only: find_truncation, harmonics_for, truncation_type
    implicit none (type, external)
    private
@@ -85,12 +86,7 @@ contains
       samples = 0
       if (self%settings%coefficients == 'sampled') then
          samples = self%settings%samples
-         if (samples == 0) then
-            samples = 1024
-            do while (samples < 16*harmonics)
-               samples = 2*samples
-            end do
-         end if
+         if (samples == 0) samples = max(1024, transform_length(16*harmonics))
       end if
       call self%path%balance%setup(self%system, harmonics, self%settings%subharmonic, samples)
       call self%path%setup()
