@@ -11,7 +11,7 @@ module progress
       logical, private :: shown = .false.
       !> Clock counts: of the last line written, between two lines, of the last step.
       integer(int64), private :: last = 0, pause = 0, step = 0, rate = 1
-      !> Time spent on each analysis [s].
+      !> Time spent on each analysis [s], a response with its refinement.
       real(dp) :: response_seconds = 0, branch_seconds = 0, integration_seconds = 0, attractors_seconds = 0, map_seconds = 0
    contains
       procedure :: on_step
@@ -57,7 +57,7 @@ contains
       seconds = real(now - self%step, dp)/real(self%rate, dp)
       self%step = now
       select case (analysis)
-      case ('response')
+      case ('response', 'refinement')
          self%response_seconds = self%response_seconds + seconds
       case ('branch')
          self%branch_seconds = self%branch_seconds + seconds

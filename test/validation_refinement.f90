@@ -47,6 +47,10 @@ contains
          ! The issue's own demand on the estimate, here of all points of the branch: within a factor 6.
          call tests%is_true(count(r%correction > 6*branch%error_estimate .and. r%correction > 1e-8_dp) < n/50, &
                             'corrections are what the estimates said')
+         refined(2) = r
+         call refine_branch(paper_train(), refined(2), error)
+         call tests%is_true(all(abs(refined(2)%coefficients - r%coefficients) <= 0), 'refined points stay as they are')
+         call tests%is_true(all(abs(refined(2)%correction - r%correction) <= 0), 'and so do their corrections')
          call solutions_at(paper_train(), settings_of(0.4_dp, 0.9_dp, 6), r, 0.6_dp, motions, error)
          call tests%is_true(size(motions) == 3, 'all solutions are found from refined points as well')
       end associate

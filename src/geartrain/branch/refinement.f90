@@ -17,22 +17,19 @@ module geartrain_branch_refinement
    real(dp), parameter :: another = 10
    !> Least difference that is asked about, relative: below it the estimate may be rounding.
    real(dp), parameter :: rounding = 1e-6_dp
-   !> The correction of a point that has not been tried yet.
-   real(dp), parameter :: to_do = -2
 
 contains
 
    !> Replaces every point by the orbit near it to about 1e-11 and sets branch%correction, by how much each waveform changed.
    !> Lambda stays. A point near which shooting finds no orbit, as next to a fold, whose true place is elsewhere, stays as it is,
-   !> with a negative correction. Special points stay as they are. A refinement under way, as a checkpoint of the same case holds
-   !> it, is taken up where `go_on`.
-   subroutine refine_branch(train, branch, error, observer, go_on)
+   !> with a negative correction. Special points stay as they are. A branch refined in part, as a checkpoint holds it, is taken up;
+   !> points refined before stay as they are.
+   subroutine refine_branch(train, branch, error, observer)
       type(train_type), intent(in) :: train
       type(branch_type), intent(inout), target :: branch
       type(error_type), allocatable, intent(out) :: error
       !> Told of 'refinement', by one thread at a time.
       class(observer_type), intent(inout), optional :: observer
-      logical, intent(in), optional :: go_on
       type(motion_type) :: motion
       integer :: i, done
       logical :: keep_going, go
@@ -40,19 +37,14 @@ contains
 
       call check_train(train, error)
       if (allocated(error)) return
-      go = .false.
-      if (present(go_on)) go = go_on .and. allocated(branch%correction)
-      if (.not. go) then
-         if (allocated(branch%correction)) deallocate (branch%correction)
-         allocate (branch%correction(branch%points), source=to_do)
-      end if
-      done = count(branch%correction > to_do)
+      if (.not. allocated(branch%correction)) allocate (branch%correction(branch%points), source=-1.0_dp)
+      done = count(branch%correction >= 0)
       keep_going = .true.
       !$omp parallel do private(motion, correction, go) schedule(dynamic)
       do i = 1, branch%points
          !$omp atomic read
          go = keep_going
-         if (.not. go .or. branch%correction(i) > to_do) cycle
+         if (.not. go .or. branch%correction(i) >= 0) cycle
          call refine_point(train, branch, i, motion, correction)
          ! Whoever reads the branch meanwhile is the observer, and no point changes while it does.
          !$omp critical (geartrain_refinement)

@@ -90,6 +90,7 @@ contains
             call response(case%train, case%response, results%response, error, observer=checkpoint)
          call set_aside(error, early)
          if (allocated(error)) return
+         call note_end(results%response, checkpoint)
          call tell('response', results%response%complete, results%response%ended, early)
          if (case%response%period_doublings > 0 .and. .not. (followed .or. checkpoint%cancelled)) &
             call follow_doublings(case%train, case%response, results%response, results%branches, error, checkpoint, known)
@@ -135,6 +136,16 @@ contains
       end do
    end subroutine compute
 
+   !> What a trace does after its last step belongs to the response, for whoever keeps time.
+   subroutine note_end(response, checkpoint)
+      type(branch_type), intent(in) :: response
+      type(checkpoint_type), intent(inout) :: checkpoint
+      logical :: keep_going
+
+      keep_going = .true.
+      if (response%points > 0) call checkpoint%on_step('response', response%points, response%frequency(response%points), keep_going)
+   end subroutine note_end
+
    !> The branches of the list that another run has traced to their end. The last one may be under way.
    subroutine known_branches(results, known)
       type(results_type), intent(inout) :: results
@@ -164,13 +175,13 @@ contains
       if (.not. allocated(case%response) .or. checkpoint%cancelled) return
       if (.not. case%response%refine) return
       call checkpoint%write_now()
-      call refine_branch(case%train, results%response, error, checkpoint, go_on=.true.)
+      call refine_branch(case%train, results%response, error, checkpoint)
       if (allocated(error)) return
       if (checkpoint%cancelled) call tell('response', .false., results%response%ended, early)
       if (.not. allocated(results%branches)) return
       do i = 1, size(results%branches)
          if (allocated(error) .or. checkpoint%cancelled) return
-         call refine_branch(case%train, results%branches(i), error, checkpoint, go_on=.true.)
+         call refine_branch(case%train, results%branches(i), error, checkpoint)
       end do
    end subroutine refine_all
 
