@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -224,6 +225,12 @@ class Motion:
         SolverError
             Where shooting does not converge.
 
+        Warns
+        -----
+        UserWarning
+            Where the orbit found lies farther away than ten times the estimated error: it may be another one, as next to a fold or
+            a period doubling.
+
         Examples
         --------
         >>> refined = branch.at(0.9)[0].refine()
@@ -234,7 +241,15 @@ class Motion:
         """
         with self._box() as box:
             box.check(fortran.refine_motion(box.handle))
-            return Motion(train=self.train, **box.motions()[0])
+            refined = Motion(train=self.train, **box.motions()[0])
+        moved = float(np.abs(refined.rms - self.rms).max() / max(refined.rms.max(), np.finfo(float).tiny))
+        if moved > max(10 * self.error_estimate, 1e-6):
+            warnings.warn(
+                f"refine: the rms moved by {moved:.2g} (relative) at Lambda = {self.frequency:g}, where the estimated error is "
+                f"{self.error_estimate:.2g}: the orbit may be another one",
+                stacklevel=2,
+            )
+        return refined
 
     def _box(self) -> Box:
         if self.train is None:

@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+import warnings
 from dataclasses import replace
 
 import matplotlib
@@ -66,6 +67,16 @@ def test_refine_and_integrate_agree(train, branch, frequency, rms, largest):
         assert abs(motion.multipliers).max() == pytest.approx(largest, abs=5e-5)
     again = train.integrate(frequency, start=refined.state)
     np.testing.assert_allclose(again.rms, refined.rms, atol=1e-8)
+
+
+def test_refine_warns_of_another_orbit(train):
+    coarse = train.response(start=0.9, stop=0.91, harmonics=3, stability=False).at(0.9)[0]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        coarse.refine()
+    # Of the rms, three harmonics leave more than 1e-4: a motion that claims to be exact is then another one.
+    with pytest.warns(UserWarning, match="may be another one"):
+        replace(coarse, error_estimate=1e-9).refine()
 
 
 def test_period_two(train):
