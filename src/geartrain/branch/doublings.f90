@@ -15,7 +15,7 @@ module geartrain_branch_doublings
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: follow_doublings, add_branch, is_known
+   public :: follow_doublings, add_branch
 
    !> Doublings farther apart in Lambda than this, in the unit of the branch, are different whatever the harmonics.
    real(dp), parameter :: near = 0.05_dp
@@ -35,6 +35,7 @@ contains
       class(observer_type), intent(inout), optional :: observer
       !> The first of them, where another run has traced these already.
       type(branch_type), intent(in), optional :: known(:)
+      type(branch_type), allocatable :: earlier(:)
       type(branch_type) :: parent
       !> Where the branches of this generation begin and end.
       type(place_type), allocatable :: places(:)
@@ -43,11 +44,13 @@ contains
       if (.not. allocated(branches)) allocate (branches(0))
       call check_train(train, error)
       if (allocated(error)) return
+      allocate (earlier(0))
+      if (present(known)) earlier = known
       last = size(branches)
       if (settings%period_doublings > 0) then
          allocate (places(2*size(branch%special_points)))
          count = 0
-         call follow(train, settings, branch, 'the response', places, count, branches, observer, known)
+         call follow(train, settings, branch, 'the response', places, count, branches, observer, earlier)
       end if
       do generation = 2, settings%period_doublings
          first = last + 1
@@ -64,7 +67,7 @@ contains
             ! A copy, because the list moves when it grows.
             parent = branches(i)
             call follow(train, settings_for(settings, parent%subharmonic), parent, 'branch '//text(i), places, count, &
-                        branches, observer, known)
+                        branches, observer, earlier)
          end do
       end do
    end subroutine follow_doublings
@@ -80,7 +83,8 @@ contains
       integer, intent(inout) :: count
       type(branch_type), allocatable, intent(inout), target :: branches(:)
       class(observer_type), intent(inout), optional :: observer
-      type(branch_type), intent(in), optional :: known(:)
+      !> The first of `branches`, which another run has traced.
+      type(branch_type), intent(in) :: known(:)
       type(place_type) :: place
       type(system_type) :: system
       type(units_type) :: units
@@ -99,7 +103,7 @@ contains
          end if
          call add_branch(branches, 'period doubling of '//name//' at Lambda = '//text(parent%special_points(i)%frequency))
          n = size(branches)
-         if (is_known(n, known)) then
+         if (n <= size(known)) then
             branches(n) = known(n)
          else
             call trace_doubled(train, settings, parent, i, place, found, branches(n), observer)
@@ -136,15 +140,6 @@ contains
          if (is_among) return
       end do
    end function is_among
-
-   !> Whether branch n is among those that another run has traced.
-   pure logical function is_known(n, known)
-      integer, intent(in) :: n
-      type(branch_type), intent(in), optional :: known(:)
-
-      is_known = .false.
-      if (present(known)) is_known = n <= size(known)
-   end function is_known
 
    !> Room for one more branch.
    subroutine add_branch(branches, origin)

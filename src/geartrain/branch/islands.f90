@@ -4,7 +4,7 @@ module geartrain_branch_islands
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
    use geartrain_branch_branch, only: branch_type, response_settings_type
-   use geartrain_branch_doublings, only: add_branch, is_known
+   use geartrain_branch_doublings, only: add_branch
    use geartrain_branch_response, only: response
    use geartrain_branch_solutions, only: beyond_limit, lies_on
    use geartrain_branch_variables, only: settings_for
@@ -32,16 +32,18 @@ contains
       !> The first of `branches`, where another run has traced these already.
       type(branch_type), intent(in), optional :: known(:)
       type(response_settings_type) :: in_force
-      integer :: i, n
+      integer :: i, n, traced
 
       if (.not. allocated(branches)) allocate (branches(0))
+      traced = 0
+      if (present(known)) traced = size(known)
       do i = 1, size(found%motions)
          associate (motion => found%motions(i))
             in_force = settings_for(settings, motion%period)
             if (on_a_branch(train, in_force, motion, branch, branches)) cycle
             call add_branch(branches, 'attractor '//text(i)//' at Lambda = '//text(motion%frequency))
             n = size(branches)
-            if (is_known(n, known)) then
+            if (n <= traced) then
                branches(n) = known(n)
                cycle
             end if

@@ -142,8 +142,9 @@ contains
       type(checkpoint_type), intent(inout) :: checkpoint
       logical :: keep_going
 
+      if (checkpoint%cancelled .or. response%points == 0) return
       keep_going = .true.
-      if (response%points > 0) call checkpoint%on_step('response', response%points, response%frequency(response%points), keep_going)
+      call checkpoint%on_step('response', response%points, response%frequency(response%points), keep_going)
    end subroutine note_end
 
    !> The branches of the list that another run has traced to their end. The last one may be under way.
