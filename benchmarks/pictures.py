@@ -43,7 +43,12 @@ def draw_peers(found, path):
             for x, row in zip(time, rows):
                 setting = row["label"].split(", ")[-1].replace("tolerance ", "").replace("intervals", "int.")
                 offset = (4, 3) if name in ("pyHarm", "geartrain, adaptive") else (4, -9)
-                axes.annotate(setting, (x, row["errors"]["median"]), offset, textcoords="offset points", fontsize=7, color=color)
+                side = "left"
+                if name == "geartrain":  # the adaptive rows lie on its right
+                    offset, side = (-5, -9), "right"
+                axes.annotate(
+                    setting, (x, row["errors"]["median"]), offset, textcoords="offset points", fontsize=7, color=color, ha=side
+                )
         axes.set(xscale="log", yscale="log", xlabel=what)
         axes.margins(x=0.12)
         axes.grid(alpha=0.3)
