@@ -392,7 +392,13 @@ def test_interrupts_at_any_moment(request):
         assert child.stdout.readline() == "ready\n"
         time.sleep(moments.uniform(0, 0.1))
         child.send_signal(signal.SIGINT)
-        output, errors = child.communicate(timeout=60)
+        try:
+            output, errors = child.communicate(timeout=30)
+        except subprocess.TimeoutExpired:
+            # Within a weak reference's callback, as when a thread ends, Python itself loses the exception, and says so.
+            child.send_signal(signal.SIGINT)
+            output, errors = child.communicate(timeout=30)
+            assert "Exception ignored in" in errors
         assert child.returncode == 0 and output == "5 alive\n", errors
 
 
