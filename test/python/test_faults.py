@@ -386,9 +386,9 @@ def test_interrupts_at_any_moment(request):
     """In the midst of Fortran, between two calls, while results are copied: always the exception and nothing else."""
     code = INTERRUPTED.format(folder=str(request.path.parent))
     moments = random.Random(7)
-    children = [subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-                for _ in range(6)]
-    for child in children:
+    for _ in range(6):
+        child = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        request.addfinalizer(child.kill)
         assert child.stdout.readline() == "ready\n"
         time.sleep(moments.uniform(0, 0.1))
         child.send_signal(signal.SIGINT)
