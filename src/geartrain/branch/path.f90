@@ -11,8 +11,9 @@ module geartrain_branch_path
 
    integer, parameter :: max_iterations = 10
    real(dp), parameter :: converged = 1e-10_dp, rounding = 16*epsilon(1.0_dp)
-   !> Accuracy of a Newton step that is solved for by iteration: at first, and as a share of what the step is going to leave.
-   real(dp), parameter :: first_accuracy = 1e-4_dp, accuracy_share = 0.01_dp
+   !> Accuracy of a Newton step that is solved for by iteration: at first, and as a share of what the step is going to leave; what
+   !> may be left of the residual, in units of the train's own.
+   real(dp), parameter :: first_accuracy = 1e-4_dp, accuracy_share = 0.01_dp, least_residual = 1e-13_dp
 
    !> A point of the branch and the unit tangent there: coefficients of the unknown meshes (block, unknowns) and Lambda.
    type :: place_type
@@ -162,7 +163,7 @@ contains
          defect = self%length_of(self%step)
          ! The residual shrinks by the square of what it shrank by before.
          if (iteration > 1) accuracy = min(first_accuracy, accuracy_share*(defect/defect_before)**2)
-         accuracy = max(accuracy, accuracy_share*converged/max(defect, converged))
+         accuracy = max(accuracy, least_residual/max(defect, converged))
          defect_before = defect
          call self%matrix%solve(self%balance, self%step, y, accuracy)
          length = self%length_of(self%step, y)
