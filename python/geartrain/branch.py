@@ -82,7 +82,7 @@ class Branch:
         Harmonics that each point was solved with.
     part : ndarray of int, (points,)
         Number of the part; a new one begins where the branch comes back from beyond the amplitude limit, or with the points
-        traced from ``stop`` where those from ``start`` do not get there.
+        traced from ``stop`` where those from ``start`` do not get there, or get there at another motion than the one from rest.
     special_points : list of SpecialPoint
     subharmonic : int
         Period of the motions in fundamental mesh periods.

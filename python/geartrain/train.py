@@ -288,8 +288,8 @@ class Train:
         seed : Motion, optional
             A motion of the branch wanted, to start from in place of ``start``.
         amplitude_limit : float, optional
-            Rms over characteristic length beyond which the branch is followed but not recorded; 12 unless told for a train with
-            backlash, none for a linear one.
+            Rms over characteristic length beyond which the branch is followed but not recorded; unless told 12 with
+            backlash, 10000 for a linear train, both times the power of ten nearest to its gap or deflection.
         coefficients : {'exact', 'sampled'}, optional
             How the force's Fourier coefficients are found; ``samples`` a period where sampled.
         samples : int, optional
