@@ -47,7 +47,7 @@ contains
             status = max(status, error%status)
          else
             write (output_unit, '(a, 2(a, i0), a)') files(i)%name, ': no problems: ', size(case%train%shafts), ' shafts, ', &
-               size(case%train%meshes), ' meshes'
+               size(case%train%meshes), trim(merge(' mesh  ', ' meshes', size(case%train%meshes) == 1))
          end if
       end do
    end subroutine check_cases
