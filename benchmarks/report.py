@@ -106,7 +106,7 @@ The largest errors stand where the curve is nearly vertical: there a small error
 {skipped}
 How many times longer than geartrain at R = 6 with multipliers; calls of tools without stability are set beside the call without
 it. R = 6 is what the paper and the tools use; in its few worst points it is no more exact than they are, and SciPy's sweep is more
-exact throughout. The last column is therefore against geartrain's fastest row whose median and largest error are both below the tool's:
+exact throughout. The last column is against geartrain's fastest row whose median and largest error are both below the tool's:
 
 {table(("tool", "process", "call", "process, more exact than the tool"), ratio_rows(rows))}
 ![Error of rms over time of a point, geartrain and peers](speed/peers.png)
