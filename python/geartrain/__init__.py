@@ -37,9 +37,10 @@ from .case import Case, Results, read_case
 from .errors import InputError, Interrupted, SolverError
 from .modes import Modes
 from .motion import Attractors, Motion, Sweep
+from .parts import Mesh, Shaft
 from .stability_map import StabilityMap
 from .summary import Jump, Peak
-from .train import Mesh, Shaft, Train
+from .train import Train
 
 __all__ = [
     "Attractors",

@@ -69,7 +69,7 @@ class Box:
         raise kinds.get(status, RuntimeError)(in_words_of_the_call(message) if self._of_call else message)
 
     def text(self, name: str, place: int = 0) -> str:
-        """A text of the box, see ``text_size`` in _geartrain.f90."""
+        """A text of the box, see ``text_size`` in border/text.f90."""
         size = fortran.text_size(self.handle, name, place)
         return fortran.copy_text(self.handle, name, place, size).tobytes().decode(errors="replace") if size else ""
 

@@ -16,8 +16,9 @@ from ._watch import watched
 from .branch import Branch
 from .modes import Modes
 from .motion import Attractors, Sweep
+from .parts import Mesh, Shaft
 from .stability_map import StabilityMap
-from .train import Mesh, Shaft, Train
+from .train import Train
 
 __all__ = ["Case", "Results", "read_case"]
 

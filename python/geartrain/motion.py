@@ -10,7 +10,7 @@ from numbers import Integral
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ._box import ATTRACTORS, INTEGRATION, Box, fortran
 from ._draw import check_mesh
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from .branch import Branch
     from .train import Train
 
-__all__ = ["Attractors", "Motion", "Sweep"]
+__all__ = ["Attractors", "Motion", "Sweep", "from_state"]
 
 Array = NDArray[np.float64]
 
@@ -354,3 +354,28 @@ class Attractors(list[Motion]):
     def _from(cls, box: Box, train: Train, branches: Iterable[Branch] = ()) -> Attractors:
         motions: list[dict[str, Any]] = box.motions(ATTRACTORS)
         return cls([Motion(train=train, **fields) for fields in motions], **box.attractors(), branches=branches)
+
+
+def from_state(state: ArrayLike, meshes: int) -> Motion:
+    """A motion of which only the state is known."""
+    try:
+        values = np.array(state, float)
+    except (TypeError, ValueError):
+        raise InputError(f"start = {state!r}: must be a gt.Motion or a list of numbers") from None
+    if values.ndim != 1 or not np.isfinite(values).all():
+        raise InputError(f"start: must be a gt.Motion or finite numbers of shape (2*elements,), is {values.shape}")
+    nothing = np.zeros(meshes)
+    return Motion(
+        frequency=0.0,
+        period=1,
+        rms=nothing,
+        mean=nothing,
+        minimum=nothing,
+        maximum=nothing,
+        mesh_force_maximum=nothing,
+        dynamic_factor=nothing,
+        separation_fraction=nothing,
+        back_contact_fraction=nothing,
+        coefficients=np.zeros((meshes, 0)),
+        state=values,
+    )

@@ -2,134 +2,24 @@
 
 from __future__ import annotations
 
-import contextlib
-import re
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
-from itertools import zip_longest
-from numbers import Real
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._box import Box, fortran
-from ._namelist import group, in_words_of_the_call
+from ._request import TRAIN, case_text, text_at
 from ._watch import watched
 from .branch import Branch
 from .errors import InputError, SolverError
 from .modes import Modes
-from .motion import Attractors, Motion, Sweep
+from .motion import Attractors, Motion, Sweep, from_state
+from .parts import Mesh, Series, Shaft, freeze_series
 from .stability_map import StabilityMap
 
-__all__ = ["Mesh", "Shaft", "Train"]
-
-Series = float | Sequence[float]
-
-_ELEMENT = dict.fromkeys(("stiffness", "damping_ratio", "damping"), "number")
-_SHAFT = {**_ELEMENT, "rigid": "flag"}
-_MESH = {
-    **_ELEMENT,
-    **dict.fromkeys(("driving_radius", "driven_radius", "driving_inertia", "driven_inertia"), "number"),
-    **dict.fromkeys(("stiffness_cos", "stiffness_sin", "error_cos", "error_sin"), "series"),
-    "half_backlash": "number",
-    "order": "integer",
-}
-_TRAIN = {
-    **dict.fromkeys(("input_torque", "prime_mover_inertia", "load_inertia"), "number"),
-    **dict.fromkeys(("characteristic_length", "characteristic_frequency"), "number"),
-    **dict.fromkeys(("torque_cos", "torque_sin"), "series"),
-    "title": "text",
-}
-_RESPONSE = {
-    **dict.fromkeys(("start", "stop", "amplitude_limit", "tolerance", "step"), "number"),
-    **dict.fromkeys(("harmonics", "subharmonic", "samples", "max_points", "period_doublings"), "integer"),
-    **dict.fromkeys(("coefficients", "control"), "text"),
-    **dict.fromkeys(("stability", "refine"), "flag"),
-}
-_INTEGRATION = {
-    **dict.fromkeys(("start", "stop", "tolerance"), "number"),
-    **dict.fromkeys(("points", "harmonics", "max_periods"), "integer"),
-    "direction": "text",
-    "stability": "flag",
-}
-_ATTRACTORS = {
-    **dict.fromkeys(("frequency", "tolerance"), "number"),
-    **dict.fromkeys(("starts", "random_seed", "harmonics", "max_periods"), "integer"),
-    **dict.fromkeys(("follow", "stability"), "flag"),
-}
-_STABILITY_MAP = {
-    **dict.fromkeys(("start", "stop", "parameter_start", "parameter_stop"), "number"),
-    **dict.fromkeys(("points", "parameter_points", "harmonics"), "integer"),
-    "parameter": "text",
-    "linear": "flag",
-}
-
-
-@dataclass(frozen=True, kw_only=True)
-class Shaft:
-    """A torsional shaft.
-
-    Parameters
-    ----------
-    stiffness : float
-        [N m/rad]; not for a rigid shaft.
-    damping_ratio : float, optional
-        c/(2 sqrt(k m)) with m = 1/(1/I_a + 1/I_b) of the inertias at its ends; or ``damping``.
-    damping : float, optional
-        [N m s/rad]
-    rigid : bool, optional
-        The inertias at its ends move as one.
-    """
-
-    stiffness: float | None = None
-    damping_ratio: float | None = None
-    damping: float | None = None
-    rigid: bool | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class Mesh:
-    """A gear pair.
-
-    Parameters
-    ----------
-    driving_radius, driven_radius : float
-        Base circle radii [m].
-    driving_inertia, driven_inertia : float
-        [kg m^2]
-    stiffness : float
-        Mean mesh stiffness [N/m].
-    damping_ratio : float, optional
-        c/(2 sqrt(k m)) with m = I_a I_b/(r_a^2 I_b + r_b^2 I_a); or ``damping``.
-    damping : float, optional
-        [N s/m]
-    half_backlash : float, optional
-        [m]; 0 makes the mesh linear.
-    stiffness_cos, stiffness_sin : float or sequence of float, optional
-        Harmonics 1.. of the stiffness over its mean.
-    error_cos, error_sin : float or sequence of float, optional
-        Harmonics 1.. of the static transmission error [m].
-    order : int, optional
-        This mesh's frequency as a multiple of the fundamental.
-    """
-
-    driving_radius: float | None = None
-    driven_radius: float | None = None
-    driving_inertia: float | None = None
-    driven_inertia: float | None = None
-    stiffness: float | None = None
-    damping_ratio: float | None = None
-    damping: float | None = None
-    half_backlash: float | None = None
-    stiffness_cos: Series | None = None
-    stiffness_sin: Series | None = None
-    error_cos: Series | None = None
-    error_sin: Series | None = None
-    order: int | None = None
-
-    def __post_init__(self) -> None:
-        _freeze_series(self, _MESH)
+__all__ = ["Train"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -192,7 +82,7 @@ class Train:
             if not isinstance(parts, Sequence) or not all(isinstance(part, kind) for part in parts):
                 raise InputError(f"{name} = {parts!r}: must be a list of gt.{kind.__name__}")
             object.__setattr__(self, name, tuple(parts))
-        _freeze_series(self, _TRAIN)
+        freeze_series(self, TRAIN)
         with Box(self.namelist()):
             pass
 
@@ -212,26 +102,14 @@ class Train:
         response, integration, attractors, stability_map : mapping, optional
             The variables of the group by their keywords, hence ``start`` and ``stop`` for ``from`` and ``to``.
         """
-        problems: dict[str, str] = {}
-        text = group("train", _TRAIN, {name: getattr(self, name) for name in _TRAIN}, problems)
-        for number, (shaft, mesh) in enumerate(zip_longest(self.shafts, self.meshes), 1):
-            if shaft is not None:
-                text += group("shaft", _SHAFT, _values(shaft), problems, f"&shaft {number}")
-            if mesh is not None:
-                text += group("mesh", _MESH, _values(mesh), problems, f"&mesh {number}")
-        if modes:
-            text += group("modes", {}, {}, problems)
-        if response is not None:
-            text += group("response", _RESPONSE, response, problems)
-        if integration is not None:
-            text += group("integration", _INTEGRATION, integration, problems)
-        if attractors is not None:
-            text += group("attractors", _ATTRACTORS, attractors, problems)
-        if stability_map is not None:
-            text += group("stability_map", _STABILITY_MAP, stability_map, problems)
-        if problems:
-            raise InputError("\n".join([*problems.values(), *_further_problems(text, problems)]))
-        return text
+        analyses = {
+            "modes": {} if modes else None,
+            "response": response,
+            "integration": integration,
+            "attractors": attractors,
+            "stability_map": stability_map,
+        }
+        return case_text(self, analyses)
 
     def natural_frequencies(self) -> NDArray[np.float64]:
         """Undamped natural frequencies of the mean system, over the characteristic frequency, ascending.
@@ -408,8 +286,9 @@ class Train:
         >>> motion.period, motion.rms.round(6)
         (2, array([0.456399, 0.549464]))
         """
-        text = self._at(frequency, stability, harmonics, max_periods, tolerance)
-        first = start if start is None or isinstance(start, Motion) else _from_state(start, len(self.meshes))
+        settings = {"stability": stability, "harmonics": harmonics, "max_periods": max_periods, "tolerance": tolerance}
+        text = text_at(self, frequency, settings)
+        first = start if start is None or isinstance(start, Motion) else from_state(start, len(self.meshes))
 
         def work(progress: NDArray[np.float64]) -> Motion:
             with Box(text) as box:
@@ -626,88 +505,3 @@ class Train:
         if terms == 0 or meshes != len(self.meshes):
             raise InputError(f"seed: a motion of {meshes} meshes with {terms // 2} harmonics: the train has "
                              f"{len(self.meshes)} meshes")
-
-    def _at(
-        self,
-        frequency: float,
-        stability: bool | None,
-        harmonics: int | None,
-        max_periods: int | None,
-        tolerance: float | None,
-    ) -> str:
-        """The case's text for integration at one frequency, which is both ends of the range."""
-        if isinstance(frequency, bool) or not isinstance(frequency, Real):
-            raise InputError(f"frequency = {frequency!r}: must be a number")
-        settings = {
-            "start": frequency,
-            "stop": frequency,
-            "points": 1,
-            "stability": stability,
-            "harmonics": harmonics,
-            "max_periods": max_periods,
-            "tolerance": tolerance,
-        }
-        try:
-            text = self.namelist(integration=settings)
-            with Box(text):
-                return text
-        except InputError as error:
-            told = in_words_of_the_call(str(error), {"start": "frequency", "stop": "frequency"})
-            raise InputError("\n".join(dict.fromkeys(told.splitlines()))) from None
-
-
-def _values(part: Shaft | Mesh) -> dict[str, Any]:
-    return {item.name: getattr(part, item.name) for item in fields(part)}
-
-
-def _freeze_series(part: Train | Mesh, kinds: Mapping[str, str]) -> None:
-    """Make tuples of the series, whichever way they were given."""
-    for name, kind in kinds.items():
-        value = getattr(part, name)
-        if kind != "series" or value is None or isinstance(value, (str, bytes, bytearray, Mapping)):
-            continue
-        # An array without dimensions says that it can be iterated over, and cannot; the check tells.
-        with contextlib.suppress(TypeError):
-            object.__setattr__(part, name, tuple(value) if isinstance(value, Iterable) else (value,))
-
-
-def _further_problems(text: str, known: Mapping[str, str]) -> list[str]:
-    """What Fortran says of the other values; not what follows from the lack of those whose problems are known."""
-    try:
-        with Box(text):
-            return []
-    except InputError as error:
-        return [line for line in str(error).splitlines() if not any(_follows(line, name) for name in known)]
-
-
-def _follows(line: str, name: str) -> bool:
-    """Whether the problem comes of the lack of a variable, ``&mesh 2: stiffness``, and is not one of its namesake elsewhere."""
-    place, _, variable = name.rpartition(": ")
-    if not re.search(rf"\b{variable}\b", line):
-        return False
-    return line.startswith(f"{place}:") or f": {variable} = " not in line
-
-
-def _from_state(state: ArrayLike, meshes: int) -> Motion:
-    """A motion of which only the state is known."""
-    try:
-        values = np.array(state, float)
-    except (TypeError, ValueError):
-        raise InputError(f"start = {state!r}: must be a gt.Motion or a list of numbers") from None
-    if values.ndim != 1 or not np.isfinite(values).all():
-        raise InputError(f"start: must be a gt.Motion or finite numbers of shape (2*elements,), is {values.shape}")
-    nothing = np.zeros(meshes)
-    return Motion(
-        frequency=0.0,
-        period=1,
-        rms=nothing,
-        mean=nothing,
-        minimum=nothing,
-        maximum=nothing,
-        mesh_force_maximum=nothing,
-        dynamic_factor=nothing,
-        separation_fraction=nothing,
-        back_contact_fraction=nothing,
-        coefficients=np.zeros((meshes, 0)),
-        state=values,
-    )
