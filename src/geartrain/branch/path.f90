@@ -18,6 +18,8 @@ module geartrain_branch_path
    !> A point of the branch and the unit tangent there: coefficients of the unknown meshes (block, unknowns) and Lambda.
    type :: place_type
       real(dp), allocatable :: u(:, :), tangent(:, :)
+      !> Harmonics of the coefficients, once it is solved.
+      integer, allocatable :: harmonic(:)
       real(dp) :: frequency = 0, tangent_frequency = 0
       !> Sign of the bordered determinant: it changes along a branch only at another branch or by a jump.
       integer :: orientation = 0
@@ -174,7 +176,10 @@ contains
          place%frequency = place%frequency + y
          tolerance = self%tolerance_at(place%u)
          success = length < tolerance .and. place%frequency > 0
-         if (success) return
+         if (success) then
+            place%harmonic = self%balance%harmonic
+            return
+         end if
          ! Quadratic convergence: the ratio of a step to the square of the one before stays about the same.
          last = iteration > 1 .and. length*(length/before)**2 < 0.1_dp*tolerance
          before = length
@@ -199,12 +204,11 @@ contains
       place%tangent_frequency = y/length
    end subroutine find_tangent
 
-   !> Puts the coefficients of a place, those of the harmonics `former`, onto the present harmonics. Not by their places: fewer
-   !> harmonics of Lambda are not always the first ones of more (needed_harmonics.f90).
-   pure subroutine refit(self, place, former)
+   !> Puts the coefficients of a solved place onto the present harmonics. Not by their order: fewer harmonics of Lambda are not
+   !> always the first ones of more (needed_harmonics.f90).
+   pure subroutine refit(self, place)
       class(path_type), intent(in) :: self
       type(place_type), intent(inout) :: place
-      integer, intent(in) :: former(:)
       real(dp) :: u(self%balance%block, size(place%u, 2)), tangent(self%balance%block, size(place%u, 2))
       integer :: i, k
 
@@ -213,11 +217,12 @@ contains
       u(1, :) = place%u(1, :)
       tangent(1, :) = place%tangent(1, :)
       do k = 1, size(self%balance%harmonic)
-         i = findloc(former, self%balance%harmonic(k), 1)
+         i = findloc(place%harmonic, self%balance%harmonic(k), 1)
          if (i == 0) cycle
          u(2*k:2*k + 1, :) = place%u(2*i:2*i + 1, :)
          tangent(2*k:2*k + 1, :) = place%tangent(2*i:2*i + 1, :)
       end do
+      place%harmonic = self%balance%harmonic
       place%u = u
       place%tangent = tangent
       place%orientation = 0

@@ -277,7 +277,6 @@ contains
       integer :: outcome, forward_outcome, forward
       character(:), allocatable :: reason
       real(dp) :: low, high, target
-      integer, allocatable :: former(:)
       logical :: success
 
       low = min(tracer%settings%start, tracer%settings%stop)
@@ -301,7 +300,6 @@ contains
       call tracer%adapt(place, success, fixed=.true.)
       call tracer%record(place, branch)
       backward = place
-      former = tracer%path%balance%harmonic
       target = tracer%settings%stop
       call tracer%trace(place, low, high, target, branch, outcome, branch%ended, observer)
       forward_outcome = outcome
@@ -309,7 +307,7 @@ contains
       branch%complete = branch%closed
       if (branch%closed .or. outcome == cancelled) return
       forward = branch%points
-      call tracer%path%refit(backward, former)
+      call tracer%path%refit(backward)
       call tracer%path%solve_at(backward, success)
       call tracer%path%orient(backward, merge(-1, 1, tracer%settings%stop > tracer%settings%start))
       call tracer%trace(backward, low, high, target, branch, outcome, reason, observer)

@@ -74,15 +74,12 @@ module geartrain_branch_tracer
 
 contains
 
-   !> Plans the balance for `harmonics` harmonics, and puts places of the present ones onto them.
-   subroutine prepare(self, harmonics, place, here, origin)
+   !> Plans the balance for `harmonics` harmonics.
+   subroutine prepare(self, harmonics)
       class(tracer_type), intent(inout) :: self
       integer, intent(in) :: harmonics
-      type(place_type), intent(inout), optional :: place, here, origin
-      integer, allocatable :: former(:)
       integer :: samples
 
-      if (allocated(self%path%balance%harmonic)) former = self%path%balance%harmonic
       samples = 0
       if (self%settings%coefficients == 'sampled') then
          samples = self%settings%samples
@@ -91,9 +88,6 @@ contains
       call self%path%balance%setup(self%system, harmonics, self%settings%subharmonic, samples)
       call self%path%setup()
       self%path%local_control = self%settings%control == 'local'
-      if (present(place)) call self%path%refit(place, former)
-      if (present(here)) call self%path%refit(here, former)
-      if (present(origin)) call self%path%refit(origin, former)
    end subroutine prepare
 
    !> Adds a solved place, the last one that `path` worked on, to the branch.
@@ -314,7 +308,6 @@ contains
       real(dp), intent(out) :: fold_at
       type(branch_type), intent(inout), target :: branch
       type(place_type) :: fold
-      integer, allocatable :: former(:)
       integer :: highest
       logical :: success, enough
 
@@ -323,11 +316,10 @@ contains
          call locate_fold(self%path, here, next, h, fold, fold_at, success)
          if (.not. success) exit
          highest = self%path%balance%highest
-         former = self%path%balance%harmonic
          call self%adapt(fold, enough, here, origin)
          if (self%path%balance%highest == highest) exit
          ! With more harmonics it lies elsewhere.
-         call self%path%refit(next, former)
+         call self%path%refit(next)
       end do
       if (success) then
          call self%record(fold, branch)
@@ -383,7 +375,10 @@ contains
          highest = self%path%balance%highest
          if (self%truncation%limited <= self%settings%tolerance .or. highest >= most) return
          call self%prepare(min(most, max(highest + self%system%excitation_order, harmonics_for(self%truncation, &
-                                         tolerance_share*self%settings%tolerance/self%truncation%limited))), place, here, origin)
+                                         tolerance_share*self%settings%tolerance/self%truncation%limited))))
+         call self%path%refit(place)
+         if (present(here)) call self%path%refit(here)
+         if (present(origin)) call self%path%refit(origin)
          call self%solve_again(place, success, fixed)
          if (.not. success) exit
       end do
@@ -428,7 +423,9 @@ contains
                   tolerance_share*self%settings%tolerance/max(self%truncation%limited, tiny(1.0_dp))))
       if (fewer > worth_lowering*highest) return
       before = [here, origin]
-      call self%prepare(fewer, here=here, origin=origin)
+      call self%prepare(fewer)
+      call self%path%refit(here)
+      call self%path%refit(origin)
       call self%path%correct(here, success)
       if (success) return
       call self%prepare(highest)

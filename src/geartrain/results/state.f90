@@ -16,7 +16,7 @@ module geartrain_results_state
    public :: pack_state, unpack_state
 
    !> A component added to a type that is carried here must be carried, too.
-   character(*), parameter :: mark = 'geartrain state 3, version '//version
+   character(*), parameter :: mark = 'geartrain state 4, version '//version
 
 contains
 
@@ -230,6 +230,7 @@ contains
 
       call archive%carry(place%u)
       call archive%carry(place%tangent)
+      call archive%carry(place%harmonic)
       call archive%carry(place%frequency)
       call archive%carry(place%tangent_frequency)
       call archive%carry(place%orientation)
