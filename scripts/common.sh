@@ -4,6 +4,8 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 export PATH="$PWD/.venv/bin:$PATH" PIP_DISABLE_PIP_VERSION_CHECK=1 MPLBACKEND=Agg
 exec </dev/null
 mkdir -p build/log
+# Of a debug build: bounds, pointers and shapes checked, signalling NaN in what is not set, a stop at the first invalid operation.
+debug_checks='-fcheck=all,no-array-temps -finit-real=snan -ffpe-trap=invalid,zero'
 
 # log_of TITLE: where the log of a step or a test part goes.
 log_of() {
@@ -30,4 +32,10 @@ step() {
       show_tail "$log"
    fi
    return "$status"
+}
+
+# counts LOG: the sums of passed and of failed over the closing lines of our own test programs and of pytest.
+counts() {
+   grep -aE '^[0-9]+ (passed|failed|errors?)\b' "$1" | grep -oE '[0-9]+ (passed|failed|error)' |
+      awk '{ n[$2] += $1 } END { print n["passed"] + 0, n["failed"] + n["error"] + 0 }' || echo 0 0
 }
