@@ -23,6 +23,7 @@ program main
    use validation_figures, only: figures_tests
    use validation_jumps, only: jumps_tests
    use validation_mesh_load, only: mesh_load_tests
+   use validation_orders, only: orders_tests
    use validation_paper_train, only: paper_train_tests
    use validation_refinement, only: refinement_tests
    use validation_single_pair, only: single_pair_tests
@@ -50,6 +51,7 @@ program main
       stop
    end if
    call paper_train_tests(tests)
+   call orders_tests(tests)
    call single_pair_tests(tests)
    call whole_model_tests(tests)
    call mesh_load_tests(tests)

@@ -9,8 +9,9 @@ module unit_check
    use geartrain_case_template, only: paper_case
    use geartrain_model_check, only: check_train
    use geartrain_model_train, only: train_type
+   use geartrain_motion_attractors_settings, only: attractors_settings_type
    use geartrain_motion_integration_settings, only: integration_settings_type
-   use geartrain_motion_variables, only: check_integration
+   use geartrain_motion_variables, only: check_attractors, check_integration
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -177,8 +178,32 @@ contains
       train%meshes%order = [2, 17]
       call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp, harmonics=33, subharmonic=2), .false., error)
       call tests%is_true(allocated(error), 'harmonics that do not reach the mesh frequency are refused')
-      if (allocated(error)) call tests%is_text(error%message, '&response: harmonics = 33: must be >= order of &mesh 2 times &
-                                               &subharmonic, 17*2: the excitation of that mesh would be left out', 'message')
+      if (allocated(error)) call tests%is_text(error%message, '&response: harmonics = 33: must be >= 17*subharmonic = 34: the &
+                                               &variation of the stiffness of &mesh 2 has no lower harmonic of Lambda and would &
+                                               &be left out', 'message')
+      call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp, harmonics=0, subharmonic=59), .false., error)
+      call tests%is_true(allocated(error), 'and so they are where the program would choose them: 17*59 is more than 1000')
+      train%torque_cos = [0.0_dp, 0.0_dp, 1.0_dp]
+      call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp, harmonics=17), .false., error)
+      call tests%is_true(.not. allocated(error), 'a torque of order 3 with 17 harmonics')
+      train%meshes%order = 1
+      call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp, harmonics=2), .false., error)
+      call tests%is_true(allocated(error), 'with 2 it would be left out')
+      deallocate (train%torque_cos)
+      train%meshes%order = [2, 17]
+      call check_integration(train, integration_settings_type(start=0.2_dp, stop=2.6_dp, harmonics=16), error)
+      call tests%is_true(allocated(error), 'and so are those of a motion that is integrated')
+      if (allocated(error)) call tests%is_text(error%message, '&integration: harmonics = 16: must be >= 17: the variation of the &
+                                               &stiffness of &mesh 2 has no lower harmonic of Lambda and would be left out', &
+                                               'message')
+      call check_attractors(train, attractors_settings_type(frequency=0.2_dp, harmonics=16), error)
+      call tests%is_true(allocated(error), 'and of random starts')
+      ! Spectra of sampled coefficients reach twice the harmonics.
+      call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp, harmonics=0, coefficients='sampled', &
+                                                        samples=2), .false., error)
+      call tests%is_true(allocated(error), 'a number of samples for harmonics that are not known is refused')
+      if (allocated(error)) call tests%is_text(error%message, '&response: samples = 2: must be 0 where harmonics = 0: with the &
+                                               &harmonics their number is left to the program', 'message')
       call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp, harmonics=34, subharmonic=2), .false., error)
       call tests%is_true(.not. allocated(error), 'harmonics that just reach it')
       train%meshes(2)%stiffness_cos = [0.0_dp]

@@ -436,5 +436,5 @@ def _settings_for(settings: Mapping[str, Any], period: int, harmonics: int) -> d
     if settings.get("harmonics"):
         changed["harmonics"] = harmonics
     if settings.get("samples"):
-        changed["samples"] = max(settings["samples"] * period // own, 6 * harmonics + 2)
+        changed["samples"] = max(settings["samples"] * period // own, 8 * harmonics + 2)
     return changed

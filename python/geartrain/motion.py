@@ -97,6 +97,11 @@ class Motion:
     train: Train | None = field(default=None, repr=False)
 
     @property
+    def true_ac_rms(self) -> Array:
+        """Root mean square over time of the displacement less its mean, (meshes,): ``rms`` over sqrt(2)."""
+        return self.rms / np.sqrt(2)
+
+    @property
     def unbounded(self) -> bool:
         """Whether integration gave it up because it grew without bound: a state, but no figures and no waveform; period 0."""
         return bool(np.isnan(self.rms).all())

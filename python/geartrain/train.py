@@ -264,7 +264,7 @@ class Train:
         stability : bool
             Floquet multipliers of the motion.
         harmonics : int, optional
-            Of Lambda/period, to store.
+            Of Lambda, to store; unless told 16 of the highest mesh order.
         max_periods : int, optional
             Mesh periods after which an unsettled motion is given up.
         tolerance : float, optional

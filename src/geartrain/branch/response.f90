@@ -250,8 +250,9 @@ contains
       unjudged = settings
       unjudged%stability = .false.
       unjudged%max_points = min(2000, settings%max_points)
-      if (settings%harmonics == 0) unjudged%harmonics = 6*settings%subharmonic
       call begin_trace(train, unjudged, tracer)
+      ! As many all the way.
+      tracer%settings%harmonics = tracer%path%balance%highest
       place = resting(tracer, from)
       call tracer%path%solve_at(place, success)
       if (.not. success) return

@@ -17,6 +17,7 @@ module geartrain_branch_stability_map_variables
    real(dp), parameter :: zero = 0, one = 1
    !> Most points along either side of the map.
    real(dp), parameter :: most_points = 10000
+   integer, parameter :: most_harmonics = 1000
 
 contains
 
@@ -45,7 +46,7 @@ contains
       call v%on_logical(row('linear', '', 'the train without backlash, all teeth in contact: where its parametric resonances &
                             &are; else the motions on the branch of every row'), settings%linear)
       call v%on_integer(row('harmonics', '', 'harmonics R of Lambda of the motions; not used by a linear map', least=one, &
-                            most=1000*one), settings%harmonics)
+                            most=most_harmonics*one), settings%harmonics)
       call v%leave()
    end subroutine visit_stability_map
 
@@ -81,7 +82,7 @@ contains
                                'must be 1 where "parameter_from" and "parameter_to" are equal, and only there')
       call check_frequency(train, 'from', settings%start, checker)
       call check_frequency(train, 'to', settings%stop, checker)
-      if (.not. settings%linear) call check_harmonics(train, settings%harmonics, 1, checker)
+      if (.not. settings%linear) call check_harmonics(train, settings%harmonics, 1, most_harmonics, checker)
       if (settings%linear .and. (settings%parameter == 'input_torque' .or. settings%parameter == 'half_backlash')) &
          call checker%complain('parameter', "'"//trim(settings%parameter)//"'", &
                                'has no influence on the stability of the linear train: leave out linear = .true.')

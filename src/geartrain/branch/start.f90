@@ -3,7 +3,7 @@ module geartrain_branch_start
    use geartrain_base_kinds, only: dp
    use geartrain_branch_branch, only: response_settings_type
    use geartrain_branch_path, only: place_type
-   use geartrain_branch_tracer, only: tracer_type
+   use geartrain_branch_tracer, only: first_harmonics, tracer_type
    use geartrain_branch_units, only: largest_unit, units_of
    use geartrain_model_modes, only: natural_frequencies
    use geartrain_model_system, only: build_system
@@ -36,7 +36,7 @@ contains
          tracer%amplitude_limit = linear_amplitude_limit*largest_unit(tracer%system)
       end if
       tracer%truncation%natural_frequency = natural_frequencies(tracer%system)
-      call tracer%prepare(merge(settings%harmonics, 6*settings%subharmonic, settings%harmonics > 0))
+      call tracer%prepare(merge(settings%harmonics, first_harmonics(tracer%system, settings%subharmonic), settings%harmonics > 0))
    end subroutine begin_trace
 
    !> The train at rest under its mean load, every mesh on its drive flank.

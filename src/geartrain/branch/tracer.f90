@@ -9,12 +9,14 @@ module geartrain_branch_tracer
    use geartrain_branch_path, only: path_type, place_type
    use geartrain_branch_recorder, only: recorder_type
    use geartrain_branch_special_points, only: add_special_point, add_stability_change, locate_fold
+   use geartrain_model_excitation, only: excited_harmonics, reach_of_sources
+   use geartrain_model_receptance, only: is_unknown
    use geartrain_model_system, only: system_type
    use geartrain_motion_trigonometric, only: transform_length
    use geartrain_motion_truncation, only: find_truncation, harmonics_for, truncation_type
    implicit none (type, external)
    private
-   public :: tracer_type, acceptable, next_step
+   public :: tracer_type, acceptable, first_harmonics, next_step
    public :: reached_end, came_back, closed_loop, left_by_amplitude, cancelled, stuck, full, met_half_period, left_beyond
 
    !> How a trace ended; left_beyond: out of the range of Lambda beyond the amplitude limit.
@@ -31,8 +33,8 @@ module geartrain_branch_tracer
    real(dp), parameter :: jump_step = 1e-4_dp
    !> Amplitude, in the unit of the branch, above which the largest step grows in proportion to it.
    real(dp), parameter :: large = 5
-   !> Harmonics of Lambda by tolerance: fewest; most, of Lambda/subharmonic.
-   integer, parameter :: fewest_harmonics = 4, most_harmonics = 384
+   !> Harmonics by tolerance, of those that the excitation reaches: to begin with and fewest, of Lambda; most, of Lambda/subharmonic.
+   integer, parameter :: begin_harmonics = 6, fewest_harmonics = 4, most_harmonics = 384
    !> Share of the tolerance aimed at, so that a few points more keep within it, and how much lower the number of harmonics must be
    !> able to get to be lowered: each change plans the balance anew.
    real(dp), parameter :: tolerance_share = 0.3_dp, worth_lowering = 0.75_dp
@@ -73,6 +75,33 @@ module geartrain_branch_tracer
    end type tracer_type
 
 contains
+
+   !> Harmonics of Lambda/subharmonic to begin with where their number is left to the program.
+   pure integer function first_harmonics(system, subharmonic)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: subharmonic
+
+      first_harmonics = at_least(begin_harmonics, system, subharmonic)
+   end function first_harmonics
+
+   !> `harmonics` of Lambda, of those that the excitation reaches, in harmonics of Lambda/subharmonic; or as many as leave no source
+   !> of excitation out, where these are more. Meshes that are no unknowns are excited by what is carried alone.
+   pure integer function at_least(harmonics, system, subharmonic)
+      integer, intent(in) :: harmonics, subharmonic
+      type(system_type), intent(in) :: system
+
+      at_least = max(harmonics*spacing(system, subharmonic), reach_of_sources(system))
+      if (.not. all(is_unknown(system))) at_least = maxval([at_least, excited_harmonics(system)])
+      at_least = at_least*subharmonic
+   end function at_least
+
+   !> Of the harmonics of Lambda/subharmonic that the excitation reaches.
+   pure integer function spacing(system, subharmonic)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: subharmonic
+
+      spacing = merge(system%excitation_order, 1, subharmonic == 1)
+   end function spacing
 
    !> Plans the balance for `harmonics` harmonics.
    subroutine prepare(self, harmonics)
@@ -366,7 +395,9 @@ contains
       success = .true.
       if (self%settings%harmonics > 0) return
       first = self%path%balance%highest
-      most = max(most_harmonics, fewest_harmonics*self%settings%subharmonic)
+      associate (eta => self%settings%subharmonic)
+         most = max(most_harmonics*spacing(self%system, eta), at_least(fewest_harmonics, self%system, eta))
+      end associate
       before(1) = place
       if (present(here)) before(2) = here
       if (present(origin)) before(3) = origin
@@ -419,7 +450,7 @@ contains
 
       if (self%settings%harmonics > 0) return
       highest = self%path%balance%highest
-      fewer = max(fewest_harmonics*self%settings%subharmonic, highest/2, harmonics_for(self%truncation, &
+      fewer = max(at_least(fewest_harmonics, self%system, self%settings%subharmonic), highest/2, harmonics_for(self%truncation, &
                   tolerance_share*self%settings%tolerance/max(self%truncation%limited, tiny(1.0_dp))))
       if (fewer > worth_lowering*highest) return
       before = [here, origin]

@@ -10,10 +10,10 @@ module geartrain_branch_variables
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: visit_response, check_response, check_response_consistency, settings_for
+   public :: visit_response, check_response, check_response_consistency, fewest_samples, settings_for
 
    real(dp), parameter :: zero = 0, one = 1
-   integer, parameter :: most_harmonics = 1000
+   integer, parameter :: most_harmonics = 1000, most_samples = 1048576
 
 contains
 
@@ -41,7 +41,7 @@ contains
                          &(the discrete transform of the paper)', choices='exact sampled'), word)
       settings%coefficients = word
       call v%on_integer(row('samples', '', 'points a period for sampled coefficients; 0: chosen by the program', least=one, &
-                            most=1048576*one, automatic=zero), settings%samples)
+                            most=most_samples*one, automatic=zero), settings%samples)
       word = trim(settings%control)
       call v%on_text(row('control', '', 'pseudo-arclength, or the local switching of the control parameter of the paper, &
                          &equation (11)', choices='arclength local'), word)
@@ -82,7 +82,6 @@ contains
       type(response_settings_type), intent(in) :: settings
       logical, intent(in) :: seeded
       class(checker_type), intent(inout) :: checker
-      integer :: fewest
 
       if (checker%problems%in_group('response')) return
       call checker%enter('response', 1)
@@ -95,11 +94,15 @@ contains
       end if
       call check_frequency(train, 'from', settings%start, checker)
       call check_frequency(train, 'to', settings%stop, checker)
-      if (settings%harmonics > 0) call check_harmonics(train, settings%harmonics, settings%subharmonic, checker)
-      fewest = 8*settings%harmonics + 2
-      if (settings%samples > 0 .and. settings%samples < fewest) then
-         call checker%complain('samples', integer_text(settings%samples), 'must be >= 8 harmonics + 2 = '// &
-                               integer_text(fewest)//', or 0 to leave the choice to the program')
+      call check_harmonics(train, settings%harmonics, settings%subharmonic, most_harmonics, checker)
+      if (settings%samples > 0) then
+         if (settings%harmonics == 0) then
+            call checker%complain('samples', integer_text(settings%samples), 'must be 0 where harmonics = 0: with the harmonics &
+                                  &their number is left to the program')
+         else if (settings%samples < fewest_samples(settings%harmonics)) then
+            call checker%complain('samples', integer_text(settings%samples), 'must be >= 8 harmonics + 2 = '// &
+                                  integer_text(fewest_samples(settings%harmonics))//', or 0 to leave the choice to the program')
+         end if
       end if
       if (settings%period_doublings > 0 .and. .not. settings%stability) then
          call checker%complain('period_doublings', integer_text(settings%period_doublings), &
@@ -112,6 +115,13 @@ contains
       call checker%leave()
    end subroutine check_response_consistency
 
+   !> Samples of the mesh force that the spectra of a balance of so many harmonics need.
+   pure integer function fewest_samples(harmonics)
+      integer, intent(in) :: harmonics
+
+      fewest_samples = 8*harmonics + 2
+   end function fewest_samples
+
    !> The same settings for motions of another period: harmonics and samples of each mesh period as before.
    pure function settings_for(settings, period) result(other)
       type(response_settings_type), intent(in) :: settings
@@ -123,7 +133,8 @@ contains
       other%subharmonic = period
       if (settings%harmonics > 0) &
          other%harmonics = max(period, min(most_harmonics, settings%harmonics*period/settings%subharmonic))
-      if (settings%samples > 0) other%samples = max(settings%samples*period/settings%subharmonic, 6*other%harmonics + 2)
+      if (settings%samples > 0) other%samples = max(fewest_samples(other%harmonics), &
+                                                    min(most_samples, settings%samples*period/settings%subharmonic))
    end function settings_for
 
 end module geartrain_branch_variables

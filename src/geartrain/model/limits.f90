@@ -5,6 +5,8 @@ module geartrain_model_limits
    use geartrain_base_checker, only: checker_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
+   use geartrain_model_excitation, only: lowest_harmonic
+   use geartrain_model_system, only: put_excitation, series_type, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -39,25 +41,42 @@ contains
          ': the train does not follow a faster mesh frequency')
    end subroutine check_frequency
 
-   !> Adds a problem where the harmonics of a motion do not reach the mesh frequency of every mesh that excites it.
-   subroutine check_harmonics(train, harmonics, subharmonic, checker)
+   !> Adds a problem where a motion's harmonics of Lambda/subharmonic leave out a source of excitation: its lowest harmonic is higher.
+   subroutine check_harmonics(train, harmonics, subharmonic, most, checker)
       type(train_type), intent(in) :: train
-      integer, intent(in) :: harmonics, subharmonic
+      !> Harmonics of the motion, 0 where the program chooses them, and the most that there may be.
+      integer, intent(in) :: harmonics, subharmonic, most
       class(checker_type), intent(inout) :: checker
+      type(system_type) :: system
       integer :: j
 
       if (.not. in_order(train, checker)) return
-      do j = 1, size(train%meshes)
-         associate (mesh => train%meshes(j))
-            if (harmonics/subharmonic >= mesh%order) cycle
-            if (.not. (varies(mesh%stiffness_cos) .or. varies(mesh%stiffness_sin) .or. varies(mesh%error_cos) &
-                       .or. varies(mesh%error_sin))) cycle
-            call checker%complain('harmonics', integer_text(harmonics), 'must be >= order of &mesh '//integer_text(j)// &
-                                  ' times subharmonic, '//integer_text(mesh%order)//'*'//integer_text(subharmonic)// &
-                                  ': the excitation of that mesh would be left out')
-            return
-         end associate
+      call put_excitation(train, system)
+      call check_source(system%torque, 'the fluctuation of the torque')
+      do j = 1, system%meshes
+         call check_source(system%mesh_stiffness(j), 'the variation of the stiffness of &mesh '//integer_text(j))
+         call check_source(system%transmission_error(j), 'the transmission error of &mesh '//integer_text(j))
       end do
+
+   contains
+
+      subroutine check_source(source, name)
+         type(series_type), intent(in) :: source
+         character(*), intent(in) :: name
+         character(:), allocatable :: needed
+         integer :: lowest
+
+         lowest = lowest_harmonic(source)
+         needed = integer_text(lowest)
+         if (subharmonic > 1) needed = needed//'*subharmonic = '//integer_text(lowest*subharmonic)
+         needed = needed//': '//name//' has no lower harmonic of Lambda and would be left out'
+         if (harmonics > 0 .and. lowest*subharmonic > harmonics) then
+            call checker%complain('harmonics', integer_text(harmonics), 'must be >= '//needed)
+         else if (harmonics == 0 .and. lowest*subharmonic > most*merge(system%excitation_order, 1, subharmonic == 1)) then
+            call checker%complain('harmonics', '0', 'chooses at most '//integer_text(most)//', and must choose >= '//needed)
+         end if
+      end subroutine check_source
+
    end subroutine check_harmonics
 
    !> Adds a problem for every element that vibrates or creeps too fast beside the slowest mesh, or too slowly, in a train whose
@@ -153,12 +172,5 @@ contains
                                                 mesh%driven_radius/sqrt(mesh%driven_inertia))
       end associate
    end function mesh_frequency
-
-   pure logical function varies(amplitudes)
-      real(dp), allocatable, intent(in) :: amplitudes(:)
-
-      varies = .false.
-      if (allocated(amplitudes)) varies = any(abs(amplitudes) > 0)
-   end function varies
 
 end module geartrain_model_limits

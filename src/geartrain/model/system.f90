@@ -11,7 +11,7 @@ module geartrain_model_system
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: system_type, build_system, series_type, series_value
+   public :: system_type, build_system, put_excitation, series_type, series_value
 
    !> A periodic function as complex amplitudes: sum over h of Re(amplitude(h) exp(i h order Lambda t)).
    type :: series_type
@@ -63,8 +63,8 @@ contains
       system%elements = m + count(.not. train%shafts%rigid)
       system%characteristic_frequency = wc
       system%characteristic_length = bc
-      allocate (system%bodies(m + 1), system%body_element(m + 1), system%mesh_element(m), system%mesh_stiffness(m), &
-                system%transmission_error(m), inertia(system%elements + 1), system%backlash(m))
+      allocate (system%bodies(m + 1), system%body_element(m + 1), system%mesh_element(m), inertia(system%elements + 1), &
+                system%backlash(m))
       n = system%elements
       allocate (system%element_mesh(n), system%left_radius(n), system%right_radius(n), system%stiffness(n), damping(n), &
                 system%coupling(3, n), system%load(n))
@@ -101,11 +101,8 @@ contains
             damping(n) = 2*mesh%damping_ratio*sqrt(mesh%stiffness*equivalent)
             if (mesh%damping_given) damping(n) = mesh%damping
             system%backlash(j) = mesh%half_backlash/bc
-            system%mesh_stiffness(j) = series(mesh%stiffness_cos, mesh%stiffness_sin, 1.0_dp, mesh%order)
-            system%transmission_error(j) = series(mesh%error_cos, mesh%error_sin, 1/bc, mesh%order)
          end associate
       end do
-      system%torque = series(train%torque_cos, train%torque_sin, 1/bc, 1)
 
       associate (left => system%left_radius, right => system%right_radius, k => system%stiffness, w => system%coupling)
          force = train%input_torque/left(1)
@@ -120,8 +117,29 @@ contains
          system%damping = damping*wc/k
          system%torque_gain = left(1)/(inertia(1)*wc**2)
       end associate
-      system%excitation_order = common_order(system)
+      call put_excitation(train, system)
    end subroutine build_system
+
+   !> What excites the train: torque, mesh stiffnesses and transmission errors as series, and the greatest common divisor of the
+   !> harmonics of Lambda in them.
+   pure subroutine put_excitation(train, system)
+      type(train_type), intent(in) :: train
+      type(system_type), intent(inout) :: system
+      integer :: j
+
+      system%meshes = size(train%meshes)
+      allocate (system%mesh_stiffness(system%meshes), system%transmission_error(system%meshes))
+      associate (bc => train%characteristic_length)
+         system%torque = series(train%torque_cos, train%torque_sin, 1/bc, 1)
+         do j = 1, system%meshes
+            associate (mesh => train%meshes(j))
+               system%mesh_stiffness(j) = series(mesh%stiffness_cos, mesh%stiffness_sin, 1.0_dp, mesh%order)
+               system%transmission_error(j) = series(mesh%error_cos, mesh%error_sin, 1/bc, mesh%order)
+            end associate
+         end do
+      end associate
+      system%excitation_order = common_order(system)
+   end subroutine put_excitation
 
    !> The body of shaft j: its gears' inertias, or those of the machines at the ends.
    pure subroutine build_body(train, j, body)

@@ -14,7 +14,7 @@ module geartrain_motion_attractors_settings
       !> Each motion found on no branch of the case is followed with the settings of &response.
       logical :: follow = .false.
       !> As in &integration.
-      integer :: harmonics = 16, max_periods = 2000
+      integer :: harmonics = 0, max_periods = 2000
       real(dp) :: tolerance = 1e-9_dp
       logical :: stability = .true.
    end type attractors_settings_type

@@ -4,6 +4,7 @@
 module geartrain_motion_balance
    use geartrain_base_fftw, only: transform_type
    use geartrain_base_kinds, only: dp
+   use geartrain_model_excitation, only: excited_harmonics
    use geartrain_model_receptance, only: find_receptance, is_unknown, receptance_type, recover_meshes
    use geartrain_model_system, only: system_type
    use geartrain_motion_bordered, only: bordered_type
@@ -26,6 +27,8 @@ module geartrain_motion_balance
       integer :: block = 1
       !> Those that are not, up to three times the highest, in which the error shows.
       integer, allocatable :: missing(:)
+      !> Harmonics of Lambda/eta that excite the train and are higher than all that are carried.
+      integer, allocatable :: left_out(:)
       !> Highest harmonic asked for (harmonics 1..highest that the excitation reaches are carried).
       integer :: highest = 0
       !> Meshes that are unknowns, and which they are.
@@ -84,6 +87,8 @@ contains
       end if
       self%missing = pack([(r, r=1, 3*highest)], [(.not. any(self%harmonic == r), r=1, 3*highest)])
       if (eta == 1) self%missing = pack(self%missing, mod(self%missing, system%excitation_order) == 0)
+      self%left_out = eta*excited_harmonics(system)
+      self%left_out = pack(self%left_out, self%left_out > highest)
       self%block = 1 + 2*size(self%harmonic)
       self%unknown = is_unknown(system)
       self%mesh = pack([(i, i=1, system%meshes)], self%unknown)

@@ -12,8 +12,8 @@ module geartrain_motion_integration_settings
       integer :: points = 121
       !> 'up', 'down' or 'both': the order in which the frequencies between from and to are visited.
       character(16) :: direction = 'up'
-      !> Harmonics of Lambda/period that are stored.
-      integer :: harmonics = 16
+      !> Harmonics of Lambda that are stored; 0: as many as tell what the motion is made of, 16 of the highest mesh order.
+      integer :: harmonics = 0
       !> Mesh periods after which an unsettled motion is given up.
       integer :: max_periods = 2000
       !> Relative change over a period of the motion at which it counts as settled.

@@ -1,7 +1,8 @@
 !> Which harmonics a balance carries: those that the excitation reaches. Orders without a common divisor, as hunting teeth have,
 !> reach all of them in the end, but most only by sums of so many orders that nothing is left there.
 module geartrain_motion_needed_harmonics
-   use geartrain_model_system, only: series_type, system_type
+   use geartrain_model_excitation, only: excited_harmonics
+   use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
    public :: needed_harmonics
@@ -18,16 +19,15 @@ contains
       type(system_type), intent(in) :: system
       integer, intent(in) :: highest
       integer, allocatable :: harmonic(:)
-      integer, allocatable :: level(:)
+      integer, allocatable :: level(:), sources(:)
       logical, allocatable :: excited(:)
       integer :: j, k, r, widest, sums
 
       widest = 1
       allocate (excited(highest), source=.false.)
-      call mark(system%torque, excited)
+      sources = excited_harmonics(system)
+      excited(pack(sources, sources <= highest)) = .true.
       do j = 1, system%meshes
-         call mark(system%mesh_stiffness(j), excited)
-         call mark(system%transmission_error(j), excited)
          widest = max(widest, system%mesh_stiffness(j)%order)
       end do
       sums = max(fewest_sums, (highest + widest - 1)/widest)
@@ -48,16 +48,5 @@ contains
       if (.not. any(excited)) level = 0
       harmonic = pack([(r, r=1, highest)], level(1:highest) <= sums)
    end function needed_harmonics
-
-   pure subroutine mark(series, excited)
-      type(series_type), intent(in) :: series
-      logical, intent(inout) :: excited(:)
-      integer :: h
-
-      do h = 1, size(series%amplitude)
-         if (h*series%order > size(excited)) exit
-         if (abs(series%amplitude(h)) > 0) excited(h*series%order) = .true.
-      end do
-   end subroutine mark
 
 end module geartrain_motion_needed_harmonics

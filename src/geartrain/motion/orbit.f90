@@ -2,20 +2,25 @@
 module geartrain_motion_orbit
    use geartrain_base_fftw, only: transform_type
    use geartrain_base_kinds, only: dp, pi
+   use geartrain_model_excitation, only: excited_harmonics, reach_of_sources
    use geartrain_model_system, only: system_type
    use geartrain_motion_floating, only: is_floating
    use geartrain_motion_flow, only: flow_type
    use geartrain_motion_mesh_load, only: elastic, mesh_load_type, put_force, stiffness_samples
    use geartrain_motion_motion, only: motion_type
+   use geartrain_motion_trigonometric, only: transform_length
    implicit none (type, external)
    private
-   public :: measure, sample_orbit, propagate, flow_order, flow_tolerance
+   public :: measure, stored_harmonics, sample_orbit, propagate, flow_order, flow_tolerance
 
    !> Order and relative error of a step of the Taylor series, for states and shooting.
    integer, parameter :: flow_order = 20
    real(dp), parameter :: flow_tolerance = 1e-15_dp
-   !> Samples a mesh period: the coefficients of a motion with contact events fall as k^-4, so aliasing is near 1e-12.
-   integer, parameter :: samples_per_period = 1024
+   !> Samples of the slowest and of the fastest mesh's period, at least: the coefficients of a motion with contact events fall as
+   !> k^-4, so aliasing is near 1e-12; and samples of the period of a harmonic that is stored.
+   integer, parameter :: samples_per_period = 1024, samples_per_tooth = 256, samples_per_harmonic = 4
+   !> Harmonics that are stored, where it is left to the program: of the fastest mesh's frequency, and of the highest that is excited.
+   integer, parameter :: harmonics_per_tooth = 16, harmonics_per_source = 2
 
 contains
 
@@ -99,19 +104,30 @@ contains
       end do
    end subroutine sample_orbit
 
+   !> Harmonics of Lambda that tell what a motion is made of, where nobody says how many to store.
+   pure integer function stored_harmonics(system)
+      type(system_type), intent(in) :: system
+
+      stored_harmonics = maxval([harmonics_per_tooth*reach_of_sources(system), harmonics_per_source*excited_harmonics(system)])
+   end function stored_harmonics
+
    !> Fills in a motion of given frequency, period and state: coefficients up to `harmonics` of Lambda (harmonics*period of
    !> Lambda/period), rms over all harmonics, mean and extremes, what the meshes bear, whether
    !> one of them floats.
-   subroutine measure(system, harmonics, motion)
+   subroutine measure(system, wanted, motion)
       type(system_type), intent(in) :: system
-      integer, intent(in) :: harmonics
+      !> Harmonics of Lambda; 0: `stored_harmonics`.
+      integer, intent(in) :: wanted
       type(motion_type), intent(inout) :: motion
       type(transform_type) :: transform
       real(dp), allocatable :: p(:, :), force(:, :)
       real(dp) :: share(-1:1, system%meshes)
-      integer :: j, k, q
+      integer :: harmonics, j, k, q
 
-      q = samples_per_period*motion%period
+      harmonics = wanted
+      if (wanted == 0) harmonics = stored_harmonics(system)
+      q = motion%period*transform_length(max(samples_per_period, samples_per_tooth*reach_of_sources(system), &
+                                             samples_per_harmonic*harmonics))
       allocate (p(q, system%meshes), force(q, system%meshes))
       call sample_orbit(system, motion%frequency, motion%period, motion%state, p, force, share)
       call transform%plan(q)

@@ -9,7 +9,7 @@ module geartrain_motion_shooting
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    use geartrain_motion_motion, only: motion_type
-   use geartrain_motion_orbit, only: measure, propagate
+   use geartrain_motion_orbit, only: measure, propagate, stored_harmonics
    use geartrain_motion_start_state, only: state_of
    use geartrain_stability_monodromy, only: eigenvalues, is_neutral, is_stable
    implicit none (type, external)
@@ -22,7 +22,6 @@ module geartrain_motion_shooting
    !> What an orbit may lack to be closed, relative, where the Newton steps do not get shorter any more: of a motion that hardly
    !> anything holds, as of a train between very large inertias, rounding leaves that much and the step says what it makes of it.
    real(dp), parameter :: closed = 1e-12_dp
-   integer, parameter :: fewest_harmonics = 16
 
 contains
 
@@ -86,7 +85,7 @@ contains
          refined%share = motion%share
          refined%state = state
          refined%error_estimate = length
-         call measure(system, max(fewest_harmonics, ((size(motion%coefficients, 1) - 1)/2)/motion%period), refined)
+         call measure(system, max(stored_harmonics(system), ((size(motion%coefficients, 1) - 1)/2)/motion%period), refined)
          allocate (refined%multipliers(n))
          call eigenvalues(monodromy, refined%multipliers)
          refined%stable = is_stable(refined%multipliers)

@@ -2,7 +2,7 @@
 module geartrain_motion_truncation
    use geartrain_base_fftw, only: transform_type
    use geartrain_base_kinds, only: dp
-   use geartrain_model_receptance, only: find_receptance, receptance_type
+   use geartrain_model_receptance, only: find_receptance, receptance_type, recover_meshes
    use geartrain_motion_balance, only: balance_type
    use geartrain_motion_linearization, only: linearization_type
    use geartrain_motion_trigonometric, only: evaluate, sample, transform_length
@@ -68,6 +68,7 @@ contains
       type(linearization_type), intent(inout) :: matrix
       type(truncation_type), intent(inout) :: truncation
       real(dp) :: correction(balance%block, balance%unknowns), error(balance%block, balance%unknowns), y, way, scale
+      complex(dp), allocatable :: force(:, :)
       integer :: i, reach
 
       truncation%estimate = 0
@@ -78,6 +79,13 @@ contains
       truncation%remainder = 0
       truncation%error = 0*u
       if (truncation%count == 0) return
+      if (balance%unknowns == 0) then
+         allocate (force(truncation%count, 0))
+         truncation%estimate = condensed_error(balance, u, frequency, truncation%harmonic(:truncation%count), force, force)
+         truncation%limited = truncation%estimate
+         truncation%doubtful = truncation%estimate > large
+         return
+      end if
       associate (n => truncation%count, tail => truncation%tail(:truncation%count, :), harmonic => truncation%harmonic)
          reach = harmonic(n) + balance%highest
          do i = 1, balance%unknowns
@@ -86,6 +94,7 @@ contains
          ! Room for the product of the spectra with the motion or the tail, without aliases where it is used.
          if (.not. balance%is_direct()) call truncation%wide%plan(transform_length(2*reach + 1))
          call find_forces(balance, u, harmonic(:n), truncation%stiffness(0:reach, :), truncation%offset, truncation%wide, tail)
+         force = tail
          call find_tail(balance, frequency, harmonic(:n), tail)
          call find_remainder(balance, u, harmonic(:n), tail, truncation%remainder)
          call find_shift(balance, harmonic(:n), truncation%stiffness(0:reach, :), truncation%wide, tail, correction)
@@ -98,6 +107,11 @@ contains
          error = correction + way_back(y, slope, bend)*tangent
          truncation%estimate = sqrt(sum(tail%re**2 + tail%im**2) + 2*sum(error(1, :)**2) + sum(error(2:, :)**2))/scale
          truncation%error = error
+         if (size(balance%left_out) > 0 .and. balance%unknowns < balance%system%meshes) then
+            way = condensed_error(balance, u, frequency, harmonic(:n), force, tail)
+            truncation%estimate = max(truncation%estimate, way)
+            truncation%limited = max(truncation%limited, way)
+         end if
          truncation%doubtful = truncation%estimate > large .or. abs(2*bend*y) > near_fold*slope**2
          do i = 1, balance%unknowns
             if (balance%contact(i)%clearance() &
@@ -111,19 +125,22 @@ contains
    pure subroutine reserve(self, balance)
       class(truncation_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
-      integer :: longest
+      integer :: longest, last
 
       longest = far*balance%highest
+      last = maxval([longest, balance%left_out]) + balance%highest
+      longest = longest + count(balance%left_out > longest)
       if (allocated(self%remainder)) then
-         if (ubound(self%remainder, 1) == near*balance%highest .and. size(self%tail, 2) == balance%unknowns) return
+         if (ubound(self%remainder, 1) == near*balance%highest .and. size(self%tail, 1) == longest .and. &
+             size(self%tail, 2) == balance%unknowns .and. ubound(self%stiffness, 1) == last) return
          deallocate (self%remainder, self%harmonic, self%tail, self%stiffness, self%offset)
       end if
       allocate (self%remainder(0:near*balance%highest), self%harmonic(longest), self%tail(longest, balance%unknowns), &
-                self%stiffness(0:longest + balance%highest, balance%unknowns), &
-                self%offset(0:longest + balance%highest, balance%unknowns))
+                self%stiffness(0:last, balance%unknowns), self%offset(0:last, balance%unknowns))
    end subroutine reserve
 
-   !> Harmonics of the tail: those that the balance misses up to `near`, and beyond where a natural frequency may be met.
+   !> Harmonics of the tail: those that the balance misses up to `near`, beyond where a natural frequency may be met, and those of the
+   !> excitation wherever they are.
    pure subroutine choose_tail(self, balance, frequency)
       class(truncation_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
@@ -133,11 +150,17 @@ contains
       integer :: k, step, least
 
       self%count = 0
-      if (balance%unknowns == 0 .or. size(balance%harmonic) == 0) return
+      if (balance%unknowns == 0) then
+         ! Linear: harmonics do not make others.
+         self%count = size(balance%left_out)
+         self%harmonic(:self%count) = balance%left_out
+         return
+      end if
       step = 1
       if (balance%eta == 1) step = balance%system%excitation_order
       taken = .false.
       taken(balance%missing) = .true.
+      taken(pack(balance%left_out, balance%left_out <= size(taken))) = .true.
       if (allocated(self%natural_frequency)) then
          do k = 1, size(self%natural_frequency)
             r = self%natural_frequency(k)*balance%eta/frequency
@@ -150,7 +173,43 @@ contains
          self%count = self%count + 1
          self%harmonic(self%count) = k
       end do
+      do k = 1, size(balance%left_out)
+         if (balance%left_out(k) <= size(taken)) cycle
+         self%count = self%count + 1
+         self%harmonic(self%count) = balance%left_out(k)
+      end do
    end subroutine choose_tail
+
+   !> What the harmonics of the excitation that are left out make of the meshes that are no unknowns, relative to their waveforms;
+   !> `harmonic` are those of the tail.
+   real(dp) function condensed_error(balance, u, frequency, harmonic, force, tail)
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: u(:, :), frequency
+      integer, intent(in) :: harmonic(:)
+      !> Forces of the unknown meshes at the tail without what their displacements there cause, and these, (tail, unknowns).
+      complex(dp), intent(in) :: force(:, :), tail(:, :)
+      type(receptance_type) :: local
+      complex(dp), dimension(balance%system%meshes) :: phi, p
+      real(dp) :: coefficients(1 + 2*balance%highest, balance%system%meshes), missing
+      integer :: i, j, m
+
+      missing = 0
+      do m = 1, size(harmonic)
+         if (.not. any(balance%left_out == harmonic(m))) cycle
+         call find_receptance(balance%system, balance%unknown, frequency, harmonic(m), balance%eta, local)
+         do i = 1, balance%unknowns
+            phi(balance%mesh(i)) = force(m, i) + balance%mean_stiffness(i, harmonic(m))*tail(m, i)
+         end do
+         call recover_meshes(balance%system, balance%unknown, frequency*harmonic(m)/balance%eta, local, phi, p)
+         missing = missing + sum(abs(pack(p, .not. balance%unknown))**2)
+      end do
+      call balance%full_coefficients(u, frequency, coefficients)
+      condensed_error = 0
+      do j = 1, balance%system%meshes
+         if (.not. balance%unknown(j)) condensed_error = condensed_error + sum(coefficients(2:, j)**2)
+      end do
+      condensed_error = sqrt(missing/max(condensed_error, tiny(1.0_dp)))
+   end function condensed_error
 
    !> The estimated error of unknown mesh i at theta [rad], with the sign of what is missing.
    pure real(dp) function waveform_error(self, balance, i, theta)

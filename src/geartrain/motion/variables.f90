@@ -5,7 +5,7 @@ module geartrain_motion_variables
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text
    use geartrain_base_variable, only: row => variable_type, visitor_type
-   use geartrain_model_limits, only: check_frequency
+   use geartrain_model_limits, only: check_frequency, check_harmonics
    use geartrain_model_train, only: train_type
    use geartrain_motion_attractors_settings, only: attractors_settings_type
    use geartrain_motion_integration_settings, only: integration_settings_type
@@ -15,6 +15,7 @@ module geartrain_motion_variables
       check_attractors_consistency
 
    real(dp), parameter :: zero = 0, one = 1
+   integer, parameter :: most_harmonics = 20000
 
 contains
 
@@ -32,8 +33,9 @@ contains
       call v%on_text(row('direction', '', 'order in which the frequencies are visited, each starting from the motion before', &
                          choices='up down both'), word)
       settings%direction = word
-      call v%on_integer(row('harmonics', '', 'harmonics of the motion that are stored', least=one, most=500*one), &
-                        settings%harmonics)
+      call v%on_integer(row('harmonics', '', 'harmonics of Lambda that are stored of the motion; 0: 16 of the highest &
+                            &mesh order', &
+                            least=one, most=most_harmonics*one, automatic=zero), settings%harmonics)
       call v%on_integer(row('max_periods', '', 'mesh periods after which an unsettled motion is given up', least=one), &
                         settings%max_periods)
       call v%on_real(row('tolerance', '', 'relative change over a period of the motion at which it counts as settled', &
@@ -68,6 +70,7 @@ contains
          call checker%complain('points', integer_text(settings%points), 'must be 1 where "from" and "to" are equal')
       call check_frequency(train, 'from', settings%start, checker)
       call check_frequency(train, 'to', settings%stop, checker)
+      if (settings%harmonics > 0) call check_harmonics(train, settings%harmonics, 1, most_harmonics, checker)
       call checker%leave()
    end subroutine check_integration_consistency
 
@@ -82,8 +85,9 @@ contains
       call v%on_integer(row('random_seed', '', 'the same seed gives the same starts'), settings%random_seed)
       call v%on_logical(row('follow', '', 'each motion found that lies on no branch of the case yet is followed as one, over the &
                             &range of &response and with its settings'), settings%follow)
-      call v%on_integer(row('harmonics', '', 'harmonics of each motion that are stored', least=one, most=500*one), &
-                        settings%harmonics)
+      call v%on_integer(row('harmonics', '', 'harmonics of Lambda that are stored of each motion; 0: 16 of the highest &
+                            &mesh order', &
+                            least=one, most=most_harmonics*one, automatic=zero), settings%harmonics)
       call v%on_integer(row('max_periods', '', 'mesh periods after which an unsettled start is given up', least=one), &
                         settings%max_periods)
       call v%on_real(row('tolerance', '', 'relative change over a period of the motion at which it counts as settled', &
@@ -115,6 +119,7 @@ contains
       if (checker%problems%in_group('attractors')) return
       call checker%enter('attractors', 1)
       call check_frequency(train, 'frequency', settings%frequency, checker)
+      if (settings%harmonics > 0) call check_harmonics(train, settings%harmonics, 1, most_harmonics, checker)
       call checker%leave()
    end subroutine check_attractors_consistency
 

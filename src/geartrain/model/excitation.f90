@@ -1,0 +1,66 @@
+!> Which harmonics of Lambda excite a train: those of the torque, of the mesh stiffnesses and of the transmission errors.
+module geartrain_model_excitation
+   use geartrain_model_system, only: series_type, system_type
+   implicit none (type, external)
+   private
+   public :: excited_harmonics, lowest_harmonic, reach_of_sources
+
+contains
+
+   !> Harmonics of Lambda that a torque, a mesh stiffness or a transmission error excites, ascending.
+   pure function excited_harmonics(system) result(harmonic)
+      type(system_type), intent(in) :: system
+      integer, allocatable :: harmonic(:)
+      logical, allocatable :: excited(:)
+      integer :: j, r
+
+      r = highest_harmonic(system%torque)
+      do j = 1, system%meshes
+         r = max(r, highest_harmonic(system%mesh_stiffness(j)), highest_harmonic(system%transmission_error(j)))
+      end do
+      allocate (excited(r), source=.false.)
+      call mark(system%torque, excited)
+      do j = 1, system%meshes
+         call mark(system%mesh_stiffness(j), excited)
+         call mark(system%transmission_error(j), excited)
+      end do
+      harmonic = pack([(r, r=1, size(excited))], excited)
+   end function excited_harmonics
+
+   !> The fewest harmonics of Lambda with which every source of excitation (the torque, each mesh's stiffness and transmission error)
+   !> is there with its lowest one: a balance of fewer leaves a source out. 1 for a train that nothing excites.
+   pure integer function reach_of_sources(system) result(reach)
+      type(system_type), intent(in) :: system
+      integer :: j
+
+      reach = max(1, lowest_harmonic(system%torque))
+      do j = 1, system%meshes
+         reach = max(reach, lowest_harmonic(system%mesh_stiffness(j)), lowest_harmonic(system%transmission_error(j)))
+      end do
+   end function reach_of_sources
+
+   !> Lowest harmonic of Lambda in a series; 0: it has none.
+   pure integer function lowest_harmonic(series) result(lowest)
+      type(series_type), intent(in) :: series
+
+      lowest = series%order*findloc(abs(series%amplitude) > 0, .true., 1)
+   end function lowest_harmonic
+
+   !> Highest harmonic of Lambda in a series; 0: it has none.
+   pure integer function highest_harmonic(series) result(highest)
+      type(series_type), intent(in) :: series
+
+      highest = series%order*size(series%amplitude)
+   end function highest_harmonic
+
+   pure subroutine mark(series, excited)
+      type(series_type), intent(in) :: series
+      logical, intent(inout) :: excited(:)
+      integer :: h
+
+      do h = 1, size(series%amplitude)
+         if (abs(series%amplitude(h)) > 0) excited(h*series%order) = .true.
+      end do
+   end subroutine mark
+
+end module geartrain_model_excitation
