@@ -3,6 +3,7 @@ module report
    use, intrinsic :: iso_fortran_env, only: output_unit
    use geartrain, only: attractors_type, branch_type, dp, modes_type, stability_map_type, sweep_type
    use geartrain_branch_contact_ranges, only: back_collision_ranges, separation_ranges
+   use geartrain_branch_decided, only: rests_on_undecided
    use geartrain_branch_jumps, only: jump_type, jumps
    use geartrain_branch_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
    implicit none (type, external)
@@ -60,9 +61,10 @@ contains
          do i = 1, size(bands)
             ! Narrower than what is printed: the file has it.
             if (fixed(bands(i)%from, 4) == fixed(bands(i)%to, 4)) cycle
-            write (output_unit, '(4a)') '    without a stable motion for Lambda ', &
-               fixed(bands(i)%from, 4), ' to ', fixed(bands(i)%to, 4)
+            write (output_unit, '(5a)') '    without a stable motion for Lambda ', fixed(bands(i)%from, 4), ' to ', &
+               fixed(bands(i)%to, 4), trim(merge(' (undecided)', '            ', bands(i)%undecided))
          end do
+         call report_undecided(branch)
          do mesh = 1, branch%meshes
             write (name, '(a, i0)') 'mesh ', mesh
             call report_ranges(trim(name)//' separates', separation_ranges(branch, mesh, .false.), &
@@ -84,8 +86,8 @@ contains
       found = peaks(branch, mesh)
       do i = 1, size(found)
          write (output_unit, '(i8, f16.4, f12.5)', advance='no') mesh, found(i)%frequency, found(i)%rms
-         if (allocated(branch%stable)) write (output_unit, '(2x, a)', advance='no') trim(merge('stable  ', 'unstable', &
-                                                                                               found(i)%stable))
+         if (allocated(branch%stable)) write (output_unit, '(2x, a)', advance='no') &
+            trim(merge('undecided', merge('stable   ', 'unstable ', found(i)%stable), found(i)%undecided))
          write (output_unit, '()')
       end do
    end subroutine report_peaks
@@ -100,15 +102,29 @@ contains
       do i = 1, size(found)
          write (output_unit, '(4x, a, f9.4, 2x)', advance='no') merge('rising ', 'falling', found(i)%rising), found(i)%frequency
          if (found(i)%kind == 'leaves') then
-            write (output_unit, '(3a)') 'leaves the branch (', trim(found(i)%cause), ')'
+            write (output_unit, '(3a)', advance='no') 'leaves the branch (', trim(found(i)%cause), ')'
          else
             write (output_unit, '(a, *(f9.5))', advance='no') found(i)%kind, found(i)%before
             write (output_unit, '(a, *(f9.5))', advance='no') ' ->', found(i)%after
             if (found(i)%candidates > 1) write (output_unit, '(a, i0)', advance='no') '  nearest of ', found(i)%candidates
-            write (output_unit, '()')
          end if
+         write (output_unit, '(a)') trim(merge(' (undecided)', '            ', found(i)%undecided))
       end do
    end subroutine report_jumps
+
+   !> Points whose stability is a guess, and the special points that rest on such points alone.
+   subroutine report_undecided(branch)
+      type(branch_type), intent(in) :: branch
+      integer :: i
+
+      if (.not. allocated(branch%undecided)) return
+      if (.not. any(branch%undecided(:branch%points))) return
+      write (output_unit, '(a, i0, a)') '    stability of ', count(branch%undecided(:branch%points)), ' points is undecided'
+      do i = 1, size(branch%special_points)
+         if (rests_on_undecided(branch, i)) write (output_unit, '(4a)') '    rests on undecided points: ', &
+            trim(branch%special_points(i)%kind), ' at Lambda ', fixed(branch%special_points(i)%frequency, 4)
+      end do
+   end subroutine report_undecided
 
    subroutine report_ranges(what, ranges, stable, known)
       character(*), intent(in) :: what

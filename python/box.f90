@@ -181,19 +181,20 @@ contains
          case ('peaks')
             at_peak = peaks(branch, mesh)
             n = size(at_peak)
-            allocate (box%table(4, n))
+            allocate (box%table(5, n))
             do i = 1, n
                box%table(:, i) = [at_peak(i)%frequency, at_peak(i)%rms, real(at_peak(i)%point, real64), &
-                                  merge(1.0_real64, 0.0_real64, at_peak(i)%stable)]
+                                  merge(1.0_real64, 0.0_real64, [at_peak(i)%stable, at_peak(i)%undecided])]
             end do
             return
          case ('jumps')
             at_jump = jumps(branch)
             n = size(at_jump)
-            allocate (box%table(3 + 2*branch%meshes, n))
+            allocate (box%table(4 + 2*branch%meshes, n))
             do i = 1, n
                box%table(:, i) = [at_jump(i)%frequency, merge(1.0_real64, 0.0_real64, at_jump(i)%rising), &
-                                  at_jump(i)%before, at_jump(i)%after, real(at_jump(i)%candidates, real64)]
+                                  at_jump(i)%before, at_jump(i)%after, real(at_jump(i)%candidates, real64), &
+                                  merge(1.0_real64, 0.0_real64, at_jump(i)%undecided)]
             end do
             return
          case ('bands')
@@ -205,9 +206,10 @@ contains
          end select
       end associate
       n = size(ranges)
-      allocate (box%table(2, n))
+      allocate (box%table(3, n))
       box%table(1, :) = ranges%from
       box%table(2, :) = ranges%to
+      box%table(3, :) = merge(1.0_real64, 0.0_real64, ranges%undecided)
    end subroutine summarize
 
    !> Largest force, dynamic factor, shares of separation and of back contact, (mesh, 4).

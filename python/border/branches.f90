@@ -143,18 +143,20 @@ subroutine put_branch(handle, place, ended, origin, flags, numbers, coefficients
 end subroutine put_branch
 
 ! The special point number `special` of the branch at `place`; point counts from 1, as in Fortran; the kinds are the text
-! 'special points'.
-subroutine copy_special(handle, place, special, meshes, frequency, point, rms)
+! 'special points'; undecided: it rests on undecided points.
+subroutine copy_special(handle, place, special, meshes, frequency, point, undecided, rms)
    use geartrain, only: branch_type
+   use geartrain_branch_decided, only: rests_on_undecided
    use geartrain_python_box, only: box_of, branch_at
    implicit none
    integer(8), intent(in) :: handle
    integer, intent(in) :: place, special, meshes
    double precision, intent(out) :: frequency, rms(meshes)
-   integer, intent(out) :: point
+   integer, intent(out) :: point, undecided
    type(branch_type), pointer :: branch
 
    branch => branch_at(box_of(handle), place)
+   undecided = merge(1, 0, rests_on_undecided(branch, special))
    associate (this => branch%special_points(special))
       frequency = this%frequency
       point = this%point

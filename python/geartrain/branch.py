@@ -41,12 +41,15 @@ class SpecialPoint:
     point : int
         Index of the branch's point before it.
     rms : ndarray, (meshes,)
+    undecided : bool
+        Whether it rests on undecided points: on one side of it the next points are all undecided.
     """
 
     kind: str
     frequency: float
     point: int
     rms: Array
+    undecided: bool = False
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -270,7 +273,10 @@ class Branch:
         """
         known = self.stable is not None
         rows = self._read_off("peaks", mesh)
-        return [Peak(float(f), float(rms), int(point) - 1, bool(stable) if known else None) for f, rms, point, stable in rows]
+        return [
+            Peak(float(f), float(rms), int(point) - 1, bool(stable) if known else None, bool(undecided))
+            for f, rms, point, stable, undecided in rows
+        ]
 
     @cached_property
     def jumps(self) -> list[Jump]:
@@ -287,9 +293,11 @@ class Branch:
         with self._box() as box:
             rows = box.read_off("jumps")
             kinds, causes = box.text("jump kinds").splitlines(), box.text("jump causes").splitlines()
-        after = np.where(rows[:, 2 + meshes : -1] < 0, np.nan, rows[:, 2 + meshes : -1])
+        after = np.where(rows[:, 2 + meshes : -2] < 0, np.nan, rows[:, 2 + meshes : -2])
         return [
-            Jump(float(row[0]), kind, "rising" if row[1] else "falling", cause, row[2 : 2 + meshes], reached, int(row[-1]))
+            Jump(
+                float(row[0]), kind, "rising" if row[1] else "falling", cause, row[2 : 2 + meshes], reached, int(row[-2]), bool(row[-1])
+            )
             for row, kind, cause, reached in zip(rows, kinds, causes, after)
         ]
 
@@ -302,7 +310,12 @@ class Branch:
         >>> branch.bands_without_stability.round(4)
         array([[1.7492, 2.0439]])
         """
-        return self._read_off("bands")
+        return self._read_off("bands")[:, :2]
+
+    @property
+    def undecided_bands(self) -> NDArray[np.bool_]:
+        """Which of ``bands_without_stability`` are there by the guess of undecided points alone, (bands,)."""
+        return self._read_off("bands")[:, 2] == 1
 
     def separation_ranges(self, mesh: int, stable: bool = False) -> Array:
         """Ranges of Lambda in which the teeth of a mesh separate at some instant.
@@ -325,7 +338,7 @@ class Branch:
         array([[0.459, 0.495],
                [0.566, 1.103]])
         """
-        return self._read_off("separation", mesh, stable)
+        return self._read_off("separation", mesh, stable)[:, :2]
 
     def back_collision_ranges(self, mesh: int, stable: bool = False) -> Array:
         """Ranges of Lambda in which the back flanks of a mesh collide at some instant.
@@ -345,7 +358,7 @@ class Branch:
         >>> branch.back_collision_ranges(mesh=2).round(3)
         array([[0.566, 0.732]])
         """
-        return self._read_off("back collision", mesh, stable)
+        return self._read_off("back collision", mesh, stable)[:, :2]
 
     def plot(self, mesh: int | None = None, ax: Axes | None = None, **style: Any) -> Axes:
         """Draw rms over Lambda: stable solid, unstable dashed; ``branches`` thinner. Special points are left to the caller.
@@ -414,8 +427,8 @@ class Branch:
         if found is None:
             return None
         specials = [
-            SpecialPoint(kind, float(frequency), int(point) - 1, rms)
-            for kind, frequency, point, rms in found.pop("special_points")
+            SpecialPoint(kind, float(frequency), int(point) - 1, rms, bool(undecided))
+            for kind, frequency, point, undecided, rms in found.pop("special_points")
         ]
         settings = _settings_for(settings, found["subharmonic"], (found["coefficients"].shape[-1] - 1) // 2)
         return cls(**found, special_points=specials, settings=settings, train=train)

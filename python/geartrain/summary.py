@@ -22,12 +22,15 @@ class Peak:
         Index of the highest point.
     stable : bool or None
         Of that point; None where stability was not asked for.
+    undecided : bool
+        Whether ``stable`` is a guess.
     """
 
     frequency: float
     rms: float
     point: int
     stable: bool | None
+    undecided: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +55,9 @@ class Jump:
     candidates : int
         Other stable motions of the branch at this frequency. With more than one ``after`` is a guess: a sweep may reach another, or
         a motion of another period; ``train.integrate(start=...)`` tells.
+    undecided : bool
+        Whether it rests on undecided points: no decided point near it is stable on one side and none unstable on the other, or the
+        motion after it is undecided.
     """
 
     frequency: float
@@ -61,3 +67,4 @@ class Jump:
     before: NDArray[np.float64]
     after: NDArray[np.float64]
     candidates: int
+    undecided: bool = False

@@ -2,7 +2,8 @@
 module geartrain_branch_contact_ranges
    use geartrain_base_kinds, only: dp
    use geartrain_branch_branch, only: branch_type
-   use geartrain_branch_summary, only: band_type, change, joined
+   use geartrain_branch_decided, only: joined
+   use geartrain_branch_summary, only: band_type, change
    implicit none (type, external)
    private
    public :: separation_ranges, back_collision_ranges

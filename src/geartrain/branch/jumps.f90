@@ -2,14 +2,11 @@
 module geartrain_branch_jumps
    use geartrain_base_kinds, only: dp
    use geartrain_branch_branch, only: branch_type
-   use geartrain_branch_summary, only: change, joined
+   use geartrain_branch_decided, only: is_undecided, joined, nearest_decided, reach
+   use geartrain_branch_summary, only: change
    implicit none (type, external)
    private
    public :: jump_type, jumps
-
-   !> Points to either side of a fold in which its stable side is looked for: a truncated balance and its monodromy place one
-   !> fold slightly apart.
-   integer, parameter :: reach = 5
 
    type :: jump_type
       !> 'jump up' and 'jump down': to a larger or smaller amplitude (all meshes together); 'leaves': this branch has no other
@@ -25,6 +22,9 @@ module geartrain_branch_jumps
       real(dp), allocatable :: before(:), after(:)
       !> Other stable motions of the branch at this Lambda: where there are more than one, `after` is a guess, the nearest one.
       integer :: candidates = 0
+      !> It rests on undecided points: no decided one near it is stable on one side and none unstable on the other, or the motion after
+      !> it is undecided.
+      logical :: undecided = .false.
    end type jump_type
 
 contains
@@ -53,13 +53,26 @@ contains
             jump%cause = special%kind
             jump%rising = branch%frequency(i) < special%frequency
             jump%before = special%rms
-            call find_destination(branch, s, jump%after, jump%candidates)
+            call find_destination(branch, s, jump%after, jump%candidates, jump%undecided)
+            if (.not. is_decided(branch, s, side)) jump%undecided = .true.
             jump%kind = 'leaves'
             if (all(jump%after >= 0)) jump%kind = merge('jump up  ', 'jump down', norm2(jump%after) > norm2(jump%before))
          end associate
          if (.not. is_known(jump, found)) call insert(jump, found)
       end do
    end function jumps
+
+   !> Whether decided points to both sides of special point s say that the branch is stable on side `side` of it alone.
+   pure logical function is_decided(branch, s, side)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: s, side
+      integer :: on, off
+
+      on = nearest_decided(branch, s, side)
+      off = nearest_decided(branch, s, -side)
+      is_decided = on > 0 .and. off > 0
+      if (is_decided) is_decided = branch%stable(on) .and. .not. branch%stable(off)
+   end function is_decided
 
    !> -1 where the branch is stable before a special point and not after it, +1 the other way round, else 0.
    pure integer function stable_side(branch, s) result(side)
@@ -68,6 +81,7 @@ contains
       integer :: before, after, first, k
 
       side = 0
+      ! A truncated balance and its monodromy place one fold slightly apart.
       first = merge(1, 0, branch%special_points(s)%kind == 'fold')
       do k = 1, merge(reach, 1, first == 1)
          ! A fold is a point of the branch; another special point lies between `point` and the next one.
@@ -96,16 +110,19 @@ contains
       end do
    end function another_between
 
-   !> rms of the nearest other stable motion at the frequency of special point `s`, -1 where there is none, and how many there are.
-   pure subroutine find_destination(branch, s, nearest, candidates)
+   !> rms of the nearest other stable motion at the frequency of special point `s`, -1 where there is none, how many there are, and
+   !> whether the stability of that motion is undecided.
+   pure subroutine find_destination(branch, s, nearest, candidates, undecided)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: s
       real(dp), allocatable, intent(out) :: nearest(:)
       integer, intent(out) :: candidates
+      logical, intent(out) :: undecided
       real(dp) :: rms(branch%meshes), share
       integer :: i
 
       candidates = 0
+      undecided = .false.
       allocate (nearest(branch%meshes), source=-1.0_dp)
       if (branch%special_points(s)%kind /= 'fold') return
       associate (f => branch%special_points(s)%frequency, point => branch%special_points(s)%point)
@@ -120,8 +137,10 @@ contains
             end associate
             rms = (1 - share)*branch%rms(:, i) + share*branch%rms(:, i + 1)
             candidates = candidates + 1
-            if (any(nearest < 0) .or. norm2(rms - branch%special_points(s)%rms) &
-                < norm2(nearest - branch%special_points(s)%rms)) nearest = rms
+            if (all(nearest >= 0) .and. norm2(rms - branch%special_points(s)%rms) &
+                >= norm2(nearest - branch%special_points(s)%rms)) cycle
+            nearest = rms
+            undecided = is_undecided(branch, i) .and. is_undecided(branch, i + 1)
          end do
       end associate
    end subroutine find_destination

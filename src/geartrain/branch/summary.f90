@@ -2,9 +2,10 @@
 module geartrain_branch_summary
    use geartrain_base_kinds, only: dp
    use geartrain_branch_branch, only: branch_type
+   use geartrain_branch_decided, only: is_undecided, joined
    implicit none (type, external)
    private
-   public :: peak_type, band_type, peaks, folds, bands_without_stability, joined, change
+   public :: peak_type, band_type, peaks, folds, bands_without_stability, change
 
    !> A local maximum of a mesh's rms along the branch.
    type :: peak_type
@@ -12,12 +13,15 @@ module geartrain_branch_summary
       real(dp) :: frequency = 0, rms = 0
       !> Index of the highest point.
       integer :: point = 0
-      logical :: stable = .false.
+      !> Of that point; where `undecided`, `stable` is a guess.
+      logical :: stable = .false., undecided = .false.
    end type peak_type
 
    !> A range of Lambda.
    type :: band_type
       real(dp) :: from = 0, to = 0
+      !> It is there by the guess of undecided points alone.
+      logical :: undecided = .false.
    end type band_type
 
 contains
@@ -51,7 +55,7 @@ contains
             along = 0
             if (bend < 0) along = max(-before, min(after, -0.5_dp*slope/bend))
             top_of = peak_type(f(i) + along*(slope_of(f(i - 1:i + 1)) + along*bend_of(f(i - 1:i + 1))), &
-                               rms(mesh, i) + along*(slope + along*bend), i, is_stable(branch, i))
+                               rms(mesh, i) + along*(slope + along*bend), i, is_stable(branch, i), is_undecided(branch, i))
          end associate
       end associate
 
@@ -85,31 +89,49 @@ contains
       call sort(frequency)
    end function folds
 
-   !> Ranges of Lambda that the branch spans without a stable point at any of its levels, ascending.
-   !>
-   !> Stability changes where a special point says so, and halfway between two points where none does.
+   !> Ranges of Lambda that the branch spans without a stable point at any of its levels, ascending. One is undecided where nothing
+   !> of it is left if every undecided point is stable.
    pure function bands_without_stability(branch) result(bands)
       type(branch_type), intent(in) :: branch
+      type(band_type), allocatable :: bands(:), certain(:)
+      integer :: i
+
+      allocate (bands(0))
+      if (.not. allocated(branch%stable) .or. branch%points < 2) return
+      associate (n => branch%points)
+         bands = bands_without(branch, branch%stable(:n))
+         if (.not. allocated(branch%undecided)) return
+         certain = bands_without(branch, branch%stable(:n) .or. branch%undecided(:n))
+      end associate
+      do i = 1, size(bands)
+         bands(i)%undecided = .not. any(certain%from < bands(i)%to .and. certain%to > bands(i)%from)
+      end do
+   end function bands_without_stability
+
+   !> Ranges of Lambda that the branch spans without a point of `stable`, (point), at any of its levels, ascending.
+   !>
+   !> Stability changes where a special point says so, and halfway between two points where none does.
+   pure function bands_without(branch, stable) result(bands)
+      type(branch_type), intent(in) :: branch
+      logical, intent(in) :: stable(:)
       type(band_type), allocatable :: bands(:), between(:)
       real(dp), allocatable :: low(:), high(:)
       real(dp) :: reached, last, edge, other, slack
       integer :: i, lowest
 
-      allocate (bands(0))
-      if (.not. allocated(branch%stable) .or. branch%points < 2) return
-      allocate (low(0), high(0))
+      allocate (bands(0), low(0), high(0))
       do i = 1, branch%points - 1
          if (.not. joined(branch, i)) cycle
-         if (.not. (branch%stable(i) .or. branch%stable(i + 1))) cycle
+         if (.not. (stable(i) .or. stable(i + 1))) cycle
          edge = branch%frequency(i + 1)
-         if (branch%stable(i) .neqv. branch%stable(i + 1)) edge = change(branch, i)
+         if (stable(i) .neqv. stable(i + 1)) edge = change(branch, i)
          other = branch%frequency(i)
-         if (.not. branch%stable(i)) other = branch%frequency(i + 1)
+         if (.not. stable(i)) other = branch%frequency(i + 1)
          low = [low, min(edge, other)]
          high = [high, max(edge, other)]
       end do
       ! An island closes at the motion it began with, but with other harmonics not at quite the same Lambda.
-      if (branch%closed .and. branch%stable(1) .and. branch%stable(branch%points)) then
+      if (branch%closed .and. stable(1) .and. stable(branch%points)) then
          low = [low, min(branch%frequency(1), branch%frequency(branch%points))]
          high = [high, max(branch%frequency(1), branch%frequency(branch%points))]
       end if
@@ -128,7 +150,7 @@ contains
          high = [high(:lowest - 1), high(lowest + 1:)]
       end do
       if (last > reached + slack) bands = [bands, band_type(reached, last)]
-   end function bands_without_stability
+   end function bands_without
 
    !> Ranges of Lambda between the parts of a branch, which none of them spans, ascending.
    pure function gaps(branch) result(between)
@@ -173,15 +195,6 @@ contains
          if (branch%special_points(j)%point == i) change = branch%special_points(j)%frequency
       end do
    end function change
-
-   !> Points i and i + 1 follow one another on the branch: they are of one part.
-   pure logical function joined(branch, i)
-      type(branch_type), intent(in) :: branch
-      integer, intent(in) :: i
-
-      joined = .true.
-      if (allocated(branch%part)) joined = branch%part(i) == branch%part(i + 1)
-   end function joined
 
    pure logical function is_stable(branch, i)
       type(branch_type), intent(in) :: branch

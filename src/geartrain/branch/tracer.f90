@@ -464,14 +464,16 @@ contains
       origin = before(2)
    end subroutine relax
 
-   !> Adds to the reason for the end how many points miss the tolerance.
+   !> Adds to the reason for the end how many points miss the tolerance; where all do, the branch is not what was asked for.
    subroutine tell_missed(self, branch)
       class(tracer_type), intent(in) :: self
       type(branch_type), intent(inout) :: branch
 
       if (self%missed == 0) return
-      branch%ended = branch%ended//'; '//text(self%missed)//' of '//text(branch%points)//' points miss the tolerance ' &
-                     //text(self%settings%tolerance)//' with '//text(branch%harmonics)//' harmonics at most'
+      if (self%missed >= branch%points) branch%complete = .false.
+      branch%ended = branch%ended//'; '//text(min(self%missed, branch%points))//' of '//text(branch%points) &
+                     //' points miss the tolerance '//text(self%settings%tolerance)//' with '//text(branch%harmonics) &
+                     //' harmonics at most'
    end subroutine tell_missed
 
 end module geartrain_branch_tracer

@@ -1,7 +1,8 @@
 !> Whether a point of a branch is stable, or whether its balance is too coarse to say.
 !>
 !> Two estimates of the largest multiplier: that of the motion as the balance has it, and that of the motion corrected by its
-!> estimated error, which moves the contact events. What they differ by is the error of the first.
+!> estimated error, which moves the contact events. What they differ by is the error of the first. Where the error estimate itself
+!> is doubtful neither says anything of the motion that is meant.
 module geartrain_branch_verdict
    use geartrain_base_kinds, only: dp, pi
    use geartrain_motion_balance, only: balance_type
@@ -12,13 +13,15 @@ module geartrain_branch_verdict
    private
    public :: judge, verdict_type
 
-   !> A largest multiplier as near as this to the unit circle is estimated a second time.
-   real(dp), parameter :: near = 0.1_dp
+   !> A largest multiplier as near as this to the unit circle is estimated a second time, or as near as this many times the error of
+   !> the waveform.
+   real(dp), parameter :: near = 0.1_dp, near_error = 10
 
    type :: verdict_type
       !> By the first estimate.
       logical :: stable = .false.
-      !> The two estimates do not agree, or the first is as near to 1 as its error.
+      !> The two estimates do not agree, or the first is as near to 1 as its error, or the error estimate is doubtful, or no
+      !> determinant confirms the multipliers.
       logical :: undecided = .false.
       !> Second estimate of the largest magnitude of a multiplier; negative where none was needed.
       real(dp) :: second = -1
@@ -44,8 +47,9 @@ contains
       margin = abs(multipliers(1)) - 1
       ! Also where the multipliers were not found, which are NaN then.
       verdict%undecided = is_neutral(multipliers)
-      if (verdict%undecided .or. abs(margin) > near) return
-      verdict%undecided = truncation%doubtful
+      if (verdict%undecided) return
+      verdict%undecided = truncation%doubtful .or. .not. monodromy%confirmed
+      if (abs(margin) > max(near, near_error*truncation%estimate)) return
       if (.not. any(balance%contact%events > 0)) return
       allocate (shift(maxval(balance%contact%events), balance%unknowns))
       do i = 1, balance%unknowns
@@ -54,7 +58,8 @@ contains
       call monodromy%integrate(balance, frequency, shift)
       call monodromy%multipliers(corrected)
       verdict%second = abs(corrected(1))
-      verdict%undecided = verdict%undecided .or. .not. abs(verdict%second - abs(multipliers(1))) < abs(margin)
+      verdict%undecided = verdict%undecided .or. .not. abs(verdict%second - abs(multipliers(1))) < abs(margin) &
+                          .or. .not. monodromy%confirmed
    end subroutine judge
 
    !> What the error of the waveform moves the contact events of unknown mesh i by [rad]: the nearer root of the parabola through

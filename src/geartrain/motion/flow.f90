@@ -13,6 +13,9 @@ module geartrain_motion_flow
    private
    public :: flow_type, contact_at
 
+   !> Events one after another without time passing, at most, before one is passed over.
+   integer, parameter :: most_stuck = 3
+
    type :: flow_type
       type(system_type) :: system
       real(dp) :: frequency = 1
@@ -36,6 +39,9 @@ module geartrain_motion_flow
       real(dp) :: tolerance = 1e-15_dp
       real(dp), allocatable, private :: phi(:, :), kappa(:, :), excitation(:, :)
       integer, private :: event_mesh = 0, event_side = 0, stuck = 0
+      !> Since `setup`, events followed one another without time passing, and one was passed over, or a state without bound left no
+      !> step to go on with: the state is not to be trusted.
+      logical :: lost = .false.
       !> Length within which the series in hand hold: kappa is cut where it does not show there; 0: all terms.
       real(dp), private :: reach = 0
    contains
@@ -71,6 +77,7 @@ contains
                    self%kappa(0:order, system%meshes), self%excitation(0:order, n), self%contact(system%meshes))
       end associate
       self%contact = 1
+      self%lost = .false.
       self%smallest = 1e-3_dp*maxval(abs(system%load(system%mesh_element)) + system%backlash)
       if (.not. self%smallest > 0) self%smallest = sqrt(tiny(1.0_dp))
    end subroutine setup
@@ -133,6 +140,12 @@ contains
       ! The next step may be longer, but not by much, even where an event or the end cuts this one short.
       self%reach = 2*h
       reaches_end = h >= end_time - self%time
+      if (.not. (reaches_end .or. self%time + h > self%time)) then
+         self%lost = .true.
+         self%x = huge(1.0_dp)
+         self%time = end_time
+         return
+      end if
       if (reaches_end) h = end_time - self%time
       self%event = .false.
       call self%first_event(h, self%event, mesh, side)
@@ -169,6 +182,7 @@ contains
          self%stuck = 0
       else
          self%stuck = self%stuck + 1
+         if (self%stuck > most_stuck) self%lost = .true.
       end if
    end subroutine enter
 
@@ -360,7 +374,7 @@ contains
       found = .false.
       mesh = 0
       side = 0
-      if (self%stuck > 3) return
+      if (self%stuck > most_stuck) return
       do j = 1, self%system%meshes
          if (.not. self%system%backlash(j) > 0) cycle
          n = self%system%mesh_element(j)

@@ -15,8 +15,8 @@ module geartrain_results_labels
       &mean, cos 1, sin 1, cos 2, ... of the fundamental frequency Lambda/period'
    character(*), parameter :: about_multipliers = 'Floquet multipliers over one period of the motion'
    character(*), parameter :: about_stable = '1 = stable: every Floquet multiplier lies inside the unit circle; 0 = not'
-   character(*), parameter :: about_undecided = '1 = undecided: the largest multiplier is as near to the unit circle as it is &
-      &uncertain, stable is a guess; 0 = not'
+   character(*), parameter :: about_undecided = '1 = undecided, stable is a guess: the largest multiplier is as near to the unit &
+      &circle as it is uncertain, or the error of the motion is itself doubtful; 0 = not'
    character(*), parameter :: about_doubtful = '1 = error_estimate may be off by more than a small factor: a fold as near as it is &
       &itself misplaced, a contact that begins or ends within the error, or an error beyond 0.1; 0 = not'
 

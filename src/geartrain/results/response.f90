@@ -3,6 +3,7 @@ module geartrain_results_response
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain_base_kinds, only: dp
    use geartrain_branch_branch, only: branch_type
+   use geartrain_branch_decided, only: rests_on_undecided
    use geartrain_results_labels, only: about_coefficients, about_doubtful, about_multipliers, about_rms, about_stable, &
       about_true_ac_rms, about_undecided, as_parts, coefficient_labels, frequency_description
    use geartrain_results_mesh_load, only: write_mesh_loads
@@ -129,6 +130,9 @@ contains
          call store%put(room//'/frequency', (special%frequency), ['special_point'], '1', frequency_description)
          call store%put(room//'/after_point', (special%point), ['special_point'], '1', 'the point of the branch before it')
          call store%put(room//'/rms', rms, ['special_point', 'mesh         '], '1', about_rms)
+         if (allocated(branch%undecided)) &
+            call store%put(room//'/undecided', [(rests_on_undecided(branch, i), i=1, size(special))], ['special_point'], &
+                           '1 = it rests on undecided points: on one side of it the next points are all undecided')
       end associate
    end subroutine write_special_points
 

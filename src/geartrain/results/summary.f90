@@ -20,11 +20,15 @@ contains
       type(store_type), intent(inout) :: store
       character(*), intent(in) :: home
       type(branch_type), intent(in) :: branch
+      type(band_type), allocatable :: bands(:)
 
       call write_peaks(store, home//'/peaks', branch)
       call write_jumps(store, home//'/jumps', branch)
+      bands = bands_without_stability(branch)
       call write_ranges(store, home//'/bands_without_stability', 'ranges of Lambda without a stable motion at any level of &
-                        &the branch', bands_without_stability(branch))
+                        &the branch', bands)
+      if (size(bands) > 0) call store%put(home//'/bands_without_stability/undecided', (bands%undecided), ['range'], &
+                                          '1 = the range is there by the guess of undecided points alone')
       call write_by_mesh(store, home//'/separation_ranges', branch, .false.)
       call write_by_mesh(store, home//'/back_collision_ranges', branch, .true.)
    end subroutine write_summary
@@ -52,7 +56,9 @@ contains
       call store%put(room//'/frequency', (found%frequency), ['peak'], '1', frequency_description)
       call store%put(room//'/rms', (found%rms), ['peak'], '1', about_rms)
       call store%put(room//'/point', (found%point), ['peak'], '1', 'the point of the branch')
-      if (allocated(branch%stable)) call store%put(room//'/stable', (found%stable), ['peak'], '1 = that point is stable')
+      if (.not. allocated(branch%stable)) return
+      call store%put(room//'/stable', (found%stable), ['peak'], '1 = that point is stable')
+      call store%put(room//'/undecided', (found%undecided), ['peak'], '1 = the stability of that point is a guess')
    end subroutine write_peaks
 
    subroutine write_jumps(store, room, branch)
@@ -87,6 +93,8 @@ contains
                      '; of the stable motion of the branch with the nearest rms; NaN for a jump that leaves the branch')
       call store%put(room//'/candidates', (found%candidates), ['jump'], '1', 'other stable motions of the branch at this Lambda: &
                      &where there are more than one, rms_after is a guess')
+      call store%put(room//'/undecided', (found%undecided), ['jump'], '1 = it rests on undecided points: no decided one near it &
+                     &is stable on one side and none unstable on the other, or the motion after it is undecided')
    end subroutine write_jumps
 
    !> Ranges of every mesh, at any level of the branch and, where stability is known, at a stable one.

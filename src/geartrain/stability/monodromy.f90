@@ -18,7 +18,8 @@ module geartrain_stability_monodromy
    !> A multiplier as near as this to the unit circle counts as neutral, which is not stable.
    real(dp), parameter :: neutral = 1e-9_dp
 
-   !> Largest error of the determinant before a matrix is integrated again with shorter steps, and how often that is done.
+   !> Largest error of the determinant before a matrix is integrated again with shorter steps, and how often that is done: after
+   !> the last the multipliers are not confirmed.
    real(dp), parameter :: largest_defect = 1e-7_dp
    integer, parameter :: most_attempts = 3
    !> A piece is cut where some motion may have fallen to exp(-6): the determinant of a longer one drowns in rounding.
@@ -42,6 +43,8 @@ module geartrain_stability_monodromy
       real(dp), allocatable :: transposed(:, :)
       !> |log(det M) - log(Liouville)| summed over the pieces [1].
       real(dp) :: liouville_defect = 0
+      !> The determinant, or of a train of many states the leading vector, confirms the latest multipliers.
+      logical :: confirmed = .true.
       type(propagator_type), private :: propagator
       !> The same for a few vectors, and the space of their products.
       type(propagator_type), private :: few
@@ -121,6 +124,7 @@ contains
       else
          call self%collect_events(balance, period, events)
       end if
+      self%confirmed = .true.
       self%repetitions = 1
       if (balance%eta == 1) self%repetitions = balance%system%excitation_order
       ! Two contacts may differ by rounding at a grazing one.
@@ -137,7 +141,8 @@ contains
       do attempt = 0, most_attempts - 1
          call self%propagator%start(frequency, 2.0_dp**attempt)
          call self%carry(balance, frequency, period, events)
-         if (self%liouville_defect < largest_defect) exit
+         self%confirmed = self%liouville_defect < largest_defect
+         if (self%confirmed) exit
       end do
    end subroutine integrate
 
