@@ -56,13 +56,15 @@ class Train:
 
     >>> import geartrain as gt
     >>> pair = gt.Train(
-    ...     input_torque=0.8, prime_mover_inertia=0.0, load_inertia=0.0,
+    ...     input_torque=0.4, prime_mover_inertia=0.0, load_inertia=0.0,
     ...     characteristic_length=1.0, characteristic_frequency=1.0,
     ...     shafts=[gt.Shaft(rigid=True), gt.Shaft(rigid=True)],
     ...     meshes=[gt.Mesh(driving_radius=1.0, driven_radius=1.0, driving_inertia=2.0, driven_inertia=2.0,
     ...                     stiffness=1.0, damping_ratio=0.05, half_backlash=1.0, stiffness_cos=[0.3])])
     >>> pair.natural_frequencies()
     array([1.])
+    >>> pair.integrate(frequency=0.8).true_ac_rms.round(6)
+    array([0.251373])
     """
 
     input_torque: float | None = None
