@@ -70,6 +70,8 @@ contains
       real(dp) :: correction(balance%block, balance%unknowns), error(balance%block, balance%unknowns), y, way, scale
       complex(dp), allocatable :: force(:, :)
       integer :: i, reach
+      !> Meshes that are no unknowns may lack excitation.
+      logical :: condensed
 
       truncation%estimate = 0
       truncation%limited = 0
@@ -94,7 +96,8 @@ contains
          ! Room for the product of the spectra with the motion or the tail, without aliases where it is used.
          if (.not. balance%is_direct()) call truncation%wide%plan(transform_length(2*reach + 1))
          call find_forces(balance, u, harmonic(:n), truncation%stiffness(0:reach, :), truncation%offset, truncation%wide, tail)
-         force = tail
+         condensed = size(balance%left_out) > 0 .and. balance%unknowns < balance%system%meshes
+         if (condensed) force = tail
          call find_tail(balance, frequency, harmonic(:n), tail)
          call find_remainder(balance, u, harmonic(:n), tail, truncation%remainder)
          call find_shift(balance, harmonic(:n), truncation%stiffness(0:reach, :), truncation%wide, tail, correction)
@@ -107,7 +110,7 @@ contains
          error = correction + way_back(y, slope, bend)*tangent
          truncation%estimate = sqrt(sum(tail%re**2 + tail%im**2) + 2*sum(error(1, :)**2) + sum(error(2:, :)**2))/scale
          truncation%error = error
-         if (size(balance%left_out) > 0 .and. balance%unknowns < balance%system%meshes) then
+         if (condensed) then
             way = condensed_error(balance, u, frequency, harmonic(:n), force, tail)
             truncation%estimate = max(truncation%estimate, way)
             truncation%limited = max(truncation%limited, way)
