@@ -139,7 +139,7 @@ contains
       type(train_type) :: train
       type(branch_type) :: branch
       type(error_type), allocatable :: error
-      type(motion_type) :: exact
+      type(motion_type) :: exact, none
       real(dp), allocatable :: amplitudes(:)
       integer :: meshes
 
@@ -158,6 +158,7 @@ contains
          call response(train, settings_of(0.05_dp, 0.052_dp, 6), branch, error)
          call tests%is_true(all(branch%estimate_doubtful .and. branch%error_estimate > 1), 'linear mesh: harmonic 20 is missed')
          call response(train, settings_of(0.05_dp, 0.052_dp, 0), branch, error)
+         exact = none
          exact%frequency = branch%frequency(1)
          exact%coefficients = branch%coefficients(:, :, 1)
          call refine(train, exact, error)

@@ -2,9 +2,11 @@
 module validation_whole_model
    use fixtures, only: long_train, paper_train, settings_of
    use geartrain, only: branch_type, dp, error_type, integrate, integration_settings_type, motion_type, refine, response, &
-                        train_type
+                        response_settings_type, train_type
    use geartrain_model_system, only: build_system, system_type
    use geartrain_motion_balance, only: balance_type
+   use geartrain_branch_verdict, only: judge, verdict_type
+   use geartrain_motion_truncation, only: truncation_type
    use geartrain_stability_monodromy, only: monodromy_type
    use testing, only: tests_type
    implicit none (type, external)
@@ -22,6 +24,7 @@ contains
       call agrees(tests, 5)
       call harmonics_chosen(tests)
       call liouville(tests)
+      call tolerance_missed(tests)
    end subroutine whole_model_tests
 
    !> Rigid shaft, linear mesh, torque harmonics, transmission errors with phases, sin terms, unequal backlash, orders 1 and 2:
@@ -90,6 +93,9 @@ contains
       type(system_type) :: system
       type(balance_type) :: balance
       type(monodromy_type) :: monodromy
+      type(truncation_type) :: truncation
+      type(verdict_type) :: verdict
+      complex(dp) :: multipliers(10)
       real(dp), allocatable :: u(:, :)
 
       call build_system(paper_train(), system)
@@ -103,6 +109,35 @@ contains
       call tests%is_true(all(balance%contact%events > 2), 'the motion separates and hits the back flank')
       call monodromy%integrate(balance, 0.7_dp)
       call tests%is_close(monodromy%liouville_defect, 0.0_dp, 1e-7_dp, 'determinant of the monodromy matrix')
+      call tests%is_true(monodromy%confirmed, 'it confirms the multipliers')
+      call monodromy%multipliers(multipliers)
+      truncation%estimate = 1e-3_dp
+      allocate (truncation%remainder(0))
+      call judge(monodromy, balance, u, 0.7_dp, truncation, multipliers, verdict)
+      call tests%is_true(abs(abs(multipliers(1)) - 1) > 0.1_dp .and. .not. verdict%undecided, 'and the verdict is decided')
+      ! The damping that the formula counts is another than that of the matrix, as if all three attempts had failed.
+      balance%system%damping = 2*balance%system%damping
+      call monodromy%integrate(balance, 0.7_dp)
+      call tests%is_true(.not. monodromy%confirmed, 'a determinant that does not hold is told')
+      call judge(monodromy, balance, u, 0.7_dp, truncation, multipliers, verdict)
+      call tests%is_true(verdict%undecided, 'and the verdict is undecided')
    end subroutine liouville
+
+   !> A tolerance that no number of harmonics can hold, as the waveform's third derivative jumps at contact: the branch is not
+   !> complete, and says why.
+   subroutine tolerance_missed(tests)
+      class(tests_type), intent(inout) :: tests
+      type(response_settings_type) :: settings
+      type(branch_type) :: branch
+      type(error_type), allocatable :: error
+
+      settings = settings_of(0.9_dp, 0.901_dp, 0)
+      settings%tolerance = 1e-13_dp
+      settings%stability = .false.
+      call response(paper_train(), settings, branch, error)
+      call tests%is_true(branch%points > 1 .and. all(branch%error_estimate > 1e-13_dp), 'tolerance 1e-13: missed everywhere')
+      call tests%is_true(index(branch%ended, ' points miss the tolerance') > 0, 'tolerance 1e-13: '//branch%ended)
+      call tests%is_true(.not. branch%complete, 'tolerance 1e-13: the branch is not complete')
+   end subroutine tolerance_missed
 
 end module validation_whole_model
