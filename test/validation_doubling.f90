@@ -2,7 +2,7 @@
 module validation_doubling
    use fixtures, only: closest, paper_train, settings_of
    use geartrain, only: attractors, attractors_settings_type, attractors_type, branch_type, dp, error_type, follow_attractors, &
-                        follow_doublings, motion_type, period_doubled, refine, response, response_settings_type, solutions_at, &
+                        follow_bifurcations, motion_type, period_doubled, refine, response, response_settings_type, solutions_at, &
                         train_type
    use testing, only: tests_type
    implicit none (type, external)
@@ -88,7 +88,7 @@ contains
          settings%period_doublings = 1
          call response(paper_train(), settings, once, error)
          doublings = count(once%special_points%kind == 'period doubling')
-         call follow_doublings(paper_train(), settings, once, branches, error)
+         call follow_bifurcations(paper_train(), settings, once, branches, error)
          call tests%is_true(doublings == 4, 'four doublings')
          call tests%is_true(size(branches) == 3, 'three branches')
          call tests%is_true(all(branches%complete) .and. all(branches%subharmonic == 2), 'all complete, of period 2')
@@ -102,7 +102,7 @@ contains
       settings = settings_of(1.2_dp, 2.6_dp, 12)
       settings%period_doublings = 2
       call response(paper_train(), settings, once, error)
-      call follow_doublings(paper_train(), settings, once, branches, error)
+      call follow_bifurcations(paper_train(), settings, once, branches, error)
       call tests%is_true(any(branches%subharmonic == 4) .and. all(branches%subharmonic <= 4), 'twice doubled, period 4')
       call tests%is_true(all(branches%harmonics == 12*branches%subharmonic), 'as many harmonics of Lambda')
       call tests%is_true(index(branches(size(branches))%origin, 'period doubling of branch ') == 1, &
@@ -141,7 +141,7 @@ contains
          settings%period_doublings = 2
          call response(paper_train(), settings, once, error)
          if (allocated(branches)) deallocate (branches)
-         call follow_doublings(paper_train(), settings, once, branches, error)
+         call follow_bifurcations(paper_train(), settings, once, branches, error)
          met = 0
          all_met = .true.
          doublings = 0
@@ -168,7 +168,7 @@ contains
          call tests%is_true(all(branches%complete), 'each to its end')
          ! A run that is taken up again knows where the branches ended that it does not trace.
          if (allocated(again)) deallocate (again)
-         call follow_doublings(paper_train(), settings, once, again, error, known=branches(:4))
+         call follow_bifurcations(paper_train(), settings, once, again, error, known=branches(:4))
          call tests%is_true(size(again) == size(branches), 'as many, four of them known')
          if (size(again) /= size(branches)) cycle
          call tests%is_true(all(again%points == branches%points), 'and the same')
@@ -194,7 +194,7 @@ contains
       settings = settings_of(2.6_dp, 4.3_dp, 12)
       settings%period_doublings = 2
       call response(train, settings, once, error)
-      call follow_doublings(train, settings, once, branches, error)
+      call follow_bifurcations(train, settings, once, branches, error)
       doublings = 0
       at = 0
       do i = 1, size(branches)

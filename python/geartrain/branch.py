@@ -35,7 +35,7 @@ class SpecialPoint:
     Attributes
     ----------
     kind : str
-        ``'fold'``, ``'period doubling'``, ``'torus'`` or ``'symmetry'``.
+        ``'fold'``, ``'period doubling'``, ``'torus'`` or ``'branch point'``.
     frequency : float
         Lambda.
     point : int
@@ -96,7 +96,8 @@ class Branch:
         Of a refined branch: by how much the waveform changed, relative, which is the error that the point had; NaN where shooting
         found no orbit near the point, which is as it was then. None where the branch is not refined.
     branches : list of Branch
-        Those that follow from the period doublings of a response, ``period_doublings`` generations of them.
+        Those that bifurcate from a response: at period doublings, ``period_doublings`` generations of them, and where
+        ``branch_points`` says so at branch points.
     settings : mapping
         What it was asked for, the names of ``&response``.
     train : Train

@@ -27,15 +27,18 @@ module geartrain_branch_branch
       !> Largest step along the branch, in Lambda and mesh displacement together.
       real(dp) :: step = 0.05_dp
       integer :: max_points = 20000
-      !> Generations of branches that follow from period doublings, see follow_doublings.
+      !> Generations of branches that follow from period doublings, and whether those that cross at branch points are followed, see
+      !> follow_bifurcations.
       integer :: period_doublings = 0
+      logical :: branch_points = .false.
       !> The points are polished by shooting, see refine_branch.
       logical :: refine = .false.
    end type response_settings_type
 
    !> A place on the branch that a reader looks for.
    type :: special_point_type
-      !> 'fold', 'period doubling', 'torus' (a pair of multipliers leaves the unit circle) or 'symmetry' (+1 without fold).
+      !> 'fold', 'period doubling', 'torus' (a pair of multipliers leaves the unit circle) or 'branch point' (another branch of the
+      !> same period crosses; a multiplier passes +1 without a fold).
       character(16) :: kind = ''
       real(dp) :: frequency = 0
       !> Index of the point before it.
@@ -59,6 +62,8 @@ module geartrain_branch_branch
       real(dp) :: step = 0, bend = 0
       !> Points so far that miss the tolerance.
       integer :: missed = 0
+      !> Of Lambda along the branch before it became vertical, if it is: +1 or -1.
+      integer :: sense = 0
       type(place_type) :: here, origin
       !> What the reason for its end begins with.
       character(:), allocatable :: before
