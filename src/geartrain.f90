@@ -5,6 +5,7 @@ module geartrain
    use geartrain_base_observer, only: observer_type
    use geartrain_branch_bifurcations, only: follow_bifurcations
    use geartrain_branch_branch, only: branch_type, response_settings_type, special_point_type
+   use geartrain_branch_contact_edges, only: locate_contact_edges
    use geartrain_branch_contact_ranges, only: back_collision_ranges, separation_ranges
    use geartrain_branch_islands, only: follow_attractors
    use geartrain_branch_jumps, only: jump_type, jumps

@@ -90,7 +90,7 @@ contains
       type(meeting_type) :: here
       type(system_type) :: system
       type(units_type) :: units
-      logical :: found, met, doubles
+      logical :: found, met, doubles, again
       integer :: i, n, times
 
       if (.not. allocated(parent%special_points)) return
@@ -103,7 +103,9 @@ contains
             doubles = special%kind == 'period doubling'
             if (doubles .and. parent%subharmonic >= period*times) cycle
             if (.not. doubles .and. .not. (special%kind == 'branch point' .and. settings%branch_points)) cycle
-            call find_critical(train, settings, parent, i, place, found, taken=taken)
+            call find_critical(train, settings, parent, i, place, found, taken=taken, again=again)
+            ! A branch may pass the same point twice, some mesh periods later.
+            if (again .and. .not. (found .or. doubles)) cycle
             if (found) then
                taken = [taken, place]
                here = meeting_type(place, merge(2, 1, doubles)*parent%subharmonic, .not. doubles, number)

@@ -6,7 +6,7 @@ module geartrain_branch_branch
    use geartrain_motion_motion, only: motion_type
    implicit none (type, external)
    private
-   public :: branch_type, response_settings_type, special_point_type, trace_state_type
+   public :: branch_type, contact_edge_type, response_settings_type, special_point_type, trace_state_type
 
    !> The variables of &response; from and to are `start` and `stop`.
    type :: response_settings_type
@@ -45,6 +45,17 @@ module geartrain_branch_branch
       integer :: point = 0
       real(dp), allocatable :: rms(:)
    end type special_point_type
+
+   !> Where a mesh begins or ceases to separate, or its back flanks to collide.
+   type :: contact_edge_type
+      !> The point of the branch before it.
+      integer :: point = 0
+      integer :: mesh = 0
+      !> Of the back flanks.
+      logical :: back = .false.
+      !> Lambda.
+      real(dp) :: frequency = 0
+   end type contact_edge_type
 
    !> Where the trace of a response stands: all that its next step depends on, so that another run can go on with it.
    type :: trace_state_type
@@ -103,6 +114,8 @@ module geartrain_branch_branch
       !> amplitude limit, and with the points traced from `stop` where those from `start` do not get there.
       integer, allocatable :: part(:)
       type(special_point_type), allocatable :: special_points(:)
+      !> Not allocated until locate_contact_edges fills it.
+      type(contact_edge_type), allocatable :: contact_edges(:)
       !> Why it ended, in words; complete is .true. where it got to the other end or closed.
       character(:), allocatable :: ended
       logical :: complete = .false., closed = .false.

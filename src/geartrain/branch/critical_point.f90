@@ -5,34 +5,28 @@
 !> where a matrix is singular that is regular elsewhere (geartrain_branch_singular).
 module geartrain_branch_critical_point
    use geartrain_base_kinds, only: dp
-   use geartrain_branch_bend, only: cosine, passes_half_period
+   use geartrain_branch_bend, only: passes_half_period
    use geartrain_branch_branch, only: branch_type, response_settings_type
    use geartrain_branch_path, only: place_type
-   use geartrain_branch_same_place, only: same_place
    use geartrain_branch_singular, only: singular_type
-   use geartrain_branch_special_points, only: between, go_along, locate_half_period, shrink
+   use geartrain_branch_singular_search, only: find_nearest
+   use geartrain_branch_special_points, only: locate_half_period
    use geartrain_branch_start, only: begin_trace, place_of
    use geartrain_branch_tracer, only: tracer_type
-   use geartrain_branch_variables, only: settings_for
    use geartrain_model_train, only: train_type
    use geartrain_motion_motion, only: motion_type
    implicit none (type, external)
    private
    public :: find_critical, find_meeting, harmonics_at
 
-   !> Farthest from the special point, in the metric of the branch, and most steps there.
-   real(dp), parameter :: farthest = 0.25_dp
-   integer, parameter :: max_steps = 60
    !> First step away from it, at most.
    real(dp), parameter :: first_step = 0.01_dp
-   !> Length of a piece of a branch on which the cubic through its ends is as exact as its points.
-   real(dp), parameter :: cubic = 2e-4_dp
 
 contains
 
    !> The place of the balance's own nearest to special point number `special` of `branch`, the unit critical vector as its tangent:
    !> for a doubling a place of the balance of twice the period, all its odd harmonics 0.
-   subroutine find_critical(train, settings, branch, special, place, success, harmonics, taken)
+   subroutine find_critical(train, settings, branch, special, place, success, harmonics, taken, again)
       type(train_type), intent(in) :: train
       !> Those that `branch` was traced with.
       type(response_settings_type), intent(in) :: settings
@@ -44,131 +38,29 @@ contains
       integer, intent(in), optional :: harmonics
       !> Places that belong to other special points of the branch.
       type(place_type), intent(in), optional :: taken(:)
+      !> It is one of those.
+      logical, intent(out), optional :: again
       type(singular_type) :: matrix
-      type(place_type) :: side(2), next
-      real(dp), allocatable :: u(:, :, :), y(:), f(:, :), f_next(:)
-      real(dp) :: step(2), way(2), h
-      logical :: open_end(2)
-      integer :: i, j, k, l, highest, period
+      type(tracer_type) :: tracer
+      type(place_type) :: from
+      real(dp) :: h
+      integer :: highest
 
-      matrix%doubles = branch%special_points(special)%kind == 'period doubling'
-      period = merge(2, 1, matrix%doubles)*settings%subharmonic
-      call begin_trace(train, settings, matrix%single)
-      if (matrix%doubles) call begin_trace(train, settings_for(settings, 2*settings%subharmonic), matrix%double)
-      if (settings%harmonics == 0) then
+      if (present(again)) again = .false.
+      call begin_trace(train, settings, tracer)
+      highest = settings%harmonics
+      if (highest == 0) then
          highest = harmonics_at(branch, special)
          if (present(harmonics)) highest = harmonics
-         call matrix%single%prepare(highest)
-         if (matrix%doubles) call matrix%double%prepare(2*highest)
+         call tracer%prepare(highest)
       end if
       ! The way along the branch is what counts here, whatever the control of the trace.
-      matrix%single%path%local_control = .false.
-      call told_place(matrix%single, branch, special, side(1), h, success)
+      tracer%path%local_control = .false.
+      call told_place(tracer, branch, special, from, h, success)
       if (.not. success) return
-      side(2) = side(1)
-      side(2)%tangent = -side(1)%tangent
-      side(2)%tangent_frequency = -side(1)%tangent_frequency
-      call matrix%find_modes(side(1), u, y)
-      allocate (f(size(y), 2), f_next(size(y)))
-      call matrix%test(side(1), u, y, f(:, 1))
-      f(:, 2) = f(:, 1)
-      step = h
-      way = 0
-      open_end = .true.
-      ! Outwards on both sides in turn, so that the nearest zero is found first.
-      do i = 1, max_steps
-         k = minloc(way, 1, open_end)
-         if (k == 0) exit
-         call matrix%single%path%advance(side(k), step(k), next, success)
-         if (success) success = cosine(side(k), next, matrix%single%path%units) > 0.8_dp
-         if (.not. success) then
-            step(k) = step(k)/3
-            open_end(k) = step(k) > 1e-6_dp
-            cycle
-         end if
-         call matrix%test(next, u, y, f_next)
-         do j = 1, size(y)
-            if (f_next(j)*f(j, k) > 0) cycle
-            call find_zero(matrix, u(:, :, j:j), y(j:j), side(k), next, step(k), f(j, k), f_next(j), place, success)
-            if (success .and. present(taken)) then
-               do l = 1, size(taken)
-                  if (same_place(place, taken(l), period, matrix%single%path%units, .true.)) success = .false.
-               end do
-            end if
-            if (success) return
-         end do
-         way(k) = way(k) + step(k)
-         open_end(k) = way(k) < farthest
-         step(k) = 1.5_dp*step(k)
-         side(k) = next
-         f(:, k) = f_next
-      end do
-      success = .false.
+      call matrix%setup(tracer%path, branch%special_points(special)%kind == 'period doubling')
+      call find_nearest(matrix, from, h, place, success, taken, again)
    end subroutine find_critical
-
-   !> The zero of the test function of a vector between `here` and `next`, a distance h further, and the critical vector there.
-   subroutine find_zero(matrix, u, y, here, next, h, f_here, f_next, place, success)
-      type(singular_type), intent(inout) :: matrix
-      !> One vector.
-      real(dp), intent(in) :: u(:, :, :), y(:)
-      type(place_type), intent(in) :: here, next
-      real(dp), intent(in) :: h, f_here, f_next
-      type(place_type), intent(inout) :: place
-      logical, intent(out) :: success
-      type(place_type) :: first, last, middle
-      real(dp) :: a, b, fa, fb, f(1), s, length, scale, x(size(u, 1), size(u, 2)), xy
-      integer :: i, kept
-
-      first = here
-      last = next
-      middle = here
-      length = h
-      fa = f_here
-      fb = f_next
-      scale = max(abs(fa), abs(fb))
-      s = 0
-      ! Next to a branch point Newton's method fails on the branch itself: the last piece is a cubic.
-      do while (length > cubic)
-         length = length/2
-         call matrix%single%path%advance(here, s + length, middle, success)
-         if (.not. success) return
-         call matrix%test(middle, u, y, f)
-         if ((f(1) > 0) .eqv. (fa > 0)) then
-            first = middle
-            s = s + length
-            fa = f(1)
-         else
-            last = middle
-            fb = f(1)
-         end if
-      end do
-      a = 0
-      b = length
-      kept = 0
-      do i = 1, max_steps
-         s = between(a, b, fa, fb)
-         call go_along(first, last, length, s, middle)
-         call matrix%test(middle, u, y, f)
-         if (abs(f(1)) < 1e-10_dp*scale) exit
-         call shrink(a, b, fa, fb, s, f(1), kept)
-         if (b - a < 1e-12_dp) exit
-      end do
-      x = u(:, :, 1)
-      xy = y(1)
-      call matrix%solve(x, xy)
-      length = matrix%single%path%length_of(x, xy)
-      ! A pole changes sign as well.
-      success = abs(f(1)) < 1e-3_dp*scale .and. length > 0 .and. length < huge(1.0_dp)
-      if (.not. success) return
-      if (matrix%doubles) then
-         call matrix%lift(middle, place)
-      else
-         place = middle
-      end if
-      place%tangent = x/length
-      place%tangent_frequency = xy/length
-      place%orientation = 0
-   end subroutine find_zero
 
    !> Where a branch of even period ends at the branch of half its period, if it does: the place at which its odd harmonics vanish,
    !> with their direction as its tangent.
@@ -208,7 +100,6 @@ contains
       met = passes_half_period(here, next, branch%subharmonic)
       if (.not. met) return
       call locate_half_period(tracer%path, here, next, chord, place)
-      allocate (place%tangent, mold=here%u)
       place%tangent = here%u
       place%tangent(1, :) = 0
       do k = 2, (size(here%u, 1) - 1)/2, 2

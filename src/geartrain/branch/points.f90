@@ -16,7 +16,9 @@ contains
       type(branch_type), intent(inout), target :: branch
       integer, intent(in) :: forward
       integer :: order(branch%points), part(branch%points), i, n, place(branch%points)
+      integer, allocatable :: sequence(:)
       logical :: backward(size(branch%special_points))
+      type(special_point_type), allocatable :: sorted(:)
 
       n = branch%points
       order = [(i, i=n, forward + 1, -1), (i, i=1, forward)]
@@ -38,17 +40,15 @@ contains
             special%point = place(special%point)
          end associate
       end do
-      associate (special => branch%special_points)
-         branch%special_points = [reversed(pack(special, backward)), pack(special, .not. backward)]
-      end associate
+      sequence = [(i, i=size(backward), 1, -1)]
+      sequence = [pack(sequence, backward(sequence)), pack([(i, i=1, size(backward))], .not. backward)]
+      allocate (sorted(size(backward)))
+      ! One by one: in one assignment gfortran 12 frees the components twice.
+      do i = 1, size(backward)
+         sorted(i) = branch%special_points(sequence(i))
+      end do
+      call move_alloc(sorted, branch%special_points)
    end subroutine put_in_front
-
-   pure function reversed(special)
-      type(special_point_type), intent(in) :: special(:)
-      type(special_point_type) :: reversed(size(special))
-
-      reversed = special(size(special):1:-1)
-   end function reversed
 
    !> Takes the first points off, with what is special among them.
    subroutine drop_first(branch, points)

@@ -2,59 +2,115 @@
 !> of the single one, on the odd harmonics, which that motion lacks; for a branch point, where another branch of the same period
 !> crosses, that of the balance itself with the tangent as its border.
 !>
-!> The eigenvectors of its smallest eigenvalues at a place nearby tell the directions apart in which branches may leave: with v one
-!> of them, 1/(v . A^-1 v) is smooth along the branch, and zero where that eigenvalue is. They are found from vectors without any
-!> symmetry: those of equal stages are orthogonal to any that is alike in all meshes.
+!> With vectors b and c, 1/(c . A^-1 b) is smooth along the branch, and zero where the matrix A is singular in a direction that b and
+!> c are not orthogonal to. They are made from vectors without any symmetry, because what equal stages do may be orthogonal to
+!> whatever is alike in all meshes. For a doubling b and c are the eigenvectors of the smallest eigenvalues at a place nearby, which
+!> tell several directions apart; for a branch point, whose matrix has no such eigenvectors (its border may be of another symmetry
+!> than Lambda), b is any vector and c the solution for it.
 module geartrain_branch_singular
    use geartrain_base_eigenvalues, only: find_eigenvalues
    use geartrain_base_elimination, only: factor_matrix, solve_factored
    use geartrain_base_kinds, only: dp
-   use geartrain_branch_path, only: place_type
-   use geartrain_branch_special_points, only: factor_bordered, generic_vector
-   use geartrain_branch_tracer, only: tracer_type
+   use geartrain_branch_path, only: path_type, place_type
+   use geartrain_branch_special_points, only: generic_vector
    implicit none (type, external)
    private
    public :: singular_type
 
    !> Eigenvectors that are looked at, and steps of the iteration that finds them.
    integer, parameter :: most_modes = 3, iterations = 6
+   !> Harmonics up to which the matrix is eliminated as a whole.
+   integer, parameter :: most_explicit = 128
 
    !> The matrix whose singular places are looked for.
    type :: singular_type
       !> The branch's balance, and that of twice the period where it is to double.
-      type(tracer_type) :: single, double
+      type(path_type) :: single, double
       logical :: doubles = .false.
+      !> The vectors b and c: coefficients (block, unknowns, mode) and Lambda (mode).
+      real(dp), allocatable, private :: b(:, :, :), b_frequency(:), c(:, :, :), c_frequency(:)
    contains
+      procedure :: setup
+      procedure :: period
       procedure :: lift
       procedure :: find_modes
       procedure :: test
-      procedure :: solve
+      procedure :: solution
+      procedure, private :: solve
       procedure, private :: factor_at
    end type singular_type
 
 contains
+
+   !> For branches of the balance that `path` has.
+   subroutine setup(self, path, doubles)
+      class(singular_type), intent(inout) :: self
+      type(path_type), intent(in) :: path
+      !> Places where the period doubles are looked for, else those where another branch of the same period crosses.
+      logical, intent(in) :: doubles
+
+      self%doubles = doubles
+      associate (balance => path%balance)
+         call plan(self%single, balance%highest, balance%eta)
+         if (doubles) call plan(self%double, 2*balance%highest, 2*balance%eta)
+      end associate
+
+   contains
+
+      subroutine plan(own, highest, eta)
+         type(path_type), intent(inout) :: own
+         integer, intent(in) :: highest, eta
+
+         own%units = path%units
+         call own%balance%setup(path%balance%system, highest, eta, path%balance%samples*eta/path%balance%eta)
+         call own%setup()
+      end subroutine plan
+
+   end subroutine setup
+
+   !> Of the places that are looked for, in mesh periods.
+   pure integer function period(self)
+      class(singular_type), intent(in) :: self
+
+      period = merge(2, 1, self%doubles)*self%single%balance%eta
+   end function period
 
    !> Factors of the matrix at a place of the branch. Where it is singular to the last bit its factors are as good as any.
    subroutine factor_at(self, place)
       class(singular_type), intent(inout) :: self
       type(place_type), intent(in) :: place
       type(place_type) :: twice
+
+      if (self%doubles) then
+         call self%lift(place, twice)
+         call factor(self%double, twice, bordered=.false.)
+      else
+         call factor(self%single, place, bordered=.true.)
+      end if
+   end subroutine factor_at
+
+   !> Factors of the Jacobian of a balance, and the tangent as its border or none.
+   subroutine factor(path, place, bordered)
+      type(path_type), intent(inout) :: path
+      type(place_type), intent(in) :: place
+      logical, intent(in) :: bordered
       logical :: regular
 
-      if (.not. self%doubles) then
-         call factor_bordered(self%single%path, place)
-         return
-      end if
-      call self%lift(place, twice)
-      associate (path => self%double%path)
-         call path%balance%evaluate(twice%u, twice%frequency)
-         call path%matrix%linearize(path%balance)
-         path%matrix%column = 0
-         path%matrix%row = 0
-         path%matrix%corner = 1
-         call path%matrix%factor(path%balance, regular)
+      associate (balance => path%balance, matrix => path%matrix)
+         call balance%evaluate(place%u, place%frequency)
+         ! Elimination is as exact next to a singular place as elsewhere.
+         if (size(balance%harmonic) <= most_explicit) call balance%make_explicit(size(balance%harmonic))
+         call matrix%linearize(balance)
+         if (bordered) then
+            call path%across(place, matrix%row, matrix%corner)
+         else
+            matrix%column = 0
+            matrix%row = 0
+            matrix%corner = 1
+         end if
+         call matrix%factor(balance, regular)
       end associate
-   end subroutine factor_at
+   end subroutine factor
 
    !> A motion of the branch as one of twice the period.
    subroutine lift(self, place, twice)
@@ -63,7 +119,7 @@ contains
       type(place_type), intent(out) :: twice
       integer :: k, r
 
-      associate (balance => self%double%path%balance, harmonic => self%single%path%balance%harmonic)
+      associate (balance => self%double%balance, harmonic => self%single%balance%harmonic)
          allocate (twice%u(balance%block, balance%unknowns), twice%tangent(balance%block, balance%unknowns), source=0.0_dp)
          twice%u(1, :) = place%u(1, :)
          do k = 1, size(harmonic)
@@ -80,71 +136,85 @@ contains
       real(dp), intent(inout) :: u(:, :), y
 
       if (self%doubles) then
-         call self%double%path%matrix%solve(self%double%path%balance, u, y)
+         call self%double%matrix%solve(self%double%balance, u, y)
       else
-         call self%single%path%matrix%solve(self%single%path%balance, u, y)
+         call self%single%matrix%solve(self%single%balance, u, y)
       end if
    end subroutine solve
 
-   !> Unit eigenvectors of the smallest real eigenvalues at a place, smallest first: coefficients (block, unknowns, mode) and Lambda
-   !> (mode). Those of a doubling have odd harmonics only.
-   subroutine find_modes(self, place, u, y)
+   !> Chooses the vectors b and c at a place next to those that are looked for.
+   subroutine find_modes(self, place)
       class(singular_type), intent(inout) :: self
       type(place_type), intent(in) :: place
-      real(dp), allocatable, intent(out) :: u(:, :, :), y(:)
-      real(dp), allocatable :: x(:, :, :), xy(:)
-      real(dp) :: reduced(most_modes, most_modes), weight(most_modes, most_modes), length
-      integer :: i, j, l, n, rows, columns, found
+      integer :: i, j, rows, columns
 
       call self%factor_at(place)
-      if (self%doubles) then
-         rows = self%double%path%balance%block
-         columns = self%double%path%balance%unknowns
-      else
-         rows = self%single%path%balance%block
-         columns = self%single%path%balance%unknowns
-      end if
-      n = merge(min(most_modes, 2*columns), most_modes, self%doubles)
-      allocate (x(rows, columns, n), xy(n))
-      do j = 1, n
-         call generic_vector(j, x(:, :, j), xy(j))
-         if (self%doubles) call keep_odd(self%double%path%balance%harmonic, x(:, :, j))
-         if (self%doubles) xy(j) = 0
+      associate (balance => self%single%balance, twice => self%double%balance)
+         rows = merge(twice%block, balance%block, self%doubles)
+         columns = balance%unknowns
+      end associate
+      allocate (self%b(rows, columns, most_modes), self%b_frequency(most_modes))
+      do j = 1, most_modes
+         call generic_vector(j, self%b(:, :, j), self%b_frequency(j))
+         if (self%doubles) call keep_odd(self%double%balance%harmonic, self%b(:, :, j))
+         if (self%doubles) self%b_frequency(j) = 0
       end do
+      if (self%doubles) call find_eigenvectors(self)
+      self%c = self%b
+      self%c_frequency = self%b_frequency
+      if (self%doubles) return
+      do i = 1, most_modes
+         call self%solve(self%c(:, :, i), self%c_frequency(i))
+         call normalize(self%c(:, :, i), self%c_frequency(i))
+      end do
+   end subroutine find_modes
+
+   pure subroutine normalize(u, y)
+      real(dp), intent(inout) :: u(:, :), y
+      real(dp) :: length
+
+      length = sqrt(sum(u**2) + y**2)
+      u = u/length
+      y = y/length
+   end subroutine normalize
+
+   !> Turns b into unit eigenvectors of the smallest real eigenvalues at the factors at hand, smallest first.
+   subroutine find_eigenvectors(self)
+      class(singular_type), intent(inout) :: self
+      real(dp), allocatable :: solved(:, :, :)
+      real(dp) :: reduced(most_modes, most_modes), weight(most_modes, most_modes), y
+      integer :: i, j, l, found, n
+
+      ! Two odd coefficients of a single mesh with one harmonic.
+      n = min(most_modes, (size(self%b, 1)/2)*size(self%b, 2))
       do i = 0, iterations
          do j = 1, n
-            if (i > 0) call self%solve(x(:, :, j), xy(j))
+            y = 0
+            if (i > 0) call self%solve(self%b(:, :, j), y)
             do l = 1, j - 1
-               length = sum(x(:, :, l)*x(:, :, j)) + xy(l)*xy(j)
-               x(:, :, j) = x(:, :, j) - length*x(:, :, l)
-               xy(j) = xy(j) - length*xy(l)
+               self%b(:, :, j) = self%b(:, :, j) - sum(self%b(:, :, l)*self%b(:, :, j))*self%b(:, :, l)
             end do
-            length = sqrt(sum(x(:, :, j)**2) + xy(j)**2)
-            x(:, :, j) = x(:, :, j)/length
-            xy(j) = xy(j)/length
+            self%b(:, :, j) = self%b(:, :, j)/norm2(self%b(:, :, j))
          end do
       end do
-      allocate (u(rows, columns, n), y(n))
+      solved = self%b
       do j = 1, n
-         u(:, :, j) = x(:, :, j)
-         y(j) = xy(j)
-         call self%solve(u(:, :, j), y(j))
+         y = 0
+         call self%solve(solved(:, :, j), y)
          do i = 1, n
-            reduced(i, j) = sum(x(:, :, i)*u(:, :, j)) + xy(i)*y(j)
+            reduced(i, j) = sum(self%b(:, :, i)*solved(:, :, j))
          end do
       end do
       call real_modes(reduced(:n, :n), weight, found)
       do j = 1, found
-         u(:, :, j) = 0
-         y(j) = 0
+         solved(:, :, j) = 0
          do i = 1, n
-            u(:, :, j) = u(:, :, j) + weight(i, j)*x(:, :, i)
-            y(j) = y(j) + weight(i, j)*xy(i)
+            solved(:, :, j) = solved(:, :, j) + weight(i, j)*self%b(:, :, i)
          end do
       end do
-      u = u(:, :, :found)
-      y = y(:found)
-   end subroutine find_modes
+      self%b = solved(:, :, :found)
+      self%b_frequency = [(0.0_dp, i=1, found)]
+   end subroutine find_eigenvectors
 
    !> Unit eigenvectors of the real eigenvalues of a small matrix, the largest eigenvalue first.
    subroutine real_modes(matrix, vector, found)
@@ -196,22 +266,31 @@ contains
       end do
    end subroutine keep_odd
 
-   !> 1/(v . A^-1 v) at a place for each of the vectors.
-   subroutine test(self, place, u, y, f)
+   !> 1/(c . A^-1 b) at a place for each pair of vectors.
+   subroutine test(self, place, f)
       class(singular_type), intent(inout) :: self
       type(place_type), intent(in) :: place
-      real(dp), intent(in) :: u(:, :, :), y(:)
-      real(dp), intent(out) :: f(:)
-      real(dp) :: x(size(u, 1), size(u, 2)), xy
+      real(dp), allocatable, intent(out) :: f(:)
+      real(dp) :: x(size(self%b, 1), size(self%b, 2)), y
       integer :: j
 
+      allocate (f(size(self%b_frequency)))
       call self%factor_at(place)
-      do j = 1, size(y)
-         x = u(:, :, j)
-         xy = y(j)
-         call self%solve(x, xy)
-         f(j) = 1/(sum(u(:, :, j)*x) + y(j)*xy)
+      do j = 1, size(f)
+         call self%solution(j, x, y)
+         f(j) = 1/(sum(self%c(:, :, j)*x) + self%c_frequency(j)*y)
       end do
    end subroutine test
+
+   !> A^-1 b for one of the vectors, where `test` was called last: next to a singular place the null vector.
+   subroutine solution(self, mode, x, y)
+      class(singular_type), intent(inout) :: self
+      integer, intent(in) :: mode
+      real(dp), intent(out) :: x(:, :), y
+
+      x = self%b(:, :, mode)
+      y = self%b_frequency(mode)
+      call self%solve(x, y)
+   end subroutine solution
 
 end module geartrain_branch_singular

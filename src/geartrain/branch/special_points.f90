@@ -1,5 +1,5 @@
-!> Locates what a reader looks for on a branch between two neighbouring points by the balance alone: folds, where the branch of half
-!> the period is met, where another branch crosses.
+!> Locates what a reader looks for on a branch between two neighbouring points by the balance alone: folds, and where the branch of
+!> half the period is met.
 module geartrain_branch_special_points
    use geartrain_base_kinds, only: dp
    use geartrain_branch_bend, only: odd_product
@@ -7,8 +7,8 @@ module geartrain_branch_special_points
    use geartrain_branch_path, only: path_type, place_type
    implicit none (type, external)
    private
-   public :: locate_fold, locate_half_period, locate_branch_point, add_special_point
-   public :: factor_bordered, generic_vector, go_along
+   public :: locate_fold, locate_half_period, add_special_point
+   public :: generic_vector, go_along
    public :: between, shrink
 
    integer, parameter :: max_steps = 30
@@ -78,54 +78,6 @@ contains
       place%u = first%u + share*(last%u - first%u)
       place%frequency = first%frequency + share*(last%frequency - first%frequency)
    end subroutine locate_half_period
-
-   !> The Lambda between `here` and the point `next` a distance h further at which another branch of the same period crosses this
-   !> one: where the bordered matrix is singular. Newton's method fails next to it, so it is found on the cubic through the two.
-   subroutine locate_branch_point(path, here, next, h, frequency)
-      type(path_type), intent(inout) :: path
-      type(place_type), intent(in) :: here, next
-      real(dp), intent(in) :: h
-      real(dp), intent(out) :: frequency
-      type(place_type) :: place
-      real(dp) :: v(path%balance%block, path%balance%unknowns), x(path%balance%block, path%balance%unknowns)
-      real(dp) :: vy, y, first, last
-      integer :: i
-
-      call generic_vector(1, v, vy)
-      call factor_bordered(path, here)
-      do i = 1, 3
-         call path%matrix%solve(path%balance, v, vy)
-         y = sqrt(sum(v**2) + vy**2)
-         v = v/y
-         vy = vy/y
-      end do
-      x = v
-      y = vy
-      call path%matrix%solve(path%balance, x, y)
-      first = 1/(sum(v*x) + vy*y)
-      x = v
-      y = vy
-      call factor_bordered(path, next)
-      call path%matrix%solve(path%balance, x, y)
-      last = 1/(sum(v*x) + vy*y)
-      place = here
-      ! By few of many harmonics alone the crossing may seem to be a little farther on.
-      call go_along(here, next, h, merge(first/(first - last), 0.5_dp, first*last < 0)*h, place)
-      frequency = place%frequency
-   end subroutine locate_branch_point
-
-   !> Factors of the balance at a solved place with its tangent as the border: singular where branches cross, regular at folds.
-   subroutine factor_bordered(path, place)
-      type(path_type), intent(inout) :: path
-      type(place_type), intent(in) :: place
-      logical :: regular
-
-      call path%balance%evaluate(place%u, place%frequency)
-      path%evaluations = path%evaluations + 1
-      call path%matrix%linearize(path%balance)
-      call path%across(place, path%matrix%row, path%matrix%corner)
-      call path%matrix%factor(path%balance, regular)
-   end subroutine factor_bordered
 
    !> The place at a distance s along the cubic through `here` and the place `next` a distance h further, with its tangent.
    pure subroutine go_along(here, next, h, s, place)

@@ -8,7 +8,8 @@ module geartrain_branch_tracer
    use geartrain_branch_branch, only: branch_type, response_settings_type, trace_state_type
    use geartrain_branch_path, only: path_type, place_type
    use geartrain_branch_recorder, only: recorder_type
-   use geartrain_branch_special_points, only: add_special_point, locate_branch_point, locate_fold
+   use geartrain_branch_singular_search, only: find_crossing
+   use geartrain_branch_special_points, only: add_special_point, locate_fold
    use geartrain_branch_stability_changes, only: add_stability_changes
    use geartrain_branch_step, only: acceptable, crosses_branch, jump_step, large, next_step
    use geartrain_model_system, only: system_type
@@ -122,7 +123,7 @@ contains
       type(place_type) :: next, origin
       real(dp) :: h, way, longer, gap, fold_at, crossing
       integer :: steps, mesh, before, sense
-      logical :: success, keep_going, meets, crosses, at_bound, closing
+      logical :: success, keep_going, meets, crosses, located, at_bound, closing
 
       before = branch%points
       if (present(point)) before = point
@@ -161,10 +162,7 @@ contains
             longer = next_step(self%path, here, next, h, self%settings%step*max(1.0_dp, self%path%length_of(next%u)/large))
             self%bend = (next%tangent_frequency - here%tangent_frequency)/h
             crosses = crosses_branch(here, next)
-            if (crosses) then
-               call locate_branch_point(self%path, here, next, h, crossing)
-               call self%path%advance(here, h, next, success)
-            end if
+            if (crosses) call find_crossing(self%path, here, h, crossing, located)
          end if
          if (success) call self%adapt(next, success, here, origin, fixed=at_bound .or. closing)
          if (closing .and. .not. success) exit
@@ -184,7 +182,8 @@ contains
          if (sense_of(next, self%path%units) /= 0) sense = sense_of(next, self%path%units)
          call self%record(next, branch)
          steps = steps + 1
-         if (crosses) call add_special_point(branch, 'branch point', crossing, branch%points - 1, branch%rms(:, branch%points))
+         if (crosses .and. located .and. .not. meets) &
+            call add_special_point(branch, 'branch point', crossing, branch%points - 1, branch%rms(:, branch%points))
          call self%add_changes(here, way, fold_at, before, branch)
 
          if (closing) exit
