@@ -2,11 +2,11 @@
 !> of the single one, on the odd harmonics, which that motion lacks; for a branch point, where another branch of the same period
 !> crosses, that of the balance itself with the tangent as its border.
 !>
-!> With vectors b and c, 1/(c . A^-1 b) is smooth along the branch, and zero where the matrix A is singular in a direction that b and
-!> c are not orthogonal to. They are made from vectors without any symmetry, because what equal stages do may be orthogonal to
-!> whatever is alike in all meshes. For a doubling b and c are the eigenvectors of the smallest eigenvalues at a place nearby, which
-!> tell several directions apart; for a branch point, whose matrix has no such eigenvectors (its border may be of another symmetry
-!> than Lambda), b is any vector and c the solution for it.
+!> With vectors b and c, 1/(c . A^-1 b) is smooth along the branch, and zero where the matrix A is singular in a direction that b
+!> and c are not orthogonal to. They are made from vectors without any symmetry, because what equal stages do may be orthogonal to
+!> whatever is alike in all meshes. For a doubling b and c are the eigenvectors of the smallest eigenvalues at a place nearby,
+!> which tell several directions apart; for a branch point, whose matrix has no such eigenvectors (its border may be of another
+!> symmetry than Lambda), b is any vector and c the solution for it.
 module geartrain_branch_singular
    use geartrain_base_eigenvalues, only: find_eigenvalues
    use geartrain_base_elimination, only: factor_matrix, solve_factored

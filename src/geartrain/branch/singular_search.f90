@@ -1,7 +1,7 @@
 !> The place nearest along a branch at which it bifurcates, as the singular matrix tells it.
 module geartrain_branch_singular_search
    use geartrain_base_kinds, only: dp
-   use geartrain_branch_bend, only: cosine
+   use geartrain_branch_bend, only: cosine, odd_product
    use geartrain_branch_path, only: path_type, place_type
    use geartrain_branch_same_place, only: same_place
    use geartrain_branch_singular, only: singular_type
@@ -15,6 +15,8 @@ module geartrain_branch_singular_search
    integer, parameter :: max_steps = 60
    !> Length of a piece of a branch on which the cubic through its ends is as exact as its points.
    real(dp), parameter :: cubic = 2e-4_dp
+   !> Odd harmonics below this share of a motion are none, as exactly as its place is found.
+   real(dp), parameter :: half_period = 1e-5_dp
 
 contains
 
@@ -75,6 +77,9 @@ contains
          do j = 1, size(f_next)
             if (f_next(j)*f(j, k) > 0) cycle
             call find_zero(matrix, j, side(k), next, step(k), f(j, k), f_next(j), place, success)
+            ! A branch of even period crosses that of half its period where it begins and ends.
+            if (success .and. .not. matrix%doubles .and. mod(matrix%period(), 2) == 0) &
+               success = odd_product(place, place) > half_period**2*sum(place%u**2)
             if (success .and. present(taken)) then
                do l = 1, size(taken)
                   if (same_place(place, taken(l), matrix%period(), matrix%single%units, .true.)) success = .false.

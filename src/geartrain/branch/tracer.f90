@@ -182,8 +182,7 @@ contains
          if (sense_of(next, self%path%units) /= 0) sense = sense_of(next, self%path%units)
          call self%record(next, branch)
          steps = steps + 1
-         if (crosses .and. located .and. .not. meets) &
-            call add_special_point(branch, 'branch point', crossing, branch%points - 1, branch%rms(:, branch%points))
+         if (crosses .and. located .and. .not. meets) call add_branch_point(branch, crossing)
          call self%add_changes(here, way, fold_at, before, branch)
 
          if (closing) exit
@@ -320,6 +319,19 @@ contains
       end if
       call self%path%advance(here, h, next, success)
    end subroutine add_fold
+
+   !> Puts the branch point before the latest point on the list. By the lowest harmonics alone it may seem to be passed repeatedly.
+   subroutine add_branch_point(branch, frequency)
+      type(branch_type), intent(inout), target :: branch
+      real(dp), intent(in) :: frequency
+      integer, parameter :: nearby = 50
+
+      associate (special => branch%special_points, n => branch%points)
+         if (any(special%kind == 'branch point' .and. special%point > n - nearby &
+                 .and. abs(special%frequency - frequency) < 1e-8_dp*frequency)) return
+         call add_special_point(branch, 'branch point', frequency, n - 1, branch%rms(:, n))
+      end associate
+   end subroutine add_branch_point
 
    !> Changes of stability in the latest step, which began at `here`: before and after the fold, where it has one.
    subroutine add_changes(self, here, h, fold_at, before, branch)
