@@ -3,8 +3,8 @@ module geartrain_python_box
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_ptr
    use, intrinsic :: iso_fortran_env, only: int64, real64
    use geartrain, only: band_type, back_collision_ranges, bands_without_stability, branch_type, case_text, case_type, error_type, &
-                        jump_type, jumps, mesh_load_type, motion_type, observer_type, peak_type, peaks, results_type, &
-                        separation_ranges, version
+                        jump_type, jumps, locate_contact_edges, mesh_load_type, motion_type, observer_type, peak_type, peaks, &
+                        results_type, separation_ranges, version
    implicit none (type, external)
    private
    public :: box_type, watch_type, handle_of, box_of, box_text, branch_at, close_with, motion_list
@@ -200,8 +200,10 @@ contains
          case ('bands')
             ranges = bands_without_stability(branch)
          case ('separation')
+            call locate_contact_edges(box%case%train, box%case%response, branch)
             ranges = separation_ranges(branch, mesh, stable_only)
          case default
+            call locate_contact_edges(box%case%train, box%case%response, branch)
             ranges = back_collision_ranges(branch, mesh, stable_only)
          end select
       end associate

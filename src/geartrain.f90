@@ -3,10 +3,10 @@ module geartrain
    use geartrain_base_error, only: error_type, status_ended_early, status_file, status_input
    use geartrain_base_kinds, only: dp, version
    use geartrain_base_observer, only: observer_type
+   use geartrain_branch_bifurcations, only: follow_bifurcations
    use geartrain_branch_branch, only: branch_type, response_settings_type, special_point_type
+   use geartrain_branch_contact_edges, only: locate_contact_edges
    use geartrain_branch_contact_ranges, only: back_collision_ranges, separation_ranges
-   use geartrain_branch_doubling, only: period_doubled
-   use geartrain_branch_doublings, only: follow_doublings
    use geartrain_branch_islands, only: follow_attractors
    use geartrain_branch_jumps, only: jump_type, jumps
    use geartrain_branch_refinement, only: refine_branch
@@ -15,6 +15,7 @@ module geartrain
    use geartrain_branch_stability_map, only: stability_map
    use geartrain_branch_stability_map_settings, only: stability_map_settings_type, stability_map_type
    use geartrain_branch_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
+   use geartrain_branch_switching, only: period_doubled
    use geartrain_case_case, only: case_type
    use geartrain_case_reader, only: read_case, read_case_text
    use geartrain_case_run, only: run_case

@@ -13,6 +13,7 @@ program main
    use unit_results, only: results_tests
    use unit_results_run, only: results_run_tests
    use unit_scale, only: scale_tests
+   use validation_bifurcations, only: bifurcations_tests
    use validation_claims_excitation, only: claims_excitation_tests
    use validation_claims_shafts, only: claims_shafts_tests
    use validation_claims_subharmonic, only: claims_subharmonic_tests
@@ -57,6 +58,7 @@ program main
    call mesh_load_tests(tests)
    call jumps_tests(tests)
    call doubling_tests(tests)
+   call bifurcations_tests(tests)
    call excitations_tests(tests)
    call figures_tests(tests)
    call errata_tests(tests)

@@ -36,7 +36,7 @@ contains
                          [0.10_dp, 0.20_dp, 0.40_dp, 0.60_dp, 0.90_dp, 1.00_dp, 0.80_dp, 0.50_dp], [1, 1, 1, 0, 0, 1, 1, 1])
       branch%special_points = [special_point_type(kind='fold', frequency=0.95_dp, point=3), &
                                special_point_type(kind='fold', frequency=0.72_dp, point=5), &
-                               special_point_type(kind='symmetry', frequency=0.5_dp, point=1)]
+                               special_point_type(kind='branch point', frequency=0.5_dp, point=1)]
       found = peaks(branch, 1)
       call tests%is_true(size(found) == 1, 'one peak')
       ! numpy.polyfit of degree 2 through (0.73, 0.9), (0.74, 1) and (0.9, 0.8), each over the length of the chords.

@@ -72,9 +72,9 @@ subroutine find_modes(handle, status)
    status = close_with(box, error)
 end subroutine find_modes
 
-! The seed is the box's first motion, if it has one. The branches that follow from period doublings are the box's further ones.
+! The seed is the box's first motion, if it has one. The branches that bifurcate from it are the box's further ones.
 subroutine follow_response(handle, progress, status)
-   use geartrain, only: error_type, follow_doublings, motion_type, refine_branch, response
+   use geartrain, only: error_type, follow_bifurcations, motion_type, refine_branch, response
    use geartrain_python_box, only: box_type, box_of, close_with, loose, motion_list, watch_type
    implicit none
    integer(8), intent(in) :: handle
@@ -95,7 +95,7 @@ subroutine follow_response(handle, progress, status)
    allocate (box%results%response)
    call response(box%case%train, box%case%response, box%results%response, error, seed, watch)
    if (.not. (allocated(error) .or. box%results%response%cancelled)) &
-      call follow_doublings(box%case%train, box%case%response, box%results%response, box%results%branches, error, watch)
+      call follow_bifurcations(box%case%train, box%case%response, box%results%response, box%results%branches, error, watch)
    if (box%case%response%refine .and. .not. (allocated(error) .or. box%results%response%cancelled)) then
       call refine_branch(box%case%train, box%results%response, error, watch)
       if (allocated(box%results%branches)) then

@@ -32,7 +32,7 @@ _ANALYSES: dict[str, dict[str, str]] = {
         **dict.fromkeys(("start", "stop", "amplitude_limit", "tolerance", "step"), "number"),
         **dict.fromkeys(("harmonics", "subharmonic", "samples", "max_points", "period_doublings"), "integer"),
         **dict.fromkeys(("coefficients", "control"), "text"),
-        **dict.fromkeys(("stability", "refine"), "flag"),
+        **dict.fromkeys(("stability", "branch_points", "refine"), "flag"),
     },
     "integration": {
         **dict.fromkeys(("start", "stop", "tolerance"), "number"),

@@ -35,7 +35,7 @@ class SpecialPoint:
     Attributes
     ----------
     kind : str
-        ``'fold'``, ``'period doubling'``, ``'torus'`` or ``'symmetry'``.
+        ``'fold'``, ``'period doubling'``, ``'torus'`` or ``'branch point'``.
     frequency : float
         Lambda.
     point : int
@@ -99,7 +99,8 @@ class Branch:
         Of a refined branch: by how much the waveform changed, relative, which is the error that the point had; NaN where shooting
         found no orbit near the point, which is as it was then. None where the branch is not refined.
     branches : list of Branch
-        Those that follow from the period doublings of a response, ``period_doublings`` generations of them.
+        Those that bifurcate from a response: at period doublings, ``period_doublings`` generations of them, and where
+        ``branch_points`` says so at branch points.
     settings : mapping
         What it was asked for, the names of ``&response``.
     train : Train
@@ -294,10 +295,9 @@ class Branch:
             rows = box.read_off("jumps")
             kinds, causes = box.text("jump kinds").splitlines(), box.text("jump causes").splitlines()
         after = np.where(rows[:, 2 + meshes : -2] < 0, np.nan, rows[:, 2 + meshes : -2])
+        speed = ("falling", "rising")
         return [
-            Jump(
-                float(row[0]), kind, "rising" if row[1] else "falling", cause, row[2 : 2 + meshes], reached, int(row[-2]), bool(row[-1])
-            )
+            Jump(float(row[0]), kind, speed[row[1] == 1], cause, row[2 : 2 + meshes], reached, int(row[-2]), bool(row[-1]))
             for row, kind, cause, reached in zip(rows, kinds, causes, after)
         ]
 

@@ -135,7 +135,7 @@ class Case:
                 modes = box.modes()
                 settings = self.response or {}
                 branches = Branch._all_from(box, self.train, settings)
-                doubled = [branch for branch in branches if branch.origin.startswith("period doubling")]
+                doubled = [branch for branch in branches if not branch.origin.startswith("attractor")]
                 response = Branch._from(box, self.train, settings)
                 if response is not None:
                     response.branches.extend(doubled)

@@ -151,6 +151,7 @@ class Train:
         step: float | None = None,
         max_points: int | None = None,
         period_doublings: int = 0,
+        branch_points: bool = False,
         refine: bool = False,
     ) -> Branch:
         """Follow the periodic motions by harmonic balance and continuation, through the folds.
@@ -181,13 +182,16 @@ class Train:
         max_points : int, optional
         period_doublings : int
             How often a period doubling is followed: 1 gives the branches of twice the period, 2 those of four times as well, ...
+        branch_points : bool
+            Whether the branches of the same period that cross at branch points are followed: where a multiplier passes +1
+            without a fold, as where equal stages begin to move differently.
         refine : bool
             Every point polished by shooting in the end, see `Branch.refine`.
 
         Returns
         -------
         Branch
-            Its ``ended`` tells why it ended; its ``branches`` are those that follow from period doublings.
+            Its ``ended`` tells why it ended; its ``branches`` are those that bifurcate from it.
 
         Raises
         ------
@@ -225,6 +229,7 @@ class Train:
             "step": step,
             "max_points": max_points,
             "period_doublings": period_doublings,
+            "branch_points": branch_points,
             "refine": refine,
         }
         text = self.namelist(response=settings)

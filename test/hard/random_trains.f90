@@ -78,8 +78,8 @@ contains
       end do
    end subroutine compare
 
-   !> One to three pairs: equal stages or not, orders 1, alike up to 80 or unlike up to 7, shafts with and without damping, torque of
-   !> either sign; a range below, at or above the first resonance; few harmonics.
+   !> One to three pairs: equal stages or not, orders 1, alike up to 80 or unlike up to 7, shafts with and without damping, torque
+   !> of either sign; a range below, at or above the first resonance; few harmonics.
    subroutine random_train(seed, train, settings)
       integer, intent(in) :: seed
       type(train_type), intent(out) :: train

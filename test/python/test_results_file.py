@@ -127,7 +127,7 @@ def test_xarray_opens_each_group(path):
     assert list(modes.element.values) == ["mesh 1"]
 
     special = xarray.open_dataset(path, group="response/special_points", engine="h5netcdf")
-    assert set(special.kind.values) <= {"fold", "period doubling", "torus", "symmetry"}
+    assert set(special.kind.values) <= {"fold", "period doubling", "torus", "branch point"}
     assert special.rms.dims == ("special_point", "mesh")
 
 

@@ -1,11 +1,11 @@
-!> How a branch bends from one point to the next: turns of Lambda, the angle between tangents, coming back to where it began.
+!> How a branch bends from one point to the next: the sense of Lambda, the angle between tangents, coming back to where it began.
 module geartrain_branch_bend
    use geartrain_base_kinds, only: dp
    use geartrain_branch_path, only: inner, place_type
    use geartrain_branch_units, only: units_type
    implicit none (type, external)
    private
-   public :: cosine_limit, turns, hides_folds, odd_product, loses_odd, passes_half_period, cosine, closes
+   public :: cosine_limit, sense_of, hides_folds, odd_product, loses_odd, passes_half_period, cosine, way_to, closes
 
    !> Cosine of the largest angle between tangents of neighbouring points.
    real(dp), parameter :: cosine_limit = 0.85_dp
@@ -15,14 +15,14 @@ module geartrain_branch_bend
 
 contains
 
-   !> Whether Lambda turns between two points.
-   pure logical function turns(here, next, units)
-      type(place_type), intent(in) :: here, next
+   !> Whether Lambda grows, +1, or falls, -1, along the branch at a place; 0 where the branch is vertical.
+   pure integer function sense_of(place, units)
+      type(place_type), intent(in) :: place
       type(units_type), intent(in) :: units
 
-      turns = here%tangent_frequency*next%tangent_frequency < 0 &
-              .and. max(abs(here%tangent_frequency), abs(next%tangent_frequency)) > vertical*units%frequency
-   end function turns
+      sense_of = 0
+      if (abs(place%tangent_frequency) > vertical*units%frequency) sense_of = merge(1, -1, place%tangent_frequency > 0)
+   end function sense_of
 
    !> Whether Lambda seems to turn twice between two points: whether the cubic through them, with their slopes, does.
    pure logical function hides_folds(here, next, units, h)
@@ -92,6 +92,15 @@ contains
                + here%tangent_frequency*next%tangent_frequency/units%frequency**2
    end function cosine
 
+   !> The way from `here` to a place, along the tangent at `here`.
+   pure real(dp) function way_to(here, place, units)
+      type(place_type), intent(in) :: here, place
+      type(units_type), intent(in) :: units
+
+      way_to = inner(place%u - here%u, here%tangent)/units%length**2 &
+               + (place%frequency - here%frequency)*here%tangent_frequency/units%frequency**2
+   end function way_to
+
    !> Whether `origin` lies ahead, within the next step and close to the tangent; `gap` is the way there.
    logical function closes(here, origin, h, units, gap)
       type(place_type), intent(in) :: here, origin
@@ -102,7 +111,7 @@ contains
 
       du = (origin%u - here%u)/units%length
       df = (origin%frequency - here%frequency)/units%frequency
-      gap = inner(du, here%tangent)/units%length + df*here%tangent_frequency/units%frequency
+      gap = way_to(here, origin, units)
       closes = gap > 0 .and. gap <= h .and. inner(du, du) + df**2 < 1.1_dp*gap**2 &
                .and. cosine(here, origin, units) > cosine_limit
    end function closes

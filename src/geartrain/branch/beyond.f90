@@ -5,15 +5,18 @@
 !> steps in proportion to its amplitude until s is large, and its sign is changed there; Lambda follows from the balance.
 module geartrain_branch_beyond
    use geartrain_base_kinds, only: dp
+   use geartrain_branch_bend, only: odd_product
    use geartrain_branch_path, only: inner, place_type
-   use geartrain_branch_tracer, only: acceptable, next_step, tracer_type
+   use geartrain_branch_step, only: acceptable, next_step
+   use geartrain_branch_tracer, only: tracer_type
    use geartrain_motion_trigonometric, only: rms
    implicit none (type, external)
    private
-   public :: pass_beyond, came_down, left_range, lost
+   public :: pass_beyond, came_down, left_range, mirrored, lost
 
-   !> What became of the branch: below the limit again, out of the range of Lambda, not to be followed further.
-   integer, parameter :: came_down = 1, left_range = 2, lost = 3
+   !> What became of the branch: below the limit again; out of the range of Lambda; it comes back as its own mirror image, shifted
+   !> by half its period; not to be followed further.
+   integer, parameter :: came_down = 1, left_range = 2, mirrored = 3, lost = 4
 
    !> Amplitude, as a multiple of the limit, at which the sign changes: what is neglected there is of the order of its inverse.
    real(dp), parameter :: far = 1e4_dp
@@ -40,7 +43,7 @@ contains
       h = tracer%settings%step
       do steps = 1, most_steps
          call tracer%path%advance(place, h, next, success)
-         if (success) success = acceptable(tracer, place, next, h)
+         if (success) success = acceptable(tracer%path, place, next, h)
          ! The last step, to below the limit, is one as the branch has it.
          if (success) success = h <= tracer%settings%step .or. amplitude(tracer, next) > tracer%amplitude_limit
          if (.not. success) then
@@ -48,7 +51,7 @@ contains
             if (h < smallest_step) return
             cycle
          end if
-         h = next_step(tracer, place, next, h, largest_step*tracer%path%length_of(next%u))
+         h = next_step(tracer%path, place, next, h, largest_step*tracer%path%length_of(next%u))
          size = amplitude(tracer, next)
          if (next%frequency < low .or. next%frequency > high) outcome = left_range
          if (outcome == lost .and. size <= tracer%amplitude_limit) then
@@ -59,6 +62,11 @@ contains
          place = next
          if (outcome /= lost) return
          if (size < far*tracer%amplitude_limit .or. inner(place%tangent, place%u) < 0) cycle
+         ! Shifted by half the period the odd harmonics change sign, and phi is either odd or even.
+         if (mod(tracer%settings%subharmonic, 2) == 0 .and. 2*odd_product(place, place) > sum(place%u**2)) then
+            outcome = mirrored
+            return
+         end if
          place%u = -place%u
          place%tangent = -place%u/tracer%path%length_of(place%u)
          place%tangent_frequency = 0

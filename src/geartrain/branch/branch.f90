@@ -6,7 +6,7 @@ module geartrain_branch_branch
    use geartrain_motion_motion, only: motion_type
    implicit none (type, external)
    private
-   public :: branch_type, response_settings_type, special_point_type, trace_state_type
+   public :: branch_type, contact_edge_type, response_settings_type, special_point_type, trace_state_type
 
    !> The variables of &response; from and to are `start` and `stop`.
    type :: response_settings_type
@@ -27,21 +27,35 @@ module geartrain_branch_branch
       !> Largest step along the branch, in Lambda and mesh displacement together.
       real(dp) :: step = 0.05_dp
       integer :: max_points = 20000
-      !> Generations of branches that follow from period doublings, see follow_doublings.
+      !> Generations of branches that follow from period doublings, and whether those that cross at branch points are followed, see
+      !> follow_bifurcations.
       integer :: period_doublings = 0
+      logical :: branch_points = .false.
       !> The points are polished by shooting, see refine_branch.
       logical :: refine = .false.
    end type response_settings_type
 
    !> A place on the branch that a reader looks for.
    type :: special_point_type
-      !> 'fold', 'period doubling', 'torus' (a pair of multipliers leaves the unit circle) or 'symmetry' (+1 without fold).
+      !> 'fold', 'period doubling', 'torus' (a pair of multipliers leaves the unit circle) or 'branch point' (another branch of the
+      !> same period crosses; a multiplier passes +1 without a fold).
       character(16) :: kind = ''
       real(dp) :: frequency = 0
       !> Index of the point before it.
       integer :: point = 0
       real(dp), allocatable :: rms(:)
    end type special_point_type
+
+   !> Where a mesh begins or ceases to separate, or its back flanks to collide.
+   type :: contact_edge_type
+      !> The point of the branch before it.
+      integer :: point = 0
+      integer :: mesh = 0
+      !> Of the back flanks.
+      logical :: back = .false.
+      !> Lambda.
+      real(dp) :: frequency = 0
+   end type contact_edge_type
 
    !> Where the trace of a response stands: all that its next step depends on, so that another run can go on with it.
    type :: trace_state_type
@@ -59,6 +73,8 @@ module geartrain_branch_branch
       real(dp) :: step = 0, bend = 0
       !> Points so far that miss the tolerance.
       integer :: missed = 0
+      !> Of Lambda along the branch before it became vertical, if it is: +1 or -1.
+      integer :: sense = 0
       type(place_type) :: here, origin
       !> What the reason for its end begins with.
       character(:), allocatable :: before
@@ -98,6 +114,8 @@ module geartrain_branch_branch
       !> amplitude limit, and with the points traced from `stop` where those from `start` do not get there.
       integer, allocatable :: part(:)
       type(special_point_type), allocatable :: special_points(:)
+      !> Not allocated until locate_contact_edges fills it.
+      type(contact_edge_type), allocatable :: contact_edges(:)
       !> Why it ended, in words; complete is .true. where it got to the other end or closed.
       character(:), allocatable :: ended
       logical :: complete = .false., closed = .false.

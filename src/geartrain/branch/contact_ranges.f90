@@ -6,12 +6,12 @@ module geartrain_branch_contact_ranges
    use geartrain_branch_summary, only: band_type, change
    implicit none (type, external)
    private
-   public :: separation_ranges, back_collision_ranges
+   public :: separation_ranges, back_collision_ranges, depth_below
 
 contains
 
    !> Where |p| < b at some instant, ascending: at any level of the branch, or at a stable one. An edge is where the smallest
-   !> displacement touches b, interpolated between two points.
+   !> displacement touches b: as locate_contact_edges found it, or interpolated between two points.
    pure function separation_ranges(branch, mesh, stable_only) result(ranges)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: mesh
@@ -20,9 +20,7 @@ contains
 
       allocate (ranges(0))
       if (.not. has_backlash(branch, mesh)) return
-      associate (n => branch%points, b => branch%backlash(mesh))
-         ranges = ranges_below_zero(branch, max(branch%minimum(mesh, :n) - b, -b - branch%maximum(mesh, :n)), stable_only)
-      end associate
+      ranges = ranges_below_zero(branch, mesh, .false., stable_only)
    end function separation_ranges
 
    !> Where p < -b at some instant, likewise.
@@ -34,8 +32,19 @@ contains
 
       allocate (ranges(0))
       if (.not. has_backlash(branch, mesh)) return
-      ranges = ranges_below_zero(branch, branch%minimum(mesh, :branch%points) + branch%backlash(mesh), stable_only)
+      ranges = ranges_below_zero(branch, mesh, .true., stable_only)
    end function back_collision_ranges
+
+   !> How far the displacement of a mesh stays from separation, or from a collision of the back flanks; negative where it comes to
+   !> that.
+   elemental real(dp) function depth_below(smallest, largest, backlash, back)
+      !> Extremes of the displacement, and half of the backlash.
+      real(dp), intent(in) :: smallest, largest, backlash
+      logical, intent(in) :: back
+
+      depth_below = max(smallest - backlash, -backlash - largest)
+      if (back) depth_below = smallest + backlash
+   end function depth_below
 
    pure logical function has_backlash(branch, mesh)
       type(branch_type), intent(in) :: branch
@@ -45,23 +54,27 @@ contains
       if (allocated(branch%backlash)) has_backlash = branch%backlash(mesh) > 0
    end function has_backlash
 
-   !> Union of the pieces of the branch on which `distance` (point) is negative.
-   pure function ranges_below_zero(branch, distance, stable_only) result(ranges)
+   !> Union of the pieces of the branch on which a mesh separates, or its back flanks collide.
+   pure function ranges_below_zero(branch, mesh, back, stable_only) result(ranges)
       type(branch_type), intent(in) :: branch
-      real(dp), intent(in) :: distance(:)
-      logical, intent(in) :: stable_only
+      integer, intent(in) :: mesh
+      logical, intent(in) :: back, stable_only
       type(band_type), allocatable :: ranges(:)
-      real(dp) :: from, to, edge
+      real(dp) :: from, to, edge, distance(branch%points)
       integer :: i
 
       allocate (ranges(0))
+      associate (n => branch%points)
+         distance = depth_below(branch%minimum(mesh, :n), branch%maximum(mesh, :n), branch%backlash(mesh), back)
+      end associate
       if (stable_only .and. .not. allocated(branch%stable)) return
       do i = 1, branch%points - 1
          if (.not. joined(branch, i) .or. .not. any(distance(i:i + 1) < 0)) cycle
          from = branch%frequency(i)
          to = branch%frequency(i + 1)
          if (distance(i)*distance(i + 1) < 0) then
-            edge = crossing(branch, distance, i)
+            edge = located_edge(branch, mesh, back, i)
+            if (.not. edge > 0) edge = crossing(branch, distance, i)
             if (distance(i) < 0) to = edge
             if (distance(i + 1) < 0) from = edge
          end if
@@ -85,6 +98,22 @@ contains
       end associate
       call add(ranges, band_type(from, to))
    end function ranges_below_zero
+
+   !> Lambda of the edge between points i and i + 1 as it was located; 0 where it was not.
+   pure real(dp) function located_edge(branch, mesh, back, i)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: mesh, i
+      logical, intent(in) :: back
+      integer :: k
+
+      located_edge = 0
+      if (.not. allocated(branch%contact_edges)) return
+      do k = 1, size(branch%contact_edges)
+         associate (edge => branch%contact_edges(k))
+            if (edge%point == i .and. edge%mesh == mesh .and. (edge%back .eqv. back)) located_edge = edge%frequency
+         end associate
+      end do
+   end function located_edge
 
    !> Moves `end` to `edge`, unless it lies beyond that already as seen from its side of `other`.
    elemental subroutine cut(end, other, edge)

@@ -4,7 +4,7 @@ module geartrain_branch_islands
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
    use geartrain_branch_branch, only: branch_type, response_settings_type
-   use geartrain_branch_doublings, only: add_branch
+   use geartrain_branch_bifurcations, only: add_branch
    use geartrain_branch_response, only: response
    use geartrain_branch_solutions, only: beyond_limit, lies_on
    use geartrain_branch_variables, only: settings_for

@@ -22,8 +22,8 @@ module geartrain_branch_jumps
       real(dp), allocatable :: before(:), after(:)
       !> Other stable motions of the branch at this Lambda: where there are more than one, `after` is a guess, the nearest one.
       integer :: candidates = 0
-      !> It rests on undecided points: no decided one near it is stable on one side and none unstable on the other, or the motion after
-      !> it is undecided.
+      !> It rests on undecided points: no decided one near it is stable on one side and none unstable on the other, or the
+      !> motion after it is undecided.
       logical :: undecided = .false.
    end type jump_type
 

@@ -45,7 +45,7 @@ module geartrain_branch_path
       procedure :: advance
       procedure :: refit
       procedure :: length_of
-      procedure, private :: across
+      procedure :: across
       procedure, private :: tolerance_at
       procedure, private :: newton
       procedure, private :: find_tangent

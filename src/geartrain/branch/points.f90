@@ -1,7 +1,7 @@
 !> The points of a branch as a list: turned round, shortened, compared.
 module geartrain_branch_points
    use geartrain_base_kinds, only: dp
-   use geartrain_branch_branch, only: branch_type
+   use geartrain_branch_branch, only: branch_type, special_point_type
    implicit none (type, external)
    private
    public :: drop_first, is_same_point, put_in_front, same_motion
@@ -11,23 +11,43 @@ module geartrain_branch_points
 
 contains
 
-   !> Reverses the points after `forward` and puts them before the others.
+   !> Reverses the points after `forward`, which lead the other way from the first one, and puts them before the others.
    subroutine put_in_front(branch, forward)
       type(branch_type), intent(inout), target :: branch
       integer, intent(in) :: forward
-      integer :: order(branch%points), i, n, place(branch%points)
+      integer :: order(branch%points), part(branch%points), i, n, place(branch%points)
+      integer, allocatable :: sequence(:)
+      logical :: backward(size(branch%special_points))
+      type(special_point_type), allocatable :: sorted(:)
 
       n = branch%points
       order = [(i, i=n, forward + 1, -1), (i, i=1, forward)]
       call take_points(branch, order)
       place(order) = [(i, i=1, n)]
+      ! Parts are numbered anew; what meets at the first point is one part.
+      part = branch%part(:n)
+      branch%part(1) = 1
+      do i = 2, n
+         branch%part(i) = branch%part(i - 1) + merge(0, 1, part(i) == part(i - 1) .or. i == n - forward + 1)
+      end do
+      ! The place between the first point and the first one of the other way has the point `forward` before it in the list.
+      backward = branch%special_points%point > forward .or. &
+                 branch%special_points%point == forward .and. branch%special_points%kind /= 'fold'
       do i = 1, size(branch%special_points)
          associate (special => branch%special_points(i))
             ! The order being reversed, the point after a place comes before it; a fold is a point itself.
-            if (special%point > forward .and. special%kind /= 'fold') special%point = special%point + 1
+            if (backward(i) .and. special%kind /= 'fold') special%point = special%point + 1
             special%point = place(special%point)
          end associate
       end do
+      sequence = [(i, i=size(backward), 1, -1)]
+      sequence = [pack(sequence, backward(sequence)), pack([(i, i=1, size(backward))], .not. backward)]
+      allocate (sorted(size(backward)))
+      ! One by one: in one assignment gfortran 12 frees the components twice.
+      do i = 1, size(backward)
+         sorted(i) = branch%special_points(sequence(i))
+      end do
+      call move_alloc(sorted, branch%special_points)
    end subroutine put_in_front
 
    !> Takes the first points off, with what is special among them.

@@ -7,12 +7,11 @@ module geartrain_branch_response
    use geartrain_base_observer, only: observer_type
    use geartrain_base_numbers, only: text
    use geartrain_branch_branch, only: branch_type, response_settings_type, special_point_type
-   use geartrain_branch_beyond, only: came_down, left_range, lost, pass_beyond
    use geartrain_branch_path, only: place_type
-   use geartrain_branch_points, only: drop_first, is_same_point, put_in_front, same_motion
+   use geartrain_branch_points, only: drop_first, is_same_point, same_motion
    use geartrain_branch_start, only: begin_trace, place_of, resting
-   use geartrain_branch_tracer, only: came_back, cancelled, closed_loop, left_by_amplitude, met_half_period, reached_end, &
-                                      left_beyond, tracer_type
+   use geartrain_branch_through, only: followed_out, trace_both_ways, trace_through
+   use geartrain_branch_tracer, only: cancelled, reached_end, tracer_type
    use geartrain_branch_variables, only: check_response
    use geartrain_model_check, only: check_train
    use geartrain_model_train, only: train_type
@@ -99,13 +98,6 @@ contains
       call tracer%recorder%finish(branch)
    end subroutine response
 
-   !> Whether a part was followed to where it leaves the range.
-   pure logical function followed_out(outcome)
-      integer, intent(in) :: outcome
-
-      followed_out = outcome == reached_end .or. outcome == came_back .or. outcome == left_beyond
-   end function followed_out
-
    subroutine check_seed(train, seed, error)
       type(train_type), intent(in) :: train
       type(motion_type), intent(in) :: seed
@@ -129,17 +121,11 @@ contains
       integer, intent(out) :: outcome
       character(:), allocatable, intent(out) :: reason
       class(observer_type), intent(inout), optional :: observer
-      type(place_type) :: place
-      character(:), allocatable :: before
-      real(dp) :: left_at
-      integer :: beyond
+      type(place_type) :: place, began
       logical :: success
 
       outcome = 0
-      before = ''
-      if (tracer%resumes) then
-         before = branch%trace%before
-      else
+      if (.not. tracer%resumes) then
          branch%trace%steps = 0
          branch%trace%before = ''
          call tracer%note_state(branch%trace)
@@ -160,26 +146,8 @@ contains
          call tracer%adapt(place, success, fixed=.true.)
          call tracer%record(place, branch)
       end if
-      do
-         call tracer%trace(place, min(from, to), max(from, to), to, branch, outcome, reason, observer)
-         reason = before//reason
-         if (outcome /= left_by_amplitude) return
-         left_at = place%frequency
-         call pass_beyond(tracer, place, min(from, to), max(from, to), beyond)
-         if (beyond == left_range) then
-            outcome = left_beyond
-            reason = reason//' and left the range of Lambda beyond it'
-         end if
-         if (beyond == lost) reason = reason//' and could not be followed beyond it; &
-            &a larger amplitude_limit traces it there as usual'
-         if (beyond /= came_down) return
-         call tracer%adapt(place, success)
-         before = before//'beyond the amplitude limit '//text(tracer%amplitude_limit)//' from Lambda = '//text(left_at) &
-                  //' to '//text(place%frequency)//'; '
-         branch%trace%before = before
-         tracer%part = tracer%part + 1
-         call tracer%record(place, branch)
-      end do
+      began = place
+      call trace_through(tracer, place, to, branch, outcome, reason, observer, began)
    end subroutine trace_part
 
    !> Whether a motion is the one that the branch ends at.
@@ -273,11 +241,7 @@ contains
       type(branch_type), intent(inout), target :: branch
       class(observer_type), intent(inout), optional :: observer
       type(place_type) :: place, backward
-      !> Ends beyond which the branch goes on outside what was asked for, or not at all.
-      integer, parameter :: proper_ends(*) = [reached_end, came_back, left_by_amplitude, met_half_period]
-      integer :: outcome, forward_outcome, forward
-      character(:), allocatable :: reason
-      real(dp) :: low, high, target
+      real(dp) :: low, high
       logical :: success
 
       low = min(tracer%settings%start, tracer%settings%stop)
@@ -301,20 +265,9 @@ contains
       call tracer%adapt(place, success, fixed=.true.)
       call tracer%record(place, branch)
       backward = place
-      target = tracer%settings%stop
-      call tracer%trace(place, low, high, target, branch, outcome, branch%ended, observer)
-      forward_outcome = outcome
-      branch%closed = outcome == closed_loop
-      branch%complete = branch%closed
-      if (branch%closed .or. outcome == cancelled) return
-      forward = branch%points
-      call tracer%path%refit(backward)
-      call tracer%path%solve_at(backward, success)
-      call tracer%path%orient(backward, merge(-1, 1, tracer%settings%stop > tracer%settings%start))
-      call tracer%trace(backward, low, high, target, branch, outcome, reason, observer)
-      call put_in_front(branch, forward)
-      branch%complete = any(outcome == proper_ends) .and. any(forward_outcome == proper_ends)
-      branch%ended = 'forwards from the seed: '//branch%ended//'; backwards: '//reason
+      backward%tangent = -place%tangent
+      backward%tangent_frequency = -place%tangent_frequency
+      call trace_both_ways(tracer, place, backward, branch, 'the seed', observer)
    end subroutine trace_from_seed
 
 end module geartrain_branch_response

@@ -71,13 +71,13 @@ contains
       end do
    end subroutine record_crossings
 
-   !> Whether a part of the branch ends at a point.
+   !> Whether a part of the branch ends at a point. A closed branch does not: its last point is the first one.
    pure logical function ends(branch, point)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: point
 
-      ends = point == branch%points
-      if (.not. ends) ends = branch%part(point + 1) /= branch%part(point)
+      ends = point == branch%points .and. .not. branch%closed
+      if (point < branch%points) ends = branch%part(point + 1) /= branch%part(point)
    end function ends
 
    !> A half-open interval, so that a point exactly at the frequency counts once; the last one of a part is closed.

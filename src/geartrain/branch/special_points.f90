@@ -1,13 +1,14 @@
-!> Locates what a reader looks for on a branch between two neighbouring points: folds and changes of stability.
+!> Locates what a reader looks for on a branch between two neighbouring points by the balance alone: folds, and where the branch of
+!> half the period is met.
 module geartrain_branch_special_points
    use geartrain_base_kinds, only: dp
    use geartrain_branch_bend, only: odd_product
    use geartrain_branch_branch, only: branch_type, special_point_type
    use geartrain_branch_path, only: path_type, place_type
-   use geartrain_stability_monodromy, only: monodromy_type, neutral
    implicit none (type, external)
    private
-   public :: locate_fold, locate_half_period, add_special_point, add_stability_change
+   public :: locate_fold, locate_half_period, add_special_point
+   public :: generic_vector, go_along
    public :: between, shrink
 
    integer, parameter :: max_steps = 30
@@ -78,109 +79,38 @@ contains
       place%frequency = first%frequency + share*(last%frequency - first%frequency)
    end subroutine locate_half_period
 
-   !> Where the stability changed between point `before` of the branch and the next one, other than by a fold at either of them:
-   !> locates the change and puts it on the list. They lie the distances `a` and `b` from `here`, along its tangent.
-   subroutine add_stability_change(path, monodromy, here, a, b, before, branch)
-      type(path_type), intent(inout) :: path
-      type(monodromy_type), intent(inout) :: monodromy
-      type(place_type), intent(in) :: here
-      real(dp), intent(in) :: a, b
-      integer, intent(in) :: before
-      type(branch_type), intent(inout), target :: branch
-      type(place_type) :: place
-      character(16) :: kind
-      integer :: change
-      logical :: success, next_to_fold
-
-      associate (first => branch%multipliers(:, before), last => branch%multipliers(:, before + 1))
-         change = unstable_count(last) - unstable_count(first)
-         if (doubling_test(first)*doubling_test(last) >= 0) then
-            if (change == 0) return
-            next_to_fold = any(branch%special_points%kind == 'fold' .and. (branch%special_points%point == before &
-                                                                           .or. branch%special_points%point == before + 1))
-            ! Of the fold.
-            if (next_to_fold .and. abs(change) == 1) return
-         end if
-         call locate_stability_change(path, monodromy, here, a, b, first, last, place, kind, success)
-      end associate
-      if (.not. success) return
-      if (kind == 'symmetry') then
-         ! A truncated balance and its monodromy place one fold slightly apart: that is no change of its own.
-         if (any(branch%special_points%kind == 'fold' .and. branch%special_points%point > branch%points - 6)) return
-         if (abs(place%tangent_frequency) < 0.1_dp*path%units%frequency) return
-      end if
-      call add_special_point(branch, kind, place%frequency, before, branch%rms(:, before + 1))
-   end subroutine add_stability_change
-
-   !> Number of multipliers outside the unit circle.
-   pure integer function unstable_count(multipliers)
-      complex(dp), intent(in) :: multipliers(:)
-
-      unstable_count = count(abs(multipliers) >= 1 - neutral)
-   end function unstable_count
-
-   !> det(M + I) but for complex multipliers, of which a leading one may lack its conjugate: changes sign where a real multiplier
-   !> passes -1, whatever the others do.
-   pure real(dp) function doubling_test(multipliers)
-      complex(dp), intent(in) :: multipliers(:)
-
-      doubling_test = product(merge(1 + multipliers%re, abs(1 + multipliers), abs(multipliers%im) <= 0))
-   end function doubling_test
-
-   !> The place at a distance between `from` and `to` from `here` where a multiplier passes -1, or else where the number of
-   !> multipliers outside the unit circle changes, to 1e-4 of the way, and what kind of change it is.
-   subroutine locate_stability_change(path, monodromy, here, from, to, multipliers_from, multipliers_to, place, kind, success)
-      type(path_type), intent(inout) :: path
-      type(monodromy_type), intent(inout) :: monodromy
-      type(place_type), intent(in) :: here
-      real(dp), intent(in) :: from, to
-      complex(dp), intent(in) :: multipliers_from(:), multipliers_to(:)
+   !> The place at a distance s along the cubic through `here` and the place `next` a distance h further, with its tangent.
+   pure subroutine go_along(here, next, h, s, place)
+      type(place_type), intent(in) :: here, next
+      real(dp), intent(in) :: h, s
       type(place_type), intent(inout) :: place
-      character(*), intent(out) :: kind
-      logical, intent(out) :: success
-      complex(dp) :: multipliers(size(multipliers_from)), crossing
-      real(dp) :: a, b, fa, fb, f, s
-      integer :: i, critical, kept
-      logical :: doubles
+      real(dp) :: t, a(4), b(4)
 
-      ! Sorted by magnitude, the multiplier with this index is the one that crosses.
-      critical = max(unstable_count(multipliers_from), unstable_count(multipliers_to))
-      doubles = doubling_test(multipliers_from)*doubling_test(multipliers_to) < 0
-      kept = 0
-      a = from
-      b = to
-      fa = passing(multipliers_from, critical, doubles)
-      fb = passing(multipliers_to, critical, doubles)
-      do i = 1, max_steps
-         s = between(a, b, fa, fb)
-         call path%advance(here, s, place, success)
-         if (.not. success) return
-         call monodromy%integrate(path%balance, place%frequency)
-         call monodromy%multipliers(multipliers)
-         f = passing(multipliers, critical, doubles)
-         call shrink(a, b, fa, fb, s, f, kept)
-         if (abs(f) < 1e-7_dp .or. b - a < 1e-4_dp*(to - from)) exit
+      t = s/h
+      a = [(1 + 2*t)*(1 - t)**2, t*(1 - t)**2*h, t**2*(3 - 2*t), t**2*(t - 1)*h]
+      b = [6*t*(t - 1)/h, (1 - t)*(1 - 3*t), 6*t*(1 - t)/h, t*(3*t - 2)]
+      place%u = a(1)*here%u + a(2)*here%tangent + a(3)*next%u + a(4)*next%tangent
+      place%frequency = a(1)*here%frequency + a(2)*here%tangent_frequency + a(3)*next%frequency + a(4)*next%tangent_frequency
+      place%tangent = b(1)*here%u + b(2)*here%tangent + b(3)*next%u + b(4)*next%tangent
+      place%tangent_frequency = b(1)*here%frequency + b(2)*here%tangent_frequency + b(3)*next%frequency &
+                                + b(4)*next%tangent_frequency
+   end subroutine go_along
+
+   !> Number `number` of a list of vectors without any symmetry, so that none is orthogonal to what a symmetric train does.
+   pure subroutine generic_vector(number, x, y)
+      integer, intent(in) :: number
+      real(dp), intent(out) :: x(:, :), y
+      real(dp), parameter :: golden = 0.6180339887498949_dp, silver = 0.4142135623730951_dp
+      integer :: i, l
+
+      do i = 1, size(x, 2)
+         do l = 1, size(x, 1)
+            ! Fractions of multiples of irrational numbers spread evenly; low harmonics, which are most of it, weigh more.
+            x(l, i) = (modulo((l + size(x, 1)*i)*golden + number*i*silver, 1.0_dp) - 0.5_dp)/(1 + l/2)
+         end do
       end do
-      kind = 'period doubling'
-      if (doubles) return
-      crossing = multipliers(critical)
-      if (abs(crossing%im) < 1e-6_dp .and. crossing%re < 0) return
-      kind = 'torus'
-      if (abs(crossing%im) < 1e-6_dp) kind = 'symmetry'
-   end subroutine locate_stability_change
-
-   !> Zero at the change: how far the multiplier number `critical` is outside the unit circle, or the test of a doubling.
-   pure real(dp) function passing(multipliers, critical, doubles)
-      complex(dp), intent(in) :: multipliers(:)
-      integer, intent(in) :: critical
-      logical, intent(in) :: doubles
-
-      if (doubles) then
-         passing = doubling_test(multipliers)
-      else
-         passing = abs(multipliers(critical)) - (1 - neutral)
-      end if
-   end function passing
+      y = 0.3_dp
+   end subroutine generic_vector
 
    !> Where the chord crosses zero, kept off the ends of the bracket.
    pure real(dp) function between(a, b, fa, fb)

@@ -2,8 +2,9 @@
 module geartrain_branch_start
    use geartrain_base_kinds, only: dp
    use geartrain_branch_branch, only: response_settings_type
+   use geartrain_branch_chosen_harmonics, only: first_harmonics
    use geartrain_branch_path, only: place_type
-   use geartrain_branch_tracer, only: first_harmonics, tracer_type
+   use geartrain_branch_tracer, only: tracer_type
    use geartrain_branch_units, only: largest_unit, units_of
    use geartrain_model_modes, only: natural_frequencies
    use geartrain_model_system, only: build_system

@@ -4,37 +4,28 @@ module geartrain_branch_tracer
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_base_numbers, only: text
-   use geartrain_branch_bend, only: closes, cosine, cosine_limit, hides_folds, loses_odd, passes_half_period, turns
+   use geartrain_branch_bend, only: closes, hides_folds, passes_half_period, sense_of, way_to
    use geartrain_branch_branch, only: branch_type, response_settings_type, trace_state_type
+   use geartrain_branch_chosen_harmonics, only: fewest_harmonics, most_harmonics
    use geartrain_branch_path, only: path_type, place_type
    use geartrain_branch_recorder, only: recorder_type
-   use geartrain_branch_special_points, only: add_special_point, add_stability_change, locate_fold
-   use geartrain_model_excitation, only: excited_harmonics, reach_of_sources
-   use geartrain_model_receptance, only: is_unknown
+   use geartrain_branch_singular_search, only: find_crossing
+   use geartrain_branch_special_points, only: add_special_point, locate_fold
+   use geartrain_branch_stability_changes, only: add_stability_changes
+   use geartrain_branch_step, only: acceptable, crosses_branch, jump_step, large, next_step
    use geartrain_model_system, only: system_type
    use geartrain_motion_trigonometric, only: transform_length
    use geartrain_motion_truncation, only: find_truncation, harmonics_for, truncation_type
    implicit none (type, external)
    private
-   public :: tracer_type, acceptable, first_harmonics, next_step
-   public :: reached_end, came_back, closed_loop, left_by_amplitude, cancelled, stuck, full, met_half_period, left_beyond
+   public :: tracer_type
+   public :: reached_end, came_back, closed_loop, left_by_amplitude, cancelled, stuck, full, met_half_period
 
-   !> How a trace ended; left_beyond: out of the range of Lambda beyond the amplitude limit.
+   !> How a trace ended.
    integer, parameter :: reached_end = 1, came_back = 2, closed_loop = 3, left_by_amplitude = 4, cancelled = 5, stuck = 6, &
-                         full = 7, met_half_period = 8, left_beyond = 9
+                         full = 7, met_half_period = 8
 
    real(dp), parameter :: first_step = 0.01_dp, smallest_step = 1e-9_dp
-   !> Angle between tangents of neighbouring points aimed at [rad], and Newton's first correction over the step: as a rule; and on
-   !> branches of longer periods, whose doublings lie closer together with each generation, and beyond the amplitude `large`.
-   real(dp), parameter :: angle_aim(2) = [0.25_dp, 0.2_dp], correction_aim(2) = [0.08_dp, 0.05_dp]
-   !> Newton's first correction over the step that is refused.
-   real(dp), parameter :: correction_limit = 0.35_dp
-   !> A change of orientation is a jump to another branch, unless it persists below this step: then branches cross here.
-   real(dp), parameter :: jump_step = 1e-4_dp
-   !> Amplitude, in the unit of the branch, above which the largest step grows in proportion to it.
-   real(dp), parameter :: large = 5
-   !> Harmonics by tolerance, of those that the excitation reaches: to begin with and fewest, of Lambda; most, of Lambda/subharmonic.
-   integer, parameter :: begin_harmonics = 6, fewest_harmonics = 4, most_harmonics = 384
    !> Share of the tolerance aimed at, so that a few points more keep within it, and how much lower the number of harmonics must be
    !> able to get to be lowered: each change plans the balance anew.
    real(dp), parameter :: tolerance_share = 0.3_dp, worth_lowering = 0.75_dp
@@ -71,37 +62,10 @@ module geartrain_branch_tracer
       procedure :: estimate_error
       procedure, private :: stop_at
       procedure, private :: add_fold
-      procedure, private :: add_stability_changes
+      procedure, private :: add_changes
    end type tracer_type
 
 contains
-
-   !> Harmonics of Lambda/subharmonic to begin with where their number is left to the program.
-   pure integer function first_harmonics(system, subharmonic)
-      type(system_type), intent(in) :: system
-      integer, intent(in) :: subharmonic
-
-      first_harmonics = at_least(begin_harmonics, system, subharmonic)
-   end function first_harmonics
-
-   !> `harmonics` of Lambda, of those that the excitation reaches, in harmonics of Lambda/subharmonic; or as many as leave no source
-   !> of excitation out, where these are more. Meshes that are no unknowns are excited by what is carried alone.
-   pure integer function at_least(harmonics, system, subharmonic)
-      integer, intent(in) :: harmonics, subharmonic
-      type(system_type), intent(in) :: system
-
-      at_least = max(harmonics*spacing(system, subharmonic), reach_of_sources(system))
-      if (.not. all(is_unknown(system))) at_least = maxval([at_least, excited_harmonics(system)])
-      at_least = at_least*subharmonic
-   end function at_least
-
-   !> Of the harmonics of Lambda/subharmonic that the excitation reaches.
-   pure integer function spacing(system, subharmonic)
-      type(system_type), intent(in) :: system
-      integer, intent(in) :: subharmonic
-
-      spacing = merge(system%excitation_order, 1, subharmonic == 1)
-   end function spacing
 
    !> Plans the balance for `harmonics` harmonics.
    subroutine prepare(self, harmonics)
@@ -143,7 +107,7 @@ contains
 
    !> Follows the branch from `here` (solved, oriented, already a point of the branch) within [low, high]. Of the two bounds
    !> `target` is the end and the other one a return. `here` becomes the place where the branch left by the amplitude limit, if so.
-   subroutine trace(self, here, low, high, target, branch, outcome, reason, observer)
+   subroutine trace(self, here, low, high, target, branch, outcome, reason, observer, began, point)
       class(tracer_type), intent(inout) :: self
       type(place_type), intent(inout) :: here
       real(dp), intent(in) :: low, high, target
@@ -151,45 +115,56 @@ contains
       integer, intent(out) :: outcome
       character(:), allocatable, intent(out) :: reason
       class(observer_type), intent(inout), optional :: observer
+      !> Where the branch began, and closes: `here` unless it is given. Kept up to date where the branch leaves by the limit.
+      type(place_type), intent(inout), optional :: began
+      !> Which point of the branch `here` is: the latest one unless it is given.
+      integer, intent(in), optional :: point
       type(place_type) :: next, origin
-      real(dp) :: h, longer, gap, fold_at
-      integer :: steps, mesh
-      logical :: success, keep_going, begins_at_latest, meets
+      real(dp) :: h, way, longer, gap, fold_at, crossing
+      integer :: steps, mesh, before, sense
+      logical :: success, keep_going, meets, crosses, located, at_bound, closing
 
-      begins_at_latest = abs(branch%frequency(branch%points) - here%frequency) <= 0
+      before = branch%points
+      if (present(point)) before = point
       next = here
       origin = here
+      if (present(began)) origin = began
+      sense = sense_of(here, self%path%units)
       h = min(first_step, self%settings%step)
       steps = 0
-      outcome = 0
+      closing = .false.
       if (self%resumes) then
          self%resumes = .false.
          here = branch%trace%here
          origin = branch%trace%origin
          h = branch%trace%step
          steps = branch%trace%steps
+         sense = branch%trace%sense
       end if
       do
-         call self%path%advance(here, h, next, success)
-         if (success) success = acceptable(self, here, next, h)
-         if (success) success = h < jump_step .or. .not. hides_folds(here, next, self%path%units, h)
-         if (success .and. (next%frequency < low .or. next%frequency > high)) then
+         if (closing) then
+            next = origin
+            call self%path%solve_at(next, success)
+            if (success) call self%path%orient(next, merge(1, -1, origin%tangent_frequency > 0))
+         else
+            call self%path%advance(here, h, next, success)
+            if (success) success = acceptable(self%path, here, next, h)
+            if (success) success = h < jump_step .or. .not. hides_folds(here, next, self%path%units, h)
+         end if
+         way = h
+         at_bound = success .and. .not. closing .and. (next%frequency < low .or. next%frequency > high)
+         crosses = .false.
+         if (at_bound) then
             call self%stop_at(merge(low, high, next%frequency < low), here, next, h, success)
-            if (success) call self%adapt(next, success, fixed=.true.)
-            if (success) then
-               call self%record(next, branch)
-               outcome = came_back
-               if (abs(next%frequency - target) <= 0) outcome = reached_end
-               reason = 'reached Lambda = '//text(next%frequency)
-               if (outcome == came_back) reason = 'came back to Lambda = '//text(next%frequency)
-               return
-            end if
-         end if
-         if (success) then
-            longer = next_step(self, here, next, h, self%settings%step*max(1.0_dp, self%path%length_of(next%u)/large))
+            way = way_to(here, next, self%path%units)
+         else if (success .and. .not. closing) then
+            longer = next_step(self%path, here, next, h, self%settings%step*max(1.0_dp, self%path%length_of(next%u)/large))
             self%bend = (next%tangent_frequency - here%tangent_frequency)/h
-            call self%adapt(next, success, here, origin)
+            crosses = crosses_branch(here, next)
+            if (crosses) call find_crossing(self%path, here, h, crossing, located)
          end if
+         if (success) call self%adapt(next, success, here, origin, fixed=at_bound .or. closing)
+         if (closing .and. .not. success) exit
          if (.not. success) then
             h = h/3
             if (h >= smallest_step) cycle
@@ -201,12 +176,21 @@ contains
          fold_at = 0
          ! It goes on as its own mirror image, so that Lambda seems to turn there.
          meets = passes_half_period(here, next, self%settings%subharmonic)
-         if (turns(here, next, self%path%units) .and. .not. meets) &
-            call self%add_fold(here, next, origin, h, fold_at, branch)
+         if (sense*sense_of(next, self%path%units) < 0 .and. .not. (meets .or. crosses)) &
+            call self%add_fold(here, next, origin, way, before, fold_at, branch)
+         if (sense_of(next, self%path%units) /= 0) sense = sense_of(next, self%path%units)
          call self%record(next, branch)
          steps = steps + 1
-         call self%add_stability_changes(here, h, fold_at, steps > 1 .or. begins_at_latest, branch)
+         if (crosses .and. located .and. .not. meets) call add_branch_point(branch, crossing)
+         call self%add_changes(here, way, fold_at, before, branch)
 
+         if (closing) exit
+         if (at_bound) then
+            outcome = merge(reached_end, came_back, abs(next%frequency - target) <= 0)
+            reason = 'reached Lambda = '//text(next%frequency)
+            if (outcome == came_back) reason = 'came back to Lambda = '//text(next%frequency)
+            return
+         end if
          if (meets) then
             outcome = met_half_period
             reason = 'met the branch of half its period at Lambda = '//text(next%frequency)
@@ -214,11 +198,12 @@ contains
          end if
          mesh = maxloc(branch%rms(:, branch%points), 1)
          ! It may begin beyond the limit and fall.
-         if (branch%rms(mesh, branch%points) > max(self%amplitude_limit, branch%rms(mesh, branch%points - 1))) then
+         if (branch%rms(mesh, branch%points) > max(self%amplitude_limit, branch%rms(mesh, before))) then
             outcome = left_by_amplitude
             reason = 'rms of mesh '//text(mesh)//' passed the amplitude limit '//text(self%amplitude_limit) &
                      //' at Lambda = '//text(next%frequency)
             here = next
+            if (present(began)) began = origin
             return
          end if
          if (branch%points >= self%settings%max_points) then
@@ -229,24 +214,18 @@ contains
 
          h = longer
          here = next
+         before = branch%points
          call self%relax(here, origin)
-         if (steps > 3) then
-            if (closes(here, origin, h, self%path%units, gap)) then
-               call self%path%advance(here, gap, next, success)
-               if (success) call self%adapt(next, success)
-               if (success) call self%record(next, branch)
-               outcome = closed_loop
-               reason = 'closed where it began, at Lambda = '//text(origin%frequency)
-               return
-            end if
-         end if
+         if (steps > 3) closing = closes(here, origin, h, self%path%units, gap) .and. .not. crosses_branch(here, origin)
+         if (closing) h = gap
 
          ! Last in the loop: the observer may keep the branch, and another run go on from branch%trace.
-         if (.not. present(observer)) cycle
+         if (.not. present(observer) .or. closing) cycle
          if (allocated(branch%trace)) then
             call self%note_state(branch%trace)
             branch%trace%steps = steps
             branch%trace%step = h
+            branch%trace%sense = sense
             branch%trace%here = here
             branch%trace%origin = origin
          end if
@@ -258,6 +237,8 @@ contains
          reason = 'cancelled at Lambda = '//text(here%frequency)
          return
       end do
+      outcome = closed_loop
+      reason = 'closed where it began, at Lambda = '//text(origin%frequency)
    end subroutine trace
 
    !> Notes what outlives a trace: the next one, from the other end, begins with it.
@@ -278,34 +259,6 @@ contains
       self%bend = state%bend
       self%missed = state%missed
    end subroutine restore_state
-
-   !> Whether a step stayed on the branch: a small correction, a small turn, the same orientation, and not a jump onto the branch of
-   !> half the period, which it crosses.
-   logical function acceptable(self, here, next, h)
-      class(tracer_type), intent(in) :: self
-      type(place_type), intent(in) :: here, next
-      real(dp), intent(in) :: h
-
-      acceptable = self%path%correction < correction_limit .and. cosine(here, next, self%path%units) > cosine_limit
-      acceptable = acceptable .and. .not. loses_odd(here, next, self%settings%subharmonic, self%path%units)
-      if (self%path%local_control) return
-      acceptable = acceptable .and. (here%orientation == next%orientation .or. here%orientation == 0 .or. h < jump_step)
-   end function acceptable
-
-   !> Aims at a certain turn and a certain first Newton correction (which goes with the square of the step); at most `longest`.
-   real(dp) function next_step(self, here, next, h, longest)
-      class(tracer_type), intent(in) :: self
-      type(place_type), intent(in) :: here, next
-      real(dp), intent(in) :: h, longest
-      real(dp) :: angle
-      integer :: i
-
-      i = merge(1, 2, self%settings%subharmonic == 1 .and. self%path%length_of(next%u) < large)
-      angle = acos(max(-1.0_dp, min(1.0_dp, cosine(here, next, self%path%units))))
-      next_step = h*max(0.4_dp, min(1.8_dp, angle_aim(i)/max(angle, 1e-8_dp), &
-                                    sqrt(correction_aim(i)/max(self%path%correction, 1e-8_dp))))
-      next_step = min(next_step, longest)
-   end function next_step
 
    !> Solves at exactly `bound`, which lies between `here` and `next`; `next` becomes that place.
    subroutine stop_at(self, bound, here, next, h, success)
@@ -328,18 +281,25 @@ contains
       if (success) call self%path%orient(next, merge(1, -1, bound > here%frequency))
    end subroutine stop_at
 
-   !> Puts the fold between `here` and `next`, a distance `fold_at` from `here`, on the branch, and solves `next` again, which
-   !> comes after it. fold_at = 0: it was not found.
-   subroutine add_fold(self, here, next, origin, h, fold_at, branch)
+   !> Puts the fold between `here`, a point of the branch, and `next`, a distance `fold_at` from `here`, on the branch, and solves
+   !> `next` again, which comes after it. fold_at = 0: it was not found, or is `here` itself.
+   subroutine add_fold(self, here, next, origin, h, point, fold_at, branch)
       class(tracer_type), intent(inout) :: self
       type(place_type), intent(inout) :: here, next, origin
       real(dp), intent(in) :: h
+      !> Which one `here` is.
+      integer, intent(in) :: point
       real(dp), intent(out) :: fold_at
       type(branch_type), intent(inout), target :: branch
       type(place_type) :: fold
       integer :: highest
       logical :: success, enough
 
+      fold_at = 0
+      if (sense_of(here, self%path%units) == 0) then
+         call add_special_point(branch, 'fold', here%frequency, point, branch%rms(:, point))
+         return
+      end if
       do
          fold = next
          call locate_fold(self%path, here, next, h, fold, fold_at, success)
@@ -359,25 +319,38 @@ contains
       call self%path%advance(here, h, next, success)
    end subroutine add_fold
 
+   !> Puts the branch point before the latest point on the list. By the lowest harmonics alone it may seem to be passed repeatedly.
+   subroutine add_branch_point(branch, frequency)
+      type(branch_type), intent(inout), target :: branch
+      real(dp), intent(in) :: frequency
+      integer, parameter :: nearby = 50
+
+      associate (special => branch%special_points, n => branch%points)
+         if (any(special%kind == 'branch point' .and. special%point > n - nearby &
+                 .and. abs(special%frequency - frequency) < 1e-8_dp*frequency)) return
+         call add_special_point(branch, 'branch point', frequency, n - 1, branch%rms(:, n))
+      end associate
+   end subroutine add_branch_point
+
    !> Changes of stability in the latest step, which began at `here`: before and after the fold, where it has one.
-   subroutine add_stability_changes(self, here, h, fold_at, from_here, branch)
+   subroutine add_changes(self, here, h, fold_at, before, branch)
       class(tracer_type), intent(inout) :: self
       type(place_type), intent(in) :: here
       real(dp), intent(in) :: h, fold_at
-      !> `here` is a point of the branch, the one before.
-      logical, intent(in) :: from_here
+      !> The point of the branch that `here` is.
+      integer, intent(in) :: before
       type(branch_type), intent(inout), target :: branch
 
       if (.not. self%recorder%stability) return
       associate (path => self%path, monodromy => self%recorder%monodromy, n => branch%points)
          if (fold_at > 0) then
-            if (from_here) call add_stability_change(path, monodromy, here, 0.0_dp, fold_at, n - 2, branch)
-            call add_stability_change(path, monodromy, here, fold_at, h, n - 1, branch)
-         else if (from_here) then
-            call add_stability_change(path, monodromy, here, 0.0_dp, h, n - 1, branch)
+            call add_stability_changes(path, monodromy, here, 0.0_dp, fold_at, before, n - 1, branch)
+            call add_stability_changes(path, monodromy, here, fold_at, h, n - 1, n, branch)
+         else
+            call add_stability_changes(path, monodromy, here, 0.0_dp, h, before, n, branch)
          end if
       end associate
-   end subroutine add_stability_changes
+   end subroutine add_changes
 
    !> Where the number of harmonics is left to the program: raises it until `place`, just solved, is within the tolerance; the
    !> places that go with it are padded alike. Where the balance of more harmonics finds no solution, all is as it was and
@@ -395,9 +368,7 @@ contains
       success = .true.
       if (self%settings%harmonics > 0) return
       first = self%path%balance%highest
-      associate (eta => self%settings%subharmonic)
-         most = max(most_harmonics*spacing(self%system, eta), at_least(fewest_harmonics, self%system, eta))
-      end associate
+      most = most_harmonics(self%system, self%settings%subharmonic)
       before(1) = place
       if (present(here)) before(2) = here
       if (present(origin)) before(3) = origin
@@ -450,7 +421,7 @@ contains
 
       if (self%settings%harmonics > 0) return
       highest = self%path%balance%highest
-      fewer = max(at_least(fewest_harmonics, self%system, self%settings%subharmonic), highest/2, harmonics_for(self%truncation, &
+      fewer = max(fewest_harmonics(self%system, self%settings%subharmonic), highest/2, harmonics_for(self%truncation, &
                   tolerance_share*self%settings%tolerance/max(self%truncation%limited, tiny(1.0_dp))))
       if (fewer > worth_lowering*highest) return
       before = [here, origin]

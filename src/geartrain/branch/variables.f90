@@ -55,6 +55,9 @@ contains
                         settings%max_points)
       call v%on_integer(row('period_doublings', '', 'how often a period doubling is followed: 1: the branches of twice the period, &
                             &2: those of four times as well, ...', least=zero, most=6*one), settings%period_doublings)
+      call v%on_logical(row('branch_points', '', 'the branches of the same period that cross at branch points are followed &
+                            &too: where a multiplier passes +1 without a fold, as where equal stages begin to move differently'), &
+                        settings%branch_points)
       call v%on_logical(row('refine', '', 'every point polished by shooting to about 1e-11, multipliers included; in the end, &
                             &further branches as well'), settings%refine)
       call v%leave()

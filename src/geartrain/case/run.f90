@@ -4,12 +4,14 @@ module geartrain_case_run
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
+   use geartrain_branch_bifurcations, only: follow_bifurcations
    use geartrain_branch_branch, only: branch_type
-   use geartrain_branch_doublings, only: follow_doublings
+   use geartrain_branch_contact_edges, only: locate_contact_edges
    use geartrain_branch_islands, only: follow_attractors
    use geartrain_branch_refinement, only: refine_branch
    use geartrain_branch_response, only: response
    use geartrain_branch_stability_map, only: stability_map
+   use geartrain_branch_variables, only: settings_for
    use geartrain_case_case, only: case_type
    use geartrain_case_checkpoint, only: checkpoint_type, take_up_checkpoint
    use geartrain_case_variables, only: check_agreement
@@ -24,10 +26,10 @@ module geartrain_case_run
 
 contains
 
-   !> Runs the analyses of the case in the order modes, response with its period doublings, integration, attractors with the
-   !> branches through them, stability map, refinement, and writes `path`. Meanwhile path.partial holds what there is so far,
-   !> every 2 s or so. An analysis that ends early is told by an error of status_ended_early after everything has been written;
-   !> bad input and a place that cannot be written to are told before anything is computed.
+   !> Runs the analyses of the case in the order modes, response with the branches that bifurcate from it, integration, attractors
+   !> with the branches through them, stability map, refinement, and writes `path`. Meanwhile path.partial holds what there is so
+   !> far, every 2 s or so. An analysis that ends early is told by an error of status_ended_early after everything has been
+   !> written; bad input and a place that cannot be written to are told before anything is computed.
    subroutine run_case(case, path, results, error, observer, resume)
       type(case_type), intent(in), target :: case
       !> The HDF5 file; empty: write nothing.
@@ -92,8 +94,9 @@ contains
          if (allocated(error)) return
          call note_end(results%response, checkpoint)
          call tell('response', results%response%complete, results%response%ended, early)
-         if (case%response%period_doublings > 0 .and. .not. (followed .or. checkpoint%cancelled)) &
-            call follow_doublings(case%train, case%response, results%response, results%branches, error, checkpoint, known)
+         if ((case%response%period_doublings > 0 .or. case%response%branch_points) &
+             .and. .not. (followed .or. checkpoint%cancelled)) &
+            call follow_bifurcations(case%train, case%response, results%response, results%branches, error, checkpoint, known)
          if (allocated(error)) return
       end if
       if (allocated(case%integration) .and. .not. checkpoint%cancelled) then
@@ -128,6 +131,7 @@ contains
       end if
       call refine_all(case, results, early, error, checkpoint)
       if (allocated(error)) return
+      call locate_edges(case, results, checkpoint)
       if (.not. allocated(results%branches)) return
       do i = 1, size(results%branches)
          associate (branch => results%branches(i))
@@ -185,6 +189,24 @@ contains
          call refine_branch(case%train, results%branches(i), error, checkpoint)
       end do
    end subroutine refine_all
+
+   !> Edges of separation and back collision of all branches.
+   subroutine locate_edges(case, results, checkpoint)
+      type(case_type), intent(in) :: case
+      type(results_type), intent(inout), target :: results
+      type(checkpoint_type), intent(inout) :: checkpoint
+      integer :: i
+
+      if (.not. allocated(case%response) .or. checkpoint%cancelled) return
+      call locate_contact_edges(case%train, case%response, results%response, checkpoint)
+      if (.not. allocated(results%branches)) return
+      do i = 1, size(results%branches)
+         if (checkpoint%cancelled) return
+         associate (branch => results%branches(i))
+            call locate_contact_edges(case%train, settings_for(case%response, branch%subharmonic), branch, checkpoint)
+         end associate
+      end do
+   end subroutine locate_edges
 
    !> Adds to `early` why an analysis is not complete.
    subroutine tell(name, complete, ended, early)

@@ -27,8 +27,8 @@ contains
       harmonic = pack([(r, r=1, size(excited))], excited)
    end function excited_harmonics
 
-   !> The fewest harmonics of Lambda with which every source of excitation (the torque, each mesh's stiffness and transmission error)
-   !> is there with its lowest one: a balance of fewer leaves a source out. 1 for a train that nothing excites.
+   !> The fewest harmonics of Lambda with which every source of excitation (the torque, each mesh's stiffness and transmission
+   !> error) is there with its lowest one: a balance of fewer leaves a source out. 1 for a train that nothing excites.
    pure integer function reach_of_sources(system) result(reach)
       type(system_type), intent(in) :: system
       integer :: j

@@ -41,7 +41,8 @@ contains
          ': the train does not follow a faster mesh frequency')
    end subroutine check_frequency
 
-   !> Adds a problem where a motion's harmonics of Lambda/subharmonic leave out a source of excitation: its lowest harmonic is higher.
+   !> Adds a problem where a motion's harmonics of Lambda/subharmonic leave out a source of excitation, whose lowest harmonic is
+   !> higher.
    subroutine check_harmonics(train, harmonics, subharmonic, most, checker)
       type(train_type), intent(in) :: train
       !> Harmonics of the motion, 0 where the program chooses them, and the most that there may be.

@@ -31,6 +31,8 @@ module geartrain_motion_balance
       integer, allocatable :: left_out(:)
       !> Highest harmonic asked for (harmonics 1..highest that the excitation reaches are carried).
       integer :: highest = 0
+      !> Of a period, where the coefficients are sampled; 0: they are exact.
+      integer :: samples = 0
       !> Meshes that are unknowns, and which they are.
       integer :: unknowns = 0
       integer, allocatable :: mesh(:)
@@ -80,6 +82,7 @@ contains
       self%system = system
       self%eta = eta
       self%highest = highest
+      self%samples = samples
       if (eta == 1) then
          self%harmonic = needed_harmonics(system, highest)
       else

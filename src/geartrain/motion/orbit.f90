@@ -19,7 +19,8 @@ module geartrain_motion_orbit
    !> Samples of the slowest and of the fastest mesh's period, at least: the coefficients of a motion with contact events fall as
    !> k^-4, so aliasing is near 1e-12; and samples of the period of a harmonic that is stored.
    integer, parameter :: samples_per_period = 1024, samples_per_tooth = 256, samples_per_harmonic = 4
-   !> Harmonics that are stored, where it is left to the program: of the fastest mesh's frequency, and of the highest that is excited.
+   !> Harmonics that are stored, where it is left to the program: of the fastest mesh's frequency, and of the highest that is
+   !> excited.
    integer, parameter :: harmonics_per_tooth = 16, harmonics_per_source = 2
 
 contains

@@ -142,8 +142,8 @@ contains
                 self%stiffness(0:last, balance%unknowns), self%offset(0:last, balance%unknowns))
    end subroutine reserve
 
-   !> Harmonics of the tail: those that the balance misses up to `near`, beyond where a natural frequency may be met, and those of the
-   !> excitation wherever they are.
+   !> Harmonics of the tail: those that the balance misses up to `near`, beyond where a natural frequency may be met, and those of
+   !> the excitation wherever they are.
    pure subroutine choose_tail(self, balance, frequency)
       class(truncation_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance

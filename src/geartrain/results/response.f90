@@ -126,7 +126,8 @@ contains
          call store%axis(room//'/special_point', size(special), 'special point, in the order found')
          ! The parentheses make the copy that gathers a component explicit.
          call store%put(room//'/kind', (special%kind), ['special_point'], '', &
-                        'fold; period doubling; torus: a pair of multipliers leaves the unit circle; symmetry: +1 without a fold')
+                        'fold; period doubling; torus: a pair of multipliers leaves the unit circle; branch point: &
+                        &another branch of the same period crosses, a multiplier passes +1 without a fold')
          call store%put(room//'/frequency', (special%frequency), ['special_point'], '1', frequency_description)
          call store%put(room//'/after_point', (special%point), ['special_point'], '1', 'the point of the branch before it')
          call store%put(room//'/rms', rms, ['special_point', 'mesh         '], '1', about_rms)

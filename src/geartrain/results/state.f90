@@ -219,6 +219,7 @@ contains
       call archive%carry(trace%step)
       call archive%carry(trace%bend)
       call archive%carry(trace%missed)
+      call archive%carry(trace%sense)
       call archive%carry(trace%before)
       call carry_place(archive, trace%here)
       call carry_place(archive, trace%origin)

@@ -1,0 +1,185 @@
+!> Locates changes of stability between two neighbouring points of a branch, by counting the multipliers outside the unit circle:
+!> real ones below -1, real ones above +1 and complex pairs.
+!>
+!> A count by kind tells what a sum cannot: two doublings in one step, a doubling where a pair enters, and a pair that becomes real
+!> outside the circle, which is no change at all. Multipliers that stay on the circle to rounding, as of a mode without damping,
+!> are never outside. Real ones pass +1 at folds and where branches cross, which the balance tells more exactly than its monodromy.
+module geartrain_branch_stability_changes
+   use geartrain_base_kinds, only: dp
+   use geartrain_branch_branch, only: branch_type
+   use geartrain_branch_path, only: path_type, place_type
+   use geartrain_branch_special_points, only: add_special_point, between, shrink
+   use geartrain_stability_monodromy, only: monodromy_type, neutral
+   implicit none (type, external)
+   private
+   public :: add_stability_changes
+
+   !> Kinds of multipliers outside the circle: real below -1, complex pairs, real above +1.
+   integer, parameter :: doubling = 1, torus = 2, beyond_one = 3
+   character(*), parameter :: names(*) = [character(15) :: 'period doubling', 'torus']
+   !> A complex pair as near as this to the real axis is two real multipliers: of equal stages that hardly know of one another.
+   real(dp), parameter :: real_enough = 1e-6_dp
+   !> Changes as near together as this share of the step are simultaneous; how exactly one of them is located.
+   real(dp), parameter :: together = 1e-6_dp, located = 1e-10_dp
+   integer, parameter :: most_steps = 60
+
+contains
+
+   !> Puts the changes of stability between point `before` of the branch and point `after`, the next one traced, on the list. They
+   !> lie the distances `a` and `b` from `here`, along its tangent.
+   subroutine add_stability_changes(path, monodromy, here, a, b, before, after, branch)
+      type(path_type), intent(inout) :: path
+      type(monodromy_type), intent(inout) :: monodromy
+      type(place_type), intent(in) :: here
+      real(dp), intent(in) :: a, b
+      integer, intent(in) :: before, after
+      type(branch_type), intent(inout), target :: branch
+      complex(dp) :: first(branch%states), last(branch%states)
+
+      first = branch%multipliers(:, before)
+      last = branch%multipliers(:, after)
+      if (all(outside(first) == outside(last))) return
+      call separate(path, monodromy, here, a, b, first, last, together*(b - a), after, branch)
+   end subroutine add_stability_changes
+
+   !> Number of multipliers outside the unit circle, of each kind.
+   pure function outside(multipliers)
+      complex(dp), intent(in) :: multipliers(:)
+      integer :: outside(3)
+
+      associate (real_ones => is_real(multipliers), size => abs(multipliers))
+         outside(doubling) = count(real_ones .and. multipliers%re < -1 - neutral)
+         outside(beyond_one) = count(real_ones .and. multipliers%re > 1 + neutral)
+         ! Of the leading multipliers of many the last one may lack its conjugate.
+         outside(torus) = (count(.not. real_ones .and. size > 1 + neutral) + 1)/2
+      end associate
+   end function outside
+
+   elemental logical function is_real(multiplier)
+      complex(dp), intent(in) :: multiplier
+
+      is_real = abs(multiplier%im) <= real_enough*abs(multiplier)
+   end function is_real
+
+   !> Halves the piece from a to b until each change is alone, or all that are left are simultaneous.
+   recursive subroutine separate(path, monodromy, here, a, b, first, last, shortest, after, branch)
+      type(path_type), intent(inout) :: path
+      type(monodromy_type), intent(inout) :: monodromy
+      type(place_type), intent(in) :: here
+      real(dp), intent(in) :: a, b, shortest
+      complex(dp), intent(in) :: first(:), last(:)
+      integer, intent(in) :: after
+      type(branch_type), intent(inout), target :: branch
+      complex(dp) :: middle(size(first))
+      type(place_type) :: place
+      real(dp) :: s
+      integer :: change(3), kind, i
+      logical :: success
+
+      change = outside(last) - outside(first)
+      if (change(doubling) == 0 .and. change(torus) == 0) return
+      if (abs(change(doubling)) == 1 .and. change(torus) == 0 .or. &
+          abs(change(torus)) == 1 .and. change(doubling) == 0 .and. change(beyond_one) == 0) then
+         kind = merge(doubling, torus, change(torus) == 0)
+         call locate(path, monodromy, here, a, b, first, last, kind, place)
+         call add_special_point(branch, trim(names(kind)), place%frequency, after - 1, branch%rms(:, after))
+         return
+      end if
+      s = (a + b)/2
+      call find_multipliers(path, monodromy, here, a, b, s, place, middle, success)
+      if (success .and. b - a > shortest) then
+         call separate(path, monodromy, here, a, s, first, middle, shortest, after, branch)
+         call separate(path, monodromy, here, s, b, middle, last, shortest, after, branch)
+         return
+      end if
+      ! A pair became two real multipliers, or the reverse: what is left of the change is a crossing.
+      if (change(doubling)*change(torus) < 0) change = [mod(change(doubling), 2), 0, 0]
+      if (change(beyond_one)*change(torus) < 0) change(torus) = 0
+      do kind = doubling, torus
+         do i = 1, abs(change(kind))
+            call add_special_point(branch, trim(names(kind)), place%frequency, after - 1, branch%rms(:, after))
+         end do
+      end do
+   end subroutine separate
+
+   !> The place between the distances `from` and `to` from `here` where a multiplier of a kind passes the circle.
+   subroutine locate(path, monodromy, here, from, to, first, last, kind, place)
+      type(path_type), intent(inout) :: path
+      type(monodromy_type), intent(inout) :: monodromy
+      type(place_type), intent(in) :: here
+      real(dp), intent(in) :: from, to
+      complex(dp), intent(in) :: first(:), last(:)
+      integer, intent(in) :: kind
+      type(place_type), intent(inout) :: place
+      complex(dp) :: multipliers(size(first))
+      real(dp) :: a, b, fa, fb, f, s
+      integer :: i, kept, critical(3), number
+      logical :: success
+
+      critical = max(outside(first), outside(last))
+      number = critical(kind)
+      kept = 0
+      a = from
+      b = to
+      fa = excess(first, kind, number)
+      fb = excess(last, kind, number)
+      do i = 1, most_steps
+         s = between(a, b, fa, fb)
+         ! Where other multipliers stay on the circle the function has a kink, at which chords hardly move.
+         if (mod(i, 4) == 0) s = (a + b)/2
+         call find_multipliers(path, monodromy, here, a, b, s, place, multipliers, success)
+         if (.not. success) return
+         f = excess(multipliers, kind, number)
+         call shrink(a, b, fa, fb, s, f, kept)
+         if (abs(f) < located .or. b - a < together*(to - from)) exit
+      end do
+   end subroutine locate
+
+   !> How far the multiplier of a kind with this number, counted from the farthest, is outside the circle.
+   pure real(dp) function excess(multipliers, kind, number)
+      complex(dp), intent(in) :: multipliers(:)
+      integer, intent(in) :: kind, number
+      real(dp), parameter :: none = -0.5_dp
+      real(dp) :: length(size(multipliers))
+      integer :: i, n
+
+      if (kind == doubling) then
+         length = merge(-multipliers%re, 0.0_dp, is_real(multipliers))
+         n = number
+      else
+         length = merge(0.0_dp, abs(multipliers), is_real(multipliers))
+         n = 2*number - 1
+      end if
+      do i = 1, n - 1
+         length(maxloc(length, 1)) = 0
+      end do
+      excess = max(none, maxval(length) - 1 - neutral)
+   end function excess
+
+   !> Multipliers at the distance s from `here`, or where Newton's method fails, as it may next to a resonance without damping, at
+   !> another one between a and b. Where it fails at all of them the place is that of the tangent.
+   subroutine find_multipliers(path, monodromy, here, a, b, s, place, multipliers, success)
+      type(path_type), intent(inout) :: path
+      type(monodromy_type), intent(inout) :: monodromy
+      type(place_type), intent(in) :: here
+      real(dp), intent(in) :: a, b
+      real(dp), intent(inout) :: s
+      type(place_type), intent(inout) :: place
+      complex(dp), intent(out) :: multipliers(:)
+      logical, intent(out) :: success
+      real(dp), parameter :: share(*) = [0.37_dp, 0.67_dp, 0.21_dp, 0.83_dp]
+      integer :: attempt
+
+      call path%advance(here, s, place, success)
+      do attempt = 1, size(share)
+         if (success) exit
+         s = a + share(attempt)*(b - a)
+         call path%advance(here, s, place, success)
+      end do
+      if (.not. success) place%frequency = here%frequency + s*here%tangent_frequency
+      if (.not. success) return
+      call monodromy%integrate(path%balance, place%frequency)
+      call monodromy%multipliers(multipliers)
+   end subroutine find_multipliers
+
+end module geartrain_branch_stability_changes
