@@ -9,6 +9,7 @@ module geartrain_branch_doubling
    use geartrain_base_observer, only: observer_type
    use geartrain_branch_branch, only: branch_type, response_settings_type
    use geartrain_branch_doubling_point, only: find_doubling, harmonics_at
+   use geartrain_branch_interruption, only: drop_step
    use geartrain_branch_path, only: place_type
    use geartrain_branch_start, only: begin_trace
    use geartrain_branch_tracer, only: cancelled, full, stuck, tracer_type
@@ -85,6 +86,7 @@ contains
       if (.not. found) then
          doubled%ended = 'the balance has no doubling of its own near Lambda = ' &
                          //text(branch%special_points(special)%frequency)//' (more harmonics place it more exactly)'
+         call drop_step(tracer, doubled)
          call tracer%recorder%finish(doubled)
          return
       end if
@@ -98,6 +100,7 @@ contains
       if (.not. success) then
          call tracer%recorder%finish(doubled)
          doubled%ended = 'no branch found along the critical vector at Lambda = '//text(doubling%frequency)
+         call drop_step(tracer, doubled)
          return
       end if
       call tracer%adapt(place, success)
@@ -106,6 +109,7 @@ contains
                         doubled, outcome, doubled%ended, observer)
       doubled%complete = all(outcome /= [cancelled, stuck, full])
       call tracer%tell_missed(doubled)
+      call drop_step(tracer, doubled)
       call tracer%recorder%finish(doubled)
    end subroutine trace_doubled
 

@@ -95,6 +95,7 @@ contains
       units = units_of(system)
       do i = 1, size(parent%special_points)
          if (parent%special_points(i)%kind /= 'period doubling') cycle
+         if (train%interrupt%raised()) return
          call find_doubling(train, settings, parent, i, place, found)
          if (found) then
             if (is_among(train, settings, parent, i, place, places(:count), units)) cycle

@@ -49,6 +49,8 @@ module geartrain_branch_tracer
       character(8) :: analysis = 'response'
       !> Number of the part of the branch that is traced.
       integer :: part = 1
+      !> Points and special points of the branch before the step under way.
+      integer :: kept(2) = 0
       !> The next trace goes on from branch%trace.
       logical :: resumes = .false.
       !> Points that miss the tolerance, where the number of harmonics is left to the program.
@@ -170,6 +172,7 @@ contains
          steps = branch%trace%steps
       end if
       do
+         self%kept = [branch%points, size(branch%special_points)]
          call self%path%advance(here, h, next, success)
          if (success) success = acceptable(self, here, next, h)
          if (success) success = h < jump_step .or. .not. hides_folds(here, next, self%path%units, h)
