@@ -39,7 +39,7 @@ module arguments
       'in the working directory.'//newline// &
       newline// &
       'Exit status: 0 done; 2 bad input, nothing written; 3 an analysis ended early, what was computed is written;'//newline// &
-      '4 the file system failed. Of several cases the largest.'//newline// &
+      '4 the file system failed, standard output is lost, or there is no memory. Of several cases the largest.'//newline// &
       'Threads: one a core, or as many as the environment variable OMP_NUM_THREADS says.'
 
 contains

@@ -1,11 +1,11 @@
 !> Runs case files, several of them side by side, and tells what came of each.
 module cases
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_null_char, c_ptr
-   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    use arguments, only: file_name_type
    use geartrain, only: case_type, error_type, read_case, results_type, run_case, status_ended_early, status_input
    use progress, only: begin_progress, progress_type
    use report, only: report_attractors, report_branches, report_integration, report_modes, report_response, report_stability_map
+   use terminal, only: complain, hand_over, output_unit, tell_of_interrupts
    implicit none (type, external)
    private
    public :: check_cases, run_cases
@@ -43,7 +43,7 @@ contains
       do i = 1, size(files)
          call read_case(files(i)%name, case, error)
          if (allocated(error)) then
-            write (error_unit, '(a)') error%message
+            call complain(error%message)
             status = max(status, error%status)
          else
             write (output_unit, '(a, 2(a, i0), a)') files(i)%name, ': no problems: ', size(case%train%shafts), ' shafts, ', &
@@ -67,6 +67,7 @@ contains
       do i = 1, size(files)
          call prepare(files, i, output_file, jobs)
       end do
+      call tell_of_interrupts()
       !$omp parallel do schedule(dynamic) if (size(files) > 1)
       do i = 1, size(files)
          if (jobs(i)%status == 0) call run(files(i)%name, size(files) == 1, resume, jobs(i))
@@ -87,28 +88,33 @@ contains
 
       call read_case(files(i)%name, jobs(i)%case, error)
       if (allocated(error)) then
-         write (error_unit, '(a)') error%message
+         call complain(error%message)
          jobs(i)%status = error%status
          return
       end if
       if (.not. asks_for_something(jobs(i)%case)) then
          ! A file of nothing must not take the place of results.
-         write (error_unit, '(2a)') files(i)%name, ': error: nothing to compute, nothing is written: add &modes, &response, &
-            &&integration, &attractors or &stability_map'
+         call complain(files(i)%name//': error: nothing to compute, nothing is written: add &modes, &response, &integration, &
+                       &&attractors or &stability_map')
          jobs(i)%status = status_input
          return
       end if
       path = output_path(files(i)%name, output_file, jobs(i)%case)
       jobs(i)%path = path
       if (any([(is_case(path, files(k)%name), k=1, size(files))]) .or. index(path//' ', '.nml ') > 0) then
-         write (error_unit, '(2a)') path, ': error: the results would overwrite a case: name another file with --output'
+         call complain(path//': error: the results would overwrite a case: name another file with --output')
+         jobs(i)%status = status_input
+      else if (any([(is_case(path//'.partial', files(k)%name), k=1, size(files))])) then
+         call complain(path//': error: '//path//'.partial, where the results are kept meanwhile, is a case: name another file with &
+                       &--output')
          jobs(i)%status = status_input
       end if
       do k = 1, i - 1
          if (jobs(k)%status /= 0 .or. jobs(i)%status /= 0) cycle
-         if (place(jobs(k)%path) /= place(path)) cycle
-         write (error_unit, '(6a)') files(i)%name, ': error: its results would overwrite those of ', files(k)%name, ', ', path, &
-            ': name another file in &output'
+         if (place(jobs(k)%path) /= place(path) .and. place(jobs(k)%path) /= place(path//'.partial') .and. &
+             place(jobs(k)%path//'.partial') /= place(path)) cycle
+         call complain(files(i)%name//': error: its results would overwrite those of '//files(k)%name//', '//path// &
+                       ': name another file in &output')
          jobs(i)%status = status_input
       end do
    end subroutine prepare
@@ -166,6 +172,7 @@ contains
          if (exists) checkpoint = job%path//'.partial'
          if (.not. exists) write (output_unit, '(3a)') 'Nothing to resume: there is no ', job%path, &
             '.partial; the run begins anew'
+         call hand_over()
       end if
       call begin_progress(progress, shown=alone)
       call run_case(job%case, job%path, results, error, progress, checkpoint)
@@ -179,7 +186,7 @@ contains
             if (alone) error%message = 'geartrain: error: '//error%message
             if (.not. alone) error%message = name//': error: '//error%message
          end if
-         write (error_unit, '(a)') error%message
+         call complain(error%message)
       end if
       !$omp end critical (terminal)
    end subroutine run
@@ -196,7 +203,7 @@ contains
       if (allocated(results%stability_map)) call report_stability_map(results%stability_map, progress%map_seconds)
       if (allocated(results%branches)) call report_branches(results%branches, progress%branch_seconds)
       if (job%status == 0 .or. job%status == status_ended_early) write (output_unit, '(2a)') 'Written: ', job%path
-      flush (output_unit)
+      call hand_over()
    end subroutine report
 
    pure logical function asks_for_something(case)

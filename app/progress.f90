@@ -51,6 +51,7 @@ contains
       real(dp), intent(in) :: frequency
       logical, intent(inout) :: keep_going
       integer(int64) :: now
+      integer :: status
       real(dp) :: seconds
 
       call system_clock(now)
@@ -72,20 +73,21 @@ contains
       if (now - self%last < self%pause) return
       self%last = now
       if (analysis == 'stability map') then
-         write (error_unit, '(3a, i0, a)', advance='no') to_line_start, analysis, ': ', done, ' rows'
+         write (error_unit, '(3a, i0, a)', advance='no', iostat=status) to_line_start, analysis, ': ', done, ' rows'
       else
-         write (error_unit, '(3a, i0, a, f8.4)', advance='no') to_line_start, analysis, ': ', done, &
+         write (error_unit, '(3a, i0, a, f8.4)', advance='no', iostat=status) to_line_start, analysis, ': ', done, &
             trim(merge(' starts, Lambda =', ' points, Lambda =', analysis == 'attractors')), frequency
       end if
-      flush (error_unit)
+      flush (error_unit, iostat=status)
    end subroutine on_step
 
    subroutine clear(self)
       class(progress_type), intent(in) :: self
+      integer :: status
 
       if (.not. self%shown) return
-      write (error_unit, '(a)', advance='no') to_line_start
-      flush (error_unit)
+      write (error_unit, '(a)', advance='no', iostat=status) to_line_start
+      flush (error_unit, iostat=status)
    end subroutine clear
 
 end module progress

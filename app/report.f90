@@ -1,11 +1,11 @@
 !> The short table at the end of a run.
 module report
-   use, intrinsic :: iso_fortran_env, only: output_unit
    use geartrain, only: attractors_type, branch_type, dp, modes_type, stability_map_type, sweep_type
    use geartrain_branch_contact_ranges, only: back_collision_ranges, separation_ranges
    use geartrain_branch_decided, only: rests_on_undecided
    use geartrain_branch_jumps, only: jump_type, jumps
    use geartrain_branch_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
+   use terminal, only: output_unit
    implicit none (type, external)
    private
    public :: report_modes, report_response, report_branches, report_integration, report_attractors, report_stability_map

@@ -3,11 +3,11 @@ module geartrain_python_box
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_ptr
    use, intrinsic :: iso_fortran_env, only: int64, real64
    use geartrain, only: band_type, back_collision_ranges, bands_without_stability, branch_type, case_text, case_type, error_type, &
-                        jump_type, jumps, locate_contact_edges, mesh_load_type, motion_type, observer_type, peak_type, peaks, &
-                        results_type, separation_ranges, version
+                       interrupt_by, jump_type, jumps, locate_contact_edges, mesh_load_type, motion_type, observer_type, &
+                       peak_type, peaks, results_type, separation_ranges, version
    implicit none (type, external)
    private
-   public :: box_type, watch_type, handle_of, box_of, box_text, branch_at, close_with, motion_list
+   public :: box_type, watch_type, begin_watch, handle_of, box_of, box_text, branch_at, close_with, motion_list
    public :: loose, of_integration, of_attractors, summarize, as_values, as_loads
 
    !> Which motions of a box: those on their own, of the sweep, of the search for attractors.
@@ -35,6 +35,19 @@ module geartrain_python_box
    end type watch_type
 
 contains
+
+   !> Lets Python's waiting thread see the progress of work on the box's train, and end it: between two steps, and in their midst,
+   !> since the first number, zero until then, is the flag of the train's interrupt.
+   subroutine begin_watch(watch, box, progress)
+      type(watch_type), intent(out) :: watch
+      type(box_type), intent(inout) :: box
+      real(real64), intent(in), target :: progress(:)
+      integer(int64), pointer :: flag
+
+      watch%progress => progress
+      call c_f_pointer(c_loc(progress), flag)
+      box%case%train%interrupt = interrupt_by(flag)
+   end subroutine begin_watch
 
    subroutine on_step(self, analysis, done, frequency, keep_going)
       class(watch_type), intent(inout) :: self

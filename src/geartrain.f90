@@ -1,6 +1,7 @@
 !> The public module of geartrain: everything that a Fortran caller needs, re-exported.
 module geartrain
    use geartrain_base_error, only: error_type, status_ended_early, status_file, status_input
+   use geartrain_base_interrupt, only: interrupt_by, interrupt_type
    use geartrain_base_kinds, only: dp, version
    use geartrain_base_observer, only: observer_type
    use geartrain_branch_bifurcations, only: follow_bifurcations

@@ -12,6 +12,7 @@ program main
    use unit_flow, only: flow_tests
    use unit_results, only: results_tests
    use unit_results_run, only: results_run_tests
+   use unit_robust, only: robust_tests
    use unit_scale, only: scale_tests
    use validation_bifurcations, only: bifurcations_tests
    use validation_claims_excitation, only: claims_excitation_tests
@@ -45,6 +46,7 @@ program main
    call elimination_tests(tests)
    call flow_tests(tests)
    call results_tests(tests)
+   call robust_tests(tests)
    call scale_tests(tests)
    call results_run_tests(tests)
    if (which == 'unit') then

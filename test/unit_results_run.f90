@@ -9,7 +9,6 @@ module unit_results_run
    use geartrain_case_reader, only: read_case_text
    use geartrain_case_run, only: run_case
    use geartrain_case_text, only: case_text
-   use geartrain_results_file, only: temporary
    use geartrain_results_results, only: results_type, write_results
    use geartrain_results_state, only: pack_state
    use testing, only: tests_type
@@ -30,6 +29,10 @@ module unit_results_run
    type, extends(observer_type) :: counter_type
       integer :: steps = 0, no_at = -1
       logical :: response = .false., branch = .false., integration = .false., attractors = .false.
+      !> Given these, keeps what another run goes on from when it says no.
+      type(case_type), pointer :: case => null()
+      type(results_type), pointer :: results => null()
+      integer(int8), allocatable :: state(:)
    contains
       procedure :: on_step
    end type counter_type
@@ -65,7 +68,7 @@ contains
                          'all three analyses are computed')
       call tests%is_true(counter%response .and. counter%integration, 'the observer is told of both')
       call tests%is_true(there(path), 'the file is there')
-      call tests%is_true(.not. there(path//'.partial') .and. .not. there(temporary(path)), 'and nothing beside it')
+      call tests%is_true(.not. there(path//'.partial'), 'and no checkpoint beside it')
       call remove(path)
 
       case%modes = .false.
@@ -168,6 +171,7 @@ contains
       checkpoint%case => case
       checkpoint%results => results
       checkpoint%path = path//'.partial'
+      call checkpoint%start(resumed=.false.)
       keep_going = .true.
       call checkpoint%on_step('response', 1, 0.5_dp, keep_going)
       call tests%is_true(.not. there(path//'.partial'), 'none before it is time')
@@ -186,11 +190,11 @@ contains
    !> A map under way goes on with its missing rows, to the same bits as one computed in one go.
    subroutine map_resumed(tests)
       class(tests_type), intent(inout) :: tests
-      type(case_type) :: case
-      type(results_type) :: results, whole
+      type(case_type), target :: case
+      type(results_type), target :: results
+      type(results_type) :: whole
       type(error_type), allocatable :: error
       type(counter_type) :: counter, told
-      integer(int8), allocatable :: state(:)
       integer :: known
 
       call tests%begin('run of a case, a stability map resumed')
@@ -198,17 +202,22 @@ contains
                      &parameter_points = 40, linear = .true. /', case)
       call run_case(case, '', whole, error)
       told%no_at = 3
+      told%case => case
+      told%results => results
       call run_case(case, '', results, error, told)
-      known = count(results%stability_map%done)
-      call tests%is_true(known >= 3 .and. known < 40, 'some rows are missing')
-      deallocate (results%stability_map%ended)
-      call pack_state(case_text(case), results, state)
-      call write_results(path//'.partial', case, results, error, state)
+      associate (map => results%stability_map)
+         call tests%is_true(size(map%done) >= 3 .and. size(map%done) < 40 .and. all(map%done), 'a cancelled map holds its rows')
+         call tests%is_true(all(shape(map%multiplier) == [5, size(map%done)]) .and. size(map%parameter) == size(map%done), &
+                            'and no others')
+      end associate
+      call write_results(path//'.partial', case, results, error, told%state)
       call run_case(case, path, results, error, counter, path//'.partial')
       call tests%is_true(.not. allocated(error), 'no error')
-      call tests%is_true(counter%steps == 40 - known, 'only the missing rows are computed')
+      known = 40 - counter%steps
+      call tests%is_true(known == 3, 'only the missing rows are computed')
       call tests%is_true(results%stability_map%complete .and. all(results%stability_map%done), 'all rows are there')
       call tests%is_true(.not. any(abs(results%stability_map%multiplier - whole%stability_map%multiplier) > 0), 'the same bits')
+      call tests%is_true(.not. there(path//'.partial'), 'the checkpoint gone on with is removed')
    end subroutine map_resumed
 
    !> The single pair with these analyses.
@@ -234,7 +243,9 @@ contains
       if (analysis == 'branch') self%branch = done > 0 .and. frequency > 0
       if (analysis == 'attractors') self%attractors = done > 0 .and. frequency > 0
       if (analysis == 'integration') self%integration = done > 0 .and. frequency > 0
-      if (self%steps == self%no_at) keep_going = .false.
+      if (self%steps /= self%no_at) return
+      keep_going = .false.
+      if (associated(self%results)) call pack_state(case_text(self%case), self%results, self%state)
    end subroutine on_step
 
    logical function there(name)

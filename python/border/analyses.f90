@@ -75,7 +75,7 @@ end subroutine find_modes
 ! The seed is the box's first motion, if it has one. The branches that bifurcate from it are the box's further ones.
 subroutine follow_response(handle, progress, status)
    use geartrain, only: error_type, follow_bifurcations, motion_type, refine_branch, response
-   use geartrain_python_box, only: box_type, box_of, close_with, loose, motion_list, watch_type
+   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, loose, motion_list, watch_type
    implicit none
    integer(8), intent(in) :: handle
    double precision, intent(inout), target :: progress(3)
@@ -88,7 +88,7 @@ subroutine follow_response(handle, progress, status)
    !f2py threadsafe
 
    box => box_of(handle)
-   watch%progress => progress
+   call begin_watch(watch, box, progress)
    motions => motion_list(box, loose)
    nullify (seed)
    if (associated(motions)) seed => motions(1)
@@ -110,7 +110,7 @@ end subroutine follow_response
 ! Refines the box's branch.
 subroutine refine_points(handle, progress, status)
    use geartrain, only: error_type, refine_branch
-   use geartrain_python_box, only: box_type, box_of, close_with, watch_type
+   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type
    implicit none
    integer(8), intent(in) :: handle
    double precision, intent(inout), target :: progress(3)
@@ -121,7 +121,7 @@ subroutine refine_points(handle, progress, status)
    !f2py threadsafe
 
    box => box_of(handle)
-   watch%progress => progress
+   call begin_watch(watch, box, progress)
    call refine_branch(box%case%train, box%results%response, error, watch)
    status = close_with(box, error)
 end subroutine refine_points
@@ -129,7 +129,7 @@ end subroutine refine_points
 ! The stability map that the case asks for.
 subroutine map_stability(handle, progress, status)
    use geartrain, only: error_type, stability_map
-   use geartrain_python_box, only: box_type, box_of, close_with, watch_type
+   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type
    implicit none
    integer(8), intent(in) :: handle
    double precision, intent(inout), target :: progress(3)
@@ -140,7 +140,7 @@ subroutine map_stability(handle, progress, status)
    !f2py threadsafe
 
    box => box_of(handle)
-   watch%progress => progress
+   call begin_watch(watch, box, progress)
    allocate (box%results%stability_map)
    call stability_map(box%case%train, box%case%stability_map, box%results%stability_map, error, watch)
    status = close_with(box, error)
@@ -149,7 +149,7 @@ end subroutine map_stability
 ! The branch of twice the period at one of the special points of the box's branch takes its place.
 subroutine follow_doubled(handle, special, progress, status)
    use geartrain, only: branch_type, error_type, period_doubled
-   use geartrain_python_box, only: box_type, box_of, close_with, watch_type
+   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type
    implicit none
    integer(8), intent(in) :: handle
    integer, intent(in) :: special
@@ -162,7 +162,7 @@ subroutine follow_doubled(handle, special, progress, status)
    !f2py threadsafe
 
    box => box_of(handle)
-   watch%progress => progress
+   call begin_watch(watch, box, progress)
    allocate (doubled)
    call period_doubled(box%case%train, box%case%response, box%results%response, special, doubled, error, watch)
    call move_alloc(doubled, box%results%response)
@@ -170,22 +170,27 @@ subroutine follow_doubled(handle, special, progress, status)
 end subroutine follow_doubled
 
 ! Every solution of the box's branch at exactly `frequency`; they become the box's motions, refined where the branch is.
-subroutine solve_at(handle, frequency, status)
+subroutine solve_at(handle, frequency, progress, status)
    use geartrain, only: error_type, refine, solutions_at
-   use geartrain_python_box, only: box_type, box_of, close_with
+   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type
    implicit none
    integer(8), intent(in) :: handle
    double precision, intent(in) :: frequency
+   double precision, intent(inout), target :: progress(3)
    integer, intent(out) :: status
    type(box_type), pointer :: box
    type(error_type), allocatable :: error
+   type(watch_type) :: watch
    integer :: i
    !f2py threadsafe
 
    box => box_of(handle)
+   call begin_watch(watch, box, progress)
    call solutions_at(box%case%train, box%case%response, box%results%response, frequency, box%motions, error)
    status = close_with(box, error)
-   if (status /= 0 .or. .not. allocated(box%results%response%correction)) return
+   ! What there is then may not be solutions.
+   if (box%case%train%interrupt%raised()) deallocate (box%motions)
+   if (status /= 0 .or. .not. (allocated(box%results%response%correction) .and. allocated(box%motions))) return
    ! Like a point of the branch, one that shooting does not find stays as it is.
    do i = 1, size(box%motions)
       call refine(box%case%train, box%motions(i), error)
@@ -195,7 +200,7 @@ end subroutine solve_at
 ! Starts from the box's first motion, if it has one; the result takes its place.
 subroutine integrate_at(handle, frequency, progress, status)
    use geartrain, only: error_type, integrate, motion_type
-   use geartrain_python_box, only: box_type, box_of, close_with, loose, motion_list, watch_type
+   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, loose, motion_list, watch_type
    implicit none
    integer(8), intent(in) :: handle
    double precision, intent(in) :: frequency
@@ -209,7 +214,7 @@ subroutine integrate_at(handle, frequency, progress, status)
    !f2py threadsafe
 
    box => box_of(handle)
-   watch%progress => progress
+   call begin_watch(watch, box, progress)
    motions => motion_list(box, loose)
    nullify (start)
    if (associated(motions)) start => motions(1)
@@ -220,7 +225,7 @@ end subroutine integrate_at
 
 subroutine sweep_range(handle, progress, status)
    use geartrain, only: error_type, sweep
-   use geartrain_python_box, only: box_type, box_of, close_with, watch_type
+   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type
    implicit none
    integer(8), intent(in) :: handle
    double precision, intent(inout), target :: progress(3)
@@ -231,7 +236,7 @@ subroutine sweep_range(handle, progress, status)
    !f2py threadsafe
 
    box => box_of(handle)
-   watch%progress => progress
+   call begin_watch(watch, box, progress)
    allocate (box%results%integration)
    call sweep(box%case%train, box%case%integration, box%results%integration, error, watch)
    status = close_with(box, error)
@@ -240,7 +245,7 @@ end subroutine sweep_range
 ! Where the box holds a response, motions on neither it nor the box's further branches are followed; the new branches come last.
 subroutine find_attractors(handle, progress, status)
    use geartrain, only: attractors, error_type, follow_attractors
-   use geartrain_python_box, only: box_type, box_of, close_with, watch_type
+   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type
    implicit none
    integer(8), intent(in) :: handle
    double precision, intent(inout), target :: progress(3)
@@ -251,7 +256,7 @@ subroutine find_attractors(handle, progress, status)
    !f2py threadsafe
 
    box => box_of(handle)
-   watch%progress => progress
+   call begin_watch(watch, box, progress)
    allocate (box%results%attractors)
    call attractors(box%case%train, box%case%attractors, box%results%attractors, error, watch)
    if (.not. allocated(error) .and. box%results%attractors%complete .and. allocated(box%results%response)) &
@@ -261,17 +266,20 @@ subroutine find_attractors(handle, progress, status)
 end subroutine find_attractors
 
 ! Refines the box's first motion.
-subroutine refine_motion(handle, status)
+subroutine refine_motion(handle, progress, status)
    use geartrain, only: error_type, refine
-   use geartrain_python_box, only: box_type, box_of, close_with
+   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type
    implicit none
    integer(8), intent(in) :: handle
+   double precision, intent(inout), target :: progress(3)
    integer, intent(out) :: status
    type(box_type), pointer :: box
    type(error_type), allocatable :: error
+   type(watch_type) :: watch
    !f2py threadsafe
 
    box => box_of(handle)
+   call begin_watch(watch, box, progress)
    call refine(box%case%train, box%motions(1), error)
    status = close_with(box, error)
 end subroutine refine_motion
@@ -293,7 +301,7 @@ end subroutine sample_waveform
 ! Everything that the case asks for; `path` is where the results go, '' nowhere; `checkpoint` the file to go on from, '' none.
 subroutine run_all(handle, path, checkpoint, progress, status)
    use geartrain, only: error_type, run_case
-   use geartrain_python_box, only: box_type, box_of, close_with, watch_type
+   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type
    implicit none
    integer(8), intent(in) :: handle
    character(*), intent(in) :: path, checkpoint
@@ -305,7 +313,7 @@ subroutine run_all(handle, path, checkpoint, progress, status)
    !f2py threadsafe
 
    box => box_of(handle)
-   watch%progress => progress
+   call begin_watch(watch, box, progress)
    call run_case(box%case, path, box%results, error, watch, checkpoint)
    status = close_with(box, error)
 end subroutine run_all

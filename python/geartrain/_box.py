@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from numbers import Integral
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from . import _geartrain as fortran
 from ._namelist import in_words_of_the_call
-from .errors import InputError, SolverError
+from .errors import InputError, SolverError, shown
 
 if TYPE_CHECKING:
     from .branch import Branch
@@ -200,6 +201,8 @@ class Box:
         fortran.put_modes(self.handle, _columns(modes.element, 16), values, modes.shape.T)
 
     def put_motions(self, *motions: Motion) -> None:
+        for motion in motions:
+            _check(motion)
         fortran.reserve_motions(self.handle, len(motions))
         for place, motion in enumerate(motions, 1):
             fortran.put_motion(
@@ -256,7 +259,8 @@ class Box:
         refined = np.full(len(branch), branch.correction is not None)
         undecided = np.zeros(len(branch), bool) if branch.undecided is None else branch.undecided
         second = np.full(len(branch), np.nan) if branch.second_estimate is None else branch.second_estimate
-        estimates = np.nan_to_num([branch.error_estimate, second, correction], nan=-1.0)
+        # A point without a correction is tried (again) where the branch is refined (refinement.f90).
+        estimates = np.nan_to_num([branch.error_estimate, second, np.nan_to_num(correction, nan=-2.0)], nan=-1.0)
         marks = [branch.part, stable, branch.estimate_doubtful, branch.harmonics, undecided, refined]
         fortran.put_branch(
             self.handle,
@@ -274,6 +278,27 @@ class Box:
             fortran.put_special(
                 self.handle, place, number, special.kind.encode(), special.frequency, special.point + 1, special.rms
             )
+
+
+def _check(motion: Motion) -> None:
+    """Raise `InputError` where a motion is none that any method gives, be it made by hand."""
+    values, meshes = motion.coefficients, len(motion.rms)
+    named = [getattr(motion, name) for name in _VALUES]
+    state = np.zeros(0) if motion.state is None else motion.state
+    if isinstance(motion.period, bool) or not isinstance(motion.period, Integral) or motion.period < 0:
+        raise InputError(f"motion: period = {shown(motion.period)}: must be a whole number >= 0")
+    if values.ndim != 2 or len(values) != meshes or any(np.shape(value) != (meshes,) for value in named):
+        raise InputError("motion: coefficients (meshes, 1 + 2*harmonics), rms and the like (meshes,) do not agree")
+    if not (np.isfinite(motion.frequency) and np.isfinite(state).all()):
+        raise InputError("motion: frequency and state must be finite numbers")
+    harmonics = (values.shape[1] - 1) // 2
+    if values.shape[1] and not motion.unbounded and not (values.shape[1] % 2 and np.isfinite(values).all()):
+        raise InputError("motion: coefficients must be finite numbers, 1 + 2*harmonics of each mesh")
+    if values.shape[1] and motion.period > max(harmonics, 1):
+        raise InputError(
+            f"motion: period = {shown(motion.period)}: has {harmonics} harmonics, of which none is the mesh frequency itself: "
+            "must be at most that many"
+        )
 
 
 def file_name(path: str | os.PathLike[str]) -> bytes:

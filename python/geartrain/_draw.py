@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .errors import InputError
+from .errors import InputError, shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -71,7 +71,7 @@ def draw_curve(
 def check_mesh(mesh: int, meshes: int) -> None:
     """Refuse the number of a mesh that is not there; they count from 1."""
     if isinstance(mesh, bool) or mesh not in range(1, meshes + 1):
-        raise InputError(f"mesh = {mesh!r}: must be 1 to {meshes}")
+        raise InputError(f"mesh = {shown(mesh)}: must be 1 to {meshes}")
 
 
 def label_axes(ax: Axes) -> None:

@@ -7,6 +7,8 @@ from collections.abc import Iterable, Mapping
 from numbers import Integral, Real
 from typing import Any
 
+from .errors import shown
+
 __all__ = ["KEYWORDS", "group", "in_words_of_the_call", "parse"]
 
 Value = Any
@@ -18,9 +20,9 @@ _NAMES = {keyword: name for name, keyword in KEYWORDS.items()}
 
 _WANTED = {
     "number": "a number",
-    "integer": "a whole number",
+    "integer": "a whole number below 2147483648",
     "flag": "True or False",
-    "text": "a string of one line",
+    "text": "a string of one line without control characters",
     "series": "a number or a list of numbers",
 }
 
@@ -49,7 +51,7 @@ def group(name: str, kinds: Kinds, values: Mapping[str, Value], problems: dict[s
             text = _FORMATS[kinds[key]](value)
         except (TypeError, ValueError, OverflowError):
             label = place or "&" + name
-            problems[f"{label}: {key}"] = f"{label}: {key} = {value!r}: must be {_WANTED[kinds[key]]}"
+            problems[f"{label}: {key}"] = f"{label}: {key} = {shown(value)}: must be {_WANTED[kinds[key]]}"
             continue
         if text:
             lines.append(f"   {_NAMES.get(key, key)} = {text}")
@@ -79,6 +81,8 @@ def _number(value: Value) -> str:
 def _integer(value: Value) -> str:
     if isinstance(value, bool) or not isinstance(value, Integral):
         raise TypeError
+    if abs(int(value)) >= 2**31:
+        raise OverflowError
     return str(int(value))
 
 
@@ -89,7 +93,8 @@ def _flag(value: Value) -> str:
 
 
 def _text(value: Value) -> str:
-    if not isinstance(value, str) or not value.isprintable():
+    # As the table of variables has it (variable.f90): every other character is allowed, be it a space without a break.
+    if not isinstance(value, str) or any(byte < 32 or byte == 127 for byte in value.encode()):
         raise TypeError
     return "'" + value.replace("'", "''") + "'"
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ._box import Box
 from ._namelist import group, in_words_of_the_call
-from .errors import InputError
+from .errors import InputError, shown
 from .parts import MESH, SHAFT, Mesh, Shaft
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def case_text(train: Train, analyses: Mapping[str, Mapping[str, Any] | None]) ->
 def text_at(train: Train, frequency: float, settings: Mapping[str, Any]) -> str:
     """The case's text for integration at one frequency, which is both ends of the range."""
     if isinstance(frequency, bool) or not isinstance(frequency, Real):
-        raise InputError(f"frequency = {frequency!r}: must be a number")
+        raise InputError(f"frequency = {shown(frequency)}: must be a number")
     try:
         text = train.namelist(integration={"start": frequency, "stop": frequency, "points": 1, **settings})
         with Box(text):

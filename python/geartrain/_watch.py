@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -28,8 +30,9 @@ def watched(
     Parameters
     ----------
     work : callable
-        Called in another thread with the progress: ``progress[0] > 0`` tells it to stop; it keeps the number of
-        points done in ``progress[1]`` and Lambda of the latest in ``progress[2]``. It must release the global lock.
+        Called in another thread with the progress: ``progress[0]``, once it is not zero, tells it to stop, in the midst of a
+        step; it keeps the number of points done in ``progress[1]`` and Lambda of the latest in ``progress[2]``. It must release
+        the global lock.
     name : str
         What the bar is called.
     total : int, optional
@@ -40,7 +43,7 @@ def watched(
     Raises
     ------
     Interrupted
-        On Ctrl-C, once the work has stopped; its ``result`` is what the work returned.
+        On Ctrl-C, once the work has stopped; its ``result`` is what the work returned. On a second Ctrl-C at once, without it.
     """
     progress = np.zeros(3)
     done = threading.Event()
@@ -56,6 +59,7 @@ def watched(
 
     thread = threading.Thread(target=run, name=f"geartrain {name}", daemon=True)
     interrupted = False
+    wanted = True
     bar = None
     begin = time.monotonic()
     try:
@@ -63,24 +67,31 @@ def watched(
         while not done.is_set():
             try:
                 done.wait(_TICK)
-                if bar is None and time.monotonic() - begin > _PATIENCE:
+                if wanted and bar is None and time.monotonic() - begin > _PATIENCE:
                     bar = _bar(name, total, begin, unit)
+                    wanted = bar is not None
                 if bar is not None:
                     bar.n = int(progress[1])
                     bar.set_postfix_str(f"{value} = {progress[2]:.4g}")
             except KeyboardInterrupt:
-                interrupted = True
                 progress[0] = 1.0
+                if interrupted:
+                    break  # the other thread ends by itself
+                interrupted = True
+            except (OSError, ValueError):  # standard error is lost, and the bar with it
+                wanted, bar = False, None
     finally:
         progress[0] = 1.0  # whatever takes this thread out of here, the other one does not go on for nobody
         if bar is not None:
-            bar.close()
+            with contextlib.suppress(OSError, ValueError):
+                bar.close()
     if interrupted:
         result = outcome.get("result")
         message = f"{name} stopped by Ctrl-C"
         if result is not None:
-            points = f", after {int(progress[1])} {unit}" if progress[1] else ""
-            message += f" at {value} = {progress[2]:.6g}{points}; .result holds what there is"
+            if progress[1]:
+                message += f" at {value} = {progress[2]:.6g}, after {int(progress[1])} {unit}"
+            message += "; .result holds what there is"
         raise Interrupted(message, result) from outcome.get("error")
     if "error" in outcome:
         raise outcome["error"]
@@ -88,9 +99,13 @@ def watched(
 
 
 def _bar(name: str, total: int | None, begin: float, unit: str) -> Any:
-    """A bar on a terminal or in a notebook, nothing elsewhere."""
-    from tqdm.auto import tqdm
-
+    """A bar on a terminal or in a notebook; None without tqdm or without a standard error to write it to."""
+    try:
+        from tqdm.auto import tqdm
+    except ImportError:
+        return None
+    if sys.stderr is None or sys.stderr.closed:
+        return None
     bar = tqdm(desc=name, total=total, unit=f" {unit}", disable=None, leave=False)
     bar.start_t = time.time() - (time.monotonic() - begin)
     return bar

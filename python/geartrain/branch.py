@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ._box import Box, fortran
 from ._draw import check_mesh, draw_curve, label_axes
 from ._watch import watched
-from .errors import InputError, SolverError
+from .errors import InputError, SolverError, shown
 from .motion import Motion
 from .summary import Jump, Peak
 
@@ -163,10 +163,14 @@ class Branch:
         [0.491 2.133] stable
         """
         if isinstance(frequency, bool) or not isinstance(frequency, Real):
-            raise InputError(f"frequency = {frequency!r}: must be a number")
-        with self._box() as box:
-            box.check(fortran.solve_at(box.handle, frequency))
-            return [Motion(train=self.train, **fields) for fields in box.motions()]
+            raise InputError(f"frequency = {shown(frequency)}: must be a number")
+
+        def work(progress: NDArray[np.float64]) -> list[Motion]:
+            with self._box() as box:
+                box.check(fortran.solve_at(box.handle, frequency, progress))
+                return [Motion(train=self.train, **fields) for fields in box.motions()]
+
+        return watched(work, "at")
 
     def refine(self) -> Branch:
         """The same branch with every point polished by shooting to about 1e-11, multipliers included.
@@ -237,7 +241,7 @@ class Branch:
             raise ValueError("this branch has no train")
         places = [place for place, own in enumerate(self.special_points, 1) if own is special]
         if not places:
-            raise InputError(f"special = {special!r}: must be one of this branch's special_points")
+            raise InputError(f"special = {shown(special)}: must be one of this branch's special_points")
         train = self.train
         text = train.namelist(response=self.settings)
 

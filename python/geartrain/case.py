@@ -71,7 +71,7 @@ class Results:
                 box.put_sweep(self.integration)
             if self.attractors is not None:
                 box.put_attractors(self.attractors)
-            if self.stability_map is not None:
+            if self.stability_map is not None and len(self.stability_map.parameter):  # f2py passes no empty array
                 box.put_stability_map(self.stability_map)
             if self.branches:
                 box.put_branches(self.branches)

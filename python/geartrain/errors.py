@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-__all__ = ["InputError", "Interrupted", "SolverError"]
+__all__ = ["InputError", "Interrupted", "SolverError", "shown"]
+
+_LONGEST = 80  # characters of a value in a message
 
 
 class InputError(ValueError):
@@ -30,3 +32,12 @@ class Interrupted(KeyboardInterrupt):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.args[0], self.result)
+
+
+def shown(value: Any) -> str:
+    """A value in a message: its ``repr``, not more of it than helps."""
+    try:
+        text = repr(value)
+    except ValueError:  # an integer of more digits than Python writes
+        return "an integer too long to be written"
+    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."

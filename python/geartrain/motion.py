@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._box import ATTRACTORS, INTEGRATION, Box, fortran
 from ._draw import check_mesh
-from .errors import InputError, SolverError
+from ._watch import watched
+from .errors import InputError, SolverError, shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -124,7 +125,7 @@ class Motion:
     @cached_property
     def _period(self) -> tuple[Array, Array, Array]:
         harmonics = (self.coefficients.shape[-1] - 1) // 2
-        return self._sample(max(256 * max(self.period, 1), 16 * harmonics))
+        return self._sample(max(256 * max(self.period or 1, 1), 16 * harmonics))
 
     def waveform(self, samples: int) -> tuple[Array, Array]:
         """Sample one period.
@@ -141,7 +142,7 @@ class Motion:
         displacement : ndarray, (samples, meshes)
         """
         if isinstance(samples, bool) or not isinstance(samples, Integral) or not 1 <= samples < 2**31:
-            raise InputError(f"samples = {samples!r}: must be a whole number >= 1 and below {2**31}")
+            raise InputError(f"samples = {shown(samples)}: must be a whole number >= 1 and below {2**31}")
         return self._sample(samples)[:2]
 
     def _sample(self, samples: int) -> tuple[Array, Array, Array]:
@@ -244,9 +245,13 @@ class Motion:
         >>> refined.error_estimate < 1e-10
         True
         """
-        with self._box() as box:
-            box.check(fortran.refine_motion(box.handle))
-            refined = Motion(train=self.train, **box.motions()[0])
+
+        def work(progress: NDArray[np.float64]) -> Motion:
+            with self._box() as box:
+                box.check(fortran.refine_motion(box.handle, progress))
+                return Motion(train=self.train, **box.motions()[0])
+
+        refined = watched(work, "refinement")
         moved = float(np.abs(refined.rms - self.rms).max() / max(refined.rms.max(), np.finfo(float).tiny))
         if moved > max(10 * self.error_estimate, 1e-6):
             warnings.warn(
@@ -366,7 +371,7 @@ def from_state(state: ArrayLike, meshes: int) -> Motion:
     try:
         values = np.array(state, float)
     except (TypeError, ValueError):
-        raise InputError(f"start = {state!r}: must be a gt.Motion or a list of numbers") from None
+        raise InputError(f"start = {shown(state)}: must be a gt.Motion or a list of numbers") from None
     if values.ndim != 1 or not np.isfinite(values).all():
         raise InputError(f"start: must be a gt.Motion or finite numbers of shape (2*elements,), is {values.shape}")
     nothing = np.zeros(meshes)

@@ -5,11 +5,14 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any
 
 __all__ = ["MESH", "SHAFT", "Mesh", "Series", "Shaft", "freeze_series"]
 
 Series = float | Sequence[float]
+
+_MOST = 1000  # values of a series: what a case file may hold; one more is told as too many, an endless one as well
 
 _ELEMENT = dict.fromkeys(("stiffness", "damping_ratio", "damping"), "number")
 SHAFT = {**_ELEMENT, "rigid": "flag"}
@@ -89,11 +92,11 @@ class Mesh:
 
 
 def freeze_series(part: Any, kinds: Mapping[str, str]) -> None:
-    """Make tuples of the series, whichever way they were given."""
+    """Make tuples of the series, whichever way they were given, of no more of them than it takes to see that they are too many."""
     for name, kind in kinds.items():
         value = getattr(part, name)
         if kind != "series" or value is None or isinstance(value, (str, bytes, bytearray, Mapping)):
             continue
         # An array without dimensions says that it can be iterated over, and cannot; the check tells.
         with contextlib.suppress(TypeError):
-            object.__setattr__(part, name, tuple(value) if isinstance(value, Iterable) else (value,))
+            object.__setattr__(part, name, tuple(islice(value, _MOST + 1)) if isinstance(value, Iterable) else (value,))

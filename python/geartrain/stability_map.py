@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._box import Box
-from .errors import InputError
+from .errors import InputError, shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -46,14 +46,15 @@ class StabilityMap:
     parameter : ndarray, (rows,)
     motions, stable_motions : ndarray of int, (rows, points)
         Motions of the mesh period on the branch that each row has, and how many of them are stable. Without a stable one the
-        train does something else, of a longer period or of none. -1 where the row is not done.
+        train does something else, of a longer period or of none.
     multiplier : ndarray of complex, (rows, points)
         The Floquet multiplier of largest magnitude, over a mesh period, of the motion that has it smallest: near -1 the period
         doubles, near +1 there is a fold or a resonance at a natural frequency. NaN where there is no motion.
     rms : ndarray, (rows, points, meshes), or None
         The largest of the stable motions, over the characteristic length; NaN where there is none. None for a linear map.
     row_done, row_whole : ndarray of bool, (rows,)
-        Whether the row is computed; whether its branch got through the range, so that no motion of it is missing.
+        Whether the row is computed, as every row is that a map holds, be it stopped early; whether its branch got through the
+        range, so that no motion of it is missing.
     ended : str
         Why it ended, in words.
     complete : bool
@@ -103,7 +104,7 @@ class StabilityMap:
         >>> chart.plot().figure.savefig("map.png")  # doctest: +SKIP
         """
         if what not in _TITLES:
-            raise InputError(f"what = {what!r}: must be {', '.join(map(repr, _TITLES))}")
+            raise InputError(f"what = {shown(what)}: must be {', '.join(map(repr, _TITLES))}")
         import matplotlib.pyplot as plt
 
         if ax is None:

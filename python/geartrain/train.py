@@ -13,7 +13,7 @@ from ._box import Box, fortran
 from ._request import TRAIN, case_text, text_at
 from ._watch import watched
 from .branch import Branch
-from .errors import InputError, SolverError
+from .errors import InputError, SolverError, shown
 from .modes import Modes
 from .motion import Attractors, Motion, Sweep, from_state
 from .parts import Mesh, Series, Shaft, freeze_series
@@ -82,7 +82,7 @@ class Train:
         for name, kind in (("shafts", Shaft), ("meshes", Mesh)):
             parts = getattr(self, name)
             if not isinstance(parts, Sequence) or not all(isinstance(part, kind) for part in parts):
-                raise InputError(f"{name} = {parts!r}: must be a list of gt.{kind.__name__}")
+                raise InputError(f"{name} = {shown(parts)}: must be a list of gt.{kind.__name__}")
             object.__setattr__(self, name, tuple(parts))
         freeze_series(self, TRAIN)
         with Box(self.namelist()):
@@ -410,7 +410,7 @@ class Train:
         0.0
         """
         if follow is True or not isinstance(follow, (bool, Branch)):
-            raise InputError(f"follow = {follow!r}: must be a gt.Branch, the response whose range and settings are meant")
+            raise InputError(f"follow = {shown(follow)}: must be a gt.Branch, the response whose range and settings are meant")
         settings = {
             "frequency": frequency,
             "starts": starts,
@@ -507,7 +507,7 @@ class Train:
 
     def _check_seed(self, seed: Motion) -> None:
         if not isinstance(seed, Motion):
-            raise InputError(f"seed = {seed!r}: must be a gt.Motion")
+            raise InputError(f"seed = {shown(seed)}: must be a gt.Motion")
         meshes, terms = seed.coefficients.shape
         if terms == 0 or meshes != len(self.meshes):
             raise InputError(f"seed: a motion of {meshes} meshes with {terms // 2} harmonics: the train has "

@@ -22,7 +22,7 @@ from test_case import assert_equal_files
 import geartrain as gt
 
 QUICK = "&response from = 0.4, to = 0.6, step = 0.01 /\n"
-#: Some seconds of response, sweep and search: checkpoints come after 0.5 s, then every 2 s.
+#: Some seconds of response, sweep and search: checkpoints come after 0.3 s, then every 2 s at most.
 LONG = (
     "&modes /\n&response from = 0.2, to = 2.6, step = 0.003 /\n"
     "&integration from = 0.2, to = 2.6, points = 160, direction = 'both' /\n"
@@ -112,7 +112,7 @@ def test_an_unreadable_case_is_told(open_folder):
 
 
 def test_the_time_between_checkpoints_is_bounded(executable, tmp_path):
-    """The first one comes after half a second, each further one within 2 s (nine times what the writing took if that is more) and
+    """The first one comes after 0.3 s, each further one within 2 s (nine times what the writing took if that is more) and
     a point of the work; five times that for a machine that is busy with other things."""
     analyses = LONG + (
         "&attractors frequency = 0.6, starts = 2000 /\n"
@@ -303,28 +303,6 @@ def test_a_checkpoint_of_another_case_is_refused(executable, tmp_path):
             gt.read_case(case).run(resume=partial)
     shutil.copy(output, partial)  # a results file holds no state
     assert run(executable, case, "--output", output, "--resume").returncode == 4
-
-
-def test_a_damaged_state_is_refused(executable, tmp_path):
-    """Bytes changed at random in the state: an error or a run, never a crash."""
-    case, output = write_case(tmp_path, LONG), tmp_path / "out.h5"
-    partial = kill_at_checkpoint(executable, case, output)
-    with h5py.File(partial) as file:
-        state = file["state"][()]
-    case.write_text(case.read_text().replace("150.0", "151.0"))  # the input is compared before anything goes on
-    for end in np.linspace(0, len(state) - 1, 12, dtype=int):
-        with h5py.File(partial, "r+") as file:
-            del file["state"]
-            file["state"] = state[:end]
-        assert run(executable, case, "--output", output, "--resume").returncode in (2, 4)
-    moments = np.random.default_rng(3)
-    for _ in range(12):
-        with h5py.File(partial, "r+") as file:
-            del file["state"]
-            changed = state.copy()
-            changed[moments.integers(0, len(state), 200)] = moments.integers(-128, 128, 200)
-            file["state"] = changed
-        assert run(executable, case, "--output", output, "--resume").returncode in (2, 4)
 
 
 def test_ten_thousand_solves_leak_nothing():

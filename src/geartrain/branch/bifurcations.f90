@@ -99,6 +99,7 @@ contains
       times = 2**settings%period_doublings
       allocate (taken(0))
       do i = 1, size(parent%special_points)
+         if (train%interrupt%raised()) return
          associate (special => parent%special_points(i))
             doubles = special%kind == 'period doubling'
             if (doubles .and. parent%subharmonic >= period*times) cycle

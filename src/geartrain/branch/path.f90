@@ -130,9 +130,9 @@ contains
       call self%find_tangent(to)
    end subroutine advance
 
-   !> Newton on S = 0 with row . (U - U_predicted) = 0. It fails when it stops contracting, needs too many iterations, or
-   !> when the first correction is longer than `longest` (then the solution may lie on another branch). Where the next step is
-   !> going to be the last one, going by how the steps shrink, it is made with the factors at hand.
+   !> Newton on S = 0 with row . (U - U_predicted) = 0. It fails when it stops contracting, needs too many iterations, is
+   !> interrupted, or when the first correction is longer than `longest` (then the solution may lie on another branch). Where the
+   !> next step is going to be the last one, going by how the steps shrink, it is made with the factors at hand.
    !> No step is solved for more exactly than its own error of linearisation is worth (inexact Newton: S. C. Eisenstat and H. F.
    !> Walker, SIAM J. Sci. Comput. 17 (1996) 16-32).
    subroutine newton(self, place, row, row_frequency, longest, success)
@@ -150,6 +150,7 @@ contains
       accuracy = first_accuracy
       defect_before = 0
       do iteration = 1, max_iterations
+         if (self%balance%system%interrupt%raised()) return
          self%iterations = iteration
          call self%balance%evaluate(place%u, place%frequency)
          self%evaluations = self%evaluations + 1

@@ -15,6 +15,8 @@ module geartrain_branch_refinement
 
    !> An orbit that differs from the point by more than this many times the estimated error of the point is another one.
    real(dp), parameter :: another = 10
+   !> The correction of a point that is still to be tried; where shooting found nothing it is -1.
+   real(dp), parameter :: untried = -2
    !> Least difference that is asked about, relative: below it the estimate may be rounding.
    real(dp), parameter :: rounding = 1e-6_dp
 
@@ -22,8 +24,8 @@ contains
 
    !> Replaces every point by the orbit near it to about 1e-11 and sets branch%correction, by how much each waveform changed.
    !> Lambda stays. A point near which shooting finds no orbit, as next to a fold, whose true place is elsewhere, stays as it is,
-   !> with a negative correction. Special points stay as they are. A branch refined in part, as a checkpoint holds it, is taken up;
-   !> points refined before stay as they are.
+   !> with a negative correction. Special points stay as they are. A branch refined in part, as a checkpoint holds it, is taken up
+   !> with the points not tried before.
    subroutine refine_branch(train, branch, error, observer)
       type(train_type), intent(in) :: train
       type(branch_type), intent(inout), target :: branch
@@ -37,15 +39,20 @@ contains
 
       call check_train(train, error)
       if (allocated(error)) return
-      if (.not. allocated(branch%correction)) allocate (branch%correction(branch%points), source=-1.0_dp)
-      done = count(branch%correction >= 0)
+      if (.not. allocated(branch%correction)) allocate (branch%correction(branch%points), source=untried)
+      done = count(branch%correction > untried)
       keep_going = .true.
       !$omp parallel do private(motion, correction, go) schedule(dynamic)
       do i = 1, branch%points
          !$omp atomic read
          go = keep_going
-         if (.not. go .or. branch%correction(i) >= 0) cycle
+         if (.not. go .or. branch%correction(i) > untried) cycle
          call refine_point(train, branch, i, motion, correction)
+         if (train%interrupt%raised()) then
+            !$omp atomic write
+            keep_going = .false.
+            cycle
+         end if
          ! Whoever reads the branch meanwhile is the observer, and no point changes while it does.
          !$omp critical (geartrain_refinement)
          branch%correction(i) = correction
@@ -58,7 +65,7 @@ contains
          !$omp end critical (geartrain_refinement)
       end do
       !$omp end parallel do
-      if (keep_going) return
+      if (keep_going .and. .not. train%interrupt%raised()) return
       branch%cancelled = .true.
       branch%complete = .false.
       branch%ended = 'refinement cancelled; before it: '//branch%ended

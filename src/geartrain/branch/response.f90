@@ -7,6 +7,7 @@ module geartrain_branch_response
    use geartrain_base_observer, only: observer_type
    use geartrain_base_numbers, only: text
    use geartrain_branch_branch, only: branch_type, response_settings_type, special_point_type
+   use geartrain_branch_interruption, only: drop_step
    use geartrain_branch_path, only: place_type
    use geartrain_branch_points, only: drop_first, is_same_point, same_motion
    use geartrain_branch_start, only: begin_trace, place_of, resting
@@ -67,6 +68,7 @@ contains
             call tracer%recorder%setup(tracer%path%balance, settings%stability, empty)
             tracer%part = branch%part(branch%points)
             tracer%resumes = branch%trace%steps > 0
+            tracer%kept = [branch%points, size(branch%special_points)]
             call tracer%restore_state(branch%trace)
          else
             call tracer%recorder%setup(tracer%path%balance, settings%stability, branch)
@@ -78,10 +80,13 @@ contains
             branch%complete = outcome == reached_end
             branch%trace%whole = followed_out(outcome)
          end if
-         if (outcome /= cancelled) then
+         call drop_step(tracer, branch)
+         if (.not. (outcome == cancelled .or. branch%cancelled)) then
             if (.not. branch%trace%from_stop) branch%trace%first_points = branch%points
             branch%trace%from_stop = .true.
             call trace_part(train, tracer, settings%stop, settings%start, branch, outcome, reason, observer)
+            call drop_step(tracer, branch)
+            if (branch%cancelled .and. outcome /= cancelled) outcome = known_start
             if (outcome /= known_start) then
                branch%complete = outcome == reached_end .or. branch%trace%whole .and. followed_out(outcome)
                branch%ended = 'from Lambda = '//text(settings%start)//': '//branch%ended//'; from Lambda = ' &
@@ -193,7 +198,7 @@ contains
       end if
       elsewhere = [times*frequency, frequency + share*(other - frequency)]
       do i = 1, size(elsewhere)
-         if (success) return
+         if (success .or. tracer%system%interrupt%raised()) return
          call scout(train, tracer%settings, elsewhere(i), frequency, motion, success)
          if (.not. success) cycle
          place = place_of(tracer, motion)
@@ -259,6 +264,7 @@ contains
       call tracer%path%solve_at(place, success)
       if (.not. success) then
          branch%ended = 'Newton does not converge from the seed at Lambda = '//text(seed%frequency)
+         call drop_step(tracer, branch)
          return
       end if
       call tracer%path%orient(place, merge(1, -1, tracer%settings%stop > tracer%settings%start))
@@ -268,6 +274,7 @@ contains
       backward%tangent = -place%tangent
       backward%tangent_frequency = -place%tangent_frequency
       call trace_both_ways(tracer, place, backward, branch, 'the seed', observer)
+      call drop_step(tracer, branch)
    end subroutine trace_from_seed
 
 end module geartrain_branch_response

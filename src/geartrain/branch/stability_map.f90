@@ -3,6 +3,7 @@
 !> threads; each is computed by itself, so that the numbers do not depend on how many threads there are.
 module geartrain_branch_stability_map
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: iso_fortran_env, only: int64, int8
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
@@ -10,7 +11,7 @@ module geartrain_branch_stability_map
    use geartrain_branch_branch, only: branch_type, response_settings_type
    use geartrain_branch_response, only: response
    use geartrain_branch_solutions, only: record_crossings
-   use geartrain_branch_stability_map_settings, only: stability_map_settings_type, stability_map_type
+   use geartrain_branch_stability_map_settings, only: map_row_type, stability_map_settings_type, stability_map_type
    use geartrain_branch_stability_map_variables, only: check_stability_map, train_with, unit_of
    use geartrain_branch_start, only: begin_trace
    use geartrain_branch_tracer, only: tracer_type
@@ -26,18 +27,10 @@ module geartrain_branch_stability_map
    !> Motions of one row at one Lambda whose figures agree to this, relative to the largest displacement, are one.
    real(dp), parameter :: same = 1e-6_dp
 
-   !> One row: as in stability_map_type, without the last index.
-   type :: map_row_type
-      integer, allocatable :: motions(:), stable_motions(:)
-      complex(dp), allocatable :: multiplier(:)
-      real(dp), allocatable :: rms(:, :)
-      logical :: whole = .true.
-   end type map_row_type
-
 contains
 
    !> Computes the map. The observer is called after each row, by one thread at a time. A map under way (its rows are there, why it
-   !> ended is not, as in a checkpoint of the same case) is taken up.
+   !> ended is not, as in a checkpoint of the same case) is taken up; one that is ended before all rows are done holds those done.
    subroutine stability_map(train, settings, map, error, observer)
       type(train_type), intent(in) :: train
       type(stability_map_settings_type), intent(in) :: settings
@@ -53,7 +46,7 @@ contains
       call check_train(train, error)
       if (.not. allocated(error)) call check_stability_map(train, settings, error)
       if (allocated(error)) return
-      if (allocated(map%ended) .or. .not. allocated(map%done)) call make_room(train, settings, map, error)
+      if (allocated(map%ended) .or. .not. allocated(map%rows)) call make_room(train, settings, map, error)
       if (allocated(error)) return
       done = count(map%done)
       known = map%done
@@ -65,12 +58,14 @@ contains
          go = keep_going
          if (.not. go) cycle
          call compute_row(train_with(train, settings, map%parameter(i)), settings, map%frequency, row)
+         if (train%interrupt%raised()) then
+            !$omp atomic write
+            keep_going = .false.
+            cycle
+         end if
          !$omp critical (geartrain_map)
          done = done + 1
-         map%motions(:, i) = row%motions
-         map%stable_motions(:, i) = row%stable_motions
-         map%multiplier(:, i) = row%multiplier
-         if (.not. settings%linear) map%rms(:, :, i) = row%rms
+         map%rows(i) = row
          map%whole(i) = row%whole
          map%done(i) = .true.
          go = keep_going
@@ -83,36 +78,41 @@ contains
       call conclude(map)
    end subroutine stability_map
 
-   !> The grid, nothing on it yet.
+   !> The grid, nothing on it yet. Whether there is going to be memory is found out now, not after hours.
    subroutine make_room(train, settings, map, error)
       type(train_type), intent(in) :: train
       type(stability_map_settings_type), intent(in) :: settings
       type(stability_map_type), intent(inout), target :: map
       type(error_type), allocatable, intent(inout) :: error
       type(stability_map_type) :: empty
-      integer :: status(3)
-      real(dp) :: nan
+      !> Bytes of a motion in the map, and how often there is room for it: for the map, for the file that is put together in
+      !> memory and for the bytes that are written.
+      integer(int64), parameter :: plain = 24, each_mesh = 8, times = 3
+      integer(int8), allocatable, volatile :: room(:)
+      integer(int64) :: bytes
+      integer :: status
 
-      nan = ieee_value(nan, ieee_quiet_nan)
       map = empty
       map%name = trim(settings%parameter)
       map%unit = unit_of(settings%parameter)
       map%linear = settings%linear
-      map%frequency = spaced(settings%start, settings%stop, settings%points)
-      map%parameter = spaced(settings%parameter_start, settings%parameter_stop, settings%parameter_points)
       associate (points => settings%points, rows => settings%parameter_points)
-         status = 0
-         allocate (map%motions(points, rows), map%stable_motions(points, rows), source=-1, stat=status(1))
-         allocate (map%multiplier(points, rows), source=cmplx(nan, nan, dp), stat=status(2))
-         if (.not. settings%linear) allocate (map%rms(size(train%meshes), points, rows), source=nan, stat=status(3))
-         if (any(status /= 0)) then
+         bytes = plain
+         if (.not. settings%linear) bytes = bytes + each_mesh*size(train%meshes)
+         bytes = times*bytes*points*rows
+         allocate (room(bytes), stat=status)
+         if (status == 0) room(bytes) = 0
+         if (status == 0) allocate (map%rows(rows), stat=status)
+         if (status /= 0) then
             map = empty
-            call fatal(error, 'stability map: no memory for '//text(points)//' times '//text(rows)//' motions: take fewer &
-                       &points', status_ended_early)
+            call fatal(error, 'stability map: no memory for '//text(points)//' times '//text(rows)//' motions ('// &
+                       text(real(bytes, dp)/1e9_dp)//' GB with the file of it): take fewer points', status_ended_early)
             return
          end if
          allocate (map%done(rows), map%whole(rows), source=.false.)
       end associate
+      map%frequency = spaced(settings%start, settings%stop, settings%points)
+      map%parameter = spaced(settings%parameter_start, settings%parameter_stop, settings%parameter_points)
    end subroutine make_room
 
    !> `points` equal steps, both ends exact.
@@ -136,6 +136,7 @@ contains
       map%complete = all(map%done) .and. short == 0
       map%ended = 'all rows done'
       if (.not. all(map%done)) map%ended = 'cancelled after '//text(count(map%done))//' of '//text(rows)//' rows'
+      call map%gather()
       if (short > 0) map%ended = map%ended//'; the branch did not get through the range in '//text(short)//' of them, where &
                                  &motions may be missing'
    end subroutine conclude
@@ -178,6 +179,7 @@ contains
       balance%unknowns = 0
       row%motions = 1
       do k = 1, size(frequency)
+         if (system%interrupt%raised()) return
          call monodromy%integrate(balance, frequency(k))
          call monodromy%multipliers(multipliers)
          row%multiplier(k) = multipliers(1)
@@ -207,6 +209,7 @@ contains
       call begin_trace(train, branch_settings, tracer)
       call tracer%recorder%setup(tracer%path%balance, .true., found)
       do k = 1, size(frequency)
+         if (train%interrupt%raised()) return
          first = found%points + 1
          call record_crossings(tracer, branch, frequency(k), found)
          do i = first, found%points

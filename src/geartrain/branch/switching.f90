@@ -10,6 +10,7 @@ module geartrain_branch_switching
    use geartrain_base_observer, only: observer_type
    use geartrain_branch_branch, only: branch_type, response_settings_type
    use geartrain_branch_critical_point, only: find_critical, harmonics_at
+   use geartrain_branch_interruption, only: drop_step
    use geartrain_branch_path, only: place_type
    use geartrain_branch_special_points, only: add_special_point
    use geartrain_branch_start, only: begin_trace
@@ -89,6 +90,7 @@ contains
          if (.not. found) then
             switched%ended = 'the balance has no '//trim(kind)//' of its own near Lambda = '//text(at) &
                              //' (more harmonics place it more exactly)'
+            call drop_step(tracer, switched)
             call tracer%recorder%finish(switched)
             return
          end if
@@ -98,6 +100,7 @@ contains
       if (.not. success) then
          call tracer%recorder%finish(switched)
          switched%ended = 'no branch found along the critical vector at Lambda = '//text(critical%frequency)
+         call drop_step(tracer, switched)
          return
       end if
       call tracer%adapt(place, success)
@@ -110,6 +113,7 @@ contains
          call trace_both_ways(tracer, place, other, switched, 'the branch point', observer, between=critical%frequency)
       end if
       call tracer%tell_missed(switched)
+      call drop_step(tracer, switched)
       call tracer%recorder%finish(switched)
    end subroutine trace_switched
 

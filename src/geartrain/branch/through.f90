@@ -5,6 +5,7 @@ module geartrain_branch_through
    use geartrain_base_observer, only: observer_type
    use geartrain_branch_beyond, only: came_down, left_range, lost, mirrored, pass_beyond
    use geartrain_branch_branch, only: branch_type
+   use geartrain_branch_interruption, only: drop_step
    use geartrain_branch_path, only: place_type
    use geartrain_branch_points, only: put_in_front
    use geartrain_branch_special_points, only: add_special_point
@@ -99,6 +100,8 @@ contains
 
       began = forward
       call trace_through(tracer, forward, tracer%settings%stop, branch, outcome, branch%ended, observer, began)
+      call drop_step(tracer, branch)
+      if (branch%cancelled) return
       branch%closed = outcome == closed_loop
       branch%complete = branch%closed
       if (branch%closed .or. outcome == cancelled) return
@@ -119,6 +122,7 @@ contains
       else
          call trace_through(tracer, backward, tracer%settings%stop, branch, outcome, reason, observer, began, point=1)
       end if
+      call drop_step(tracer, branch)
       call put_in_front(branch, first_points)
       branch%complete = followed_out(first_outcome) .and. followed_out(outcome)
       branch%ended = 'forwards from '//where_from//': '//branch%ended//'; backwards: '//reason

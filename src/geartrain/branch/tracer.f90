@@ -40,6 +40,8 @@ module geartrain_branch_tracer
       character(8) :: analysis = 'response'
       !> Number of the part of the branch that is traced.
       integer :: part = 1
+      !> Points and special points of the branch before the step under way.
+      integer :: kept(2) = 0
       !> The next trace goes on from branch%trace.
       logical :: resumes = .false.
       !> Points that miss the tolerance, where the number of harmonics is left to the program.
@@ -50,19 +52,9 @@ module geartrain_branch_tracer
       !> Change of the tangent's Lambda part along the branch, at the latest step.
       real(dp), private :: bend = 0
    contains
-      procedure :: prepare
-      procedure :: record
-      procedure :: trace
-      procedure :: adapt
-      procedure, private :: relax
-      procedure, private :: solve_again
-      procedure :: tell_missed
-      procedure :: note_state
-      procedure :: restore_state
-      procedure :: estimate_error
-      procedure, private :: stop_at
-      procedure, private :: add_fold
-      procedure, private :: add_changes
+      procedure :: prepare, record, trace, adapt, estimate_error
+      procedure :: tell_missed, note_state, restore_state
+      procedure, private :: relax, solve_again, stop_at, add_fold, add_changes
    end type tracer_type
 
 contains
@@ -142,6 +134,7 @@ contains
          sense = branch%trace%sense
       end if
       do
+         self%kept = [branch%points, size(branch%special_points)]
          if (closing) then
             next = origin
             call self%path%solve_at(next, success)

@@ -6,12 +6,15 @@ module geartrain_case_checkpoint
    use geartrain_base_observer, only: observer_type
    use geartrain_case_case, only: case_type
    use geartrain_case_text, only: case_text
+   use geartrain_results_agreement, only: disagreement
+   use geartrain_results_file, only: exists, remove_file
    use geartrain_results_reading, only: read_state
    use geartrain_results_results, only: results_type, write_results
+   use geartrain_results_seal, only: read_seal
    use geartrain_results_state, only: pack_state, unpack_state
    implicit none (type, external)
    private
-   public :: checkpoint_type, take_up_checkpoint
+   public :: checkpoint_type, take_up_checkpoint, check_partial
 
    !> Passes every step on to the caller's observer and writes the results so far when it is time. Once the caller has
    !> cancelled it answers no to every further step.
@@ -22,19 +25,38 @@ module geartrain_case_checkpoint
       type(results_type), pointer :: results => null()
       !> File to write; empty: none.
       character(:), allocatable :: path
-      !> Least time between two checkpoints, and before the first one [s].
-      real(dp) :: interval = 2, first = 0.5_dp
+      !> Time before the first checkpoint and between two [s]; at the beginning no more than the run has taken so far, however long
+      !> the writing takes, so that a run that is killed again and again gets on.
+      real(dp) :: first = 0.3_dp, interval = 2
       !> Time that the latest one took [s]: where writing is slow, a tenth of the time at most goes into it.
       real(dp), private :: cost = 0
-      logical :: cancelled = .false.
-      integer(int64), private :: last = -1
-      logical, private :: written = .false.
+      !> Steps were done since the latest one.
+      logical, private :: news = .false.
+      logical, private :: cancelled = .false.
+      integer(int64), private :: begin = -1, last = -1
+      !> Of the file at `path` that this run has written or goes on from; not allocated: there is none. Another file is not touched.
+      integer(int8), allocatable, private :: seal(:)
    contains
+      procedure :: start
       procedure :: on_step
+      procedure :: is_cancelled
       procedure :: write_now
+      procedure :: remove
+      procedure, private :: owns_place
    end type checkpoint_type
 
 contains
+
+   !> Begins to count the time.
+   subroutine start(self, resumed)
+      class(checkpoint_type), intent(inout) :: self
+      !> The run goes on from the file at `path`, which becomes its own.
+      logical, intent(in) :: resumed
+
+      call system_clock(self%begin)
+      self%last = self%begin
+      if (resumed) call read_seal(self%path, self%seal)
+   end subroutine start
 
    subroutine on_step(self, analysis, done, frequency, keep_going)
       class(checkpoint_type), intent(inout) :: self
@@ -43,33 +65,75 @@ contains
       real(dp), intent(in) :: frequency
       logical, intent(inout) :: keep_going
       integer(int64) :: now, rate
+      real(dp) :: pause
 
       if (associated(self%observer)) call self%observer%on_step(analysis, done, frequency, keep_going)
       if (.not. keep_going) self%cancelled = .true.
-      keep_going = .not. self%cancelled
-      if (self%path == '') return
+      keep_going = .not. self%is_cancelled()
+      ! After an interrupt in the midst of a step not all there is is whole.
+      if (self%path == '' .or. self%case%train%interrupt%raised()) return
+      self%news = .true.
       call system_clock(now, rate)
-      if (self%last < 0) self%last = now
-      if (real(now - self%last, dp)/rate < merge(max(self%interval, 9*self%cost), min(self%first, self%interval), &
-                                                 self%written)) return
+      pause = min(max(self%interval, 9*self%cost), max(self%first, real(self%last - self%begin, dp)/rate))
+      if (real(now - self%last, dp)/rate < pause) return
       call self%write_now()
    end subroutine on_step
 
-   !> A checkpoint that cannot be written is no reason to lose the work: the final file tells.
+   !> Whether the caller has ended the work, by his observer or by the interrupt of the train.
+   logical function is_cancelled(self)
+      class(checkpoint_type), intent(in) :: self
+
+      is_cancelled = self%cancelled .or. self%case%train%interrupt%raised()
+   end function is_cancelled
+
+   !> Where there is news. A checkpoint that cannot be written is no reason to lose the work: the final file tells. Nor is a file of
+   !> another run in its place, which stays.
    subroutine write_now(self)
       class(checkpoint_type), intent(inout) :: self
       type(error_type), allocatable :: error
       integer(int8), allocatable :: state(:)
       integer(int64) :: begin, rate
 
-      if (self%path == '') return
+      if (self%path == '' .or. .not. self%news) return
+      self%news = .false.
       call system_clock(begin, rate)
-      call pack_state(case_text(self%case), self%results, state)
-      call write_results(self%path, self%case, self%results, error, state)
+      if (self%owns_place()) then
+         call pack_state(case_text(self%case), self%results, state)
+         call write_results(self%path, self%case, self%results, error, state, self%seal)
+      end if
       call system_clock(self%last)
       self%cost = real(self%last - begin, dp)/real(rate, dp)
-      self%written = .true.
    end subroutine write_now
+
+   !> Removes the file, if it is this run's.
+   subroutine remove(self)
+      class(checkpoint_type), intent(inout) :: self
+
+      if (self%path == '' .or. .not. allocated(self%seal)) return
+      if (self%owns_place()) call remove_file(self%path)
+   end subroutine remove
+
+   !> Whether the file at `path` is this run's, or none is there.
+   logical function owns_place(self)
+      class(checkpoint_type), intent(in) :: self
+      integer(int8), allocatable :: seal(:)
+
+      owns_place = .not. exists(self%path)
+      if (owns_place .or. .not. allocated(self%seal)) return
+      call read_seal(self%path, seal)
+      if (allocated(seal)) owns_place = all(seal == self%seal)
+   end function owns_place
+
+   !> A file at the place of the checkpoint that the run does not go on from is not its own: a run that was killed left it, or one
+   !> is at work on it.
+   subroutine check_partial(path, error)
+      character(*), intent(in) :: path
+      type(error_type), allocatable, intent(inout) :: error
+
+      if (exists(path)) call fatal(error, path//': error: a run that was killed, or that is still at work, keeps its results &
+                                   &there: go on with it (--resume), or remove or rename that file, or name another file with &
+                                   &--output')
+   end subroutine check_partial
 
    !> The results so far of a run of the same case, from its checkpoint.
    subroutine take_up_checkpoint(path, case, results, error)
@@ -83,7 +147,8 @@ contains
 
       call read_state(path, bytes)
       if (.not. allocated(bytes)) then
-         call fatal(error, path//': error: cannot be resumed: it is no readable checkpoint of geartrain', status_file)
+         call fatal(error, path//': error: cannot be resumed: it is no readable checkpoint of geartrain (its checksum does not &
+                    &fit: damaged, cut short or something else); it stays as it is', status_file)
          return
       end if
       call unpack_state(bytes, input, found, wrong)
@@ -95,6 +160,12 @@ contains
          end if
       else
          call fatal(error, path//': error: cannot be resumed: '//wrong, status_file)
+         return
+      end if
+      wrong = disagreement(case, found)
+      if (wrong /= '') then
+         call fatal(error, path//': error: cannot be resumed: what it holds of the '//wrong//' does not agree with itself', &
+                    status_file)
          return
       end if
       results = found

@@ -3,6 +3,7 @@ module geartrain_case_reader
    use geartrain_base_error, only: error_type, fatal
    use geartrain_base_numbers, only: integer_text
    use geartrain_base_problems, only: problems_type
+   use geartrain_base_regular_file, only: is_regular_file
    use geartrain_branch_stability_map_variables, only: visit_stability_map
    use geartrain_branch_variables, only: check_response_consistency, visit_response
    use geartrain_case_assigner, only: assigner_type
@@ -145,7 +146,6 @@ contains
       character(:), allocatable, intent(out) :: text
       type(error_type), allocatable, intent(out) :: error
       character(200) :: why
-      character :: byte
       integer :: unit, status, bytes
       logical :: exists
 
@@ -154,18 +154,15 @@ contains
          call fatal(error, path//': error: there is no such file')
          return
       end if
+      bytes = -1
+      if (is_regular_file(path)) inquire (file=path, size=bytes)
+      if (bytes < 0 .or. bytes > most_bytes) then
+         call fatal(error, path//': error: a case file must be a regular file of at most 10 MB')
+         return
+      end if
       open (newunit=unit, file=path, access='stream', form='unformatted', status='old', action='read', iostat=status, iomsg=why)
       if (status /= 0) then
          call fatal(error, path//': error: cannot be opened: '//trim(why))
-         return
-      end if
-      inquire (unit=unit, size=bytes)
-      ! A pipe or a device has no size, and yet something to read.
-      status = -1
-      if (bytes == 0) read (unit, iostat=status) byte
-      if (bytes < 0 .or. bytes > most_bytes .or. status == 0) then
-         close (unit)
-         call fatal(error, path//': error: a case file must be a regular file of at most 10 MB')
          return
       end if
       allocate (character(bytes) :: text)

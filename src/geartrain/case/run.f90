@@ -13,12 +13,12 @@ module geartrain_case_run
    use geartrain_branch_stability_map, only: stability_map
    use geartrain_branch_variables, only: settings_for
    use geartrain_case_case, only: case_type
-   use geartrain_case_checkpoint, only: checkpoint_type, take_up_checkpoint
+   use geartrain_case_checkpoint, only: check_partial, checkpoint_type, take_up_checkpoint
    use geartrain_case_variables, only: check_agreement
    use geartrain_model_modes, only: natural_modes
    use geartrain_motion_attractors, only: attractors
    use geartrain_motion_sweep, only: sweep
-   use geartrain_results_file, only: check_place, remove_file
+   use geartrain_results_file, only: check_place
    use geartrain_results_results, only: results_type, write_results
    implicit none (type, external)
    private
@@ -28,8 +28,9 @@ contains
 
    !> Runs the analyses of the case in the order modes, response with the branches that bifurcate from it, integration, attractors
    !> with the branches through them, stability map, refinement, and writes `path`. Meanwhile path.partial holds what there is so
-   !> far, every 2 s or so. An analysis that ends early is told by an error of status_ended_early after everything has been
-   !> written; bad input and a place that cannot be written to are told before anything is computed.
+   !> far, every 2 s or so; a file of that name that the run does not go on from is told as an error, and stays. An analysis that
+   !> ends early is told by an error of status_ended_early after everything has been written; bad input and a place that cannot be
+   !> written to are told before anything is computed.
    subroutine run_case(case, path, results, error, observer, resume)
       type(case_type), intent(in), target :: case
       !> The HDF5 file; empty: write nothing.
@@ -42,11 +43,15 @@ contains
       type(checkpoint_type) :: checkpoint
       type(checker_type) :: checker
       type(error_type), allocatable :: early
+      logical :: resumed
 
       call check_agreement(case, checker)
       call checker%problems%raise('', error)
       if (allocated(error)) return
+      resumed = .false.
+      if (present(resume)) resumed = resume == path//'.partial'
       if (path /= '') call check_place(path, error)
+      if (path /= '' .and. .not. (resumed .or. allocated(error))) call check_partial(path//'.partial', error)
       if (allocated(error)) return
       if (present(resume)) then
          if (resume /= '') call take_up_checkpoint(resume, case, results, error)
@@ -57,10 +62,11 @@ contains
       checkpoint%results => results
       checkpoint%path = ''
       if (path /= '') checkpoint%path = path//'.partial'
+      call checkpoint%start(resumed)
       call compute(case, results, early, error, checkpoint)
       if (allocated(error)) return
       if (path /= '') call write_results(path, case, results, error)
-      if (path /= '' .and. .not. allocated(error)) call remove_file(path//'.partial')
+      if (.not. allocated(error)) call checkpoint%remove()
       if (allocated(early)) call fatal(error, early%message, early%status)
    end subroutine run_case
 
@@ -88,18 +94,19 @@ contains
       end if
       if (allocated(case%response)) then
          if (.not. allocated(results%response)) allocate (results%response)
-         if (.not. is_done(results%response)) &
+         if (.not. is_done(results%response)) then
             call response(case%train, case%response, results%response, error, observer=checkpoint)
-         call set_aside(error, early)
-         if (allocated(error)) return
-         call note_end(results%response, checkpoint)
+            call set_aside(error, early)
+            if (allocated(error)) return
+            call note_end(results%response, checkpoint)
+         end if
          call tell('response', results%response%complete, results%response%ended, early)
          if ((case%response%period_doublings > 0 .or. case%response%branch_points) &
-             .and. .not. (followed .or. checkpoint%cancelled)) &
+             .and. .not. (followed .or. checkpoint%is_cancelled())) &
             call follow_bifurcations(case%train, case%response, results%response, results%branches, error, checkpoint, known)
          if (allocated(error)) return
       end if
-      if (allocated(case%integration) .and. .not. checkpoint%cancelled) then
+      if (allocated(case%integration) .and. .not. checkpoint%is_cancelled()) then
          ! A sweep can be long: what came before it is safe from here on.
          call checkpoint%write_now()
          if (.not. allocated(results%integration)) allocate (results%integration)
@@ -109,19 +116,19 @@ contains
          if (allocated(error)) return
          call tell('integration', results%integration%complete, results%integration%ended, early)
       end if
-      if (allocated(case%attractors) .and. .not. checkpoint%cancelled) then
+      if (allocated(case%attractors) .and. .not. checkpoint%is_cancelled()) then
          call checkpoint%write_now()
          if (.not. allocated(results%attractors)) allocate (results%attractors)
          if (.not. allocated(results%attractors%ended)) &
             call attractors(case%train, case%attractors, results%attractors, error, checkpoint)
          if (allocated(error)) return
          call tell('attractors', results%attractors%complete, results%attractors%ended, early)
-         if (case%attractors%follow .and. .not. (followed .or. checkpoint%cancelled)) &
+         if (case%attractors%follow .and. .not. (followed .or. checkpoint%is_cancelled())) &
             call follow_attractors(case%train, case%response, results%attractors, results%response, results%branches, error, &
                                    checkpoint, known)
          if (allocated(error)) return
       end if
-      if (allocated(case%stability_map) .and. .not. checkpoint%cancelled) then
+      if (allocated(case%stability_map) .and. .not. checkpoint%is_cancelled()) then
          call checkpoint%write_now()
          if (.not. allocated(results%stability_map)) allocate (results%stability_map)
          if (.not. allocated(results%stability_map%ended)) &
@@ -146,7 +153,7 @@ contains
       type(checkpoint_type), intent(inout) :: checkpoint
       logical :: keep_going
 
-      if (checkpoint%cancelled .or. response%points == 0) return
+      if (checkpoint%is_cancelled() .or. response%points == 0) return
       keep_going = .true.
       call checkpoint%on_step('response', response%points, response%frequency(response%points), keep_going)
    end subroutine note_end
@@ -177,15 +184,15 @@ contains
       type(checkpoint_type), intent(inout) :: checkpoint
       integer :: i
 
-      if (.not. allocated(case%response) .or. checkpoint%cancelled) return
+      if (.not. allocated(case%response) .or. checkpoint%is_cancelled()) return
       if (.not. case%response%refine) return
       call checkpoint%write_now()
       call refine_branch(case%train, results%response, error, checkpoint)
       if (allocated(error)) return
-      if (checkpoint%cancelled) call tell('response', .false., results%response%ended, early)
+      if (checkpoint%is_cancelled()) call tell('response', .false., results%response%ended, early)
       if (.not. allocated(results%branches)) return
       do i = 1, size(results%branches)
-         if (allocated(error) .or. checkpoint%cancelled) return
+         if (allocated(error) .or. checkpoint%is_cancelled()) return
          call refine_branch(case%train, results%branches(i), error, checkpoint)
       end do
    end subroutine refine_all
@@ -197,11 +204,11 @@ contains
       type(checkpoint_type), intent(inout) :: checkpoint
       integer :: i
 
-      if (.not. allocated(case%response) .or. checkpoint%cancelled) return
+      if (.not. allocated(case%response) .or. checkpoint%is_cancelled()) return
       call locate_contact_edges(case%train, case%response, results%response, checkpoint)
       if (.not. allocated(results%branches)) return
       do i = 1, size(results%branches)
-         if (checkpoint%cancelled) return
+         if (checkpoint%is_cancelled()) return
          associate (branch => results%branches(i))
             call locate_contact_edges(case%train, settings_for(case%response, branch%subharmonic), branch, checkpoint)
          end associate

@@ -5,6 +5,7 @@
 !> Each force is over k_n b_c: phi = kappa g(p) + gamma p' in a mesh. From I theta'' + B^T F = T and p = B theta + e:
 !>    p'' = -W phi + s(t) + e''      (equations (5) with their signs and indices put right)
 module geartrain_model_system
+   use geartrain_base_interrupt, only: interrupt_type
    use geartrain_base_kinds, only: dp
    use geartrain_model_body, only: body_type
    use geartrain_model_mesh, only: mesh_type
@@ -44,6 +45,8 @@ module geartrain_model_system
       real(dp) :: characteristic_frequency = 0, characteristic_length = 0
       !> Greatest common divisor of the orders that excite the train: Lambda harmonics that are no multiple of it stay zero.
       integer :: excitation_order = 1
+      !> The train's: all that takes long has a system at hand.
+      type(interrupt_type) :: interrupt
    end type system_type
 
 contains
@@ -61,6 +64,7 @@ contains
       bc = train%characteristic_length
       system%meshes = m
       system%elements = m + count(.not. train%shafts%rigid)
+      system%interrupt = train%interrupt
       system%characteristic_frequency = wc
       system%characteristic_length = bc
       allocate (system%bodies(m + 1), system%body_element(m + 1), system%mesh_element(m), inertia(system%elements + 1), &

@@ -1,5 +1,6 @@
 !> A gear train as the user gives it, in SI units: M shafts in a chain and the M-1 gear pairs between them.
 module geartrain_model_train
+   use geartrain_base_interrupt, only: interrupt_type
    use geartrain_base_kinds, only: dp
    use geartrain_model_mesh, only: mesh_type
    use geartrain_model_shaft, only: shaft_type
@@ -19,6 +20,8 @@ module geartrain_model_train
       real(dp) :: characteristic_length = 0, characteristic_frequency = 0
       type(shaft_type), allocatable :: shafts(:)
       type(mesh_type), allocatable :: meshes(:)
+      !> Ends work on this train in the midst of a step; no variable of a case.
+      type(interrupt_type) :: interrupt
    end type train_type
 
 end module geartrain_model_train

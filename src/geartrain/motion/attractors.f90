@@ -66,6 +66,7 @@ contains
             call settle(system, settings%frequency, integration, state, settled(i - first + 1))
          end do
          !$omp end parallel do
+         if (train%interrupt%raised()) exit
          do i = 1, last - first + 1
             call collect(settled(i), found%motions, hits)
          end do

@@ -341,6 +341,7 @@ contains
 
       block = 1 + 2*self%explicit
       call matrix%resize(block, self%unknowns)
+      matrix%interrupt = self%system%interrupt
       do i = 1, self%unknowns
          call fill(matrix%diagonal(:, :, i), i, 2, self%tangent(:, :, i))
          matrix%diagonal(1, :, i) = self%tangent(1, :, i)

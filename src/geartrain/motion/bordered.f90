@@ -2,6 +2,7 @@
 !> The border closes the last block, so the whole stays regular at folds, where the matrix without it is singular.
 module geartrain_motion_bordered
    use geartrain_base_elimination, only: factor_matrix, solve_factored
+   use geartrain_base_interrupt, only: interrupt_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_lapack, only: dgemm, dgemv
    implicit none (type, external)
@@ -17,6 +18,8 @@ module geartrain_motion_bordered
       real(dp) :: corner = 0
       !> Sign of the determinant, set by `factor`: constant along a smooth branch that keeps its sense.
       integer :: orientation = 1
+      !> Looked at between the blocks.
+      type(interrupt_type) :: interrupt
       real(dp), allocatable, private :: last(:, :), joint(:)
       integer, allocatable, private :: pivot(:, :), last_pivot(:)
    contains
@@ -41,7 +44,8 @@ contains
                 self%joint(block + 1), self%pivot(block, blocks), self%last_pivot(block + 1))
    end subroutine resize
 
-   !> Block elimination downwards; afterwards `upper` and `column` hold D^-1 U and D^-1 g. info = 0 when regular.
+   !> Block elimination downwards; afterwards `upper` and `column` hold D^-1 U and D^-1 g. info = 0 when regular, which it is not
+   !> where it is interrupted.
    subroutine factor(self, info)
       class(bordered_type), intent(inout) :: self
       integer, intent(out) :: info
@@ -52,6 +56,8 @@ contains
       self%orientation = 1
       if (self%blocks == 0) return
       do j = 1, self%blocks - 1
+         info = 1
+         if (self%interrupt%raised()) return
          associate (d => self%diagonal(:, :, j), pivot => self%pivot(:, j))
             call factor_matrix(n, d, pivot, info)
             if (info /= 0) return

@@ -116,12 +116,13 @@ contains
       contact_at = 0
    end function contact_at
 
-   !> Advances to `end_time`.
+   !> Advances to `end_time`, or less far where it is interrupted.
    subroutine advance(self, end_time)
       class(flow_type), intent(inout) :: self
       real(dp), intent(in) :: end_time
 
       do while (self%time < end_time)
+         if (self%system%interrupt%raised()) return
          call self%step(end_time)
       end do
    end subroutine advance

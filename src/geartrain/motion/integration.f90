@@ -61,7 +61,10 @@ contains
          call state_of(system, start, state)
       end if
       call settle(system, frequency, settings, state, motion, observer)
-      if (.not. allocated(motion%coefficients)) then
+      if (system%interrupt%raised()) then
+         call fatal(error, 'interrupted before the motion was steady', status_ended_early)
+         return
+      else if (.not. allocated(motion%coefficients)) then
          call fatal(error, 'the motion grows without bound at Lambda = '//text(frequency)//': it was given up at a displacement &
                     &of '//text(maxval(abs(state(:system%elements))))//' characteristic lengths', status_ended_early)
          return
@@ -131,7 +134,7 @@ contains
       real(dp), intent(inout) :: state(:)
       type(motion_type), intent(out), target :: motion
       class(observer_type), intent(inout), optional :: observer
-      !> The observer ended it before the motion was steady.
+      !> The observer or an interrupt ended it before the motion was steady.
       logical, intent(out), optional :: stopped
       type(flow_type) :: flow
       real(dp) :: section(size(state), 0:2*longest_period)
@@ -152,6 +155,7 @@ contains
          call flow%advance(2*pi/frequency)
          section = eoshift(section, -1, dim=2)
          section(:, 0) = flow%x(1, :)
+         if (system%interrupt%raised()) exit
          if (.not. all(abs(section(:, 0)) < limit)) exit
          call find_period(section, k, settings%tolerance, period)
          if (period > 0) exit
@@ -164,6 +168,7 @@ contains
       end do
       state = section(:, 0)
       call describe(system, frequency, settings, state, period, all(abs(state) < limit), motion)
+      if (present(stopped)) stopped = stopped .or. system%interrupt%raised()
    end subroutine settle
 
    !> The smallest period whose section repeats itself to `tolerance`, the remaining error being judged by the rate at
@@ -212,12 +217,14 @@ contains
       motion%frequency = frequency
       motion%state = state
       motion%period = merge(period, longest_period, period > 0)
-      if (bounded) call measure(system, settings%harmonics, motion)
+      if (bounded .and. .not. system%interrupt%raised()) call measure(system, settings%harmonics, motion)
       motion%period = period
-      if (period == 0) return
+      if (system%interrupt%raised()) motion%period = 0
+      if (motion%period == 0) return
       motion%error_estimate = settings%tolerance
       if (.not. settings%stability) return
       call propagate(system, frequency, period, state, final, monodromy)
+      if (system%interrupt%raised()) return
       allocate (motion%multipliers(size(state)))
       call eigenvalues(monodromy, motion%multipliers)
       motion%stable = is_stable(motion%multipliers)

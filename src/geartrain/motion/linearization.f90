@@ -4,6 +4,7 @@
 !> matrix is the identity plus something that falls as 1/r**2, so GMRES, with the factors of the lowest harmonics and of the mean
 !> stiffness at the others as preconditioner, needs no more iterations the more harmonics there are.
 module geartrain_motion_linearization
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain_base_kinds, only: dp
    use geartrain_motion_balance, only: balance_type
    use geartrain_motion_bordered, only: bordered_type
@@ -96,6 +97,11 @@ contains
       do while (.not. balance%is_direct())
          call self%iterate(balance, enough, x, y, done)
          if (done) return
+         if (balance%system%interrupt%raised()) then
+            y = ieee_value(y, ieee_quiet_nan)
+            x = y
+            return
+         end if
          call balance%make_explicit(2*balance%explicit)
          call balance%jacobian(self%lowest)
          call self%factor(balance, done)
@@ -180,6 +186,7 @@ contains
          g = 0
          g(1) = length
          do n = 1, most_iterations
+            if (balance%system%interrupt%raised()) return
             z = v(:, :, n)
             zy = vy(n)
             call self%precondition(balance, z, zy)

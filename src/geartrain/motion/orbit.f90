@@ -78,6 +78,7 @@ contains
       do i = 1, period
          call flow%start(frequency, 0.0_dp)
          do while (flow%time < mesh_period)
+            if (system%interrupt%raised()) exit
             begun = flow%time
             contact = flow%contact
             call flow%step(mesh_period)
@@ -96,6 +97,10 @@ contains
             end do
          end do
       end do
+      if (system%interrupt%raised()) then
+         displacement = 0
+         velocity = 0
+      end if
       if (present(share)) share = spent/(period*mesh_period)
       if (.not. present(force)) return
       force = stiffness_samples(system, period, size(force, 1))

@@ -50,11 +50,21 @@ contains
       end if
       call build_system(train, system)
       n = 2*system%elements
+      if (allocated(motion%state)) then
+         if (size(motion%state) /= n) call fatal(error, 'refine: a state of '//text(size(motion%state))//' values: must have ' &
+                                                 //text(n)//' (displacement of each elastic element, then the velocities)')
+      end if
+      if (.not. motion%frequency > 0) call fatal(error, 'refine: frequency = '//text(motion%frequency)//': must be > 0')
+      if (allocated(error)) return
       allocate (state(n), final(n), step(n), monodromy(n, n), matrix(n, n), pivot(n))
       call state_of(system, motion, state)
       before = huge(1.0_dp)
       do i = 1, max_iterations
          call propagate(system, motion%frequency, motion%period, state, final, monodromy)
+         if (system%interrupt%raised()) then
+            call fatal(error, 'refine: interrupted', status_ended_early)
+            return
+         end if
          step = state - final
          matrix = monodromy
          do k = 1, n

@@ -72,6 +72,7 @@ contains
          call settle(system, frequency, settings, state, motion, observer, stopped)
          if (stopped) exit
          call add_exponent(system, settings, motion, observer)
+         if (system%interrupt%raised()) exit
          ! A whole motion or none: what has a frequency counts as done where the sweep is taken up again.
          result%motions(i) = motion
          if (.not. allocated(motion%coefficients)) state = resting_state(system)

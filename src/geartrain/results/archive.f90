@@ -16,6 +16,7 @@ module geartrain_results_archive
          carry_reals_1, carry_reals_2, carry_reals_3
       procedure :: has
       procedure :: finish
+      procedure :: at_end
       procedure, private :: carry_integer, carry_logical, carry_real, carry_text, carry_integers, carry_logicals
       procedure, private :: carry_integers_2
       procedure, private :: carry_reals_1, carry_reals_2, carry_reals_3, carry_bytes, carry_extents, carry_block
@@ -38,6 +39,13 @@ contains
 
       self%bytes = self%bytes(:self%at)
    end subroutine finish
+
+   !> Whether nothing is left to be read.
+   pure logical function at_end(self)
+      class(archive_type), intent(in) :: self
+
+      at_end = self%at == size(self%bytes, kind=int64)
+   end function at_end
 
    subroutine carry_integer(self, value)
       class(archive_type), intent(inout) :: self

@@ -1,12 +1,11 @@
 !> Puts a whole file in place of an old one: whoever looks sees the old one or the new one, never half of it.
 module geartrain_results_file
-   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char, c_size_t
    use, intrinsic :: iso_fortran_env, only: int8, int64
    use geartrain_base_error, only: error_type, fatal, status_file
-   use geartrain_base_numbers, only: integer_text
    implicit none (type, external)
    private
-   public :: check_place, remove_file, replace_file, temporary
+   public :: check_place, exists, remove_file, replace_file
 
    interface
       integer(c_int) function c_rename(from, to) bind(c, name='rename')
@@ -19,6 +18,15 @@ module geartrain_results_file
          import :: c_int
          implicit none (type, external)
       end function c_getpid
+
+      !> What a link leads to; -1 where it is none (ssize_t is as wide as size_t).
+      integer(c_size_t) function c_readlink(path, buffer, bytes) bind(c, name='readlink')
+         import :: c_char, c_size_t
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         character(kind=c_char), intent(inout) :: buffer(*)
+         integer(c_size_t), value :: bytes
+      end function c_readlink
 
       !> The flags say for reading; without a mode, which only a file to be made needs.
       integer(c_int) function c_open(path, flags) bind(c, name='open')
@@ -50,28 +58,29 @@ module geartrain_results_file
 contains
 
    !> Writes `content` to a file beside it and renames that; on failure the old file and nothing else is left. Of two runs that
-   !> write one file the later one wins, with a whole file: each has a temporary file of its own.
+   !> write one file the later one wins, with a whole file: each has a temporary file of its own. A link at `path` is replaced, and
+   !> what it leads to stays.
    subroutine replace_file(path, content, error)
       character(*), intent(in) :: path
       integer(int8), intent(in) :: content(:)
       type(error_type), allocatable, intent(inout) :: error
-      character(:), allocatable :: why
+      character(:), allocatable :: why, temporary
       integer(int64) :: bytes
       integer :: unit
 
       call check_kind(path, error)
       if (allocated(error)) return
-      call open_temporary(path, unit, error)
+      call open_temporary(path, temporary, unit, error)
       if (allocated(error)) return
       call fill(unit, content, why)
-      inquire (file=temporary(path), size=bytes)
+      inquire (file=temporary, size=bytes)
       if (.not. allocated(why) .and. bytes /= size(content, kind=int64)) why = 'not all bytes were taken; is the disk full?'
-      if (.not. allocated(why)) call put_on_disk(temporary(path), why)
+      if (.not. allocated(why)) call put_on_disk(temporary, why)
       if (.not. allocated(why)) then
-         if (c_rename(temporary(path)//c_null_char, path//c_null_char) /= 0) why = temporary(path)//' cannot be renamed'
+         if (c_rename(temporary//c_null_char, path//c_null_char) /= 0) why = temporary//' cannot be renamed'
       end if
       if (.not. allocated(why)) return
-      call remove_file(temporary(path))
+      call remove_file(temporary)
       call fatal(error, path//': error: cannot be written: '//why, status_file)
    end subroutine replace_file
 
@@ -79,23 +88,31 @@ contains
    subroutine check_place(path, error)
       character(*), intent(in) :: path
       type(error_type), allocatable, intent(inout) :: error
+      character(:), allocatable :: temporary
       integer :: unit
 
       call check_kind(path, error)
       if (allocated(error)) return
-      call open_temporary(path, unit, error)
+      call open_temporary(path, temporary, unit, error)
       if (.not. allocated(error)) close (unit, status='delete')
    end subroutine check_place
 
    !> Removes a file if it is there.
    subroutine remove_file(path)
       character(*), intent(in) :: path
-      logical :: exists
       integer(c_int) :: status
 
-      inquire (file=path, exist=exists)
-      if (exists) status = c_remove(path//c_null_char)
+      if (exists(path)) status = c_remove(path//c_null_char)
    end subroutine remove_file
+
+   !> Whether something is there, be it a link that leads nowhere.
+   logical function exists(path)
+      character(*), intent(in) :: path
+      character(kind=c_char) :: buffer(1)
+
+      inquire (file=path, exist=exists)
+      if (.not. exists) exists = c_readlink(path//c_null_char, buffer, 1_c_size_t) >= 0
+   end function exists
 
    !> What stands at `path` must be something that a file may replace.
    subroutine check_kind(path, error)
@@ -103,47 +120,68 @@ contains
       type(error_type), allocatable, intent(inout) :: error
       character(:), allocatable :: folder
       character(8) :: writable
-      logical :: exists
+      logical :: there
 
-      inquire (file=path//'/.', exist=exists)
-      if (exists) then
+      inquire (file=path//'/.', exist=there)
+      if (there) then
          call fatal(error, path//': error: cannot be written: it is a folder; give the name of a file', status_file)
          return
       end if
       folder = path(:index(path, '/', back=.true.))
-      inquire (file=folder//'.', exist=exists)
-      if (.not. exists) then
+      inquire (file=folder//'.', exist=there)
+      if (.not. there) then
          call fatal(error, path//': error: cannot be written: there is no folder '//folder, status_file)
          return
       end if
       ! Renaming would go over a write-protected file, and over a device.
-      inquire (file=path, exist=exists, write=writable)
-      if (exists .and. writable == 'NO') then
+      inquire (file=path, exist=there, write=writable)
+      if (there .and. writable == 'NO') then
          call fatal(error, path//': error: cannot be written: it is write-protected', status_file)
       else if (folder == '/dev/') then
          call fatal(error, path//': error: cannot be written: it is a device', status_file)
       end if
    end subroutine check_kind
 
-   subroutine open_temporary(path, unit, error)
+   !> Opens a new file beside `path`, where it is put together. Opened as new it is nobody else's, nor one that a link leads to:
+   !> where a name is taken, another one is tried.
+   subroutine open_temporary(path, temporary, unit, error)
       character(*), intent(in) :: path
+      !> Its name.
+      character(:), allocatable, intent(out) :: temporary
       integer, intent(out) :: unit
       type(error_type), allocatable, intent(inout) :: error
+      integer, parameter :: most_attempts = 100
       character(512) :: message
-      integer :: status
+      integer :: attempt, status
 
-      open (newunit=unit, file=temporary(path), access='stream', form='unformatted', status='replace', action='write', &
-            iostat=status, iomsg=message)
-      if (status /= 0) call fatal(error, path//': error: cannot be written: '//trim(message), status_file)
+      do attempt = 1, most_attempts
+         temporary = path//'.'//random_name(attempt)//'.tmp'
+         open (newunit=unit, file=temporary, access='stream', form='unformatted', status='new', action='write', iostat=status, &
+               iomsg=message)
+         if (status == 0) return
+         if (.not. exists(temporary)) exit
+      end do
+      call fatal(error, path//': error: cannot be written: '//trim(message), status_file)
    end subroutine open_temporary
 
-   !> Where the file at `path` is put together, of this process alone.
-   function temporary(path) result(name)
-      character(*), intent(in) :: path
-      character(:), allocatable :: name
+   !> Sixteen hexadecimal digits that nobody can foresee; where the system has no source of them, of this process and instant.
+   function random_name(attempt) result(name)
+      integer, intent(in) :: attempt
+      character(16) :: name
+      integer(int64) :: number
+      integer :: unit, status
 
-      name = path//'.'//integer_text(int(c_getpid()))//'.tmp'
-   end function temporary
+      open (newunit=unit, file='/dev/urandom', access='stream', form='unformatted', status='old', action='read', iostat=status)
+      if (status == 0) then
+         read (unit, iostat=status) number
+         close (unit)
+      end if
+      if (status /= 0) then
+         call system_clock(number)
+         number = ieor(shiftl(int(c_getpid(), int64), 40), number + attempt)
+      end if
+      write (name, '(z16.16)') number
+   end function random_name
 
    !> Waits until the bytes of a file are on the disk: renamed earlier, an empty file could be left by a power failure.
    subroutine put_on_disk(path, why)

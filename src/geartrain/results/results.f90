@@ -17,6 +17,7 @@ module geartrain_results_results
    use geartrain_results_modes, only: write_modes
    use geartrain_results_reading, only: state_path
    use geartrain_results_response, only: write_response
+   use geartrain_results_seal, only: add_seal, seal_bytes
    use geartrain_results_stability_map, only: write_stability_map
    use geartrain_results_store, only: store_type
    implicit none (type, external)
@@ -40,13 +41,15 @@ module geartrain_results_results
 contains
 
    !> Writes an HDF5 file; a file of that name is replaced once the new one is whole, and kept where writing fails.
-   subroutine write_results(path, case, results, error, state)
+   subroutine write_results(path, case, results, error, state, seal)
       character(*), intent(in) :: path
       type(case_type), intent(in) :: case
       type(results_type), intent(in) :: results
       type(error_type), allocatable, intent(out) :: error
-      !> What another run needs to go on from here.
+      !> What another run needs to go on from here; the file is then sealed, see read_state.
       integer(int8), intent(in), contiguous, optional :: state(:)
+      !> The seal of what was written; allocated where that was done.
+      integer(int8), allocatable, intent(inout), optional :: seal(:)
       integer(int8), allocatable :: content(:)
       type(store_type) :: store
       integer :: i
@@ -67,10 +70,12 @@ contains
       if (present(state)) call store%put_bytes(state_path, state, 'what geartrain --resume goes on from')
       call store%close(content, error)
       !$omp end critical (geartrain_hdf5)
+      if (present(state)) call add_seal(content)
       if (allocated(error)) then
          error%message = path//': error: '//error%message
       else
          call replace_file(path, content, error)
+         if (present(seal) .and. .not. allocated(error)) seal = content(size(content) - seal_bytes + 1:)
       end if
    end subroutine write_results
 

@@ -16,6 +16,7 @@ contains
    subroutine write_stability_map(store, map)
       type(store_type), intent(inout) :: store
       type(stability_map_type), intent(in) :: map
+      type(stability_map_type) :: part
 
       call store%group(home)
       call store%attribute(home, 'description', 'stability over frequency and one parameter of the train')
@@ -25,15 +26,27 @@ contains
          call store%attribute(home, 'ended', 'not yet: these are the rows so far')
       end if
       call store%attribute(home, 'complete', merge(1, 0, map%complete))
-      if (.not. allocated(map%parameter)) return
+      if (allocated(map%rows)) then
+         part = map
+         call part%gather()
+         call write_grid(store, part)
+      else if (allocated(map%parameter)) then
+         call write_grid(store, map)
+      end if
+   end subroutine write_stability_map
+
+   subroutine write_grid(store, map)
+      type(store_type), intent(inout) :: store
+      type(stability_map_type), intent(in) :: map
+
       call store%attribute(home, 'parameter_name', map%name)
       call store%attribute(home, 'linear', merge(1, 0, map%linear))
       call store%axis(home//'/parameter', map%parameter, map%unit, map%name)
       call store%axis(home//'/frequency', map%frequency, '1', frequency_description)
-      call store%put(home//'/row_done', map%done, ['parameter'], '1 = the row is computed; 0 = not')
+      call store%put(home//'/row_done', map%done, ['parameter'], '1 = the row is computed; rows that are not are left out')
       call store%put(home//'/row_whole', map%whole, ['parameter'], '1 = the branch of the row got through the range; 0 = not: &
                      &motions may be missing')
-      call store%put(home//'/motions', map%motions, grid, '1', 'motions of the mesh period on the branch; -1: not computed')
+      call store%put(home//'/motions', map%motions, grid, '1', 'motions of the mesh period on the branch')
       call store%put(home//'/stable_motions', map%stable_motions, grid, '1', 'how many of them are stable; 0: the train does &
                      &something else, of a longer period or of none')
       call store%put(home//'/spectral_radius', abs(map%multiplier), grid, '1', 'largest magnitude of a Floquet multiplier over a &
@@ -45,6 +58,6 @@ contains
       call store%axis(home//'/mesh', size(map%rms, 1), 'mesh, in the order of the train')
       call store%put(home//'/rms', map%rms, ['parameter', 'frequency', 'mesh     '], '1', 'largest rms of the stable motions / &
                      &characteristic_length, the rms of /response; NaN: no stable motion')
-   end subroutine write_stability_map
+   end subroutine write_grid
 
 end module geartrain_results_stability_map

@@ -4,7 +4,7 @@ module geartrain_results_state
    use geartrain_base_kinds, only: dp, version
    use geartrain_branch_branch, only: branch_type, special_point_type, trace_state_type
    use geartrain_branch_path, only: place_type
-   use geartrain_branch_stability_map_settings, only: stability_map_type
+   use geartrain_branch_stability_map_settings, only: map_row_type, stability_map_type
    use geartrain_motion_attractors_settings, only: attractors_type
    use geartrain_motion_integration_settings, only: sweep_type
    use geartrain_motion_mesh_load, only: mesh_load_type
@@ -16,7 +16,7 @@ module geartrain_results_state
    public :: pack_state, unpack_state
 
    !> A component added to a type that is carried here must be carried, too.
-   character(*), parameter :: mark = 'geartrain state 4, version '//version
+   character(*), parameter :: mark = 'geartrain state 5, version '//version
 
 contains
 
@@ -56,7 +56,7 @@ contains
       if (first /= mark) return
       call carry_results(archive, results)
       wrong = ''
-      if (archive%broken) wrong = 'it is damaged'
+      if (archive%broken .or. .not. archive%at_end()) wrong = 'it is damaged'
    end subroutine unpack_state
 
    !> Modes are not kept: they are found again at once.
@@ -133,6 +133,7 @@ contains
    subroutine carry_map(archive, map)
       type(archive_type), intent(inout) :: archive
       type(stability_map_type), intent(inout) :: map
+      integer :: i, n
 
       call archive%carry(map%name)
       call archive%carry(map%unit)
@@ -145,9 +146,32 @@ contains
       call archive%carry(map%rms)
       call archive%carry(map%done)
       call archive%carry(map%whole)
+      if (archive%has(allocated(map%rows))) then
+         n = 0
+         if (allocated(map%rows)) n = size(map%rows)
+         call carry_count(archive, n)
+         if (archive%reading) allocate (map%rows(n))
+         do i = 1, n
+            call carry_row(archive, map%rows(i))
+         end do
+      end if
       call archive%carry(map%ended)
       call archive%carry(map%complete)
    end subroutine carry_map
+
+   subroutine carry_row(archive, row)
+      type(archive_type), intent(inout) :: archive
+      type(map_row_type), intent(inout) :: row
+      complex(dp), allocatable :: multiplier(:, :)
+
+      call archive%carry(row%motions)
+      call archive%carry(row%stable_motions)
+      if (allocated(row%multiplier)) multiplier = reshape(row%multiplier, [size(row%multiplier), 1])
+      call carry_multipliers(archive, multiplier, 1)
+      if (archive%reading .and. allocated(multiplier)) row%multiplier = multiplier(:, 1)
+      call archive%carry(row%rms)
+      call archive%carry(row%whole)
+   end subroutine carry_row
 
    subroutine carry_branch(archive, branch)
       type(archive_type), intent(inout) :: archive
@@ -241,7 +265,7 @@ contains
    subroutine carry_motions(archive, motions)
       type(archive_type), intent(inout) :: archive
       type(motion_type), allocatable, intent(inout) :: motions(:)
-      integer :: i, n, done
+      integer :: i, n, done, status
 
       if (.not. archive%has(allocated(motions))) return
       n = 0
@@ -252,8 +276,10 @@ contains
       end if
       call archive%carry(n)
       call carry_count(archive, done)
-      if (archive%broken .or. n < done) return
-      if (archive%reading) allocate (motions(n))
+      status = merge(1, 0, n < done)
+      if (archive%reading .and. status == 0) allocate (motions(n), stat=status)
+      if (status /= 0) archive%broken = .true.
+      if (archive%broken) return
       do i = 1, done
          call carry_motion(archive, motions(i))
       end do

@@ -2,6 +2,7 @@
 !> Liouville's formula, det M = exp(-T sum over n of W_nn gamma_n), whatever the contacts, checks every one of them.
 !> Of a train of many states only the leading multipliers are found, by products with a few vectors.
 module geartrain_stability_monodromy
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain_base_eigenvalues, only: find_eigenvalues
    use geartrain_base_elimination, only: factor_matrix
    use geartrain_base_kinds, only: dp, pi
@@ -58,6 +59,7 @@ module geartrain_stability_monodromy
       type(mirror_type), private :: mirror
       !> `transposed` holds nothing yet: it stands for the identity.
       logical, private :: empty = .true.
+      logical, private :: interrupted = .false.
       !> Rate at which the determinant decays; the open piece's beginning and the longest one.
       real(dp), private :: decay = 0, piece_start = 0, piece_limit = 0
       real(dp), allocatable, private :: product(:, :), piece(:, :), before(:, :), factors(:, :), instant(:)
@@ -137,12 +139,15 @@ contains
          call self%find_leading(balance, frequency, period, events, success)
          if (success) return
       end if
+      self%interrupted = balance%system%interrupt%raised()
+      if (self%interrupted) return
       if (.not. allocated(self%transposed)) call self%prepare_matrix(balance%system)
       do attempt = 0, most_attempts - 1
          call self%propagator%start(frequency, 2.0_dp**attempt)
          call self%carry(balance, frequency, period, events)
+         self%interrupted = balance%system%interrupt%raised()
          self%confirmed = self%liouville_defect < largest_defect
-         if (self%confirmed) exit
+         if (self%confirmed .or. self%interrupted) exit
       end do
    end subroutine integrate
 
@@ -166,7 +171,7 @@ contains
          ! Chains of 30 to 200 shafts need 7.2 to 7.7 times the root of their states.
          check = pair*nint(3.6_dp*sqrt(real(self%states, dp)))
          residual = huge(1.0_dp)
-         do while (self%space%dimension < most)
+         do while (self%space%dimension < most .and. .not. balance%system%interrupt%raised())
             call self%few%start(frequency, 2.0_dp**attempt)
             call self%space%latest(vectors)
             call self%few%put_columns(vectors)
@@ -365,7 +370,7 @@ contains
       self%piece_start = time
    end subroutine close_piece
 
-   !> The multipliers, largest magnitude first, (given).
+   !> The multipliers, largest magnitude first, (given); NaN where the latest `integrate` was interrupted.
    subroutine multipliers(self, values)
       class(monodromy_type), intent(inout) :: self
       complex(dp), intent(out) :: values(:)
@@ -373,6 +378,9 @@ contains
 
       if (allocated(self%found)) then
          values = self%found
+      else if (self%interrupted) then
+         values = ieee_value(0.0_dp, ieee_quiet_nan)
+         return
       else
          self%product = self%transposed
          call eigenvalues(self%product, all_of_them)
@@ -402,7 +410,6 @@ contains
 
    !> Eigenvalues of a matrix (destroyed), largest magnitude first; NaN where they do not converge.
    subroutine eigenvalues(matrix, values)
-      use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
       real(dp), intent(inout) :: matrix(:, :)
       complex(dp), intent(out) :: values(:)
       complex(dp) :: held

@@ -217,7 +217,7 @@ contains
       columns(self%elements + 1:, :) = columns(self%elements + 1:, :)*self%band
    end subroutine get_columns
 
-   !> From one time to another along constant contacts (mesh), 0 for separation.
+   !> From one time to another along constant contacts (mesh), 0 for separation; less far where it is interrupted.
    subroutine advance(self, from, to, contact)
       class(propagator_type), intent(inout) :: self
       real(dp), intent(in) :: from, to
@@ -241,6 +241,7 @@ contains
       steps = ceiling((to - from)/limit*(1 - 1e-12_dp))
       h = (to - from)/steps
       do i = 1, steps
+         if (self%system%interrupt%raised()) return
          call self%step(from + (i - 1)*h, h)
       end do
    end subroutine advance

@@ -1,0 +1,218 @@
+!> The program's place among its surroundings: standard output that may be lost, signals, memory to begin with.
+!>
+!> What is told is put together first and handed over in one piece, so that nobody reading any more, or a full disk behind it, is an
+!> exit status and not the end of cases that are still at work.
+module terminal
+   use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_int, c_intptr_t, c_null_char, c_ptrdiff_t, c_size_t
+   use, intrinsic :: iso_fortran_env, only: int64, int8, standard_output => output_unit
+   use omp_lib, only: omp_get_max_threads, omp_set_num_threads
+   implicit none (type, external)
+   private
+   public :: output_unit, complain, hand_over, has_memory, leave_at_once, output_lost, say, stand_firm, tell_of_interrupts
+
+   !> Where the text for standard output is put together: ready between `stand_firm` and the end.
+   integer, protected :: output_unit = standard_output
+   !> Some of it could not be handed over.
+   logical :: lost = .false.
+
+   !> As Linux and macOS number them on x86 and ARM; and what C calls SIG_DFL and SIG_IGN.
+   integer(c_int), parameter :: sigint = 2, sigpipe = 13, sigxfsz = 25
+   integer(c_intptr_t), parameter :: sig_dfl = 0, sig_ign = 1
+   !> Memory that OpenBLAS takes for each call under way, and what the rest of a small case needs [bytes]. Where it does not get it,
+   !> it asks for ever.
+   integer(int64), parameter :: blas_buffer = 134217728_int64, rest = 33554432_int64
+
+   character(*), parameter :: on_interrupt_told = new_line('a')//'geartrain: interrupted: FILE.h5.partial, where a checkpoint was &
+      &written, holds what there is; --resume goes on with it'//new_line('a')
+
+   interface
+      integer(c_intptr_t) function c_signal(number, handler) bind(c, name='signal')
+         import :: c_int, c_intptr_t
+         implicit none (type, external)
+         integer(c_int), value :: number
+         integer(c_intptr_t), value :: handler
+      end function c_signal
+
+      integer(c_int) function c_raise(number) bind(c, name='raise')
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), value :: number
+      end function c_raise
+
+      !> How many bytes were written, -1 for a failure (ssize_t is as wide as ptrdiff_t).
+      integer(c_ptrdiff_t) function c_write(descriptor, bytes, count) bind(c, name='write')
+         import :: c_char, c_int, c_ptrdiff_t, c_size_t
+         implicit none (type, external)
+         integer(c_int), value :: descriptor
+         character(kind=c_char), intent(in) :: bytes(*)
+         integer(c_size_t), value :: count
+      end function c_write
+
+      integer(c_int) function c_dup(descriptor) bind(c, name='dup')
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), value :: descriptor
+      end function c_dup
+
+      integer(c_int) function c_close(descriptor) bind(c, name='close')
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), value :: descriptor
+      end function c_close
+
+      !> The flags say for reading.
+      integer(c_int) function c_open(path, flags) bind(c, name='open')
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_int), value :: flags
+      end function c_open
+
+      !> Without what is done at the end of a program.
+      subroutine c_exit(status) bind(c, name='_exit')
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), value :: status
+      end subroutine c_exit
+   end interface
+
+contains
+
+   !> To be called first of all.
+   subroutine stand_firm()
+      integer(c_intptr_t) :: before
+      integer(c_int) :: descriptor, copy
+
+      ! A standard stream that is closed must not become that of the next file to be opened.
+      do descriptor = 0, 2
+         copy = c_dup(descriptor)
+         if (copy < 0) copy = c_open('/dev/null'//c_null_char, 0_c_int)
+         if (copy > 2) copy = c_close(copy)
+      end do
+      ! Beyond a limit on the size of files (ulimit -f) writing then fails, as on a full disk, rather than ends the program; so does
+      ! writing to a pipe that nobody reads.
+      before = c_signal(sigxfsz, sig_ign)
+      before = c_signal(sigpipe, sig_ign)
+      call begin_text()
+   end subroutine stand_firm
+
+   subroutine begin_text()
+      integer :: unit, status
+
+      open (newunit=unit, status='scratch', access='stream', form='formatted', iostat=status)
+      if (status == 0) output_unit = unit
+   end subroutine begin_text
+
+   !> Hands the text in `output_unit` over to standard output.
+   subroutine hand_over()
+      character(1024) :: part
+      character(:), allocatable :: text
+      integer :: length, status
+
+      if (output_unit == standard_output) then
+         flush (standard_output, iostat=status)
+         lost = lost .or. status /= 0
+         return
+      end if
+      text = ''
+      rewind (output_unit)
+      do
+         read (output_unit, '(a)', advance='no', size=length, iostat=status) part
+         text = text//part(:length)
+         if (is_iostat_eor(status)) text = text//new_line('a')
+         if (status /= 0 .and. .not. is_iostat_eor(status)) exit
+      end do
+      close (output_unit)
+      output_unit = standard_output
+      call begin_text()
+      call say(text)
+   end subroutine hand_over
+
+   !> Writes to standard output at once.
+   subroutine say(text)
+      character(*), intent(in) :: text
+
+      if (.not. written(1_c_int, text)) lost = .true.
+   end subroutine say
+
+   !> Writes a line to standard error, if there is one.
+   subroutine complain(text)
+      character(*), intent(in) :: text
+      logical :: ignored
+
+      ignored = written(2_c_int, text//new_line('a'))
+   end subroutine complain
+
+   logical function written(descriptor, text)
+      integer(c_int), intent(in) :: descriptor
+      character(*), intent(in) :: text
+      integer(c_ptrdiff_t) :: n
+      integer :: done
+
+      done = 0
+      written = .true.
+      do while (done < len(text) .and. written)
+         n = c_write(descriptor, text(done + 1:), int(len(text) - done, c_size_t))
+         written = n > 0
+         if (written) done = done + int(n)
+      end do
+   end function written
+
+   !> Whether standard output did not take everything.
+   logical function output_lost()
+
+      call hand_over()
+      output_lost = lost
+   end function output_lost
+
+   !> From here on Ctrl-C, unless it is ignored as in a job of the background, ends the program with a word on what there is.
+   subroutine tell_of_interrupts()
+      integer(c_intptr_t) :: before
+
+      before = c_signal(sigint, transfer(c_funloc(on_interrupt), before))
+      if (before == sig_ign) before = c_signal(sigint, sig_ign)
+   end subroutine tell_of_interrupts
+
+   !> Ends the program by the signal itself: a shell's loop over cases then ends as well. Nothing here but what a handler may call.
+   subroutine on_interrupt(number) bind(c)
+      integer(c_int), value :: number
+      integer(c_ptrdiff_t) :: ignored
+      integer(c_intptr_t) :: before
+      integer(c_int) :: status
+
+      ignored = c_write(2_c_int, on_interrupt_told, len(on_interrupt_told, c_size_t))
+      before = c_signal(number, sig_dfl)
+      status = c_raise(number)
+   end subroutine on_interrupt
+
+   !> Whether there is memory for as many threads as there are to be, or for fewer, which are then taken.
+   logical function has_memory()
+      integer :: threads
+
+      has_memory = .true.
+      do threads = omp_get_max_threads(), 1, -1
+         if (.not. can_have(rest + threads*blas_buffer)) cycle
+         call omp_set_num_threads(threads)
+         return
+      end do
+      has_memory = .false.
+   end function has_memory
+
+   logical function can_have(bytes)
+      integer(int64), intent(in) :: bytes
+      integer(int8), allocatable, volatile :: room(:)
+      integer :: status
+
+      allocate (room(bytes), stat=status)
+      can_have = status == 0
+      if (can_have) room(bytes) = 1
+   end function can_have
+
+   !> Ends the program without the parting of its libraries.
+   subroutine leave_at_once(status)
+      integer, intent(in) :: status
+
+      call c_exit(int(status, c_int))
+   end subroutine leave_at_once
+
+end module terminal

@@ -1,0 +1,147 @@
+"""Ctrl-C: obeyed within a second whatever the size of the work, a second one at once; in the executable as well."""
+
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import h5py
+import pytest
+from conftest import ROOT
+
+import geartrain as gt
+from geartrain._watch import watched
+
+#: What may lie between Ctrl-C and the end of the work [s].
+PATIENCE = 1.0
+
+CHILD = """
+import os, signal, sys, threading, time
+import geartrain as gt
+signal.signal(signal.SIGINT, signal.default_int_handler)
+train = gt.Train(
+    input_torque=150.0, prime_mover_inertia=2.3e-7, load_inertia=2.3e-7,
+    characteristic_length=30e-6, characteristic_frequency=9870.0,
+    shafts=[gt.Shaft(stiffness=1e6, damping_ratio=0.01) for _ in range({meshes} + 1)],
+    meshes=[gt.Mesh(driving_radius=0.05, driven_radius=0.05, driving_inertia=0.0023, driven_inertia=0.0023, damping_ratio=0.05,
+                    stiffness=2.5e8 * (1 + 0.01 * i), half_backlash=30e-6, stiffness_cos=[0.3]) for i in range({meshes})])
+sent = []
+def interrupt():
+    time.sleep({wait})
+    sent.append(time.monotonic())
+    os.kill(os.getpid(), signal.SIGINT)
+threading.Thread(target=interrupt).start()
+try:
+    train.{call}
+except gt.Interrupted as stop:
+    print(time.monotonic() - sent[0], type(stop.result).__name__, stop)
+"""
+MAP = "stability_map(start=0.2, stop=2.6, parameter_start=0.01, parameter_stop=0.1, {})"
+HUGE = "points=10000, parameter_points=10000"
+
+
+@pytest.mark.parametrize(("meshes", "call", "waits"), [
+    (300, "response(start=0.2, stop=2.6)", (0.2, 2.0)),
+    (300, "response(start=0.2, stop=2.6, harmonics=1000)", (0.2, 2.0, 6.0)),
+    (300, "attractors(frequency=0.9)", (0.2, 2.0)),
+    (300, "sweep(start=0.5, stop=1.0)", (1.0,)),
+    (300, "integrate(0.9)", (1.0,)),
+    (2, MAP.format(HUGE), (0.2, 2.0)),
+    (2, MAP.format(HUGE + ", linear=True"), (0.2, 2.0)),
+    (60, MAP.format("linear=True"), (0.2, 2.0)),
+    (60, MAP.format("points=20"), (2.0,)),
+    (30, "response(start=1.5, stop=4.0, period_doublings=2)", (2.0, 4.0)),
+])
+def test_within_a_second(meshes, call, waits):
+    for wait in waits:
+        code = CHILD.format(meshes=meshes, call=call, wait=wait)
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False)
+        assert done.returncode == 0, done.stderr
+        assert float(done.stdout.split()[0]) < PATIENCE, (wait, done.stdout)
+        assert "stopped by Ctrl-C" in done.stdout
+
+
+def test_a_huge_map_takes_memory_as_it_grows():
+    """1e4 x 1e4 motions are 4 GB; after some rows it is some MB."""
+    code = CHILD.format(meshes=2, call=MAP.format(HUGE + ", linear=True"), wait=3.0)
+    code += "import resource\nprint(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)\n"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True)
+    assert int(done.stdout.split()[-1]) < 500_000, done.stdout  # kB
+
+
+def test_a_map_beyond_all_memory_is_told_at_once():
+    """With 3 GB where the map and the file of it want 7."""
+    code = "import resource\n" + CHILD.format(meshes=2, call=MAP.format(HUGE + ", linear=True"), wait=20.0)
+    code = code.replace("try:\n", "resource.setrlimit(resource.RLIMIT_AS, (3 * 10**9, 3 * 10**9))\ntry:\n")
+    code = code.replace("except gt.Interrupted as stop:\n    print(time.monotonic() - sent[0], type(stop.result).__name__, stop)",
+                        "except gt.SolverError as error:\n    print(error, flush=True)\n    os._exit(0)")
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=15, check=False)
+    assert "no memory for 10000 times 10000 motions (7.2 GB" in done.stdout, done
+
+
+def test_a_second_one_at_once():
+    """Of work that does not look: the first Ctrl-C waits for it, the second does not."""
+    forever = threading.Event()
+
+    def interrupt():
+        for pause in (0.3, 0.7):
+            time.sleep(pause)
+            signal.raise_signal(signal.SIGINT)
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    begin = time.monotonic()
+    try:
+        threading.Thread(target=interrupt).start()
+        with pytest.raises(gt.Interrupted) as stop:
+            watched(lambda progress: forever.wait(30), "work")
+    finally:
+        signal.signal(signal.SIGINT, before)
+        forever.set()
+    assert 0.9 < time.monotonic() - begin < 5 and stop.value.result is None
+
+
+LONG = "&response from = 0.2, to = 2.6, step = 1e-4, max_points = 100000 /\n"
+
+
+def test_the_executable_ends_at_once_and_goes_on(executable, tmp_path):
+    """By the signal, as a shell's loop wants it, with a word on what there is."""
+    case, output = tmp_path / "case.nml", tmp_path / "out.h5"
+    case.write_text((ROOT / "namelists" / "fig03.nml").read_text().split("&modes")[0] + LONG)
+    partial = tmp_path / "out.h5.partial"
+    work = subprocess.Popen([executable, case, "--output", output], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
+    while not partial.exists():
+        time.sleep(0.01)
+    begin = time.monotonic()
+    work.send_signal(signal.SIGINT)
+    _, told = work.communicate(timeout=30)
+    assert time.monotonic() - begin < PATIENCE
+    assert work.returncode == -signal.SIGINT and "interrupted" in told and "--resume" in told
+    with h5py.File(partial) as file:
+        assert len(file["response/frequency"]) > 0
+    assert not output.exists()
+    again = subprocess.Popen([executable, case, "--output", output, "--resume"], stdout=subprocess.DEVNULL)
+    time.sleep(0.2)
+    assert again.poll() is None, "the checkpoint is taken"
+    again.kill()
+    again.wait()
+
+
+def test_a_map_stopped_before_its_first_row_can_be_written(tmp_path):
+    case = tmp_path / "case.nml"
+    case.write_text((ROOT / "namelists" / "fig03.nml").read_text().split("&modes")[0] + (
+        "&stability_map from = 0.2, to = 2.6, points = 9000, parameter_from = 0.01, parameter_to = 0.1, parameter_points = 9000 /\n"
+    ))
+    read = gt.read_case(case)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        threading.Timer(0.2, signal.raise_signal, [signal.SIGINT]).start()
+        with pytest.raises(gt.Interrupted) as stop:
+            read.run()
+    finally:
+        signal.signal(signal.SIGINT, before)
+    result = stop.value.result
+    assert len(result.stability_map.parameter) == 0 and "cancelled after 0 of 9000 rows" in result.ended
+    result.write(tmp_path / "out.h5")
+    assert h5py.is_hdf5(tmp_path / "out.h5")

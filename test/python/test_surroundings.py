@@ -1,0 +1,115 @@
+"""Python as it may be: texts that a case file takes, no standard error, no tqdm, motions made by hand, values without end."""
+
+import dataclasses
+import itertools
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from conftest import ROOT, paper_train
+
+import geartrain as gt
+
+#: No break, emoji with joiner, a line separator that is no control character, next line, right to left, no character yet.
+TEXTS = ("a\u00a0b", "\U0001f469\u200d\U0001f52c", "a\u2028b", "a\u0085b", "\u05d0\u200f", "\U000323b0", "\u00ad", "it's")
+
+
+@pytest.mark.parametrize("text", TEXTS)
+def test_read_case_takes_what_the_executable_takes(executable, tmp_path, text):
+    name = text.replace("'", "''")
+    source = (ROOT / "namelists" / "single_pair.nml").read_text().split("&response")[0]
+    title = next(line for line in source.splitlines() if line.strip().startswith("title"))
+    path = tmp_path / f"{text}.nml"
+    path.write_text(source.replace(title, f"   title = '{name}'") + f"&output file = '{name}.h5' /\n", encoding="utf-8")
+    done = subprocess.run([executable, "--check", path], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    case = gt.read_case(path)
+    assert case.train.title == text and case.output == f"{text}.h5"
+    assert dataclasses.replace(case.train, title=text) == case.train
+    case.run().write(tmp_path / "python.h5")
+    assert gt.read_case(path).train == case.train
+
+
+@pytest.mark.parametrize("text", ["a\nb", "\t", "\x7f", "\x00", "\x1c", "\ud800"])
+def test_control_characters_are_told(text):
+    with pytest.raises(gt.InputError, match=r"title = .*without control characters"):
+        paper_train(title=text)
+
+
+LONG = """
+import sys
+sys.path.insert(0, {folder!r})
+from conftest import paper_train
+{before}
+print(len(paper_train().sweep(start=0.2, stop=2.6, points=500)))
+"""
+
+
+@pytest.mark.parametrize("before", [
+    "sys.stderr = None",
+    "sys.stderr.close()",
+    "sys.stderr = open('/dev/full', 'w', buffering=1); sys.stderr.isatty = lambda: True",
+    "sys.modules['tqdm'] = sys.modules['tqdm.auto'] = None",
+    "import os; os.close(2)",
+])
+def test_without_standard_error_or_tqdm_there_is_no_bar(request, before):
+    code = LONG.format(folder=str(request.path.parent), before="import geartrain._watch as watch; watch._PATIENCE = 0.1\n" + before)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode in (0, 120) and done.stdout == "500\n", done  # 120: Python itself cannot flush such a stream at its end
+
+
+@pytest.mark.parametrize("changes", [
+    {"period": 10**6}, {"period": 10**30}, {"period": -1}, {"period": 2.5}, {"period": True}, {"period": None},
+    {"coefficients": np.ones((2, 4))}, {"coefficients": np.ones((1, 33))}, {"coefficients": np.full((2, 33), np.nan)},
+    {"rms": np.ones(3)}, {"mesh_force_maximum": np.ones(1)}, {"state": np.full(10, np.inf)}, {"frequency": float("nan")},
+])
+def test_forged_motions_are_refused(train, changes):
+    forged = dataclasses.replace(train.integrate(0.9), **changes)
+    begin = time.monotonic()
+    for call in (forged.refine, lambda: forged.displacement, lambda: train.response(start=0.8, stop=1.0, seed=forged),
+                 lambda: train.integrate(0.9, start=forged)):
+        with pytest.raises(gt.InputError):
+            call()
+    assert time.monotonic() - begin < 5
+
+
+@pytest.mark.parametrize("changes", [{"state": np.ones(3)}, {"frequency": -1.0}, {"frequency": 0.0}])
+def test_what_a_forged_motion_lacks_is_told_where_it_is_wanted(train, changes):
+    with pytest.raises(gt.InputError, match="refine: "):
+        dataclasses.replace(train.integrate(0.9), **changes).refine()
+
+
+@pytest.mark.parametrize("number", [2**31, -(2**31) - 1, 2**63, 10**30, 10**5000], ids=["31", "-31", "63", "10**30", "10**5000"])
+def test_integers_too_large_are_told_at_once(train, number):
+    for call in (
+        lambda: train.response(start=0.8, stop=1.0, harmonics=number),
+        lambda: train.response(start=0.8, stop=number, harmonics=number),
+        lambda: train.attractors(0.9, random_seed=number),
+        lambda: train.sweep(start=0.8, stop=1.0, points=number),
+        lambda: dataclasses.replace(train.meshes[0], order=number) and paper_train(
+            meshes=[dataclasses.replace(mesh, order=number) for mesh in train.meshes]),
+        lambda: train.integrate(0.9).waveform(number),
+    ):
+        with pytest.raises(gt.InputError, match="whole number"):
+            call()
+
+
+def test_generators_without_end_are_told_at_once(train):
+    begin = time.monotonic()
+    with pytest.raises(gt.InputError, match="more than 1000 values"):
+        paper_train(torque_cos=itertools.count())
+    with pytest.raises(gt.InputError, match="more than 1000 values"):
+        paper_train(meshes=[dataclasses.replace(mesh, error_sin=itertools.repeat(1e-9)) for mesh in train.meshes])
+    with pytest.raises(gt.InputError, match="must be a list of"):
+        paper_train(shafts=itertools.repeat(gt.Shaft(rigid=True)))
+    with pytest.raises(gt.InputError, match=r"must be a gt\.Motion or a list"):
+        train.integrate(0.9, start=itertools.count())
+    assert time.monotonic() - begin < 5
+
+
+def test_messages_show_no_more_than_helps(train):
+    with pytest.raises(gt.InputError) as told:
+        train.response(start="x" * 10**6, stop=1.0)
+    assert len(str(told.value)) < 300

@@ -1,0 +1,188 @@
+!> What keeps a run from harm: checksums, states that do not agree with themselves, work that is interrupted in its midst.
+module unit_robust
+   use, intrinsic :: iso_fortran_env, only: int64, int8
+   use geartrain, only: attractors, attractors_type, branch_type, case_text, case_type, dp, error_type, interrupt_by, &
+      read_case_text, response, results_type, run_case, stability_map, stability_map_type, status_file, status_input, sweep, &
+      sweep_type, write_results
+   use geartrain_base_checksum, only: crc64
+   use geartrain_results_agreement, only: disagreement
+   use geartrain_results_seal, only: add_seal, is_whole
+   use geartrain_results_state, only: pack_state, unpack_state
+   use testing, only: tests_type
+   implicit none (type, external)
+   private
+   public :: robust_tests
+
+   character(*), parameter :: path = 'build/test-robust.h5', newline = new_line('a')
+   !> A single pair with backlash: quick.
+   character(*), parameter :: pair = '&train input_torque = 0.8, characteristic_length = 1.0, &
+      &characteristic_frequency = 1.0, prime_mover_inertia = 0.0, load_inertia = 0.0 /'//newline// &
+      '&shaft rigid = .true. /'//newline// &
+      '&mesh driving_radius = 1.0, driven_radius = 1.0, driving_inertia = 2.0, driven_inertia = 2.0, stiffness = 1.0, &
+      &damping_ratio = 0.05, half_backlash = 1.0, stiffness_cos = 0.3 /'//newline// &
+      '&shaft rigid = .true. /'//newline
+   character(*), parameter :: analyses = '&response from = 0.4, to = 1.2, period_doublings = 1 /'//newline// &
+      '&integration from = 0.4, to = 0.5, points = 3 /'//newline//'&attractors frequency = 0.6, starts = 4 /'//newline// &
+      '&stability_map from = 0.4, to = 0.5, points = 3, parameter_from = 0.1, parameter_to = 0.2, parameter_points = 3 /'//newline
+
+contains
+
+   subroutine robust_tests(tests)
+      class(tests_type), intent(inout) :: tests
+
+      call checksums(tests)
+      call damaged_states(tests)
+      call interrupted(tests)
+      call others_checkpoint(tests)
+   end subroutine robust_tests
+
+   !> The check value of CRC-64/XZ is that of the catalogue of parametrised CRC algorithms.
+   subroutine checksums(tests)
+      class(tests_type), intent(inout) :: tests
+      integer(int8), allocatable :: content(:), damaged(:)
+      logical :: seen
+      integer :: i, k
+
+      call tests%begin('checksum')
+      content = transfer('123456789', content)
+      call tests%is_true(crc64(content) == int(z'995DC9BBDF1939FA', int64), 'of the nine digits')
+      call tests%is_true(crc64(content(:0)) == 0_int64, 'of nothing')
+      content = [(int(mod(37*i, 256) - 128, int8), i=1, 300)]
+      call add_seal(content)
+      call tests%is_true(is_whole(content), 'a sealed file is whole')
+      seen = .true.
+      do i = 1, size(content)
+         do k = 0, 7
+            damaged = content
+            damaged(i) = ieor(damaged(i), int(shiftl(1, k) - merge(256, 0, k == 7), int8))
+            seen = seen .and. .not. is_whole(damaged)
+         end do
+         seen = seen .and. .not. is_whole(content(:i - 1))
+      end do
+      call tests%is_true(seen, 'every flip of a bit and every loss of its end is seen')
+   end subroutine checksums
+
+   !> Without the checksum, as if another program had written them: states with changed bytes are told apart or can be used, never a
+   !> crash (and never memory that is not theirs, in the debug profile).
+   subroutine damaged_states(tests)
+      class(tests_type), intent(inout) :: tests
+      type(case_type) :: case
+      type(results_type) :: results, again
+      type(error_type), allocatable :: error
+      integer(int8), allocatable :: state(:), damaged(:)
+      character(:), allocatable :: input, wrong
+      integer(int64) :: generator
+      integer :: i, told, at
+
+      call tests%begin('damaged states')
+      call read_pair(tests, analyses, case)
+      call run_case(case, '', results, error)
+      call tests%is_true(.not. allocated(error), 'the case runs')
+      call tests%is_text(disagreement(case, results), '', 'results agree with their case')
+      call pack_state(case_text(case), results, state)
+      damaged = state
+      call unpack_state(damaged, input, again, wrong)
+      call tests%is_text(wrong//disagreement(case, again), '', 'what is read back agrees with it')
+      generator = 1
+      told = 0
+      do i = 1, 3000
+         generator = mod(48271_int64*generator, 2147483647_int64)
+         at = 1 + int(mod(generator, size(state, kind=int64)))
+         damaged = state
+         damaged(at) = ieor(damaged(at), int(mod(generator/7, 127_int64) + 1, int8))
+         call reset(again)
+         call unpack_state(damaged, input, again, wrong)
+         if (wrong == '') wrong = disagreement(case, again)
+         if (wrong /= '') told = told + 1
+      end do
+      call tests%is_true(told > 0, 'some are told by their counts')
+      do i = 1, 100
+         damaged = state(:i*(size(state)/100) - 1)
+         call reset(again)
+         call unpack_state(damaged, input, again, wrong)
+         call tests%is_true(wrong /= '', 'one that is cut short is told')
+      end do
+      deallocate (results%attractors%motions)
+      call tests%is_text(disagreement(case, results), 'attractors', 'attractors without motions')
+      deallocate (case%attractors)
+      call tests%is_text(disagreement(case, results), 'attractors', 'attractors that nobody asked for')
+   end subroutine damaged_states
+
+   subroutine reset(results)
+      type(results_type), intent(out) :: results
+
+      if (allocated(results%modes)) deallocate (results%modes)
+   end subroutine reset
+
+   !> The flag is up from the beginning: every analysis ends at once, says that it is not complete and keeps nothing half done.
+   subroutine interrupted(tests)
+      class(tests_type), intent(inout) :: tests
+      type(case_type) :: case
+      type(results_type) :: results
+      type(branch_type) :: branch
+      type(sweep_type) :: motions
+      type(stability_map_type) :: map
+      type(attractors_type) :: found
+      type(error_type), allocatable :: error
+      integer(int64), target :: flag
+
+      call tests%begin('interrupted work')
+      call read_pair(tests, analyses, case)
+      flag = 1
+      case%train%interrupt = interrupt_by(flag)
+      call response(case%train, case%response, branch, error)
+      call tests%is_true(branch%cancelled .and. branch%points == 0 .and. .not. branch%complete, 'a response')
+      call tests%is_text(branch%ended, 'cancelled before its first point', 'says so')
+      call sweep(case%train, case%integration, motions, error)
+      call tests%is_true(size(motions%motions) == 0 .and. .not. motions%complete, 'a sweep')
+      call attractors(case%train, case%attractors, found, error)
+      call tests%is_true(size(found%motions) == 0 .and. found%starts == 0 .and. .not. found%complete, 'a search')
+      call stability_map(case%train, case%stability_map, map, error)
+      call tests%is_true(size(map%parameter) == 0 .and. .not. map%complete, 'a map')
+      call run_case(case, '', results, error)
+      call tests%is_true(allocated(error) .and. .not. allocated(results%integration), 'a run goes on with nothing more')
+      flag = 0
+      call response(case%train, case%response, branch, error)
+      call tests%is_true(branch%complete, 'with the flag down the work is done')
+   end subroutine interrupted
+
+   !> A file where the checkpoint goes that this run has neither begun nor gone on with.
+   subroutine others_checkpoint(tests)
+      class(tests_type), intent(inout) :: tests
+      type(case_type) :: case
+      type(results_type) :: results
+      type(error_type), allocatable :: error
+      character(5) :: content
+      integer :: unit
+
+      call tests%begin('checkpoint of another run')
+      call read_pair(tests, '&modes /'//newline, case)
+      open (newunit=unit, file=path//'.partial', access='stream', form='unformatted', status='replace')
+      write (unit) 'whose'
+      close (unit)
+      call run_case(case, path, results, error)
+      call tests%is_true(allocated(error), 'is an error')
+      if (allocated(error)) then
+         call tests%is_true(error%status == status_input, 'of what was asked for')
+         call tests%is_true(index(error%message, path//'.partial: error: ') == 1, 'and names the file: '//error%message)
+      end if
+      call run_case(case, path, results, error, resume=path//'.partial')
+      call tests%is_true(allocated(error), 'to go on with it is an error')
+      if (allocated(error)) call tests%is_true(error%status == status_file, 'of the file')
+      open (newunit=unit, file=path//'.partial', access='stream', form='unformatted', status='old')
+      read (unit) content
+      close (unit, status='delete')
+      call tests%is_text(content, 'whose', 'the file is as it was')
+   end subroutine others_checkpoint
+
+   subroutine read_pair(tests, analyses, case)
+      class(tests_type), intent(inout) :: tests
+      character(*), intent(in) :: analyses
+      type(case_type), intent(out) :: case
+      type(error_type), allocatable :: error
+
+      call read_case_text(pair//analyses, '', case, error)
+      call tests%is_true(.not. allocated(error), 'the case is read')
+   end subroutine read_pair
+
+end module unit_robust
