@@ -132,6 +132,7 @@ contains
       integer, intent(in) :: place
       character(:), allocatable :: text
       type(branch_type), pointer :: branch
+      type(motion_type), pointer :: motions(:)
       type(jump_type), allocatable :: found(:)
       integer :: i
 
@@ -146,6 +147,9 @@ contains
          text = case_text(box%case)
       case ('elements')
          text = lines(box%results%modes%element)
+      case ('kinds')
+         motions => motion_list(box, place)
+         text = lines(motions%kind)
       case ('directions')
          text = lines(box%results%integration%direction)
       case ('integration')

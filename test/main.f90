@@ -28,6 +28,7 @@ program main
    use validation_orders, only: orders_tests
    use validation_paper_train, only: paper_train_tests
    use validation_refinement, only: refinement_tests
+   use validation_settling, only: settling_tests
    use validation_single_pair, only: single_pair_tests
    use validation_stability_map, only: stability_map_tests
    use validation_whole_model, only: whole_model_tests
@@ -70,5 +71,6 @@ program main
    call claims_subharmonic_tests(tests)
    call stability_map_tests(tests)
    call refinement_tests(tests)
+   call settling_tests(tests)
    call tests%finish()
 end program main

@@ -59,7 +59,8 @@ contains
    end function constant_train
 
    !> At 0.9 the 18th harmonic meets the mode at 15.92: fewer than 18 leave an error that R = 16 does not better than R = 8.
-   !> Waveform error at R = 8, 24 and 48 against shooting; time integration from the shot orbit stays on it.
+   !> Waveform error at R = 8, 24 and 48 against shooting; time integration from the shot orbit stays on it where it
+   !> attracts, and leaves it where it repels.
    subroutine converges(tests, train, frequency, name)
       class(tests_type), intent(inout) :: tests
       type(train_type), intent(in) :: train
@@ -94,7 +95,12 @@ contains
       call tests%is_true(wave(2) < wave(3)/5 .or. wave(2) < 1e-9_dp, name//': from R = 8 to 24')
       call integrate(train, frequency, settings, motion, error, start=orbit)
       call tests%is_true(motion%period == 1, name//': integration settles')
-      call tests%is_close(maxval(abs(motion%rms - orbit%rms)), 0.0_dp, 1e-8_dp, name//': integration and shooting')
+      if (orbit%stable) then
+         call tests%is_close(maxval(abs(motion%rms - orbit%rms)), 0.0_dp, 1e-8_dp, name//': integration and shooting')
+      else
+         call tests%is_true(motion%stable .and. maxval(abs(motion%rms - orbit%rms)) > 1e-2_dp, &
+                            name//': integration leaves an orbit that repels')
+      end if
    end subroutine converges
 
 end module validation_excitations

@@ -41,8 +41,8 @@ subroutine motion_sizes(handle, kind, place, sizes)
                  merge(1, 0, motions(place)%floating)]
 end subroutine motion_sizes
 
-! numbers: frequency, error estimate, share, Lyapunov exponent (NaN: none); values: rms, mean, minimum, maximum, those of
-! the mesh load (box.f90); NaN for a motion that ran away.
+! numbers: frequency, error estimate, share, Lyapunov exponent (NaN: none) and its uncertainty; values: rms, mean,
+! minimum, maximum, those of the mesh load (box.f90); NaN for a motion that ran away.
 subroutine copy_motion(handle, kind, place, terms, meshes, states, roots, numbers, coefficients, values, state, multipliers)
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain, only: motion_type
@@ -50,13 +50,14 @@ subroutine copy_motion(handle, kind, place, terms, meshes, states, roots, number
    implicit none
    integer(8), intent(in) :: handle
    integer, intent(in) :: kind, place, terms, meshes, states, roots
-   double precision, intent(out) :: numbers(4), coefficients(terms, meshes), values(meshes, 8), state(states)
+   double precision, intent(out) :: numbers(5), coefficients(terms, meshes), values(meshes, 8), state(states)
    double precision, intent(out) :: multipliers(2, roots)
    type(motion_type), pointer :: motions(:)
 
    motions => motion_list(box_of(handle), kind)
    associate (motion => motions(place))
-      numbers = [motion%frequency, motion%error_estimate, motion%share, ieee_value(1d0, ieee_quiet_nan)]
+      numbers = [motion%frequency, motion%error_estimate, motion%share, ieee_value(1d0, ieee_quiet_nan), &
+                 motion%lyapunov_error]
       if (allocated(motion%lyapunov_exponent)) numbers(4) = motion%lyapunov_exponent
       coefficients = ieee_value(1d0, ieee_quiet_nan)
       values = ieee_value(1d0, ieee_quiet_nan)
@@ -89,19 +90,21 @@ subroutine reserve_motions(handle, motions)
 end subroutine reserve_motions
 
 ! The inverse of copy_motion; what has no size stays unallocated.
-subroutine put_motion(handle, place, period, stable, undecided, floating, numbers, coefficients, values, state, multipliers, &
+subroutine put_motion(handle, place, what, period, stable, undecided, floating, numbers, coefficients, values, state, multipliers, &
                       terms, meshes, states, roots)
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use geartrain_python_box, only: as_loads, box_type, box_of
    implicit none
    integer(8), intent(in) :: handle
+   character(*), intent(in) :: what
    integer, intent(in) :: place, period, stable, undecided, floating, terms, meshes, states, roots
-   double precision, intent(in) :: numbers(4), coefficients(terms, meshes), values(meshes, 8), state(states)
+   double precision, intent(in) :: numbers(5), coefficients(terms, meshes), values(meshes, 8), state(states)
    double precision, intent(in) :: multipliers(2, roots)
    type(box_type), pointer :: box
 
    box => box_of(handle)
    associate (motion => box%motions(place))
+      motion%kind = what
       motion%period = period
       motion%stable = stable == 1
       motion%undecided = undecided == 1
@@ -109,6 +112,7 @@ subroutine put_motion(handle, place, period, stable, undecided, floating, number
       motion%frequency = numbers(1)
       motion%error_estimate = numbers(2)
       motion%share = numbers(3)
+      motion%lyapunov_error = numbers(5)
       if (.not. ieee_is_nan(numbers(4))) motion%lyapunov_exponent = numbers(4)
       if (terms > 0) motion%coefficients = coefficients
       if (meshes > 0) then

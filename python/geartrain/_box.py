@@ -94,7 +94,8 @@ class Box:
         return bool(fortran.motions_sizes(self.handle, kind)[0] >= 0)
 
     def motions(self, kind: int = LOOSE) -> list[dict[str, Any]]:
-        return [self._motion(kind, place) for place in range(1, fortran.motions_sizes(self.handle, kind)[0] + 1)]
+        kinds = self.text("kinds", kind).splitlines() if self.has(kind) else []
+        return [{**self._motion(kind, place), "kind": name} for place, name in enumerate(kinds, 1)]
 
     def _motion(self, kind: int, place: int) -> dict[str, Any]:
         terms, meshes, states, roots, period, *marks = map(int, fortran.motion_sizes(self.handle, kind, place))
@@ -115,6 +116,7 @@ class Box:
             "error_estimate": _known(numbers[1]),
             "share": _known(numbers[2]),
             "lyapunov_exponent": float(numbers[3]),
+            "lyapunov_error": float(numbers[4]),
         }
 
     def sweep(self) -> dict[str, Any]:
@@ -208,11 +210,15 @@ class Box:
             fortran.put_motion(
                 self.handle,
                 place,
+                motion.kind.encode(),
                 motion.period,
                 int(bool(motion.stable)),
                 int(motion.undecided),
                 int(motion.floating),
-                [motion.frequency, *np.nan_to_num([motion.error_estimate, motion.share], nan=-1.0), motion.lyapunov_exponent],
+                [
+                    *(motion.frequency, *np.nan_to_num([motion.error_estimate, motion.share], nan=-1.0)),
+                    *(motion.lyapunov_exponent, motion.lyapunov_error),
+                ],
                 motion.coefficients.T,
                 _in_columns(motion),
                 np.zeros(0) if motion.state is None else motion.state,

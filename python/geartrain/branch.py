@@ -301,7 +301,7 @@ class Branch:
         after = np.where(rows[:, 2 + meshes : -2] < 0, np.nan, rows[:, 2 + meshes : -2])
         speed = ("falling", "rising")
         return [
-            Jump(float(row[0]), kind, speed[row[1] == 1], cause, row[2 : 2 + meshes], reached, int(row[-2]), bool(row[-1]))
+            Jump(float(row[0]), kind, speed[int(row[1])], cause, row[2 : 2 + meshes], reached, int(row[-2]), bool(row[-1]))
             for row, kind, cause, reached in zip(rows, kinds, causes, after)
         ]
 

@@ -70,8 +70,13 @@ class Motion:
     share : float
         Share of the random starts that settled here (`Train.attractors`); nan where none were counted.
     lyapunov_exponent : float
-        Largest Lyapunov exponent per unit of time (1/characteristic_frequency) where integration found no period: positive is
-        chaos, about 0 a quasi-periodic motion, negative one that had not settled; nan where a period was found.
+        Largest Lyapunov exponent per unit of time (1/characteristic_frequency), of motions that integration gave: positive is
+        chaos, about 0 a quasi-periodic motion; of a periodic motion ln(largest multiplier)/time.
+    lyapunov_error : float
+        What ``lyapunov_exponent`` is uncertain by, at 95 %; 0 for a periodic motion.
+    kind : str
+        ``"periodic"``; where integration found no period ``"chaotic"``, ``"quasi-periodic"``, ``"still settling"`` (or of a longer
+        period than 16), ``"undecided"``, or ``"unbounded"`` where it was given up because it grew without bound.
     train : Train
         The train that moves so.
     """
@@ -94,6 +99,8 @@ class Motion:
     share: float = float("nan")
     undecided: bool = False
     lyapunov_exponent: float = float("nan")
+    lyapunov_error: float = 0.0
+    kind: str = "periodic"
     floating: bool = False
     train: Train | None = field(default=None, repr=False)
 
@@ -105,7 +112,7 @@ class Motion:
     @property
     def unbounded(self) -> bool:
         """Whether integration gave it up because it grew without bound: a state, but no figures and no waveform; period 0."""
-        return bool(np.isnan(self.rms).all())
+        return self.kind == "unbounded"
 
     @property
     def time(self) -> Array:

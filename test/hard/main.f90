@@ -8,6 +8,7 @@ program hard
    use hard_motions, only: motions_cases
    use hard_random_trains, only: random_trains_cases
    use hard_scales, only: scales_cases
+   use hard_settling, only: settling_cases
    use hard_speeds, only: speeds_cases
    implicit none (type, external)
    type(cases_type) :: cases
@@ -19,6 +20,7 @@ program hard
    call speeds_cases(cases)
    call closed_forms_cases(cases)
    call motions_cases(cases)
+   call settling_cases(cases)
    call random_trains_cases(cases)
    call cases%finish()
 end program hard

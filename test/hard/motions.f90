@@ -30,7 +30,7 @@ contains
       real(dp), parameter :: frequency(*) = [2.0_dp, 2.4_dp], kappa(*) = [0.6_dp, 0.3_dp], allowed(*) = [1e-9_dp, 1e-3_dp]
       type(train_type) :: train
       type(system_type) :: system
-      real(dp) :: final(2), monodromy(2, 2), state(2)
+      real(dp) :: final(2), monodromy(2, 2), state(2), uncertain
       real(dp), allocatable :: exponent
       complex(dp) :: multipliers(2)
       integer :: i
@@ -42,7 +42,7 @@ contains
          state = [1.0_dp, 0.0_dp]
          call propagate(system, frequency(i), 1, state, final, monodromy)
          call eigenvalues(monodromy, multipliers)
-         call largest_exponent(system, frequency(i), state, 300, exponent)
+         call largest_exponent(system, frequency(i), state, 300, exponent, uncertain)
          if (.not. allocated(exponent)) allocate (exponent, source=huge(1.0_dp))
          call cases%measured('Lyapunov exponent, '//trim(merge('unstable linear train        ', &
                                                                'stable linear train, pair +-i', i == 1)), &
@@ -76,7 +76,7 @@ contains
       type(error_type), allocatable :: error
       type(system_type) :: system
       real(dp), allocatable :: longer
-      real(dp) :: pairwise
+      real(dp) :: pairwise, uncertain
       integer :: periods
 
       train = single_pair(0.05_dp, 0.6_dp, 1.0_dp)
@@ -87,7 +87,7 @@ contains
       call cases%holds('the same', 'positive Lyapunov exponent', motion%lyapunov_exponent > 0.01_dp)
       call build_system(train, system)
       periods = merge(2000, 20000, cases%slow_build)
-      call largest_exponent(system, 1.9_dp, motion%state, periods, longer)
+      call largest_exponent(system, 1.9_dp, motion%state, periods, longer, uncertain)
       call cases%measured('the same', 'the exponent over twenty times as long', abs(motion%lyapunov_exponent - longer), 1e-2_dp)
       pairwise = growth_of_distance(system, 1.9_dp, motion%state, periods)
       call cases%measured('the same', 'growth of the distance of two motions, brought back to 1e-8 each period', &

@@ -70,16 +70,10 @@ contains
       call cases%measured('Lambda = 100, balance', 'shooting, relative', maxval(abs(motion%rms/exact%rms - 1)), 1e-9_dp)
       settings%max_periods = 1000
       call integrate(train, 100.0_dp, settings, motion, error)
-      call cases%holds('Lambda = 100, integration for 1000 mesh periods, not a tenth of what settles the slow modes', &
-                       'no period found, negative Lyapunov exponent', motion%period == 0 .and. exponent_of(motion) < 0)
+      if (motion%period /= 1) motion%rms = huge(1.0_dp)
+      call cases%measured('Lambda = 100, integration for 1000 mesh periods, not a tenth of what the slow modes take to decay', &
+                          'shooting, relative', maxval(abs(motion%rms/exact%rms - 1)), 1e-9_dp)
    end subroutine fast
-
-   real(dp) function exponent_of(motion)
-      type(motion_type), intent(in) :: motion
-
-      exponent_of = huge(1.0_dp)
-      if (allocated(motion%lyapunov_exponent)) exponent_of = motion%lyapunov_exponent
-   end function exponent_of
 
    subroutine no_torque(cases)
       class(cases_type), intent(inout) :: cases

@@ -220,7 +220,7 @@ def test_attractors(train):
 
 
 def test_starts_that_do_not_settle_are_told(train):
-    found = train.attractors(0.6, starts=20, max_periods=100)
+    found = train.attractors(0.6, starts=20, max_periods=8)
     assert 0 < found.unsettled < 1
     assert found.unsettled + sum(motion.share for motion in found) == pytest.approx(1)
     assert f"{found.unsettled:.1%} unsettled" in repr(found)

@@ -7,18 +7,17 @@ module geartrain_branch_response
    use geartrain_base_observer, only: observer_type
    use geartrain_base_numbers, only: text
    use geartrain_branch_branch, only: branch_type, response_settings_type, special_point_type
+   use geartrain_branch_first_motion, only: find_start
    use geartrain_branch_interruption, only: drop_step
    use geartrain_branch_path, only: place_type
    use geartrain_branch_points, only: drop_first, is_same_point, same_motion
-   use geartrain_branch_start, only: begin_trace, place_of, resting
+   use geartrain_branch_start, only: begin_trace, place_of
    use geartrain_branch_through, only: followed_out, trace_both_ways, trace_through
    use geartrain_branch_tracer, only: cancelled, reached_end, tracer_type
    use geartrain_branch_variables, only: check_response
    use geartrain_model_check, only: check_train
    use geartrain_model_train, only: train_type
    use geartrain_motion_floating, only: can_float, note_of
-   use geartrain_motion_integration, only: integrate
-   use geartrain_motion_integration_settings, only: integration_settings_type
    use geartrain_motion_motion, only: motion_type
    implicit none (type, external)
    private
@@ -127,6 +126,7 @@ contains
       character(:), allocatable, intent(out) :: reason
       class(observer_type), intent(inout), optional :: observer
       type(place_type) :: place, began
+      integer :: enough
       logical :: success
 
       outcome = 0
@@ -134,9 +134,11 @@ contains
          branch%trace%steps = 0
          branch%trace%before = ''
          call tracer%note_state(branch%trace)
-         call find_start(train, tracer, from, to, place, success, observer)
+         call find_start(train, tracer, from, to, place, success, enough, observer)
          if (.not. success) then
             reason = 'no motion of period '//text(tracer%settings%subharmonic)//' found to start from'
+            if (enough > 0) reason = reason//' with '//text(tracer%path%balance%highest)//' harmonics: there is one with ' &
+                                     //text(enough)
             reason = reason//note_of(can_float(tracer%system))
             return
          end if
@@ -171,73 +173,6 @@ contains
          is_last_point = maxval(abs(coefficients(:n, :) - last)) <= same_motion*maxval(abs(last))
       end associate
    end function is_last_point
-
-   !> A motion at exactly the frequency: from rest, one that time integration settles on, or on the branch of a frequency at
-   !> which there is one from rest, outside the range that ends at `other` or in it.
-   subroutine find_start(train, tracer, frequency, other, place, success, observer)
-      type(train_type), intent(in) :: train
-      type(tracer_type), intent(inout) :: tracer
-      real(dp), intent(in) :: frequency, other
-      type(place_type), intent(out) :: place
-      logical, intent(out) :: success
-      class(observer_type), intent(inout), optional :: observer
-      type(motion_type) :: motion
-      type(integration_settings_type) :: integration
-      type(error_type), allocatable :: error
-      real(dp), parameter :: times(*) = [0.5_dp, 2.0_dp, 0.2_dp, 5.0_dp], share(*) = [0.25_dp, 0.5_dp, 0.75_dp, 1.0_dp]
-      real(dp) :: elsewhere(size(times) + size(share))
-      integer :: i
-
-      place = resting(tracer, frequency)
-      call tracer%path%solve_at(place, success)
-      if (success) return
-      call integrate(train, frequency, integration, motion, error, observer=observer)
-      if (motion%period > 0 .and. mod(tracer%settings%subharmonic, max(1, motion%period)) == 0) then
-         place = place_of(tracer, motion)
-         call tracer%path%solve_at(place, success)
-      end if
-      elsewhere = [times*frequency, frequency + share*(other - frequency)]
-      do i = 1, size(elsewhere)
-         if (success .or. tracer%system%interrupt%raised()) return
-         call scout(train, tracer%settings, elsewhere(i), frequency, motion, success)
-         if (.not. success) cycle
-         place = place_of(tracer, motion)
-         call tracer%path%solve_at(place, success)
-      end do
-   end subroutine find_start
-
-   !> Follows the branch from rest at one frequency to another, unrecorded.
-   subroutine scout(train, settings, from, to, motion, success)
-      type(train_type), intent(in) :: train
-      type(response_settings_type), intent(in) :: settings
-      real(dp), intent(in) :: from, to
-      type(motion_type), intent(out) :: motion
-      logical, intent(out) :: success
-      type(response_settings_type) :: unjudged
-      type(tracer_type) :: tracer
-      type(branch_type), target :: way
-      type(place_type) :: place
-      character(:), allocatable :: reason
-      integer :: outcome
-
-      unjudged = settings
-      unjudged%stability = .false.
-      unjudged%max_points = min(2000, settings%max_points)
-      call begin_trace(train, unjudged, tracer)
-      ! As many all the way.
-      tracer%settings%harmonics = tracer%path%balance%highest
-      place = resting(tracer, from)
-      call tracer%path%solve_at(place, success)
-      if (.not. success) return
-      call tracer%path%orient(place, merge(1, -1, to > from))
-      call tracer%recorder%setup(tracer%path%balance, .false., way)
-      call tracer%record(place, way)
-      call tracer%trace(place, min(from, to), max(from, to), to, way, outcome, reason)
-      success = outcome == reached_end
-      motion%frequency = to
-      motion%period = settings%subharmonic
-      motion%coefficients = way%coefficients(:, :, way%points)
-   end subroutine scout
 
    !> Both ways from a seed; the backward part is put in front, so that the branch is one curve.
    subroutine trace_from_seed(tracer, seed, branch, observer)

@@ -10,9 +10,9 @@ module geartrain_motion_attractors
    use geartrain_model_train, only: train_type
    use geartrain_motion_attractors_settings, only: attractors_settings_type, attractors_type
    use geartrain_motion_floating, only: note_of
-   use geartrain_motion_integration, only: settle
    use geartrain_motion_integration_settings, only: integration_settings_type
    use geartrain_motion_motion, only: motion_type
+   use geartrain_motion_settling, only: settle
    use geartrain_motion_start_state, only: resting_state
    use geartrain_motion_variables, only: check_attractors
    implicit none (type, external)

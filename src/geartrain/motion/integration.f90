@@ -1,35 +1,23 @@
-!> Time integration to a steady motion, and its period: 1 to 16 mesh periods, else none found.
+!> Time integration to a steady motion at one frequency.
 module geartrain_motion_integration
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type, fatal, status_ended_early
-   use geartrain_base_kinds, only: dp, pi
+   use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_base_numbers, only: real_text, text
    use geartrain_model_check, only: check_train
    use geartrain_model_limits, only: check_frequency
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
-   use geartrain_motion_flow, only: flow_type
    use geartrain_motion_integration_settings, only: integration_settings_type
-   use geartrain_motion_lyapunov, only: exponent_periods, largest_exponent
+   use geartrain_motion_lyapunov, only: find_exponent, kind_of
    use geartrain_motion_motion, only: motion_type
-   use geartrain_motion_orbit, only: flow_order, flow_tolerance, measure, propagate
+   use geartrain_motion_settling, only: is_leaving, settle
    use geartrain_motion_start_state, only: resting_state, state_of
    use geartrain_motion_variables, only: check_integration
-   use geartrain_stability_monodromy, only: eigenvalues, is_neutral, is_stable
    implicit none (type, external)
    private
-   public :: add_exponent, integrate, settle
-
-   !> Longest period looked for, in mesh periods.
-   integer, parameter :: longest_period = 16
-   !> Sections that differ by less than this (relative) may still be the same motion converging slowly.
-   real(dp), parameter :: clearly_different = 1e-5_dp
-   !> State over the largest of the characteristic length, the resting state and the start beyond which a motion is given up: it
-   !> runs away, in a range of Lambda where the train without separation is unstable.
-   real(dp), parameter :: unbounded = 1e6_dp
-   !> Time between two looks at the observer [1].
-   real(dp), parameter :: between_looks = 200
+   public :: add_exponent, integrate
 
 contains
 
@@ -80,8 +68,13 @@ contains
       class(observer_type), intent(inout), optional :: observer
 
       if (motion%period > 0 .or. .not. allocated(motion%coefficients)) return
-      call largest_exponent(system, motion%frequency, motion%state, &
-                            exponent_periods(motion%frequency, settings%max_periods), motion%lyapunov_exponent, observer)
+      call find_exponent(system, motion%frequency, motion%state, settings%max_periods, motion%lyapunov_exponent, &
+                         motion%lyapunov_error, observer)
+      if (.not. allocated(motion%lyapunov_exponent)) return
+      motion%kind = kind_of(motion%frequency, motion%lyapunov_exponent, motion%lyapunov_error)
+      ! What has not yet left an orbit that repels has the exponent of the orbit, which tells nothing of where it goes.
+      if (motion%kind /= 'chaotic') return
+      if (is_leaving(system, motion%frequency, motion%state, motion%lyapunov_exponent)) motion%kind = 'still settling'
    end subroutine add_exponent
 
    !> Settings for a single frequency, which takes the place of the range.
@@ -124,111 +117,5 @@ contains
          call fatal(error, 'start: a motion of period '//text(start%period)//' without a state: must be >= 1')
       end if
    end subroutine check_start
-
-   !> Integrates mesh period by mesh period until the section at phase 0 repeats itself; `state` is carried along. A motion that
-   !> grows without bound has a state, but neither coefficients nor figures.
-   subroutine settle(system, frequency, settings, state, motion, observer, stopped)
-      type(system_type), intent(in) :: system
-      real(dp), intent(in) :: frequency
-      type(integration_settings_type), intent(in) :: settings
-      real(dp), intent(inout) :: state(:)
-      type(motion_type), intent(out), target :: motion
-      class(observer_type), intent(inout), optional :: observer
-      !> The observer or an interrupt ended it before the motion was steady.
-      logical, intent(out), optional :: stopped
-      type(flow_type) :: flow
-      real(dp) :: section(size(state), 0:2*longest_period)
-      real(dp) :: limit
-      integer :: k, period, look
-      logical :: keep_going
-
-      if (present(stopped)) stopped = .false.
-      call flow%setup(system, 1, flow_order, flow_tolerance)
-      flow%x(1, :) = state
-      section = huge(1.0_dp)
-      section(:, 0) = state
-      period = 0
-      limit = unbounded*max(1.0_dp, maxval(abs(resting_state(system))), maxval(abs(state)))
-      look = max(1, nint(between_looks*frequency/(2*pi)))
-      do k = 1, settings%max_periods
-         call flow%start(frequency, 0.0_dp)
-         call flow%advance(2*pi/frequency)
-         section = eoshift(section, -1, dim=2)
-         section(:, 0) = flow%x(1, :)
-         if (system%interrupt%raised()) exit
-         if (.not. all(abs(section(:, 0)) < limit)) exit
-         call find_period(section, k, settings%tolerance, period)
-         if (period > 0) exit
-         if (.not. present(observer) .or. mod(k, look) /= 0) cycle
-         keep_going = .true.
-         call observer%on_step('settling', k, frequency, keep_going)
-         if (keep_going) cycle
-         if (present(stopped)) stopped = .true.
-         exit
-      end do
-      state = section(:, 0)
-      call describe(system, frequency, settings, state, period, all(abs(state) < limit), motion)
-      if (present(stopped)) stopped = stopped .or. system%interrupt%raised()
-   end subroutine settle
-
-   !> The smallest period whose section repeats itself to `tolerance`, the remaining error being judged by the rate at
-   !> which the differences fall; 0 if there is none yet. A multiple of a period that still converges is not taken for one.
-   pure subroutine find_period(section, k, tolerance, period)
-      real(dp), intent(in) :: section(:, 0:), tolerance
-      integer, intent(in) :: k
-      integer, intent(out) :: period
-      real(dp) :: scale, now, before, rate, error, shorter
-      integer :: n, m
-
-      scale = maxval(abs(section(:, 0)))
-      shorter = huge(1.0_dp)
-      do n = 1, longest_period
-         period = 0
-         if (k < 2*n) return
-         now = maxval(abs(section(:, 0) - section(:, n)))/scale
-         before = maxval(abs(section(:, n) - section(:, 2*n)))/scale
-         error = now
-         if (now > 1e-13_dp) then
-            rate = now/before
-            if (rate >= 1) cycle
-            error = now/(1 - rate)
-         end if
-         if (error > tolerance) cycle
-         period = n
-         do m = 1, n - 1
-            if (mod(n, m) /= 0) cycle
-            if (maxval(abs(section(:, 0) - section(:, m)))/scale < clearly_different) period = 0
-         end do
-         return
-      end do
-      period = 0
-   end subroutine find_period
-
-   !> The motion that starts at `state`.
-   subroutine describe(system, frequency, settings, state, period, bounded, motion)
-      type(system_type), intent(in) :: system
-      real(dp), intent(in) :: frequency, state(:)
-      type(integration_settings_type), intent(in) :: settings
-      integer, intent(in) :: period
-      logical, intent(in) :: bounded
-      type(motion_type), intent(inout) :: motion
-      real(dp) :: final(size(state)), monodromy(size(state), size(state))
-
-      motion%frequency = frequency
-      motion%state = state
-      motion%period = merge(period, longest_period, period > 0)
-      if (bounded .and. .not. system%interrupt%raised()) call measure(system, settings%harmonics, motion)
-      motion%period = period
-      if (system%interrupt%raised()) motion%period = 0
-      if (motion%period == 0) return
-      motion%error_estimate = settings%tolerance
-      if (.not. settings%stability) return
-      call propagate(system, frequency, period, state, final, monodromy)
-      if (system%interrupt%raised()) return
-      allocate (motion%multipliers(size(state)))
-      call eigenvalues(monodromy, motion%multipliers)
-      motion%stable = is_stable(motion%multipliers)
-      motion%undecided = is_neutral(motion%multipliers)
-   end subroutine describe
 
 end module geartrain_motion_integration

@@ -28,8 +28,14 @@ module geartrain_motion_motion
       logical :: undecided = .false.
       !> Some mesh bears on neither flank of its gap and nothing holds it there: its mean position is not unique.
       logical :: floating = .false.
-      !> Largest Lyapunov exponent [1], per unit of time: positive where neighbours part; there where no period was found.
+      !> 'periodic'; where integration found no period 'chaotic', 'quasi-periodic', 'still settling' (or of a longer period than is
+      !> looked for), 'undecided' or, of what has no figures, 'unbounded'.
+      character(14) :: kind = 'periodic'
+      !> Largest Lyapunov exponent [1], per unit of time: positive where neighbours part; of a periodic motion ln|multiplier|/time.
+      !> Allocated where integration gave the motion.
       real(dp), allocatable :: lyapunov_exponent
+      !> What it is uncertain by at 95 %; 0 for a periodic motion.
+      real(dp) :: lyapunov_error = 0
       !> Relative error of the waveform, as estimated; negative where there is no estimate.
       real(dp) :: error_estimate = -1
       !> Share of random starts that settled on this motion; negative where it was not counted.

@@ -11,7 +11,7 @@ module geartrain_motion_orbit
    use geartrain_motion_trigonometric, only: transform_length
    implicit none (type, external)
    private
-   public :: measure, stored_harmonics, sample_orbit, propagate, flow_order, flow_tolerance
+   public :: begin_tangents, measure, stored_harmonics, sample_orbit, propagate, flow_order, flow_tolerance
 
    !> Order and relative error of a step of the Taylor series, for states and shooting.
    integer, parameter :: flow_order = 20
@@ -38,11 +38,7 @@ contains
 
       n = size(state)
       call flow%setup(system, n + 1, flow_order, flow_tolerance)
-      flow%x = 0
-      flow%x(1, :) = state
-      do i = 1, n
-         flow%x(i + 1, i) = 1
-      end do
+      call begin_tangents(flow, state)
       if (present(slowest_event)) slowest_event = huge(1.0_dp)
       do i = 1, period
          call flow%start(frequency, 0.0_dp)
@@ -52,6 +48,19 @@ contains
       final = flow%x(1, :)
       monodromy = transpose(flow%x(2:, :))
    end subroutine propagate
+
+   !> Sets the state and the identity as tangents of a flow of 2*elements + 1 columns.
+   pure subroutine begin_tangents(flow, state)
+      type(flow_type), intent(inout) :: flow
+      real(dp), intent(in) :: state(:)
+      integer :: i
+
+      flow%x = 0
+      flow%x(1, :) = state
+      do i = 1, size(state)
+         flow%x(i + 1, i) = 1
+      end do
+   end subroutine begin_tangents
 
    !> Mesh displacement, and mesh force over k b_c where asked for, at `samples` equidistant instants of one period of the
    !> orbit, (samples, mesh); shares of the period that each mesh spends on the back flank, in separation and on the drive flank.

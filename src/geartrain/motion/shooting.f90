@@ -14,7 +14,7 @@ module geartrain_motion_shooting
    use geartrain_stability_monodromy, only: eigenvalues, is_neutral, is_stable
    implicit none (type, external)
    private
-   public :: refine
+   public :: find_orbit, newton_step, refine
 
    integer, parameter :: max_iterations = 25
    !> Relative Newton step at which the orbit counts as found; rounding over a period leaves about 1e-13.
@@ -33,10 +33,10 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(system_type) :: system
       type(motion_type) :: refined
-      real(dp), allocatable :: state(:), final(:), step(:), monodromy(:, :), matrix(:, :)
-      real(dp) :: length, before, scale, gap
-      integer, allocatable :: pivot(:)
-      integer :: i, k, n, info
+      real(dp), allocatable :: state(:), monodromy(:, :)
+      real(dp) :: length
+      integer :: n
+      logical :: found
 
       call check_train(train, error)
       if (allocated(error)) return
@@ -56,35 +56,17 @@ contains
       end if
       if (.not. motion%frequency > 0) call fatal(error, 'refine: frequency = '//text(motion%frequency)//': must be > 0')
       if (allocated(error)) return
-      allocate (state(n), final(n), step(n), monodromy(n, n), matrix(n, n), pivot(n))
+      allocate (state(n), monodromy(n, n))
       call state_of(system, motion, state)
-      before = huge(1.0_dp)
-      do i = 1, max_iterations
-         call propagate(system, motion%frequency, motion%period, state, final, monodromy)
-         if (system%interrupt%raised()) then
-            call fatal(error, 'refine: interrupted', status_ended_early)
-            return
-         end if
-         step = state - final
-         matrix = monodromy
-         do k = 1, n
-            matrix(k, k) = matrix(k, k) - 1
-         end do
-         call factor_matrix(n, matrix, pivot, info)
-         if (info == 0) call solve_factored(n, 1, matrix, pivot, step)
-         scale = maxval(abs(state))
-         gap = maxval(abs(final - state))/scale
-         length = maxval(abs(step))/scale
-         if (info /= 0 .or. .not. length < 10) exit
-         state = state + step
-         if (length < converged .or. (length > 0.5_dp*before .and. (length < 100*converged .or. gap < closed))) then
-            call finish()
-            return
-         end if
-         before = length
-      end do
-      call fatal(error, 'refine: shooting does not converge at Lambda = '//text(motion%frequency)//' (period ' &
-                 //text(motion%period)//', last relative step '//text(length)//')', status_ended_early)
+      call find_orbit(system, motion%frequency, motion%period, max_iterations, state, monodromy, length, found)
+      if (system%interrupt%raised()) then
+         call fatal(error, 'refine: interrupted', status_ended_early)
+      else if (found) then
+         call finish()
+      else
+         call fatal(error, 'refine: shooting does not converge at Lambda = '//text(motion%frequency)//' (period ' &
+                    //text(motion%period)//', last relative step '//text(length)//')', status_ended_early)
+      end if
 
    contains
 
@@ -104,5 +86,64 @@ contains
       end subroutine finish
 
    end subroutine refine
+
+   !> Newton on the flow over `period` mesh periods, from `state` to the state of an orbit near it.
+   subroutine find_orbit(system, frequency, period, most, state, monodromy, length, found, flights)
+      type(system_type), intent(in) :: system
+      !> Lambda [1].
+      real(dp), intent(in) :: frequency
+      !> Mesh periods; Newton steps at most.
+      integer, intent(in) :: period, most
+      !> (2*elements) at phase 0; where no orbit is found it is what the last step left.
+      real(dp), intent(inout) :: state(:)
+      !> Of the orbit found, (state, state).
+      real(dp), intent(out) :: monodromy(:, :)
+      !> Last Newton step relative to the state [1].
+      real(dp), intent(out) :: length
+      logical, intent(out) :: found
+      !> Times that the state and its tangents were carried over the period.
+      integer, intent(out), optional :: flights
+      real(dp) :: final(size(state)), step(size(state)), before, scale, gap
+      integer :: i, info
+
+      found = .false.
+      length = 0
+      before = huge(1.0_dp)
+      do i = 1, most
+         if (present(flights)) flights = i
+         call propagate(system, frequency, period, state, final, monodromy)
+         if (system%interrupt%raised()) return
+         call newton_step(state, final, monodromy, step, info)
+         scale = max(maxval(abs(state)), tiny(1.0_dp))
+         gap = maxval(abs(final - state))/scale
+         length = maxval(abs(step))/scale
+         if (info /= 0 .or. .not. length < 10) return
+         state = state + step
+         found = length < converged .or. (length > 0.5_dp*before .and. (length < 100*converged .or. gap < closed))
+         if (found) return
+         before = length
+      end do
+   end subroutine find_orbit
+
+   !> The step of Newton's method towards a state that the flow carries into itself.
+   subroutine newton_step(state, final, monodromy, step, info)
+      !> A state, what the flow makes of it, (2*elements).
+      real(dp), intent(in) :: state(:), final(:)
+      !> Derivative of `final`, (state, state).
+      real(dp), intent(in) :: monodromy(:, :)
+      real(dp), intent(out) :: step(:)
+      !> 0: there is a step.
+      integer, intent(out) :: info
+      real(dp) :: matrix(size(state), size(state))
+      integer :: pivot(size(state)), k
+
+      step = state - final
+      matrix = monodromy
+      do k = 1, size(state)
+         matrix(k, k) = matrix(k, k) - 1
+      end do
+      call factor_matrix(size(state), matrix, pivot, info)
+      if (info == 0) call solve_factored(size(state), 1, matrix, pivot, step)
+   end subroutine newton_step
 
 end module geartrain_motion_shooting

@@ -8,9 +8,10 @@ module geartrain_motion_sweep
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    use geartrain_motion_floating, only: note_of
-   use geartrain_motion_integration, only: add_exponent, settle
+   use geartrain_motion_integration, only: add_exponent
    use geartrain_motion_integration_settings, only: integration_settings_type, sweep_type
    use geartrain_motion_motion, only: motion_type
+   use geartrain_motion_settling, only: settle
    use geartrain_motion_start_state, only: resting_state
    use geartrain_motion_variables, only: check_integration
    implicit none (type, external)

@@ -14,8 +14,10 @@ module geartrain_results_integration
    public :: write_integration, write_motions
 
    character(*), parameter :: home = '/integration'
-   character(*), parameter :: about_exponent = 'largest Lyapunov exponent per unit of time (1/characteristic_frequency) of a &
-      &motion for which no period was found: positive = chaos, about 0 = quasi-periodic; NaN where a period was found'
+   character(*), parameter :: about_exponent = 'largest Lyapunov exponent per unit of time (1/characteristic_frequency): &
+      &positive = chaos, about 0 = quasi-periodic; of a periodic motion the rate at which disturbances decay'
+   character(*), parameter :: about_kind = 'periodic; where no period was found chaotic, quasi-periodic, still settling (or of a &
+      &longer period than 16), undecided, or unbounded (given up, without figures)'
 
 contains
 
@@ -94,8 +96,12 @@ contains
       call write_mesh_loads(store, home, along, loads, known)
       call store%put(home//'/coefficients', coefficients, dimensions, '1', &
                      about_coefficients)
-      if (any(has_exponent(motions))) &
+      call store%put(home//'/kind', motions%kind, [along], '', about_kind)
+      if (any(has_exponent(motions))) then
          call store%put(home//'/lyapunov_exponent', [(exponent_of(motions(i)), i=1, n)], [along], '1', about_exponent)
+         call store%put(home//'/lyapunov_error', (motions%lyapunov_error), [along], '1', &
+                        'uncertainty of lyapunov_exponent at 95 %; 0 for a periodic motion')
+      end if
       if (any(motions%floating)) call store%put(home//'/floating', (motions%floating), [along], 'some mesh bears on neither &
          &flank and no mean torque holds it: its mean position in the gap is not unique, any other would do')
       if (any(has_multipliers(motions))) call write_stability(store, home, along, motions)

@@ -290,6 +290,7 @@ contains
       type(motion_type), intent(inout) :: motion
       type(mesh_load_type), allocatable :: loads(:, :)
       complex(dp), allocatable :: multipliers(:, :)
+      character(:), allocatable :: kind
 
       call archive%carry(motion%frequency)
       call archive%carry(motion%period)
@@ -306,6 +307,10 @@ contains
          if (archive%reading) allocate (motion%lyapunov_exponent)
          call archive%carry(motion%lyapunov_exponent)
       end if
+      call archive%carry(motion%lyapunov_error)
+      kind = motion%kind
+      call archive%carry(kind)
+      if (archive%reading .and. allocated(kind)) motion%kind = kind
       call archive%carry(motion%error_estimate)
       call archive%carry(motion%share)
       if (allocated(motion%mesh_load)) loads = reshape(motion%mesh_load, [size(motion%mesh_load), 1])
