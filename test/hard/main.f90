@@ -1,6 +1,7 @@
 !> The hard cases of docs/hard-cases.md; the last line is `N passed, N failed`. Arguments: --table, the rows
 !> of the document; --all, in a debug build too what takes minutes there.
 program hard
+   use hard_branches, only: branches_cases
    use hard_cases, only: cases_type
    use hard_closed_forms, only: closed_forms_cases
    use hard_figures, only: figures_cases
@@ -15,6 +16,7 @@ program hard
 
    call cases%open()
    call figures_cases(cases)
+   call branches_cases(cases)
    call grazing_cases(cases)
    call scales_cases(cases)
    call speeds_cases(cases)

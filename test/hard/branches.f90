@@ -1,0 +1,67 @@
+!> Branches that no other one leads to, or that are joined to others only beyond the amplitude limit.
+module hard_branches
+   use fixtures, only: paper_train, settings_of
+   use geartrain, only: attractors, attractors_settings_type, attractors_type, branch_type, dp, error_type, follow_attractors, &
+                        motion_type, refine, response_settings_type, solutions_at, train_type
+   use geartrain_branch_summary, only: folds
+   use hard_cases, only: cases_type, solve
+   implicit none (type, external)
+   private
+   public :: branches_cases
+
+contains
+
+   subroutine branches_cases(cases)
+      class(cases_type), intent(inout) :: cases
+
+      call cases%heading('Branches on their own')
+      if (.not. cases%slow_build) call island_of_figure_9(cases)
+   end subroutine branches_cases
+
+   !> Figure 9 at zeta 0.01 has a closed branch of period 1, part of it beyond the amplitude limit, that is joined to no other. One
+   !> of its motions attracts one random start in six at 0.85.
+   subroutine island_of_figure_9(cases)
+      class(cases_type), intent(inout) :: cases
+      character(*), parameter :: name = 'closed branch of figure 9, zeta 0.01'
+      type(train_type) :: train
+      type(response_settings_type) :: settings
+      type(attractors_type) :: found
+      type(branch_type) :: once
+      type(branch_type), allocatable :: branches(:)
+      type(motion_type), allocatable :: motions(:)
+      type(motion_type) :: exact
+      type(error_type), allocatable :: error
+      real(dp), allocatable :: at_fold(:)
+      real(dp) :: off
+      integer :: i
+
+      train = paper_train()
+      train%meshes%damping_ratio = 0.01_dp
+      settings = settings_of(0.2_dp, 2.6_dp, 12)
+      once = solve(train, settings)
+      call attractors(train, attractors_settings_type(frequency=0.85_dp, starts=60), found, error)
+      ! Branches of longer periods are there as well, some of them very long.
+      found%motions = pack(found%motions, found%motions%period == 1)
+      call follow_attractors(train, settings, found, once, branches, error)
+      call cases%holds(name, 'found by random starts at 0.85, and on no other branch', size(branches) == 1)
+      if (size(branches) /= 1) return
+      associate (island => branches(1))
+         call cases%holds(name, 'followed beyond the amplitude limit and back to where it began', &
+                          island%closed .and. maxval(island%part) == 2)
+         at_fold = folds(island)
+         call cases%holds(name, 'one fold', size(at_fold) == 1)
+         if (size(at_fold) == 1) call cases%measured(name, 'its fold at R = 48', abs(at_fold(1) - 0.74431157_dp), 1e-5_dp)
+         call solutions_at(train, settings, island, 0.8_dp, motions, error)
+         call cases%holds(name, 'two motions at 0.8', size(motions) == 2)
+         off = 0
+         do i = 1, size(motions)
+            exact = motions(i)
+            call refine(train, exact, error)
+            if (allocated(error)) exact%rms = huge(1.0_dp)
+            off = max(off, maxval(abs(motions(i)%rms - exact%rms)))
+         end do
+         call cases%measured(name, 'shooting at 0.8: rms of the meshes', off, 2e-4_dp)
+      end associate
+   end subroutine island_of_figure_9
+
+end module hard_branches
