@@ -18,6 +18,7 @@ module geartrain
    use geartrain_branch_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
    use geartrain_branch_switching, only: period_doubled
    use geartrain_case_case, only: case_type
+   use geartrain_case_edges, only: locate_edges
    use geartrain_case_reader, only: read_case, read_case_text
    use geartrain_case_run, only: run_case
    use geartrain_case_template, only: template_text

@@ -320,7 +320,7 @@ end subroutine run_all
 
 ! Writes the box's results.
 subroutine write_path(handle, path, status)
-   use geartrain, only: error_type, write_results
+   use geartrain, only: error_type, locate_edges, write_results
    use geartrain_python_box, only: box_type, box_of, close_with
    implicit none
    integer(8), intent(in) :: handle
@@ -330,6 +330,7 @@ subroutine write_path(handle, path, status)
    type(error_type), allocatable :: error
 
    box => box_of(handle)
+   call locate_edges(box%case, box%results)
    call write_results(path, box%case, box%results, error)
    status = close_with(box, error)
 end subroutine write_path

@@ -6,14 +6,13 @@ module geartrain_case_run
    use geartrain_base_observer, only: observer_type
    use geartrain_branch_bifurcations, only: follow_bifurcations
    use geartrain_branch_branch, only: branch_type
-   use geartrain_branch_contact_edges, only: locate_contact_edges
    use geartrain_branch_islands, only: follow_attractors
    use geartrain_branch_refinement, only: refine_branch
    use geartrain_branch_response, only: response
    use geartrain_branch_stability_map, only: stability_map
-   use geartrain_branch_variables, only: settings_for
    use geartrain_case_case, only: case_type
    use geartrain_case_checkpoint, only: check_partial, checkpoint_type, take_up_checkpoint
+   use geartrain_case_edges, only: locate_edges
    use geartrain_case_variables, only: check_agreement
    use geartrain_model_modes, only: natural_modes
    use geartrain_motion_attractors, only: attractors
@@ -138,7 +137,7 @@ contains
       end if
       call refine_all(case, results, early, error, checkpoint)
       if (allocated(error)) return
-      call locate_edges(case, results, checkpoint)
+      if (.not. checkpoint%is_cancelled()) call locate_edges(case, results, checkpoint)
       if (.not. allocated(results%branches)) return
       do i = 1, size(results%branches)
          associate (branch => results%branches(i))
@@ -196,24 +195,6 @@ contains
          call refine_branch(case%train, results%branches(i), error, checkpoint)
       end do
    end subroutine refine_all
-
-   !> Edges of separation and back collision of all branches.
-   subroutine locate_edges(case, results, checkpoint)
-      type(case_type), intent(in) :: case
-      type(results_type), intent(inout), target :: results
-      type(checkpoint_type), intent(inout) :: checkpoint
-      integer :: i
-
-      if (.not. allocated(case%response) .or. checkpoint%is_cancelled()) return
-      call locate_contact_edges(case%train, case%response, results%response, checkpoint)
-      if (.not. allocated(results%branches)) return
-      do i = 1, size(results%branches)
-         if (checkpoint%is_cancelled()) return
-         associate (branch => results%branches(i))
-            call locate_contact_edges(case%train, settings_for(case%response, branch%subharmonic), branch, checkpoint)
-         end associate
-      end do
-   end subroutine locate_edges
 
    !> Adds to `early` why an analysis is not complete.
    subroutine tell(name, complete, ended, early)
