@@ -9,7 +9,7 @@ module arguments
    end type file_name_type
 
    type :: arguments_type
-      !> 'run', 'check', 'template', 'reference', 'version' or 'help'.
+      !> 'run', 'check', 'audit', 'template', 'reference', 'version' or 'help'.
       character(:), allocatable :: action
       type(file_name_type), allocatable :: case_files(:)
       !> As given by --output; '' where it was not.
@@ -30,6 +30,7 @@ module arguments
       '   geartrain CASE.nml --resume             go on with a run that was killed, from FILE.h5.partial'//newline// &
       '   geartrain A.nml B.nml ...               run several cases, as many at a time as there are threads'//newline// &
       '   geartrain --check CASE.nml ...          say what is wrong with cases, compute nothing'//newline// &
+      '   geartrain --audit CASE.nml ...          check points of its branches, and all special points, by shooting'//newline// &
       '   geartrain --template > CASE.nml         a complete case, every variable explained'//newline// &
       '   geartrain --reference                   the tables of input variables, as Markdown'//newline// &
       '   geartrain --version'//newline// &
@@ -40,6 +41,7 @@ module arguments
       newline// &
       'Exit status: 0 done; 2 bad input, nothing written; 3 an analysis ended early, what was computed is written;'//newline// &
       '4 the file system failed, standard output is lost, or there is no memory. Of several cases the largest.'//newline// &
+      'An audit ends with 3 unless all is as the branches say.'//newline// &
       'Threads: one a core, or as many as the environment variable OMP_NUM_THREADS says.'
 
 contains
@@ -64,8 +66,10 @@ contains
             arguments%action = word(3:)
             if (word == '-h') arguments%action = 'help'
             return
-         case ('--check')
-            arguments%action = 'check'
+         case ('--check', '--audit')
+            if (arguments%action /= 'run' .and. arguments%action /= word(3:)) &
+               arguments%wrong = '--check and --audit contradict each other'
+            arguments%action = word(3:)
          case ('--resume')
             arguments%resume = .true.
          case ('--output', '-o')
@@ -86,9 +90,9 @@ contains
       end do
       arguments%case_files = files(:n)
       if (arguments%wrong == '' .and. size(arguments%case_files) == 0) arguments%wrong = 'no case file given'
-      if (arguments%wrong == '' .and. arguments%action == 'check') then
-         if (arguments%output_file /= '') arguments%wrong = '--check writes nothing: leave out --output'
-         if (arguments%resume) arguments%wrong = '--check computes nothing: leave out --resume'
+      if (arguments%wrong == '' .and. arguments%action /= 'run') then
+         if (arguments%output_file /= '') arguments%wrong = '--'//arguments%action//' writes nothing: leave out --output'
+         if (arguments%resume) arguments%wrong = '--'//arguments%action//' goes on with no run: leave out --resume'
       else if (arguments%wrong == '' .and. size(arguments%case_files) > 1) then
          if (arguments%resume) arguments%wrong = '--resume goes on with one case, and there are several: resume them one by one'
          if (arguments%output_file /= '') &

@@ -1,6 +1,7 @@
 !> The executable: arguments in, exit status out.
 program main
    use arguments, only: arguments_type, help_text, read_arguments
+   use audits, only: audit_cases
    use cases, only: check_cases, run_cases
    use geartrain, only: status_file, status_input, template_text, version
    use geartrain_case_text, only: reference_text
@@ -32,6 +33,8 @@ program main
       call say(reference_text())
    case ('check')
       call check_cases(asked%case_files, status)
+   case ('audit')
+      call audit_cases(asked%case_files, status)
    case default
       call run_cases(asked%case_files, asked%output_file, asked%resume, status)
    end select

@@ -2,9 +2,10 @@
 module geartrain_python_box
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_ptr
    use, intrinsic :: iso_fortran_env, only: int64, real64
-   use geartrain, only: band_type, back_collision_ranges, bands_without_stability, branch_type, case_text, case_type, error_type, &
-                       interrupt_by, jump_type, jumps, locate_contact_edges, mesh_load_type, motion_type, observer_type, &
-                       peak_type, peaks, results_type, separation_ranges, version
+   use geartrain, only: audit_text, audit_type, band_type, back_collision_ranges, bands_without_stability, branch_type, &
+                        case_text, case_type, error_type, interrupt_by, jump_type, jumps, locate_contact_edges, &
+                        mesh_load_type, motion_type, observer_type, &
+                        peak_type, peaks, results_type, separation_ranges, version
    implicit none (type, external)
    private
    public :: box_type, watch_type, begin_watch, handle_of, box_of, box_text, branch_at, close_with, motion_list
@@ -20,6 +21,8 @@ module geartrain_python_box
       type(results_type) :: results
       !> Motions in (seed, start, the motion to refine) or out (solutions at a frequency).
       type(motion_type), allocatable :: motions(:)
+      !> The audit of the branch.
+      type(audit_type), allocatable :: audit
       !> What was last read off the branch, see `summarize`, (column, row).
       real(real64), allocatable :: table(:, :)
       !> Message of the last error.
@@ -166,6 +169,16 @@ contains
          if (allocated(branch%ended)) text = branch%ended
       case ('origin')
          if (allocated(branch%origin)) text = branch%origin
+      case ('audit')
+         text = audit_text(box%audit)
+      case ('audit kinds')
+         text = lines(box%audit%rows%kind)
+      case ('audit verdicts')
+         text = lines(box%audit%rows%verdict)
+      case ('exact verdicts')
+         text = lines(box%audit%rows%exact_verdict)
+      case ('findings')
+         text = lines(box%audit%rows%finding)
       case ('jump kinds')
          found = jumps(branch)
          text = lines(found%kind)

@@ -4,6 +4,9 @@ module geartrain
    use geartrain_base_interrupt, only: interrupt_by, interrupt_type
    use geartrain_base_kinds, only: dp, version
    use geartrain_base_observer, only: observer_type
+   use geartrain_branch_audit, only: audit_branch
+   use geartrain_branch_audit_result, only: audit_row_type, audit_type
+   use geartrain_branch_audit_text, only: audit_text
    use geartrain_branch_bifurcations, only: follow_bifurcations
    use geartrain_branch_branch, only: branch_type, response_settings_type, special_point_type
    use geartrain_branch_contact_edges, only: locate_contact_edges

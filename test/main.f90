@@ -14,6 +14,7 @@ program main
    use unit_results_run, only: results_run_tests
    use unit_robust, only: robust_tests
    use unit_scale, only: scale_tests
+   use validation_audit, only: audit_tests
    use validation_bifurcations, only: bifurcations_tests
    use validation_claims_excitation, only: claims_excitation_tests
    use validation_claims_shafts, only: claims_shafts_tests
@@ -72,5 +73,6 @@ program main
    call stability_map_tests(tests)
    call refinement_tests(tests)
    call settling_tests(tests)
+   call audit_tests(tests)
    call tests%finish()
 end program main

@@ -3,7 +3,8 @@
 ! Number of bytes of a text of the box: 'message', 'case' (the resolved namelist), 'elements', 'integration', 'attractors' (why
 ! each ended), 'map' (why it ended), 'map name', 'map unit', 'directions', 'version'; 'kinds'
 ! of the motions at a place (which ones, as in motions.f90); of the branch at a place (0: the response,
-! else a further one): 'branch' (why it ended), 'origin', 'special points', 'jump kinds', 'jump causes'. Lists have one item a line.
+! else a further one): 'branch' (why it ended), 'origin', 'special points', 'jump kinds', 'jump causes'; of the audit: 'audit' (its
+! table), 'audit kinds', 'audit verdicts', 'exact verdicts', 'findings'. Lists have one item a line.
 subroutine text_size(handle, name, place, bytes)
    use geartrain_python_box, only: box_of, box_text
    implicit none

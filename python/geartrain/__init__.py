@@ -32,6 +32,7 @@ array([ 0.9571,  1.8662,  6.6807,  6.681 , 15.9206])
 from __future__ import annotations
 
 from . import _box
+from .audit import Audit
 from .branch import Branch, SpecialPoint
 from .case import Case, Results, read_case
 from .errors import InputError, Interrupted, SolverError
@@ -44,6 +45,7 @@ from .train import Train
 
 __all__ = [
     "Attractors",
+    "Audit",
     "Branch",
     "Case",
     "InputError",

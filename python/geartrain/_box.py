@@ -191,6 +191,28 @@ class Box:
             "complete": bool(complete),
         }
 
+    def audit(self) -> dict[str, Any]:
+        rows, (points, as_estimated, doubtful, special_points, confirmed, wrong_verdicts, ok) = fortran.audit_sizes(self.handle)
+        numbers, marks = fortran.copy_audit(self.handle, rows)
+        return {
+            "kind": tuple(self.text("audit kinds").splitlines()),
+            "frequency": numbers[:, 0],
+            **dict(zip(("exact_frequency", "error_estimate", "error", "ratio"), np.where(numbers < 0, np.nan, numbers).T[1:])),
+            "point": marks[:, 0] - 1,
+            **dict(zip(("estimate_doubtful", "estimate_wrong", "verdict_wrong"), marks.T[1:] == 1)),
+            "verdict": tuple(self.text("audit verdicts").splitlines()),
+            "exact_verdict": tuple(self.text("exact verdicts").splitlines()),
+            "finding": tuple(self.text("findings").splitlines()),
+            "points": int(points),
+            "as_estimated": int(as_estimated),
+            "doubtful": int(doubtful),
+            "special_points": int(special_points),
+            "confirmed": int(confirmed),
+            "wrong_verdicts": int(wrong_verdicts),
+            "ok": bool(ok),
+            "table": self.text("audit"),
+        }
+
     def read_off(self, what: str, mesh: int = 1, stable: bool = False) -> Array:
         """A list read off the box's branch, one row an entry, see ``summarize`` in box.f90."""
         columns, rows = map(int, fortran.read_off(self.handle, what, mesh, int(stable)))

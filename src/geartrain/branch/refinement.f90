@@ -5,6 +5,7 @@ module geartrain_branch_refinement
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_branch_branch, only: branch_type
+   use geartrain_branch_waveform_error, only: harmonics_told, waveform_error
    use geartrain_model_check, only: check_train
    use geartrain_model_train, only: train_type
    use geartrain_motion_motion, only: motion_type
@@ -79,26 +80,24 @@ contains
       type(motion_type), intent(out) :: motion
       real(dp), intent(out) :: correction
       type(error_type), allocatable :: error
+      integer :: attempt
 
-      motion%frequency = branch%frequency(i)
-      motion%period = branch%subharmonic
-      motion%coefficients = branch%coefficients(:, :, i)
-      call refine(train, motion, error)
       correction = -1
-      if (allocated(error)) return
-      correction = difference(branch%coefficients(:, :, i), motion%coefficients)
-      if (correction > max(another*branch%error_estimate(i), rounding)) correction = -1
+      ! In one piece, which is enough as a rule and quicker, then in sections: where the estimate is doubtful there
+      ! may be no orbit.
+      do attempt = 1, merge(1, 2, branch%estimate_doubtful(i))
+         motion%frequency = branch%frequency(i)
+         motion%period = branch%subharmonic
+         motion%coefficients = branch%coefficients(:, :, i)
+         if (allocated(motion%state)) deallocate (motion%state)
+         call refine(train, motion, error, attempt == 2, &
+                     harmonics_told(branch%coefficients(:, :, i), branch%subharmonic))
+         if (allocated(error)) cycle
+         correction = waveform_error(branch%coefficients(:, :, i), motion%coefficients, .false.)
+         if (correction <= max(another*branch%error_estimate(i), rounding)) return
+         correction = -1
+      end do
    end subroutine refine_point
-
-   !> Relative difference of two waveforms of the same period, the second with at least as many harmonics; as the error estimate.
-   pure real(dp) function difference(a, b)
-      real(dp), intent(in) :: a(:, :), b(:, :)
-      integer :: n
-
-      n = min(size(a, 1), size(b, 1))
-      difference = sqrt((2*sum((b(1, :) - a(1, :))**2) + sum((b(2:n, :) - a(2:n, :))**2) + sum(b(n + 1:, :)**2)) &
-                        /max(sum(b(2:, :)**2), tiny(1.0_dp)))
-   end function difference
 
    !> The harmonics that the branch holds are those of the orbit; rms, extremes and loads are those of its whole waveform.
    subroutine replace_point(motion, i, branch)

@@ -1,10 +1,10 @@
 !> The steady motions that random starts settle on at one frequency, and the share of each.
 module geartrain_motion_attractors
-   use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_base_numbers, only: text
+   use geartrain_base_random, only: begin_random, generator_type
    use geartrain_model_check, only: check_train
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
@@ -89,31 +89,20 @@ contains
       integer, intent(in) :: seed, start
       real(dp), allocatable :: state(:)
       real(dp) :: reach
-      integer(int64) :: generator
+      type(generator_type) :: generator
       integer :: j
 
-      generator = 1 + abs(mod(int(seed, int64)*1000003_int64 + int(start, int64)*7919_int64, 2147483646_int64))
-      do j = 1, 10
-         reach = uniform(generator)
-      end do
+      generator = begin_random(seed, start)
       allocate (state(2*system%elements))
       state = resting_state(system)
       do j = 1, system%meshes
          associate (n => system%mesh_element(j))
             reach = 3*abs(state(n))
-            state(n) = reach*(2*uniform(generator) - 1)
-            state(system%elements + n) = reach*(2*uniform(generator) - 1)
+            state(n) = reach*(2*generator%uniform() - 1)
+            state(system%elements + n) = reach*(2*generator%uniform() - 1)
          end associate
       end do
    end function random_state
-
-   !> Park and Miller's minimal standard generator, in (0, 1).
-   real(dp) function uniform(generator)
-      integer(int64), intent(inout) :: generator
-
-      generator = mod(48271_int64*generator, 2147483647_int64)
-      uniform = real(generator, dp)/2147483647.0_dp
-   end function uniform
 
    !> Counts a settled motion among those found, or adds it.
    subroutine collect(motion, motions, hits)

@@ -1,5 +1,6 @@
-!> Shooting: a periodic orbit to integration accuracy by Newton on the flow over its period. The force is continuous at contact
-!> events, so the monodromy matrix that comes with the flow is the exact derivative.
+!> Shooting: a periodic orbit to integration accuracy by Newton on the flow over its period, in one piece or, where that does not
+!> do, in sections. The force is continuous at contact events, so the monodromy matrix that comes with the flow is the exact
+!> derivative.
 module geartrain_motion_shooting
    use geartrain_base_elimination, only: factor_matrix, solve_factored
    use geartrain_base_error, only: error_type, fatal, status_ended_early
@@ -9,34 +10,36 @@ module geartrain_motion_shooting
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    use geartrain_motion_motion, only: motion_type
+   use geartrain_motion_multiple_shooting, only: find_orbit_in_sections, has_converged, max_iterations, most_parts, &
+      section_states
    use geartrain_motion_orbit, only: measure, propagate, stored_harmonics
+   use geartrain_motion_sections, only: sections_type
    use geartrain_motion_start_state, only: state_of
    use geartrain_stability_monodromy, only: eigenvalues, is_neutral, is_stable
    implicit none (type, external)
    private
    public :: find_orbit, newton_step, refine
 
-   integer, parameter :: max_iterations = 25
-   !> Relative Newton step at which the orbit counts as found; rounding over a period leaves about 1e-13.
-   real(dp), parameter :: converged = 1e-11_dp
-   !> What an orbit may lack to be closed, relative, where the Newton steps do not get shorter any more: of a motion that hardly
-   !> anything holds, as of a train between very large inertias, rounding leaves that much and the step says what it makes of it.
-   real(dp), parameter :: closed = 1e-12_dp
-
 contains
 
    !> Polishes a motion: the same orbit to about 1e-11, its multipliers, its state at time 0. On failure the motion is left
    !> as it was and the error says why.
-   subroutine refine(train, motion, error)
+   subroutine refine(train, motion, error, in_sections, harmonics)
       type(train_type), intent(in) :: train
       type(motion_type), intent(inout) :: motion
       type(error_type), allocatable, intent(out) :: error
+      !> The period in sections, which finds more orbits of strong instability and costs some time; left to the program it is tried
+      !> where one piece does not do.
+      logical, intent(in), optional :: in_sections
+      !> Of Lambda, that the motion is to have then; else as many as it has, and at least `stored_harmonics`.
+      integer, intent(in), optional :: harmonics
       type(system_type) :: system
+      type(sections_type) :: sections
       type(motion_type) :: refined
-      real(dp), allocatable :: state(:), monodromy(:, :)
-      real(dp) :: length
+      real(dp), allocatable :: state(:), states(:, :), monodromy(:, :)
+      real(dp) :: frequency, length
       integer :: n
-      logical :: found
+      logical :: found, pieces(2)
 
       call check_train(train, error)
       if (allocated(error)) return
@@ -56,9 +59,23 @@ contains
       end if
       if (.not. motion%frequency > 0) call fatal(error, 'refine: frequency = '//text(motion%frequency)//': must be > 0')
       if (allocated(error)) return
-      allocate (state(n), monodromy(n, n))
-      call state_of(system, motion, state)
-      call find_orbit(system, motion%frequency, motion%period, max_iterations, state, monodromy, length, found)
+      ! In one piece, in sections.
+      pieces = .true.
+      if (present(in_sections)) pieces = [.not. in_sections, in_sections]
+      found = .false.
+      frequency = motion%frequency
+      if (pieces(1)) then
+         allocate (state(n), monodromy(n, n))
+         call state_of(system, motion, state)
+         call find_orbit(system, frequency, motion%period, max_iterations, state, monodromy, length, found)
+      end if
+      if (pieces(2) .and. .not. (found .or. system%interrupt%raised())) then
+         call sections%setup(system, motion%period, most_parts(system, motion%period), moves=.false.)
+         call section_states(system, motion, sections, states)
+         call find_orbit_in_sections(sections, frequency, states, length, found)
+         state = states(:, 1)
+         monodromy = sections%monodromy
+      end if
       if (system%interrupt%raised()) then
          call fatal(error, 'refine: interrupted', status_ended_early)
       else if (found) then
@@ -71,13 +88,16 @@ contains
    contains
 
       subroutine finish()
+         integer :: kept
 
          refined%frequency = motion%frequency
          refined%period = motion%period
          refined%share = motion%share
          refined%state = state
          refined%error_estimate = length
-         call measure(system, max(stored_harmonics(system), ((size(motion%coefficients, 1) - 1)/2)/motion%period), refined)
+         kept = max(stored_harmonics(system), ((size(motion%coefficients, 1) - 1)/2)/motion%period)
+         if (present(harmonics)) kept = harmonics
+         call measure(system, kept, refined)
          allocate (refined%multipliers(n))
          call eigenvalues(monodromy, refined%multipliers)
          refined%stable = is_stable(refined%multipliers)
@@ -119,7 +139,7 @@ contains
          length = maxval(abs(step))/scale
          if (info /= 0 .or. .not. length < 10) return
          state = state + step
-         found = length < converged .or. (length > 0.5_dp*before .and. (length < 100*converged .or. gap < closed))
+         found = has_converged(length, before, gap)
          if (found) return
          before = length
       end do
