@@ -56,6 +56,7 @@ contains
          end do
          at_fold = folds(branch)
          if (size(at_fold) > 0) write (output_unit, '(a, *(f10.4))') '    folds at Lambda', at_fold
+         call report_branch_points(branch)
          call report_jumps(branch)
          bands = bands_without_stability(branch)
          do i = 1, size(bands)
@@ -76,6 +77,19 @@ contains
       end if
       if (allocated(branch%ended)) write (output_unit, '(2a)') '    ended: ', branch%ended
    end subroutine report_branch
+
+   !> Where other branches of the same period cross.
+   subroutine report_branch_points(branch)
+      type(branch_type), intent(in) :: branch
+      integer :: i
+
+      do i = 1, size(branch%special_points)
+         associate (special => branch%special_points(i))
+            if (special%kind /= 'branch point') cycle
+            write (output_unit, '(2a)') '    branch point at Lambda ', fixed(special%frequency, 4)
+         end associate
+      end do
+   end subroutine report_branch_points
 
    subroutine report_peaks(branch, mesh)
       type(branch_type), intent(in) :: branch

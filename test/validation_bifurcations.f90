@@ -1,9 +1,9 @@
 !> Bifurcations of equal stages, which lose their symmetry, and what is told of special points wherever a trace begins and ends.
 module validation_bifurcations
    use fixtures, only: closest, paper_train, settings_of
-   use geartrain, only: band_type, branch_type, dp, error_type, follow_bifurcations, locate_contact_edges, mesh_type, &
-                        motion_type, refine, response, response_settings_type, separation_ranges, shaft_type, solutions_at, &
-                        train_type
+   use geartrain, only: band_type, branch_type, dp, error_type, follow_bifurcations, jump_type, jumps, &
+                        locate_contact_edges, mesh_type, motion_type, refine, response, response_settings_type, &
+                        separation_ranges, shaft_type, solutions_at, train_type
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -141,6 +141,7 @@ contains
       type(motion_type), allocatable :: motions(:), below(:), above(:)
       type(motion_type) :: motion
       type(error_type), allocatable :: error
+      type(jump_type), allocatable :: leaps(:)
       real(dp), allocatable :: points(:)
       integer :: i, found
 
@@ -158,6 +159,10 @@ contains
       call tests%is_close(largest_real(below(1)), 1.0_dp, 0.05_dp, 'by a multiplier next to +1')
       call tests%is_true(largest_real(below(1)) < 1 .and. largest_real(above(1)) > 1, 'that passes it')
 
+      leaps = jumps(branch)
+      call tests%is_true(any(leaps%kind == 'leaves' .and. leaps%cause == 'branch point' .and. leaps%rising &
+                             .and. abs(leaps%frequency - points(1)) < 1e-9_dp), 'rising, a sweep leaves the branch there')
+
       call follow_bifurcations(train, settings, branch, branches, error)
       call tests%is_true(size(branches) == 1, 'one branch crosses at both')
       if (size(branches) /= 1) return
@@ -165,6 +170,8 @@ contains
       call tests%is_true(size(places(branches(1), 'branch point')) == 2, 'it passes both branch points')
       if (size(places(branches(1), 'branch point')) == 2) &
          call tests%is_close(maxval(abs(places(branches(1), 'branch point') - points([2, 1]))), 0.0_dp, 1e-8_dp, 'the same')
+      leaps = jumps(branches(1))
+      call tests%is_true(count(leaps%rising) == 2 .and. all(leaps%kind == 'leaves'), 'no jump from a fold to its mirror image')
       call solutions_at(train, settings, branches(1), 0.87_dp, motions, error)
       call tests%is_true(size(motions) == 6 .and. count(motions%stable) == 2, 'six motions at 0.87, two of them stable')
       found = 0

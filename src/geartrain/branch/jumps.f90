@@ -78,15 +78,16 @@ contains
    pure integer function stable_side(branch, s) result(side)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: s
-      integer :: before, after, first, k
+      integer :: before, after, first, most, k
 
       side = 0
-      ! A truncated balance and its monodromy place one fold slightly apart.
+      ! A fold is a point of the branch; another special point lies between `point` and the next one.
       first = merge(1, 0, branch%special_points(s)%kind == 'fold')
-      do k = 1, merge(reach, 1, first == 1)
-         ! A fold is a point of the branch; another special point lies between `point` and the next one.
-         before = branch%special_points(s)%point - k*first
-         after = branch%special_points(s)%point + merge(k, 1, first == 1)
+      ! A truncated balance and its monodromy place one fold slightly apart, and one branch point.
+      most = merge(reach, 1, first == 1 .or. branch%special_points(s)%kind == 'branch point')
+      do k = 1, most
+         before = branch%special_points(s)%point - first - (k - 1)
+         after = branch%special_points(s)%point + k
          if (before < 1 .or. after > branch%points) return
          if (.not. joined(branch, before) .or. .not. joined(branch, after - 1)) return
          if (branch%stable(before) .eqv. branch%stable(after)) then
@@ -131,6 +132,7 @@ contains
             associate (a => branch%frequency(i), b => branch%frequency(i + 1))
                if ((a - f)*(b - f) > 0 .or. abs(b - a) <= 0) cycle
                if (.not. any(branch%stable(i:i + 1))) cycle
+               if (turns_at(branch, i, f)) cycle
                if (.not. branch%stable(i) .and. abs(f - a) < abs(change(branch, i) - a)) cycle
                if (.not. branch%stable(i + 1) .and. abs(f - a) > abs(change(branch, i) - a)) cycle
                share = (f - a)/(b - a)
@@ -144,6 +146,19 @@ contains
          end do
       end associate
    end subroutine find_destination
+
+   !> Whether the branch turns at point i or i + 1, at this frequency to rounding, as it does at the mirror image of a fold
+   !> where the stages are equal: the motion there ends as well.
+   pure logical function turns_at(branch, i, frequency)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: i
+      real(dp), intent(in) :: frequency
+
+      associate (special => branch%special_points)
+         turns_at = any(special%kind == 'fold' .and. (special%point == i .or. special%point == i + 1) &
+                        .and. abs(special%frequency - frequency) < 1e-9_dp*frequency)
+      end associate
+   end function turns_at
 
    !> Two parts of a branch may pass the same fold.
    pure logical function is_known(jump, found)
