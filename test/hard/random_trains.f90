@@ -32,7 +32,7 @@ contains
       type(train_type) :: train
       type(branch_type) :: branch
       type(response_settings_type) :: settings
-      integer :: seed, trains, points, found, wrong_verdicts, wrong_estimates, undecided
+      integer :: seed, trains, points, found, wrong_verdicts, wrong_estimates, undecided, doublings, wrong_doublings
 
       trains = merge(8, 60, cases%slow_build)
       points = 0
@@ -40,27 +40,36 @@ contains
       undecided = 0
       wrong_verdicts = 0
       wrong_estimates = 0
+      doublings = 0
+      wrong_doublings = 0
       do seed = 1, trains
          call random_train(seed, train, settings)
          branch = solve(train, settings)
-         call compare(train, branch, points, found, undecided, wrong_verdicts, wrong_estimates)
+         call compare(train, branch, points, found, undecided, wrong_verdicts, wrong_estimates, doublings, wrong_doublings)
       end do
       call cases%holds('random trains, a dozen points each', 'shooting finds an orbit next to 9 of 10', 10*found >= 9*points)
       call cases%holds('random trains', 'shooting: no decided verdict wrong', wrong_verdicts == 0)
       call cases%holds('random trains', 'shooting: estimates of 49 of 50 points without doubt within a factor 3', &
                        50*wrong_estimates <= found)
+      call cases%holds('random trains', 'shooting: multipliers pass -1 at the doublings listed, and nowhere else', &
+                       (doublings > 0 .or. cases%slow_build) .and. wrong_doublings == 0)
       call cases%holds('random trains', 'at most one point in four undecided', 4*undecided <= points)
    end subroutine random
 
-   subroutine compare(train, branch, points, found, undecided, wrong_verdicts, wrong_estimates)
+   subroutine compare(train, branch, points, found, undecided, wrong_verdicts, wrong_estimates, doublings, wrong_doublings)
       type(train_type), intent(in) :: train
       type(branch_type), intent(in) :: branch
       integer, intent(inout) :: points, found, undecided, wrong_verdicts, wrong_estimates
+      !> Doublings listed between two points of one part with orbits of decided stability, and pairs of such points between which
+      !> shooting sees another number of them, modulo 2: what becomes a complex pair takes two.
+      integer, intent(inout) :: doublings, wrong_doublings
       type(motion_type) :: motion
       type(error_type), allocatable :: error
       real(dp) :: off
-      integer :: i
+      integer :: i, before, below, below_before, listed
 
+      before = 0
+      below_before = 0
       do i = 1, branch%points, max(1, branch%points/12)
          points = points + 1
          if (branch%undecided(i)) undecided = undecided + 1
@@ -75,6 +84,21 @@ contains
             wrong_estimates = wrong_estimates + 1
          if (branch%undecided(i) .or. motion%undecided) cycle
          if (branch%stable(i) .neqv. motion%stable) wrong_verdicts = wrong_verdicts + 1
+         ! Beyond that the smaller multipliers are rounding.
+         if (abs(motion%multipliers(1)) > 1e6_dp) cycle
+         below = count(abs(motion%multipliers%im) <= 1e-6_dp*abs(motion%multipliers) .and. motion%multipliers%re < -1)
+         if (before > 0) then
+            if (branch%part(before) == branch%part(i)) then
+               listed = count(branch%special_points%kind == 'period doubling' .and. branch%special_points%point >= before &
+                              .and. branch%special_points%point < i)
+               doublings = doublings + listed
+               if (mod(below - below_before - listed, 2) /= 0) then
+                  wrong_doublings = wrong_doublings + 1
+               end if
+            end if
+         end if
+         before = i
+         below_before = below
       end do
    end subroutine compare
 

@@ -113,10 +113,10 @@ def test_the_same_bits_from_a_whole_one(executable, tmp_path):
     for kind, analyses in {
         "response": "&response from = 0.2, to = 2.6, step = 0.001, max_points = 100000 /\n",
         "doublings": "&response from = 1.6, to = 4.2, period_doublings = 1, step = 0.002, max_points = 100000 /\n",
-        "attractors": "&attractors frequency = 0.6, starts = 400 /\n",
+        "attractors": "&attractors frequency = 0.6, starts = 2000 /\n",
         "map": (
-            "&stability_map from = 0.4, to = 1.6, points = 20, parameter_from = 0.01, parameter_to = 0.1,\n"
-            "   parameter_points = 60 /\n"
+            "&stability_map from = 0.4, to = 1.6, points = 40, parameter_from = 0.01, parameter_to = 0.1,\n"
+            "   parameter_points = 200 /\n"
         ),
     }.items():
         case = tmp_path / f"{kind}.nml"

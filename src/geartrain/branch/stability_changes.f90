@@ -17,6 +17,9 @@ module geartrain_branch_stability_changes
    !> Kinds of multipliers outside the circle: real below -1, complex pairs, real above +1.
    integer, parameter :: doubling = 1, torus = 2, beyond_one = 3
    character(*), parameter :: names(*) = [character(15) :: 'period doubling', 'torus']
+   !> Beside a multiplier larger than this those near the unit circle are rounding: over a period of many teeth an unstable motion has
+   !> such ones. Nothing is said of changes there.
+   real(dp), parameter :: drowning = 1e11_dp
    !> A complex pair as near as this to the real axis is two real multipliers: of equal stages that hardly know of one another.
    real(dp), parameter :: real_enough = 1e-6_dp
    !> Changes as near together as this share of the step are simultaneous; how exactly one of them is located.
@@ -38,6 +41,7 @@ contains
 
       first = branch%multipliers(:, before)
       last = branch%multipliers(:, after)
+      if (max(maxval(abs(first)), maxval(abs(last))) > drowning) return
       if (all(outside(first) == outside(last))) return
       call separate(path, monodromy, here, a, b, first, last, together*(b - a), after, branch)
    end subroutine add_stability_changes
