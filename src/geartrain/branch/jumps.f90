@@ -90,6 +90,9 @@ contains
          after = branch%special_points(s)%point + k
          if (before < 1 .or. after > branch%points) return
          if (.not. joined(branch, before) .or. .not. joined(branch, after - 1)) return
+         ! Seen from the branch that leaves there Lambda turns at a branch point: both its sides are alike.
+         if (branch%special_points(s)%kind == 'branch point' .and. (branch%frequency(before) - branch%special_points(s)%frequency) &
+             *(branch%frequency(after) - branch%special_points(s)%frequency) >= 0) return
          if (branch%stable(before) .eqv. branch%stable(after)) then
             if (another_between(branch, s, before - 1, after + 1)) return
             cycle
