@@ -5,17 +5,17 @@ module geartrain_case_reader
    use geartrain_base_problems, only: problems_type
    use geartrain_base_regular_file, only: is_regular_file
    use geartrain_branch_stability_map_variables, only: visit_stability_map
-   use geartrain_branch_variables, only: check_response_consistency, visit_response
+   use geartrain_branch_variables, only: visit_response
    use geartrain_case_assigner, only: assigner_type
    use geartrain_case_case, only: case_type
+   use geartrain_case_check, only: check_analyses
    use geartrain_case_order, only: check_order
    use geartrain_case_scanner, only: group_type, scan_text
    use geartrain_case_table, only: list_variables, row_type, unknown_variable
-   use geartrain_case_variables, only: check_agreement, groups, visit_modes, visit_output
+   use geartrain_case_variables, only: groups, visit_modes, visit_output
    use geartrain_model_check, only: check_consistency
    use geartrain_model_variables, only: visit_mesh, visit_shaft, visit_train
-   use geartrain_motion_variables, only: check_attractors_consistency, check_integration_consistency, visit_attractors, &
-      visit_integration
+   use geartrain_motion_variables, only: visit_attractors, visit_integration
    implicit none (type, external)
    private
    public :: read_case, read_case_text
@@ -61,10 +61,8 @@ contains
       end do
       call read_groups(found, reader)
       if (in_order == 0) call check_consistency(found%train, reader)
-      if (allocated(found%response)) call check_response_consistency(found%train, found%response, .true., reader)
-      if (allocated(found%integration)) call check_integration_consistency(found%train, found%integration, reader)
-      if (allocated(found%attractors)) call check_attractors_consistency(found%train, found%attractors, reader)
-      call check_agreement(found, reader)
+      ! The text of a call has no name; the call may have a seed, and checks that by itself.
+      call check_analyses(found, name == '', reader)
       call reader%locate()
       call reader%problems%raise(name, error)
       if (.not. allocated(error)) case = found

@@ -1,6 +1,5 @@
 !> Computes what a case asks for and writes it.
 module geartrain_case_run
-   use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
@@ -11,9 +10,9 @@ module geartrain_case_run
    use geartrain_branch_response, only: response
    use geartrain_branch_stability_map, only: stability_map
    use geartrain_case_case, only: case_type
+   use geartrain_case_check, only: check_case
    use geartrain_case_checkpoint, only: check_partial, checkpoint_type, take_up_checkpoint
    use geartrain_case_edges, only: locate_edges
-   use geartrain_case_variables, only: check_agreement
    use geartrain_model_modes, only: natural_modes
    use geartrain_motion_attractors, only: attractors
    use geartrain_motion_sweep, only: sweep
@@ -40,12 +39,10 @@ contains
       !> The checkpoint of another run of this case, path.partial of that time, to go on from; empty: begin anew.
       character(*), intent(in), optional :: resume
       type(checkpoint_type) :: checkpoint
-      type(checker_type) :: checker
       type(error_type), allocatable :: early
       logical :: resumed
 
-      call check_agreement(case, checker)
-      call checker%problems%raise('', error)
+      call check_case(case, error)
       if (allocated(error)) return
       resumed = .false.
       if (present(resume)) resumed = resume == path//'.partial'

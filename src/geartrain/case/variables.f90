@@ -1,17 +1,14 @@
-!> The table of input variables, last part: the groups of a case file, and what is said of the case as a whole.
+!> The table of input variables, last part: the groups of a case file.
 module geartrain_case_variables
-   use geartrain_base_checker, only: checker_type
-   use geartrain_base_kinds, only: dp
-   use geartrain_base_numbers, only: real_text
    use geartrain_base_variable, only: row => variable_type, visitor_type
-   use geartrain_branch_stability_map_variables, only: check_stability_map_consistency, visit_stability_map
+   use geartrain_branch_stability_map_variables, only: visit_stability_map
    use geartrain_branch_variables, only: visit_response
    use geartrain_case_case, only: case_type
    use geartrain_model_variables, only: visit_model
    use geartrain_motion_variables, only: visit_attractors, visit_integration
    implicit none (type, external)
    private
-   public :: groups, visit_case, visit_modes, visit_output, check_agreement
+   public :: groups, visit_case, visit_modes, visit_output
 
    !> A group that a case file may hold.
    type :: group_row_type
@@ -46,28 +43,6 @@ contains
       if (allocated(case%stability_map)) call visit_stability_map(case%stability_map, visitor)
       call visit_output(case%output_file, visitor)
    end subroutine visit_case
-
-   !> What single groups cannot say; the problems are added to those of `checker`.
-   subroutine check_agreement(case, checker)
-      type(case_type), intent(in) :: case
-      class(checker_type), intent(inout) :: checker
-      real(dp) :: low, high
-
-      if (allocated(case%stability_map)) call check_stability_map_consistency(case%train, case%stability_map, checker)
-      if (.not. allocated(case%attractors)) return
-      if (.not. case%attractors%follow .or. checker%problems%in_group('response')) return
-      call checker%enter('attractors', 1)
-      if (.not. allocated(case%response)) then
-         call checker%complain('follow', '.true.', 'needs &response: its range and settings are those of the branches')
-      else
-         low = min(case%response%start, case%response%stop)
-         high = max(case%response%start, case%response%stop)
-         if (case%attractors%frequency < low .or. case%attractors%frequency > high) &
-            call checker%complain('frequency', real_text(case%attractors%frequency), 'must lie in the range of &response, '// &
-                                  real_text(low)//' to '//real_text(high)//', where follow = .true.')
-      end if
-      call checker%leave()
-   end subroutine check_agreement
 
    !> The group has no variables.
    subroutine visit_modes(v)
