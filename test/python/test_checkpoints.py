@@ -15,7 +15,7 @@ import geartrain as gt
 CASES = {
     "response": "&response from = 0.2, to = 2.6, step = 1e-4, max_points = 100000 /\n",
     "tolerance": "&response from = 0.2, to = 2.6, harmonics = 0, tolerance = 1e-7, step = 0.001, max_points = 100000 /\n",
-    "doublings": "&response from = 1.6, to = 4.2, period_doublings = 2, step = 0.002, max_points = 100000 /\n",
+    "doublings": "&response from = 1.6, to = 4.2, period_doublings = 2, step = 0.0005, max_points = 100000 /\n",
     "refinement": "&response from = 0.2, to = 2.6, step = 0.005, refine = .true. /\n",
     "integration": "&integration from = 0.2, to = 2.6, points = 1000, direction = 'both' /\n",
     "attractors": "&attractors frequency = 0.6, starts = 4000 /\n",
@@ -111,8 +111,8 @@ def test_python_refuses_and_the_rest_is_whole(checkpoints, kind):
 def test_the_same_bits_from_a_whole_one(executable, tmp_path):
     """Quick cases of every kind, gone on with from their first checkpoints: what a checkpoint as it was written gives."""
     for kind, analyses in {
-        "response": "&response from = 0.2, to = 2.6, step = 0.001, max_points = 100000 /\n",
-        "doublings": "&response from = 1.6, to = 4.2, period_doublings = 1, step = 0.002, max_points = 100000 /\n",
+        "response": "&response from = 0.2, to = 2.6, step = 0.0003, max_points = 100000 /\n",
+        "doublings": "&response from = 1.6, to = 4.2, period_doublings = 1, step = 0.0005, max_points = 100000 /\n",
         "attractors": "&attractors frequency = 0.6, starts = 2000 /\n",
         "map": (
             "&stability_map from = 0.4, to = 1.6, points = 40, parameter_from = 0.01, parameter_to = 0.1,\n"

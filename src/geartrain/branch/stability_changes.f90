@@ -9,7 +9,7 @@ module geartrain_branch_stability_changes
    use geartrain_branch_branch, only: branch_type
    use geartrain_branch_path, only: path_type, place_type
    use geartrain_branch_special_points, only: add_special_point, between, shrink
-   use geartrain_stability_monodromy, only: monodromy_type, neutral
+   use geartrain_stability_monodromy, only: are_numbers, monodromy_type, neutral
    implicit none (type, external)
    private
    public :: add_stability_changes
@@ -17,8 +17,8 @@ module geartrain_branch_stability_changes
    !> Kinds of multipliers outside the circle: real below -1, complex pairs, real above +1.
    integer, parameter :: doubling = 1, torus = 2, beyond_one = 3
    character(*), parameter :: names(*) = [character(15) :: 'period doubling', 'torus']
-   !> Beside a multiplier larger than this those near the unit circle are rounding: over a period of many teeth an unstable motion has
-   !> such ones. Nothing is said of changes there.
+   !> Beside a multiplier larger than this those near the unit circle are rounding: over a period of many teeth an unstable motion
+   !> has such ones. Nothing is said of changes there.
    real(dp), parameter :: drowning = 1e11_dp
    !> A complex pair as near as this to the real axis is two real multipliers: of equal stages that hardly know of one another.
    real(dp), parameter :: real_enough = 1e-6_dp
@@ -41,6 +41,7 @@ contains
 
       first = branch%multipliers(:, before)
       last = branch%multipliers(:, after)
+      if (.not. (are_numbers(first) .and. are_numbers(last))) return
       if (max(maxval(abs(first)), maxval(abs(last))) > drowning) return
       if (all(outside(first) == outside(last))) return
       call separate(path, monodromy, here, a, b, first, last, together*(b - a), after, branch)

@@ -212,6 +212,8 @@ contains
          if (train%interrupt%raised()) return
          first = found%points + 1
          call record_crossings(tracer, branch, frequency(k), found)
+         ! What an interrupted flight leaves are no numbers.
+         if (train%interrupt%raised()) return
          do i = first, found%points
             if (.not. is_new(found, first, i)) cycle
             row%motions(k) = row%motions(k) + 1

@@ -14,7 +14,7 @@ module geartrain_stability_monodromy
    use geartrain_stability_propagator, only: propagator_type
    implicit none (type, external)
    private
-   public :: monodromy_type, eigenvalues, is_stable, is_neutral, neutral
+   public :: monodromy_type, are_numbers, eigenvalues, is_stable, is_neutral, neutral
 
    !> A multiplier as near as this to the unit circle counts as neutral, which is not stable.
    real(dp), parameter :: neutral = 1e-9_dp
@@ -436,14 +436,25 @@ contains
    pure logical function is_neutral(multipliers)
       complex(dp), intent(in) :: multipliers(:)
 
-      is_neutral = .not. abs(abs(multipliers(1)) - 1) > neutral
+      is_neutral = .not. are_numbers(multipliers)
+      if (.not. is_neutral) is_neutral = abs(abs(multipliers(1)) - 1) <= neutral
    end function is_neutral
 
    !> All multipliers inside the unit circle, by more than their rounding.
    pure logical function is_stable(multipliers)
       complex(dp), intent(in) :: multipliers(:)
 
-      is_stable = all(abs(multipliers) < 1 - neutral)
+      is_stable = are_numbers(multipliers)
+      if (is_stable) is_stable = all(abs(multipliers) < 1 - neutral)
    end function is_stable
+
+   !> Whether the multipliers were found: those of an interrupted flight, or of a matrix that does not converge, are NaN, on which any
+   !> comparison is an invalid operation.
+   pure logical function are_numbers(multipliers)
+      use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+      complex(dp), intent(in) :: multipliers(:)
+
+      are_numbers = .not. any(ieee_is_nan(multipliers%re) .or. ieee_is_nan(multipliers%im))
+   end function are_numbers
 
 end module geartrain_stability_monodromy
