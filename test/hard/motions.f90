@@ -7,7 +7,7 @@ module hard_motions
    use geartrain_motion_flow, only: flow_type
    use geartrain_motion_lyapunov, only: largest_exponent
    use geartrain_motion_orbit, only: propagate
-   use geartrain_stability_monodromy, only: eigenvalues
+   use geartrain_stability_multipliers, only: eigenvalues
    use hard_cases, only: cases_type
    implicit none (type, external)
    private

@@ -42,8 +42,8 @@ program settings
    refused = 0
    interrupted = 0
    call set_handler()
-   ! A flight that an alarm cuts short leaves what is no number; a comparison with it is an invalid operation, and does no harm, since
-   ! the step is dropped. A debug build would stop there.
+   ! A flight that an alarm cuts short leaves what is no number; a comparison with it is an invalid operation, and does no harm,
+   ! since the step is dropped. A debug build would stop there.
    call ieee_set_halting_mode(ieee_invalid, .false.)
    do i = first, first + count - 1
       write (output_unit, '(i0, 1x)', advance='no') i

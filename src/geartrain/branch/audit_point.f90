@@ -12,7 +12,7 @@ module geartrain_branch_audit_point
    use geartrain_branch_waveform_error, only: harmonics_told, rounding_of, waveform_error
    use geartrain_motion_motion, only: motion_type
    use geartrain_motion_orbit, only: measure
-   use geartrain_stability_monodromy, only: is_neutral, is_stable
+   use geartrain_stability_multipliers, only: is_neutral, is_stable
    implicit none (type, external)
    private
    public :: audit_point, fold_test_type, place_on, neighbours

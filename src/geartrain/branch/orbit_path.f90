@@ -7,7 +7,7 @@ module geartrain_branch_orbit_path
    use geartrain_motion_motion, only: motion_type
    use geartrain_motion_multiple_shooting, only: find_orbit_in_sections, most_parts, section_states
    use geartrain_motion_sections, only: sections_type
-   use geartrain_stability_monodromy, only: eigenvalues
+   use geartrain_stability_multipliers, only: eigenvalues
    implicit none (type, external)
    private
    public :: orbit_type, orbit_path_type, orbit_test_type, resolution

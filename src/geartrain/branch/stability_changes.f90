@@ -9,7 +9,8 @@ module geartrain_branch_stability_changes
    use geartrain_branch_branch, only: branch_type
    use geartrain_branch_path, only: path_type, place_type
    use geartrain_branch_special_points, only: add_special_point, between, shrink
-   use geartrain_stability_monodromy, only: are_numbers, monodromy_type, neutral
+   use geartrain_stability_monodromy, only: monodromy_type
+   use geartrain_stability_multipliers, only: are_numbers, neutral
    implicit none (type, external)
    private
    public :: add_stability_changes

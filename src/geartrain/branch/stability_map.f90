@@ -19,7 +19,8 @@ module geartrain_branch_stability_map
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    use geartrain_motion_balance, only: balance_type
-   use geartrain_stability_monodromy, only: is_stable, monodromy_type
+   use geartrain_stability_monodromy, only: monodromy_type
+   use geartrain_stability_multipliers, only: is_stable
    implicit none (type, external)
    private
    public :: stability_map

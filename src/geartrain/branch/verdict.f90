@@ -8,7 +8,8 @@ module geartrain_branch_verdict
    use geartrain_motion_balance, only: balance_type
    use geartrain_motion_trigonometric, only: evaluate
    use geartrain_motion_truncation, only: truncation_type
-   use geartrain_stability_monodromy, only: is_neutral, is_stable, monodromy_type
+   use geartrain_stability_monodromy, only: monodromy_type
+   use geartrain_stability_multipliers, only: is_neutral, is_stable
    implicit none (type, external)
    private
    public :: judge, verdict_type

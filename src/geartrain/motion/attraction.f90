@@ -11,7 +11,7 @@ module geartrain_motion_attraction
    use geartrain_motion_energy, only: energy_type
    use geartrain_motion_flow, only: flow_type
    use geartrain_motion_orbit, only: flow_order, flow_tolerance
-   use geartrain_stability_monodromy, only: eigenvalues, is_neutral, is_stable
+   use geartrain_stability_multipliers, only: eigenvalues, is_neutral, is_stable
    implicit none (type, external)
    private
    public :: attraction_type

@@ -13,7 +13,7 @@ module geartrain_motion_settling
    use geartrain_motion_orbit, only: begin_tangents, flow_order, flow_tolerance, measure, propagate
    use geartrain_motion_shooting, only: find_orbit, newton_step
    use geartrain_motion_start_state, only: resting_state
-   use geartrain_stability_monodromy, only: eigenvalues, is_neutral, is_stable
+   use geartrain_stability_multipliers, only: eigenvalues, is_neutral, is_stable
    implicit none (type, external)
    private
    public :: is_leaving, most_states, settle

@@ -15,7 +15,7 @@ module geartrain_motion_shooting
    use geartrain_motion_orbit, only: measure, propagate, stored_harmonics
    use geartrain_motion_sections, only: sections_type
    use geartrain_motion_start_state, only: state_of
-   use geartrain_stability_monodromy, only: eigenvalues, is_neutral, is_stable
+   use geartrain_stability_multipliers, only: eigenvalues, is_neutral, is_stable
    implicit none (type, external)
    private
    public :: find_orbit, newton_step, refine
