@@ -147,6 +147,7 @@ contains
          way = h
          at_bound = success .and. .not. closing .and. (next%frequency < low .or. next%frequency > high)
          crosses = .false.
+         located = .false.
          if (at_bound) then
             call self%stop_at(merge(low, high, next%frequency < low), here, next, h, success)
             way = way_to(here, next, self%path%units)
