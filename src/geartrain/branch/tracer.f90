@@ -134,7 +134,8 @@ contains
          sense = branch%trace%sense
       end if
       do
-         self%kept = [branch%points, size(branch%special_points)]
+         ! What the interrupt came upon goes, the point before the first step as well.
+         if (.not. self%system%interrupt%raised()) self%kept = [branch%points, size(branch%special_points)]
          if (closing) then
             next = origin
             call self%path%solve_at(next, success)
