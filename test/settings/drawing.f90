@@ -1,6 +1,6 @@
 !> Small cases of every kind, two of whose variables have drawn values.
 module drawing
-   use geartrain, only: case_type, dp, mesh_type, shaft_type
+   use geartrain, only: case_type, dp, shaft_type
    use geartrain_base_random, only: begin_random, generator_type
    use geartrain_base_variable, only: variable_type, visitor_type
    use geartrain_case_template, only: paper_case
@@ -124,8 +124,14 @@ contains
          train%characteristic_length = 1
          train%characteristic_frequency = 1
          train%shafts = [shaft_type(rigid=.true.), shaft_type(rigid=.true.)]
-         train%meshes = [mesh_type(driving_radius=1.0_dp, driven_radius=1.0_dp, driving_inertia=2.0_dp, driven_inertia=2.0_dp, &
-                                   stiffness=1.0_dp, damping_ratio=0.05_dp, half_backlash=1.0_dp, stiffness_cos=[0.2_dp])]
+         train%meshes = train%meshes(:1)
+         train%meshes%driving_radius = 1
+         train%meshes%driven_radius = 1
+         train%meshes%driving_inertia = 2
+         train%meshes%driven_inertia = 2
+         train%meshes%stiffness = 1
+         train%meshes%half_backlash = 1
+         train%meshes(1)%stiffness_cos = [0.2_dp]
       end associate
    end subroutine make_single_pair
 

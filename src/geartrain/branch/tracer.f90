@@ -134,7 +134,8 @@ contains
          sense = branch%trace%sense
       end if
       do
-         self%kept = [branch%points, size(branch%special_points)]
+         ! What the interrupt came upon goes, the point before the first step as well.
+         if (.not. self%system%interrupt%raised()) self%kept = [branch%points, size(branch%special_points)]
          if (closing) then
             next = origin
             call self%path%solve_at(next, success)
@@ -147,6 +148,7 @@ contains
          way = h
          at_bound = success .and. .not. closing .and. (next%frequency < low .or. next%frequency > high)
          crosses = .false.
+         located = .false.
          if (at_bound) then
             call self%stop_at(merge(low, high, next%frequency < low), here, next, h, success)
             way = way_to(here, next, self%path%units)
