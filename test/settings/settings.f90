@@ -4,7 +4,8 @@
 !> out is made of numbers. Each run is interrupted after a while, as by Ctrl-C.
 !>
 !> settings [COUNT [SEED [FIRST [MILLISECONDS]]]]: the last line is '1 passed, 0 failed' where all went well. Case number n of a
-!> seed is the same whatever comes before it; the numbers are told before each run, so that one that ends the program can be run alone.
+!> seed is the same whatever comes before it; the numbers are told before each run, so that one that ends the program can be run
+!> alone.
 program settings
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_invalid, ieee_set_flag, ieee_set_halting_mode
    use, intrinsic :: iso_c_binding, only: c_funloc, c_int, c_intptr_t

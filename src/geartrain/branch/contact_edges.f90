@@ -7,7 +7,7 @@ module geartrain_branch_contact_edges
    use geartrain_branch_branch, only: branch_type, contact_edge_type, response_settings_type
    use geartrain_branch_contact_ranges, only: depth_below
    use geartrain_branch_path, only: place_type
-   use geartrain_branch_special_points, only: between, shrink
+   use geartrain_branch_special_points, only: between, go_along, shrink
    use geartrain_branch_start, only: begin_trace, place_of
    use geartrain_branch_decided, only: joined
    use geartrain_branch_tracer, only: tracer_type
@@ -21,8 +21,8 @@ module geartrain_branch_contact_edges
    !> Edges that are located, of a train with many meshes the first ones along the branch; the others are interpolated.
    integer, parameter :: most_edges = 1000
    integer, parameter :: most_steps = 20
-   !> How exactly, in the displacement.
-   real(dp), parameter :: located = 1e-11_dp
+   !> How exactly on the cubic; how far from the wall the tangent is exact to the square of that.
+   real(dp), parameter :: located = 1e-9_dp, nearly = 1e-6_dp
 
 contains
 
@@ -36,8 +36,8 @@ contains
       type(tracer_type) :: tracer
       type(transform_type) :: transform
       type(contact_edge_type), allocatable :: edges(:)
-      type(place_type) :: here, next
-      real(dp) :: first, last
+      type(place_type) :: here, next, place
+      real(dp) :: first, last, length
       integer :: i, j, k, n
       logical :: ready, success, keep_going, back
 
@@ -97,37 +97,59 @@ contains
          here = place_of(tracer, motion)
          here%tangent = next%u - here%u
          here%tangent_frequency = next%frequency - here%frequency
+         next%tangent = here%tangent
+         next%tangent_frequency = here%tangent_frequency
          call tracer%path%correct(here, success)
+         if (success) call tracer%path%correct(next, success)
+         length = way_to(here, next, tracer%path%units)
+         place = here
       end subroutine prepare_piece
 
-      !> Where the depth of mesh j is zero between `here` and `next`.
+      !> Where the depth of mesh j is zero between `here` and `next`: first on the cubic through them, which is nearly the branch.
       subroutine locate(j, back, first, last, frequency, success)
          integer, intent(in) :: j
          logical, intent(in) :: back
          real(dp), intent(in) :: first, last
          real(dp), intent(out) :: frequency
          logical, intent(out) :: success
-         type(place_type) :: place
-         real(dp) :: a, b, fa, fb, f, s
+         real(dp) :: a, b, fa, fb, f, s, slope
          integer :: kept, step
 
          a = 0
-         b = way_to(here, next, tracer%path%units)
+         b = length
          fa = first
          fb = last
          kept = 0
          do step = 1, most_steps
             s = between(a, b, fa, fb)
-            call tracer%path%advance(here, s, place, success)
-            if (.not. success) return
-            frequency = place%frequency
-            f = depth_at(place, j, back)
-            if (abs(f) < located*branch%backlash(j)) return
+            f = depth_along(s, j, back)
+            if (abs(f) < located*branch%backlash(j)) exit
             call shrink(a, b, fa, fb, s, f, kept)
          end do
-         ! Past the edge the depth is no smooth function: what is left of the bracket is small all the same.
-         success = b - a < 1e-3_dp*way_to(here, next, tracer%path%units)
+         a = 1e-4_dp*length
+         slope = (depth_along(s + a, j, back) - depth_along(s - a, j, back))/(2*a)
+         do step = 1, most_steps
+            call go_along(here, next, length, s, place)
+            call tracer%path%correct(place, success)
+            if (.not. success) return
+            f = depth_at(place, j, back)
+            frequency = place%frequency - place%tangent_frequency*f/slope
+            if (abs(f) < nearly*branch%backlash(j)) return
+            s = s - f/slope
+            if (.not. abs(s - length/2) < length) exit
+         end do
+         success = .false.
       end subroutine locate
+
+      !> Depth of mesh j on the cubic.
+      real(dp) function depth_along(s, j, back)
+         real(dp), intent(in) :: s
+         integer, intent(in) :: j
+         logical, intent(in) :: back
+
+         call go_along(here, next, length, s, place)
+         depth_along = depth_at(place, j, back)
+      end function depth_along
 
       real(dp) function depth_at(place, j, back)
          type(place_type), intent(in) :: place

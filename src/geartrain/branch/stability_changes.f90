@@ -8,7 +8,7 @@ module geartrain_branch_stability_changes
    use geartrain_base_kinds, only: dp
    use geartrain_branch_branch, only: branch_type
    use geartrain_branch_path, only: path_type, place_type
-   use geartrain_branch_special_points, only: add_special_point, between, shrink
+   use geartrain_branch_special_points, only: add_special_point, between, go_along, shrink
    use geartrain_stability_monodromy, only: monodromy_type
    use geartrain_stability_multipliers, only: are_numbers, neutral
    implicit none (type, external)
@@ -23,21 +23,29 @@ module geartrain_branch_stability_changes
    real(dp), parameter :: drowning = 1e11_dp
    !> A complex pair as near as this to the real axis is two real multipliers: of equal stages that hardly know of one another.
    real(dp), parameter :: real_enough = 1e-6_dp
-   !> Changes as near together as this share of the step are simultaneous; how exactly one of them is located.
-   real(dp), parameter :: together = 1e-6_dp, located = 1e-10_dp
+   !> Changes as near together as this share of the step are simultaneous. How far outside a multiplier is where a chord through the
+   !> latest two steps is exact enough.
+   real(dp), parameter :: together = 1e-6_dp, nearly = 1e-5_dp
    integer, parameter :: most_steps = 60
+
+   !> A piece of a branch, along which places are told by the way from its beginning.
+   type :: piece_type
+      type(place_type) :: here, next
+      real(dp) :: length = 0
+   end type piece_type
 
 contains
 
-   !> Puts the changes of stability between point `before` of the branch and point `after`, the next one traced, on the list. They
-   !> lie the distances `a` and `b` from `here`, along its tangent.
-   subroutine add_stability_changes(path, monodromy, here, a, b, before, after, branch)
+   !> Puts the changes of stability between point `before` of the branch and point `after`, the next one traced, on the list.
+   subroutine add_stability_changes(path, monodromy, here, next, length, before, after, branch)
       type(path_type), intent(inout) :: path
       type(monodromy_type), intent(inout) :: monodromy
-      type(place_type), intent(in) :: here
-      real(dp), intent(in) :: a, b
+      !> The two points, with their tangents, and how far they are apart.
+      type(place_type), intent(in) :: here, next
+      real(dp), intent(in) :: length
       integer, intent(in) :: before, after
       type(branch_type), intent(inout), target :: branch
+      type(piece_type) :: piece
       complex(dp) :: first(branch%states), last(branch%states)
 
       first = branch%multipliers(:, before)
@@ -45,7 +53,8 @@ contains
       if (.not. (are_numbers(first) .and. are_numbers(last))) return
       if (max(maxval(abs(first)), maxval(abs(last))) > drowning) return
       if (all(outside(first) == outside(last))) return
-      call separate(path, monodromy, here, a, b, first, last, together*(b - a), after, branch)
+      piece = piece_type(here, next, length)
+      call separate(path, monodromy, piece, 0.0_dp, length, first, last, after, branch)
    end subroutine add_stability_changes
 
    !> Number of multipliers outside the unit circle, of each kind.
@@ -68,11 +77,11 @@ contains
    end function is_real
 
    !> Halves the piece from a to b until each change is alone, or all that are left are simultaneous.
-   recursive subroutine separate(path, monodromy, here, a, b, first, last, shortest, after, branch)
+   recursive subroutine separate(path, monodromy, piece, a, b, first, last, after, branch)
       type(path_type), intent(inout) :: path
       type(monodromy_type), intent(inout) :: monodromy
-      type(place_type), intent(in) :: here
-      real(dp), intent(in) :: a, b, shortest
+      type(piece_type), intent(in) :: piece
+      real(dp), intent(in) :: a, b
       complex(dp), intent(in) :: first(:), last(:)
       integer, intent(in) :: after
       type(branch_type), intent(inout), target :: branch
@@ -84,18 +93,19 @@ contains
 
       change = outside(last) - outside(first)
       if (change(doubling) == 0 .and. change(torus) == 0) return
+      if (all(mod(change([doubling, beyond_one]), 2) == 0) .and. stays(first, last)) return
       if (abs(change(doubling)) == 1 .and. change(torus) == 0 .or. &
           abs(change(torus)) == 1 .and. change(doubling) == 0 .and. change(beyond_one) == 0) then
          kind = merge(doubling, torus, change(torus) == 0)
-         call locate(path, monodromy, here, a, b, first, last, kind, place)
+         call locate(path, monodromy, piece, a, b, first, last, kind, place)
          call add_special_point(branch, trim(names(kind)), place%frequency, after - 1, branch%rms(:, after))
          return
       end if
       s = (a + b)/2
-      call find_multipliers(path, monodromy, here, a, b, s, place, middle, success)
-      if (success .and. b - a > shortest) then
-         call separate(path, monodromy, here, a, s, first, middle, shortest, after, branch)
-         call separate(path, monodromy, here, s, b, middle, last, shortest, after, branch)
+      call find_multipliers(path, monodromy, piece, a, b, s, place, middle, success)
+      if (success .and. b - a > together*piece%length) then
+         call separate(path, monodromy, piece, a, s, first, middle, after, branch)
+         call separate(path, monodromy, piece, s, b, middle, last, after, branch)
          return
       end if
       ! A pair became two real multipliers, or the reverse: what is left of the change is a crossing.
@@ -108,17 +118,33 @@ contains
       end do
    end subroutine separate
 
-   !> The place between the distances `from` and `to` from `here` where a multiplier of a kind passes the circle.
-   subroutine locate(path, monodromy, here, from, to, first, last, kind, place)
+   !> Whether as many multipliers are outside the circle at both ends of a piece, and those next to it are farther from it than they
+   !> move: then pairs of them only become real, or complex, on their side of it.
+   pure logical function stays(first, last)
+      complex(dp), intent(in) :: first(:), last(:)
+      real(dp) :: a(2), b(2)
+      integer :: n
+
+      n = count(abs(first) > 1 + neutral)
+      stays = n == count(abs(last) > 1 + neutral) .and. n > 0 .and. n < size(first)
+      if (.not. stays) return
+      ! Sorted by magnitude.
+      a = abs(first(n:n + 1))
+      b = abs(last(n:n + 1))
+      stays = all(abs(b - a) < min(abs(a - 1), abs(b - 1)))
+   end function stays
+
+   !> The place between `from` and `to` where a multiplier of a kind passes the circle.
+   subroutine locate(path, monodromy, piece, from, to, first, last, kind, place)
       type(path_type), intent(inout) :: path
       type(monodromy_type), intent(inout) :: monodromy
-      type(place_type), intent(in) :: here
+      type(piece_type), intent(in) :: piece
       real(dp), intent(in) :: from, to
       complex(dp), intent(in) :: first(:), last(:)
       integer, intent(in) :: kind
       type(place_type), intent(inout) :: place
       complex(dp) :: multipliers(size(first))
-      real(dp) :: a, b, fa, fb, f, s
+      real(dp) :: a, b, fa, fb, f, f_before, s, s_before
       integer :: i, kept, critical(3), number
       logical :: success
 
@@ -132,12 +158,19 @@ contains
       do i = 1, most_steps
          s = between(a, b, fa, fb)
          ! Where other multipliers stay on the circle the function has a kink, at which chords hardly move.
-         if (mod(i, 4) == 0) s = (a + b)/2
-         call find_multipliers(path, monodromy, here, a, b, s, place, multipliers, success)
+         if (mod(i, 6) == 0) s = (a + b)/2
+         call find_multipliers(path, monodromy, piece, a, b, s, place, multipliers, success)
          if (.not. success) return
          f = excess(multipliers, kind, number)
+         ! Just below the circle it may be a multiplier that stays there.
+         if (i > 1 .and. abs(f) < nearly .and. (f > 0 .or. f < -10*neutral)) then
+            if (abs(f - f_before) > 0) place%frequency = place%frequency - place%tangent_frequency*f*(s - s_before)/(f - f_before)
+            return
+         end if
          call shrink(a, b, fa, fb, s, f, kept)
-         if (abs(f) < located .or. b - a < together*(to - from)) exit
+         if (b - a < together*(to - from)) return
+         f_before = f
+         s_before = s
       end do
    end subroutine locate
 
@@ -162,12 +195,12 @@ contains
       excess = max(none, maxval(length) - 1 - neutral)
    end function excess
 
-   !> Multipliers at the distance s from `here`, or where Newton's method fails, as it may next to a resonance without damping, at
-   !> another one between a and b. Where it fails at all of them the place is that of the tangent.
-   subroutine find_multipliers(path, monodromy, here, a, b, s, place, multipliers, success)
+   !> Multipliers at the way s along a piece, or where Newton's method fails, as it may next to a resonance without damping, at
+   !> another one between a and b. It begins at the cubic through the ends, which is the place where it fails at all of them.
+   subroutine find_multipliers(path, monodromy, piece, a, b, s, place, multipliers, success)
       type(path_type), intent(inout) :: path
       type(monodromy_type), intent(inout) :: monodromy
-      type(place_type), intent(in) :: here
+      type(piece_type), intent(in) :: piece
       real(dp), intent(in) :: a, b
       real(dp), intent(inout) :: s
       type(place_type), intent(inout) :: place
@@ -176,13 +209,14 @@ contains
       real(dp), parameter :: share(*) = [0.37_dp, 0.67_dp, 0.21_dp, 0.83_dp]
       integer :: attempt
 
-      call path%advance(here, s, place, success)
-      do attempt = 1, size(share)
+      do attempt = 0, size(share)
+         if (attempt > 0) s = a + share(attempt)*(b - a)
+         place = piece%here
+         call go_along(piece%here, piece%next, piece%length, s, place)
+         call path%correct(place, success)
          if (success) exit
-         s = a + share(attempt)*(b - a)
-         call path%advance(here, s, place, success)
       end do
-      if (.not. success) place%frequency = here%frequency + s*here%tangent_frequency
+      if (.not. success) call go_along(piece%here, piece%next, piece%length, s, place)
       if (.not. success) return
       call monodromy%integrate(path%balance, place%frequency)
       call monodromy%multipliers(multipliers)

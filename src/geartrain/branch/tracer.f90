@@ -111,7 +111,7 @@ contains
       type(place_type), intent(inout), optional :: began
       !> Which point of the branch `here` is: the latest one unless it is given.
       integer, intent(in), optional :: point
-      type(place_type) :: next, origin
+      type(place_type) :: next, origin, fold
       real(dp) :: h, way, longer, gap, fold_at, crossing
       integer :: steps, mesh, before, sense
       logical :: success, keep_going, meets, crosses, located, at_bound, closing
@@ -172,12 +172,12 @@ contains
          ! It goes on as its own mirror image, so that Lambda seems to turn there.
          meets = passes_half_period(here, next, self%settings%subharmonic)
          if (sense*sense_of(next, self%path%units) < 0 .and. .not. (meets .or. crosses)) &
-            call self%add_fold(here, next, origin, way, before, fold_at, branch)
+            call self%add_fold(here, next, origin, way, before, fold, fold_at, branch)
          if (sense_of(next, self%path%units) /= 0) sense = sense_of(next, self%path%units)
          call self%record(next, branch)
          steps = steps + 1
          if (crosses .and. located .and. .not. meets) call add_branch_point(branch, crossing)
-         call self%add_changes(here, way, fold_at, before, branch)
+         call self%add_changes(here, next, way, fold, fold_at, before, branch)
 
          if (closing) exit
          if (at_bound) then
@@ -278,15 +278,15 @@ contains
 
    !> Puts the fold between `here`, a point of the branch, and `next`, a distance `fold_at` from `here`, on the branch, and solves
    !> `next` again, which comes after it. fold_at = 0: it was not found, or is `here` itself.
-   subroutine add_fold(self, here, next, origin, h, point, fold_at, branch)
+   subroutine add_fold(self, here, next, origin, h, point, fold, fold_at, branch)
       class(tracer_type), intent(inout) :: self
       type(place_type), intent(inout) :: here, next, origin
       real(dp), intent(in) :: h
       !> Which one `here` is.
       integer, intent(in) :: point
+      type(place_type), intent(inout) :: fold
       real(dp), intent(out) :: fold_at
       type(branch_type), intent(inout), target :: branch
-      type(place_type) :: fold
       integer :: highest
       logical :: success, enough
 
@@ -328,9 +328,9 @@ contains
    end subroutine add_branch_point
 
    !> Changes of stability in the latest step, which began at `here`: before and after the fold, where it has one.
-   subroutine add_changes(self, here, h, fold_at, before, branch)
+   subroutine add_changes(self, here, next, h, fold, fold_at, before, branch)
       class(tracer_type), intent(inout) :: self
-      type(place_type), intent(in) :: here
+      type(place_type), intent(in) :: here, next, fold
       real(dp), intent(in) :: h, fold_at
       !> The point of the branch that `here` is.
       integer, intent(in) :: before
@@ -339,10 +339,10 @@ contains
       if (.not. self%recorder%stability) return
       associate (path => self%path, monodromy => self%recorder%monodromy, n => branch%points)
          if (fold_at > 0) then
-            call add_stability_changes(path, monodromy, here, 0.0_dp, fold_at, before, n - 1, branch)
-            call add_stability_changes(path, monodromy, here, fold_at, h, n - 1, n, branch)
+            call add_stability_changes(path, monodromy, here, fold, fold_at, before, n - 1, branch)
+            call add_stability_changes(path, monodromy, fold, next, h - fold_at, n - 1, n, branch)
          else
-            call add_stability_changes(path, monodromy, here, 0.0_dp, h, before, n, branch)
+            call add_stability_changes(path, monodromy, here, next, h, before, n, branch)
          end if
       end associate
    end subroutine add_changes
