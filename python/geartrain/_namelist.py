@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
+from collections.abc import Set as AbstractSet
 from numbers import Integral, Real
 from typing import Any
 
@@ -102,7 +103,7 @@ def _text(value: Value) -> str:
 def _series(value: Value) -> str:
     if isinstance(value, Real):
         return _number(value)
-    if isinstance(value, (str, bytes, bytearray, Mapping)) or not isinstance(value, Iterable):
+    if isinstance(value, (str, bytes, bytearray, Mapping, AbstractSet)) or not isinstance(value, Iterable):
         raise TypeError
     return ", ".join(_number(item) for item in value)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from itertools import islice
 from typing import Any
@@ -95,7 +96,7 @@ def freeze_series(part: Any, kinds: Mapping[str, str]) -> None:
     """Make tuples of the series, whichever way they were given, of no more of them than it takes to see that they are too many."""
     for name, kind in kinds.items():
         value = getattr(part, name)
-        if kind != "series" or value is None or isinstance(value, (str, bytes, bytearray, Mapping)):
+        if kind != "series" or value is None or isinstance(value, (str, bytes, bytearray, Mapping, AbstractSet)):
             continue
         # An array without dimensions says that it can be iterated over, and cannot; the check tells.
         with contextlib.suppress(TypeError):

@@ -109,6 +109,13 @@ def test_generators_without_end_are_told_at_once(train):
     assert time.monotonic() - begin < 5
 
 
+def test_sets_have_no_order(train):
+    """So they are no lists of harmonics."""
+    for amplitudes in ({0.3, 0.1}, frozenset([0.3])):
+        with pytest.raises(gt.InputError, match="must be a number or a list of numbers"):
+            paper_train(meshes=[dataclasses.replace(mesh, stiffness_cos=amplitudes) for mesh in train.meshes])
+
+
 def test_messages_show_no_more_than_helps(train):
     with pytest.raises(gt.InputError) as told:
         train.response(start="x" * 10**6, stop=1.0)
