@@ -47,7 +47,8 @@ subroutine branch_sizes(handle, place, sizes)
 end subroutine branch_sizes
 
 ! numbers: frequency, error estimate, second estimate, correction; values: rms, mean, minimum, maximum, those of the mesh load;
-! marks: part, stable, estimate doubtful, harmonics, undecided, refined (one for all points).
+! marks: part, stable, estimate doubtful, harmonics, undecided, refined (one for all points), count
+! undecided.
 subroutine copy_branch(handle, place, points, meshes, states, terms, numbers, coefficients, values, marks, multipliers)
    use geartrain, only: branch_type
    use geartrain_python_box, only: as_values, box_of, branch_at
@@ -55,7 +56,7 @@ subroutine copy_branch(handle, place, points, meshes, states, terms, numbers, co
    integer(8), intent(in) :: handle
    integer, intent(in) :: place, points, meshes, states, terms
    double precision, intent(out) :: numbers(points, 4), coefficients(terms, meshes, points), values(meshes, points, 8)
-   integer, intent(out) :: marks(points, 6)
+   integer, intent(out) :: marks(points, 7)
    double precision, intent(out) :: multipliers(2, states, points)
    type(branch_type), pointer :: branch
    integer :: i
@@ -75,13 +76,14 @@ subroutine copy_branch(handle, place, points, meshes, states, terms, numbers, co
       values(:, i, 5:) = as_values(branch%mesh_load(:, i))
    end do
    marks(:, 1) = branch%part(:points)
-   marks(:, [2, 5]) = 0
+   marks(:, [2, 5, 7]) = 0
    marks(:, 3) = merge(1, 0, branch%estimate_doubtful(:points))
    marks(:, 4) = branch%point_harmonics(:points)
    marks(:, 6) = merge(1, 0, allocated(branch%correction))
    if (states == 0) return
    marks(:, 2) = merge(1, 0, branch%stable(:points))
    marks(:, 5) = merge(1, 0, branch%undecided(:points))
+   marks(:, 7) = merge(1, 0, branch%count_undecided(:points))
    numbers(:, 3) = branch%second_estimate(:points)
    multipliers(1, :, :) = real(branch%multipliers(:, :points))
    multipliers(2, :, :) = aimag(branch%multipliers(:, :points))
@@ -96,7 +98,7 @@ subroutine put_branch(handle, place, ended, origin, flags, numbers, coefficients
    implicit none
    integer(8), intent(in) :: handle
    character(*), intent(in) :: ended, origin
-   integer, intent(in) :: place, rows, meshes, states, terms, flags(5), marks(rows, 6)
+   integer, intent(in) :: place, rows, meshes, states, terms, flags(5), marks(rows, 7)
    double precision, intent(in) :: numbers(rows, 4), coefficients(terms, meshes, rows), values(meshes, rows, 8)
    double precision, intent(in) :: multipliers(2, states, rows)
    type(box_type), pointer :: box
@@ -138,6 +140,7 @@ subroutine put_branch(handle, place, ended, origin, flags, numbers, coefficients
    if (states == 0) return
    branch%stable = marks(:points, 2) == 1
    branch%undecided = marks(:points, 5) == 1
+   branch%count_undecided = marks(:points, 7) == 1
    branch%second_estimate = numbers(:points, 3)
    branch%multipliers = cmplx(multipliers(1, :, :points), multipliers(2, :, :points), kind(0d0))
 end subroutine put_branch

@@ -152,6 +152,7 @@ class Box:
             **_by_name(values.T),
             "stable": marks[:, 1] == 1 if states else None,
             "undecided": marks[:, 4] == 1 if states else None,
+            "count_undecided": marks[:, 6] == 1 if states else None,
             "second_estimate": np.where(numbers[:, 2] < 0, np.nan, numbers[:, 2]) if states else None,
             "multipliers": _complex(multipliers.T) if states else None,
             "coefficients": coefficients.T,
@@ -286,10 +287,11 @@ class Box:
         correction = np.full(len(branch), np.nan) if branch.correction is None else branch.correction
         refined = np.full(len(branch), branch.correction is not None)
         undecided = np.zeros(len(branch), bool) if branch.undecided is None else branch.undecided
+        counts = undecided if branch.count_undecided is None else branch.count_undecided
         second = np.full(len(branch), np.nan) if branch.second_estimate is None else branch.second_estimate
         # A point without a correction is tried (again) where the branch is refined (refinement.f90).
         estimates = np.nan_to_num([branch.error_estimate, second, np.nan_to_num(correction, nan=-2.0)], nan=-1.0)
-        marks = [branch.part, stable, branch.estimate_doubtful, branch.harmonics, undecided, refined]
+        marks = [branch.part, stable, branch.estimate_doubtful, branch.harmonics, undecided, refined, counts]
         fortran.put_branch(
             self.handle,
             place,

@@ -69,6 +69,8 @@ class Branch:
         None where stability was not asked for.
     undecided : ndarray of bool, (points,), or None
         Where ``stable`` is a guess: the largest multiplier is as near to the unit circle as it is uncertain.
+    count_undecided : ndarray of bool, (points,), or None
+        Where the number of multipliers outside the unit circle is a guess.
     second_estimate : ndarray, (points,), or None
         Largest magnitude of a multiplier of the motion corrected by its estimated error; nan where it was not needed.
     multipliers : ndarray of complex, (points, states), or None
@@ -118,6 +120,7 @@ class Branch:
     back_contact_fraction: Array
     stable: NDArray[np.bool_] | None
     undecided: NDArray[np.bool_] | None
+    count_undecided: NDArray[np.bool_] | None
     second_estimate: Array | None
     multipliers: NDArray[np.complex128] | None
     coefficients: Array

@@ -99,6 +99,8 @@ module geartrain_branch_branch
       !> by a second estimate, negative where none was needed; (point), see geartrain_branch_verdict.
       logical, allocatable :: undecided(:)
       real(dp), allocatable :: second_estimate(:)
+      !> Where the number of multipliers outside the unit circle is a guess, (point).
+      logical, allocatable :: count_undecided(:)
       !> Relative error of the waveform as estimated, against the motion at the same Lambda or, where the branch turns before it,
       !> that of its fold, (point).
       real(dp), allocatable :: error_estimate(:)

@@ -30,7 +30,7 @@ contains
          rests_on_undecided = nearest_decided(branch, s, -1) == 0 .or. nearest_decided(branch, s, 1) == 0
    end function rests_on_undecided
 
-   !> Index of the nearest point before (side = -1) or after (+1) special point s whose stability is decided; 0 where another
+   !> Index of the nearest point before (side = -1) or after (+1) special point s that tells, being decided, what happens there; 0 where another
    !> special point or an end of the part comes first, or there is none in reach.
    pure integer function nearest_decided(branch, s, side) result(i)
       type(branch_type), intent(in) :: branch
@@ -48,11 +48,22 @@ contains
             if (.not. joined(branch, min(i, i - side))) exit
             if (another_between(branch, s, min(i, i - side))) exit
          end if
-         if (.not. is_undecided(branch, i)) return
+         if (.not. tells_nothing(branch, s, i)) return
          i = i + side
       end do
       i = 0
    end function nearest_decided
+
+   !> Whether point i says nothing of special point s: a fold is there whatever else passes the circle, the others are told by the
+   !> number of multipliers outside it.
+   pure logical function tells_nothing(branch, s, i)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: s, i
+
+      tells_nothing = is_undecided(branch, i)
+      if (branch%special_points(s)%kind /= 'fold' .and. allocated(branch%count_undecided)) &
+         tells_nothing = branch%count_undecided(i)
+   end function tells_nothing
 
    !> Whether another special point than s lies between points i and i + 1, or is one of them but not the fold s.
    pure logical function another_between(branch, s, i) result(another)

@@ -101,6 +101,7 @@ contains
          branch%stable(:n) = branch%stable(order)
          branch%undecided(:n) = branch%undecided(order)
          branch%second_estimate(:n) = branch%second_estimate(order)
+         branch%count_undecided(:n) = branch%count_undecided(order)
       end if
       branch%points = n
    end subroutine take_points

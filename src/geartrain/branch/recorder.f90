@@ -103,6 +103,7 @@ contains
          branch%stable(n) = verdict%stable
          branch%undecided(n) = verdict%undecided
          branch%second_estimate(n) = verdict%second
+         branch%count_undecided(n) = verdict%count_undecided
       end if
       branch%points = n
    end subroutine add
@@ -135,6 +136,7 @@ contains
       call move_alloc(branch%stable, old%stable)
       call move_alloc(branch%undecided, old%undecided)
       call move_alloc(branch%second_estimate, old%second_estimate)
+      call move_alloc(branch%count_undecided, old%count_undecided)
       call move_alloc(branch%error_estimate, old%error_estimate)
       call move_alloc(branch%estimate_doubtful, old%estimate_doubtful)
       call move_alloc(branch%point_harmonics, old%point_harmonics)
@@ -145,7 +147,7 @@ contains
                    branch%mesh_load(m, points), branch%error_estimate(points), branch%estimate_doubtful(points), &
                    branch%point_harmonics(points), branch%part(points))
          if (stability) allocate (branch%multipliers(branch%states, points), branch%stable(points), branch%undecided(points), &
-                                  branch%second_estimate(points))
+                                  branch%second_estimate(points), branch%count_undecided(points))
       end associate
       branch%harmonics = harmonics
       if (.not. allocated(old%frequency)) return
@@ -167,6 +169,7 @@ contains
       branch%stable(:n) = old%stable(:n)
       branch%undecided(:n) = old%undecided(:n)
       branch%second_estimate(:n) = old%second_estimate(:n)
+      branch%count_undecided(:n) = old%count_undecided(:n)
    end subroutine resize
 
 end module geartrain_branch_recorder

@@ -120,6 +120,7 @@ contains
       branch%multipliers(:, i) = motion%multipliers(:size(branch%multipliers, 1))
       branch%stable(i) = motion%stable
       branch%undecided(i) = .false.
+      branch%count_undecided(i) = .false.
    end subroutine replace_point
 
 end module geartrain_branch_refinement

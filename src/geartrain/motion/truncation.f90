@@ -221,11 +221,22 @@ contains
       integer, intent(in) :: i
       real(dp), intent(in) :: theta
       real(dp) :: slope, curvature
-      integer :: m
+      complex(dp) :: power, advance
+      integer :: m, step
 
       call evaluate(self%error(:, i), balance%harmonic, theta, waveform_error, slope, curvature)
+      step = 0
+      power = 1
       do m = 1, self%count
-         waveform_error = waveform_error + real(self%tail(m, i)*exp(cmplx(0, self%harmonic(m)*theta, dp)), dp)
+         if (m == 1) then
+            advance = exp(cmplx(0, self%harmonic(1)*theta, dp))
+            step = self%harmonic(1)
+         else if (self%harmonic(m) - self%harmonic(m - 1) /= step) then
+            step = self%harmonic(m) - self%harmonic(m - 1)
+            advance = exp(cmplx(0, step*theta, dp))
+         end if
+         power = power*advance
+         waveform_error = waveform_error + self%tail(m, i)%re*power%re - self%tail(m, i)%im*power%im
       end do
    end function waveform_error
 

@@ -89,10 +89,11 @@ contains
          if (agrees) agrees = all(branch%point_harmonics <= branch%harmonics) .and. all(branch%part >= 1)
          if (allocated(branch%stable)) then
             agrees = agrees .and. allocated(branch%multipliers) .and. allocated(branch%undecided) .and. &
-                     allocated(branch%second_estimate)
+                     allocated(branch%second_estimate) .and. allocated(branch%count_undecided)
             if (.not. agrees) return
             agrees = size(branch%stable) == n .and. all(shape(branch%multipliers) == [branch%states, n]) .and. &
-                     size(branch%undecided) == n .and. size(branch%second_estimate) == n
+                     size(branch%undecided) == n .and. size(branch%second_estimate) == n .and. &
+                     size(branch%count_undecided) == n
          end if
          if (allocated(branch%correction)) agrees = agrees .and. size(branch%correction) == n
          do i = 1, size(branch%special_points)

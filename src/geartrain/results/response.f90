@@ -97,6 +97,8 @@ contains
 
       call store%put(home//'/stable', branch%stable(:n), ['point'], about_stable)
       call store%put(home//'/undecided', branch%undecided(:n), ['point'], about_undecided)
+      call store%put(home//'/count_undecided', branch%count_undecided(:n), ['point'], '1 = how many multipliers are outside the &
+                     &unit circle is a guess: one is as near to it as it is uncertain')
       call store%put(home//'/second_estimate', merge(branch%second_estimate(:n), ieee_value(1.0_dp, ieee_quiet_nan), &
                                                      branch%second_estimate(:n) >= 0), ['point'], '1', &
                      'second estimate of the largest magnitude of a multiplier: of the motion corrected by its estimated error; &

@@ -195,6 +195,7 @@ contains
       call archive%carry(branch%stable, branch%points)
       call archive%carry(branch%undecided, branch%points)
       call archive%carry(branch%second_estimate, branch%points)
+      call archive%carry(branch%count_undecided, branch%points)
       call archive%carry(branch%error_estimate, branch%points)
       call archive%carry(branch%correction, branch%points)
       call archive%carry(branch%estimate_doubtful, branch%points)
