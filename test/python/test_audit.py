@@ -10,10 +10,8 @@ from conftest import ROOT
 import geartrain as gt
 
 CASES = [path for path in sorted((ROOT / "namelists").glob("*.nml")) if "&response" in path.read_text()]
-# What shooting contradicts today, each with its place.
-KNOWN = {
-    "fig09_001": "the torus points at 0.6357 and 0.6290 do not exist: the pair comes to within its error of the circle",
-}
+# Those with grazing contacts next to changes of stability: a verdict that looks decided is wrong here first.
+GRAZING = ["fig07_042", "fig08_rectangular", "fig09_001"]
 
 
 def audit(executable, *arguments, cwd):
@@ -21,14 +19,21 @@ def audit(executable, *arguments, cwd):
 
 
 @pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
-def test_every_case_is_as_shooting_says(executable, tmp_path, path, request):
-    if path.stem in KNOWN:
-        request.applymarker(pytest.mark.xfail(reason=KNOWN[path.stem], strict=True))
+def test_every_case_is_as_shooting_says(executable, tmp_path, path):
     done = audit(executable, path, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, ""), done.stdout
     lines = [line for line in done.stdout.splitlines() if "as estimated" in line]
     assert lines and all(", 0 verdicts wrong" in line for line in lines)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("name", GRAZING)
+def test_every_point_is_as_shooting_says(name):
+    response = gt.read_case(ROOT / "namelists" / f"{name}.nml").run().response
+    found = response.audit(points=len(response.frequency))
+    assert found.ok, found
+    # Not by calling all of them undecided.
+    assert response.undecided.mean() < 0.15
 
 
 def test_several_cases_and_what_cannot_be_audited(executable, tmp_path):

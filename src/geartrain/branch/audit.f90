@@ -10,6 +10,7 @@ module geartrain_branch_audit
    use geartrain_branch_audit_result, only: audit_row_type, audit_type, sum_up
    use geartrain_branch_audit_special_point, only: audit_special_point
    use geartrain_branch_branch, only: branch_type
+   use geartrain_branch_decided, only: rests_on_undecided
    use geartrain_branch_orbit_path, only: orbit_path_type, orbit_type
    use geartrain_model_check, only: check_train
    use geartrain_model_system, only: build_system, system_type
@@ -90,7 +91,7 @@ contains
       !$omp end do
       !$omp end parallel
       call path%setup(system, branch%subharmonic)
-      call mark_twins(path, exact, audit%rows)
+      call mark_twins(path, branch, exact, audit%rows)
       audit%cancelled = .not. keep_going
       audit%rows = pack(audit%rows, is_done)
       call sum_up(audit)
@@ -124,8 +125,9 @@ contains
    end function draw
 
    !> Special points of the branch to which the exact branch has one only: it is that of the nearest.
-   subroutine mark_twins(path, exact, rows)
+   subroutine mark_twins(path, branch, exact, rows)
       type(orbit_path_type), intent(in) :: path
+      type(branch_type), intent(in) :: branch
       !> The exact special points, with states where one was found.
       type(orbit_type), intent(in) :: exact(:)
       type(audit_row_type), intent(inout) :: rows(:)
@@ -139,8 +141,9 @@ contains
             associate (here => abs(rows(i)%frequency - exact(i)%frequency), there => abs(rows(k)%frequency - exact(k)%frequency))
                if (here < there .or. (here <= there .and. i < k)) cycle
             end associate
-            rows(i)%verdict_wrong = .true.
+            rows(i)%verdict_wrong = .not. rests_on_undecided(branch, i - (size(rows) - size(branch%special_points)))
             rows(i)%finding = 'none but that of '//text(rows(k)%frequency)
+            if (.not. rows(i)%verdict_wrong) rows(i)%finding = trim(rows(i)%finding)//', undecided'
          end do
       end do
    end subroutine mark_twins

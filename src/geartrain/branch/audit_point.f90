@@ -21,6 +21,8 @@ module geartrain_branch_audit_point
    real(dp), parameter :: another = 10, far = 1
    !> First step along the exact branch and the longest way, in units of the train's own.
    real(dp), parameter :: first_step = 1e-4_dp, longest_way = 0.5_dp
+   !> Least Lambda on the way, relative: flights take ever longer towards 0.
+   real(dp), parameter :: slowest = 0.5_dp
    integer, parameter :: max_steps = 100
 
    !> Lambda less that of the point.
@@ -67,13 +69,14 @@ contains
          call place_on(path, branch, i, orbit)
          call path%solve_at(orbit, found)
          if (found) call compare(path, branch, orbit, .false., row)
-         if (.not. agrees(row)) call follow_exact(path, branch, row)
+         if (allocated(branch%stable)) then
+            row%verdict = merge('stable  ', 'unstable', branch%stable(i))
+            if (branch%undecided(i)) row%verdict = 'undecided'
+         end if
+         ! Next to a fold it may be the orbit of the other side.
+         if (.not. agrees(row) .or. contradicts(row)) call follow_exact(path, branch, row)
          call judge_estimate(row)
-         if (.not. allocated(branch%stable)) return
-         row%verdict = merge('stable  ', 'unstable', branch%stable(i))
-         if (branch%undecided(i)) row%verdict = 'undecided'
-         row%verdict_wrong = (row%verdict == 'stable' .and. row%exact_verdict == 'unstable') .or. &
-                             (row%verdict == 'unstable' .and. row%exact_verdict == 'stable')
+         row%verdict_wrong = contradicts(row)
          if (row%verdict_wrong) call tell('verdict wrong', row)
       end associate
    end subroutine audit_point
@@ -183,7 +186,7 @@ contains
             return
          end if
          way = way + h
-         if (way > longest_way) exit
+         if (way > longest_way .or. next%frequency < slowest*frequency) exit
          here = next
          h = 2*h
       end do
@@ -196,6 +199,14 @@ contains
 
       agrees = row%ratio() > 1/within .and. row%ratio() < within
    end function agrees
+
+   !> Whether shooting says the opposite of a verdict that is decided.
+   pure logical function contradicts(row)
+      type(audit_row_type), intent(in) :: row
+
+      contradicts = (row%verdict == 'stable' .and. row%exact_verdict == 'unstable') .or. &
+                    (row%verdict == 'unstable' .and. row%exact_verdict == 'stable')
+   end function contradicts
 
    !> What is to be said of the estimate.
    subroutine judge_estimate(row)

@@ -17,6 +17,8 @@ module geartrain_branch_audit_special_point
 
    !> First step and longest way along the exact branch, in units of the train's own.
    real(dp), parameter :: first_step = 2e-4_dp, longest_way = 0.25_dp
+   !> Least Lambda on the way, relative: flights take ever longer towards 0.
+   real(dp), parameter :: slowest = 0.5_dp
    integer, parameter :: max_steps = 100
    !> From a special point to either side, where multipliers are counted.
    real(dp), parameter :: beside = 1e-4_dp
@@ -257,7 +259,7 @@ contains
             end if
          end if
          way(k) = way(k) + step(k)
-         open_end(k) = way(k) < longest_way
+         open_end(k) = way(k) < longest_way .and. next%frequency > slowest*start%frequency
          step(k) = 1.5_dp*step(k)
          side(k) = next
       end do

@@ -17,6 +17,8 @@ module geartrain_branch_orbit_path
    !> Places on the path that are closer than this, in units of the train's own, are one: a tenth of it is what shooting leaves.
    real(dp), parameter :: resolution = 1e-10_dp
    integer, parameter :: max_steps = 60
+   !> Least Lambda that one step goes to, relative.
+   real(dp), parameter :: slowest = 0.5_dp
 
    !> A point of the exact branch.
    type :: orbit_type
@@ -165,7 +167,8 @@ contains
       to = from
       to%states = from%states + h*from%tangent
       to%frequency = from%frequency + h*from%tangent_frequency
-      success = to%frequency > 0
+      ! A flight at Lambda near 0 would have no end.
+      success = to%frequency > slowest*from%frequency
       if (success) call self%correct(to, success)
       if (success) success = sum(self%weight*from%tangent*to%tangent) &
                              + from%tangent_frequency*to%tangent_frequency/self%units%frequency**2 > least_cosine

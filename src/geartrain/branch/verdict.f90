@@ -15,10 +15,10 @@ module geartrain_branch_verdict
    private
    public :: judge, verdict_type
 
-   !> The multipliers are estimated a second time where one is as near to the unit circle as this many times what the events move
-   !> by in all [dimensionless time], times the largest multiplier: the most that such moves change a multiplier by is 18 times
-   !> that, over the same points, where half of it would decide otherwise.
-   real(dp), parameter :: sensitivity = 20
+   !> The multipliers are estimated a second time where the largest is as near to the unit circle as this many times what the events
+   !> move by in all [dimensionless time], times itself: over the same points no change that matters is larger. Of the others, which
+   !> tell no more than where special points lie, what such moves change as a rule is enough.
+   real(dp), parameter :: sensitivity = 20, usual = 5
    !> A multiplier is decided to be on its side of the circle where it is farther from it than this many times its error.
    real(dp), parameter :: surely = 2
 
@@ -46,7 +46,7 @@ contains
       complex(dp), intent(in) :: multipliers(:)
       type(verdict_type), intent(out) :: verdict
       complex(dp) :: corrected(size(multipliers))
-      real(dp) :: first(size(multipliers)), second(size(multipliers)), most
+      real(dp) :: first(size(multipliers)), second(size(multipliers)), moved
       real(dp), allocatable :: shift(:, :)
       logical :: unsure(size(multipliers))
       integer :: i
@@ -61,10 +61,10 @@ contains
          call find_shift(balance, i, u(:, i), truncation, shift(:, i))
       end do
       first = abs(multipliers)
-      most = sensitivity*sum(abs(shift))/frequency*first(1)
+      moved = sum(abs(shift))/frequency*first(1)
       ! Those that stay on the circle, as of a mode without damping, are never outside.
-      unsure = abs(first - 1) < most .and. abs(first - 1) > neutral
-      if (.not. any(unsure)) return
+      unsure = abs(first - 1) < sensitivity*moved .and. abs(first - 1) > neutral
+      if (.not. (unsure(1) .or. any(unsure .and. abs(first - 1) < usual*moved))) return
       call monodromy%integrate(balance, frequency, shift)
       call monodromy%multipliers(corrected)
       second = abs(corrected)
