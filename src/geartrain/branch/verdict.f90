@@ -16,9 +16,9 @@ module geartrain_branch_verdict
    public :: judge, verdict_type
 
    !> The multipliers are estimated a second time where the largest is as near to the unit circle as this many times what the events
-   !> move by in all [dimensionless time], times itself: over the same points no change that matters is larger. Of the others, which
-   !> tell no more than where special points lie, what such moves change as a rule is enough.
-   real(dp), parameter :: sensitivity = 20, usual = 5
+   !> move by (root of the sum of squares) [dimensionless time], times itself: over the same points no change that matters is
+   !> larger. Of the others, which tell no more than where special points lie, what such moves change as a rule is enough.
+   real(dp), parameter :: sensitivity = 30, usual = 8
    !> A multiplier is decided to be on its side of the circle where it is farther from it than this many times its error.
    real(dp), parameter :: surely = 2
 
@@ -55,13 +55,13 @@ contains
       ! Also where the multipliers were not found, which are NaN then.
       verdict%undecided = is_neutral(multipliers) .or. truncation%doubtful .or. .not. monodromy%confirmed
       verdict%count_undecided = verdict%undecided
-      if (is_neutral(multipliers) .or. .not. any(balance%contact%events > 0)) return
+      if (verdict%undecided .or. .not. any(balance%contact%events > 0)) return
       allocate (shift(maxval(balance%contact%events), balance%unknowns), source=0.0_dp)
       do i = 1, balance%unknowns
          call find_shift(balance, i, u(:, i), truncation, shift(:, i))
       end do
       first = abs(multipliers)
-      moved = sum(abs(shift))/frequency*first(1)
+      moved = norm2(shift)/frequency*first(1)
       ! Those that stay on the circle, as of a mode without damping, are never outside.
       unsure = abs(first - 1) < sensitivity*moved .and. abs(first - 1) > neutral
       if (.not. (unsure(1) .or. any(unsure .and. abs(first - 1) < usual*moved))) return
@@ -71,8 +71,8 @@ contains
       verdict%second = second(1)
       ! Both are sorted by magnitude.
       unsure = unsure .and. .not. surely*abs(second - first) < abs(first - 1) .or. .not. monodromy%confirmed
-      verdict%undecided = verdict%undecided .or. unsure(1)
-      verdict%count_undecided = verdict%count_undecided .or. any(unsure)
+      verdict%undecided = unsure(1)
+      verdict%count_undecided = any(unsure)
    end subroutine judge
 
    !> What the error of the waveform moves the contact events of unknown mesh i by [rad]: the nearer root of the parabola through

@@ -25,7 +25,7 @@ contains
       class(body_type), intent(in) :: self
       real(dp), intent(in) :: omega
       complex(dp), intent(out) :: alpha(3), d_alpha(3)
-      complex(dp) :: spring, d_spring, denominator, d_denominator, numerator(3), d_numerator(3)
+      complex(dp) :: spring, d_spring, inverse, d_denominator, numerator(3), d_numerator(3)
       real(dp) :: both, product
 
       if (self%rigid) then
@@ -37,12 +37,12 @@ contains
       d_spring = cmplx(0, self%damping, dp)
       both = self%left_inertia + self%right_inertia
       product = self%left_inertia*self%right_inertia
-      denominator = omega**2*(omega**2*product - spring*both)
+      inverse = 1/(omega**2*(omega**2*product - spring*both))
       d_denominator = 4*omega**3*product - 2*omega*spring*both - omega**2*d_spring*both
       numerator = [spring - omega**2*self%right_inertia, spring, spring - omega**2*self%left_inertia]
       d_numerator = [d_spring - 2*omega*self%right_inertia, d_spring, d_spring - 2*omega*self%left_inertia]
-      alpha = numerator/denominator
-      d_alpha = (d_numerator - alpha*d_denominator)/denominator
+      alpha = numerator*inverse
+      d_alpha = (d_numerator - alpha*d_denominator)*inverse
    end subroutine receptance
 
    !> Complex amplitude of the twist left - right [rad] under harmonic torques on its ends [N m], omega > 0.
