@@ -3,11 +3,10 @@ module geartrain_branch_contact_edges
    use geartrain_base_fftw, only: transform_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
-   use geartrain_branch_bend, only: way_to
    use geartrain_branch_branch, only: branch_type, contact_edge_type, response_settings_type
    use geartrain_branch_contact_ranges, only: depth_below
    use geartrain_branch_path, only: place_type
-   use geartrain_branch_special_points, only: between, go_along, shrink
+   use geartrain_branch_special_points, only: between, shrink
    use geartrain_branch_start, only: begin_trace, place_of
    use geartrain_branch_decided, only: joined
    use geartrain_branch_tracer, only: tracer_type
@@ -21,8 +20,19 @@ module geartrain_branch_contact_edges
    !> Edges that are located, of a train with many meshes the first ones along the branch; the others are interpolated.
    integer, parameter :: most_edges = 1000
    integer, parameter :: most_steps = 20
-   !> How exactly on the cubic; how far from the wall the tangent is exact to the square of that.
-   real(dp), parameter :: located = 1e-9_dp, nearly = 1e-6_dp
+   !> How exactly on the polynomial; what the last step may be, squared, over the length of the piece: about what it is wrong by.
+   real(dp), parameter :: located = 1e-7_dp, nearly = 1e-10_dp
+   !> A point nearer to the next one than this share of the piece is no node of the polynomial.
+   real(dp), parameter :: nearest = 0.03_dp
+
+   !> A piece of a branch between two points, the first two nodes, and those before and after it: places are told by the way from
+   !> the first point.
+   type :: piece_type
+      real(dp) :: length = 0
+      integer :: nodes = 0
+      type(place_type) :: node(4)
+      real(dp) :: at(4) = 0
+   end type piece_type
 
 contains
 
@@ -36,8 +46,9 @@ contains
       type(tracer_type) :: tracer
       type(transform_type) :: transform
       type(contact_edge_type), allocatable :: edges(:)
-      type(place_type) :: here, next, place
-      real(dp) :: first, last, length
+      type(piece_type) :: piece
+      type(place_type) :: place
+      real(dp) :: first, last
       integer :: i, j, k, n
       logical :: ready, success, keep_going, back
 
@@ -58,11 +69,8 @@ contains
                first = depth_below(branch%minimum(j, i), branch%maximum(j, i), branch%backlash(j), back)
                last = depth_below(branch%minimum(j, i + 1), branch%maximum(j, i + 1), branch%backlash(j), back)
                if (first*last >= 0 .or. n == most_edges) cycle
-               if (.not. ready) then
-                  call prepare_piece(i, success)
-                  if (.not. success) exit
-                  ready = .true.
-               end if
+               if (.not. ready) call prepare_piece(i)
+               ready = .true.
                n = n + 1
                edges(n)%point = i
                edges(n)%mesh = j
@@ -80,76 +88,102 @@ contains
 
    contains
 
-      !> The points i and i + 1 as places, the first one with its tangent.
-      subroutine prepare_piece(i, success)
+      !> The piece of the branch between the points i and i + 1.
+      subroutine prepare_piece(i)
          integer, intent(in) :: i
-         logical, intent(out) :: success
-         type(motion_type) :: motion
+         integer :: m
 
-         if (settings%harmonics == 0) call tracer%prepare(maxval(branch%point_harmonics(i:i + 1)))
+         associate (highest => maxval(branch%point_harmonics(i:i + 1)))
+            if (highest /= tracer%path%balance%highest) call tracer%prepare(highest)
+         end associate
          call transform%plan(fine_samples(tracer%path%balance%highest))
-         motion%period = branch%subharmonic
-         motion%frequency = branch%frequency(i + 1)
-         motion%coefficients = branch%coefficients(:, :, i + 1)
-         next = place_of(tracer, motion)
-         motion%frequency = branch%frequency(i)
-         motion%coefficients = branch%coefficients(:, :, i)
-         here = place_of(tracer, motion)
-         here%tangent = next%u - here%u
-         here%tangent_frequency = next%frequency - here%frequency
-         next%tangent = here%tangent
-         next%tangent_frequency = here%tangent_frequency
-         call tracer%path%correct(here, success)
-         if (success) call tracer%path%correct(next, success)
-         length = way_to(here, next, tracer%path%units)
-         place = here
+         piece%nodes = 2
+         call place_on(i, piece%node(1))
+         call place_on(i + 1, piece%node(2))
+         piece%length = chord(piece%node(1), piece%node(2))
+         piece%at(:2) = [0.0_dp, piece%length]
+         place = piece%node(1)
+         do m = i - 1, i + 2, 3
+            if (m < 1 .or. m > branch%points) cycle
+            if (.not. joined(branch, merge(m, m - 1, m < i))) cycle
+            associate (n => piece%nodes)
+               call place_on(m, piece%node(n + 1))
+               piece%at(n + 1) = chord(piece%node(n + 1), piece%node(merge(1, 2, m < i)))
+               ! The interpolation would divide rounding by it.
+               if (piece%at(n + 1) < nearest*piece%length) cycle
+               piece%at(n + 1) = merge(-piece%at(n + 1), piece%length + piece%at(n + 1), m < i)
+               n = n + 1
+            end associate
+         end do
       end subroutine prepare_piece
 
-      !> Where the depth of mesh j is zero between `here` and `next`: first on the cubic through them, which is nearly the branch.
+      real(dp) function chord(from, to)
+         type(place_type), intent(in) :: from, to
+
+         chord = tracer%path%length_of(to%u - from%u, to%frequency - from%frequency)
+      end function chord
+
+      subroutine place_on(i, place)
+         integer, intent(in) :: i
+         type(place_type), intent(out) :: place
+         type(motion_type) :: motion
+
+         motion%period = branch%subharmonic
+         motion%frequency = branch%frequency(i)
+         motion%coefficients = branch%coefficients(:, :, i)
+         place = place_of(tracer, motion)
+         allocate (place%tangent, mold=place%u)
+      end subroutine place_on
+
+      !> Where the depth of mesh j is zero: first on the polynomial, which is nearly the branch.
       subroutine locate(j, back, first, last, frequency, success)
          integer, intent(in) :: j
          logical, intent(in) :: back
          real(dp), intent(in) :: first, last
          real(dp), intent(out) :: frequency
          logical, intent(out) :: success
-         real(dp) :: a, b, fa, fb, f, s, slope
+         type(place_type) :: guess
+         real(dp) :: a, b, fa, fb, f, s, slope, way
          integer :: kept, step
 
          a = 0
-         b = length
+         b = piece%length
          fa = first
          fb = last
          kept = 0
          do step = 1, most_steps
             s = between(a, b, fa, fb)
-            f = depth_along(s, j, back)
+            call go_along(piece, s, place)
+            f = depth_at(place, j, back)
             if (abs(f) < located*branch%backlash(j)) exit
             call shrink(a, b, fa, fb, s, f, kept)
          end do
-         a = 1e-4_dp*length
-         slope = (depth_along(s + a, j, back) - depth_along(s - a, j, back))/(2*a)
+         a = 1e-4_dp*piece%length
+         call go_along(piece, s + a, place)
+         slope = depth_at(place, j, back)
+         call go_along(piece, s - a, place)
+         slope = (slope - depth_at(place, j, back))/(2*a)
+         call go_along(piece, s, place)
          do step = 1, most_steps
-            call go_along(here, next, length, s, place)
+            guess = place
             call tracer%path%correct(place, success)
             if (.not. success) return
             f = depth_at(place, j, back)
-            frequency = place%frequency - place%tangent_frequency*f/slope
-            if (abs(f) < nearly*branch%backlash(j)) return
-            s = s - f/slope
-            if (.not. abs(s - length/2) < length) exit
+            ! What the polynomial lacks goes as the product of the ways to its nodes.
+            way = -f/(slope + f*sum(1/(s - piece%at(:piece%nodes))))
+            frequency = place%frequency + place%tangent_frequency*way
+            if (way**2 < nearly*piece%length) return
+            ! The branch is as far from the polynomial a little further on.
+            guess%u = place%u - guess%u
+            guess%frequency = place%frequency - guess%frequency
+            s = s + way
+            if (.not. abs(s - piece%length/2) < piece%length) exit
+            call go_along(piece, s, place)
+            place%u = place%u + guess%u
+            place%frequency = place%frequency + guess%frequency
          end do
          success = .false.
       end subroutine locate
-
-      !> Depth of mesh j on the cubic.
-      real(dp) function depth_along(s, j, back)
-         real(dp), intent(in) :: s
-         integer, intent(in) :: j
-         logical, intent(in) :: back
-
-         call go_along(here, next, length, s, place)
-         depth_along = depth_at(place, j, back)
-      end function depth_along
 
       real(dp) function depth_at(place, j, back)
          type(place_type), intent(in) :: place
@@ -164,5 +198,32 @@ contains
       end function depth_at
 
    end subroutine locate_contact_edges
+
+   !> The place at the way s along a piece, with its tangent: on the polynomial through its nodes.
+   pure subroutine go_along(piece, s, place)
+      type(piece_type), intent(in) :: piece
+      real(dp), intent(in) :: s
+      type(place_type), intent(inout) :: place
+      real(dp) :: weight, slope
+      integer :: i, k
+
+      place%u = 0
+      place%frequency = 0
+      place%tangent = 0
+      place%tangent_frequency = 0
+      do i = 1, piece%nodes
+         weight = 1
+         slope = 0
+         do k = 1, piece%nodes
+            if (k == i) cycle
+            slope = (slope*(s - piece%at(k)) + weight)/(piece%at(i) - piece%at(k))
+            weight = weight*(s - piece%at(k))/(piece%at(i) - piece%at(k))
+         end do
+         place%u = place%u + weight*piece%node(i)%u
+         place%frequency = place%frequency + weight*piece%node(i)%frequency
+         place%tangent = place%tangent + slope*piece%node(i)%u
+         place%tangent_frequency = place%tangent_frequency + slope*piece%node(i)%frequency
+      end do
+   end subroutine go_along
 
 end module geartrain_branch_contact_edges

@@ -127,8 +127,7 @@ contains
          if (stable(i) .neqv. stable(i + 1)) edge = change(branch, i)
          other = branch%frequency(i)
          if (.not. stable(i)) other = branch%frequency(i + 1)
-         low = [low, min(edge, other)]
-         high = [high, max(edge, other)]
+         call add_range(low, high, min(edge, other), max(edge, other))
       end do
       ! An island closes at the motion it began with, but with other harmonics not at quite the same Lambda.
       if (branch%closed .and. stable(1) .and. stable(branch%points)) then
@@ -151,6 +150,24 @@ contains
       end do
       if (last > reached + slack) bands = [bands, band_type(reached, last)]
    end function bands_without
+
+   !> Adds a range to a list, to the latest one of it where they overlap: those along a branch do as a rule.
+   pure subroutine add_range(low, high, from, to)
+      real(dp), allocatable, intent(inout) :: low(:), high(:)
+      real(dp), intent(in) :: from, to
+      integer :: n
+
+      n = size(low)
+      if (n > 0) then
+         if (from <= high(n) .and. to >= low(n)) then
+            low(n) = min(low(n), from)
+            high(n) = max(high(n), to)
+            return
+         end if
+      end if
+      low = [low, from]
+      high = [high, to]
+   end subroutine add_range
 
    !> Ranges of Lambda between the parts of a branch, which none of them spans, ascending.
    pure function gaps(branch) result(between)

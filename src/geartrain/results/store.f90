@@ -28,6 +28,8 @@ module geartrain_results_store
    type :: store_type
       private
       integer(hid_t) :: file = -1, transfer = -1
+      !> What all datasets and attributes share: how a dataset is made, the type of text, the space of a scalar.
+      integer(hid_t) :: creation = -1, text = -1, scalar = -1
       character(:), allocatable :: failure
    contains
       procedure :: open => open_store
@@ -37,7 +39,8 @@ module geartrain_results_store
       generic :: put => put_text, put_logical, put_integer, put_integer_2, put_real_1, put_real_2, put_real_3
       procedure :: put_bytes
       procedure :: close => close_store
-      procedure, private :: text_attribute, integer_attribute, real_attribute, write_attribute
+      procedure, private :: text_attribute, integer_attribute, real_attribute
+      procedure, private :: number_attribute, describe, write_attribute
       procedure, private :: index_axis, real_axis, text_axis, make_axis
       procedure, private :: put_text, put_logical, put_integer, put_integer_2, put_real_1, put_real_2, put_real_3, put_any
       procedure, private :: attach_axes
@@ -89,6 +92,14 @@ contains
       call h5pclose_f(access, status)
       call h5pcreate_f(h5p_dataset_xfer_f, self%transfer, status)
       call h5pset_buffer_f(self%transfer, buffer, status)
+      ! Without the time: the same results are the same bytes.
+      call h5pcreate_f(h5p_dataset_create_f, self%creation, status)
+      status = h5pset_obj_track_times(int(self%creation, c_int64_t), .false._c_bool)
+      ! UTF-8 of any length.
+      call h5tcopy_f(h5t_c_s1, self%text, status)
+      call h5tset_size_f(self%text, variable_length, status)
+      call h5tset_cset_f(self%text, h5t_cset_utf8_f, status)
+      call h5screate_f(h5s_scalar_f, self%scalar, status)
    end subroutine open_store
 
    subroutine group(self, path)
@@ -127,6 +138,9 @@ contains
          call self%note(status, 'copy the file in memory')
       end if
       call h5pclose_f(self%transfer, status)
+      call h5pclose_f(self%creation, status)
+      call h5tclose_f(self%text, status)
+      call h5sclose_f(self%scalar, status)
       call h5fclose_f(self%file, status)
       self%file = -1
       if (allocated(self%failure)) call fatal(error, self%failure, status_file)
@@ -135,24 +149,37 @@ contains
    subroutine text_attribute(self, path, name, value)
       class(store_type), intent(inout) :: self
       character(*), intent(in) :: path, name, value
+      integer(hid_t) :: object
+      integer :: status
+
+      if (allocated(self%failure)) return
+      call h5oopen_f(self%file, path, object, status)
+      call self%note(status, 'open '//path)
+      if (status < 0) return
+      call self%describe(object, path, name, value)
+      call h5oclose_f(object, status)
+   end subroutine text_attribute
+
+   !> A text attribute of an open group or dataset.
+   subroutine describe(self, object, path, name, value)
+      class(store_type), intent(inout) :: self
+      integer(hid_t), intent(in) :: object
+      character(*), intent(in) :: path, name, value
       character(kind=c_char), allocatable, target :: text(:, :)
       type(c_ptr), target :: address(1)
-      integer(hid_t) :: kind
 
       if (allocated(self%failure)) return
       call terminate([value], text)
       address(1) = c_loc(text)
-      call text_kind(kind)
-      call self%write_attribute(path, name, kind, c_loc(address))
-      call free_kind(kind)
-   end subroutine text_attribute
+      call self%write_attribute(object, path, name, self%text, c_loc(address))
+   end subroutine describe
 
    subroutine integer_attribute(self, path, name, value)
       class(store_type), intent(inout) :: self
       character(*), intent(in) :: path, name
       integer, intent(in), target :: value
 
-      call self%write_attribute(path, name, h5t_native_integer, c_loc(value))
+      call self%number_attribute(path, name, h5t_native_integer, c_loc(value))
    end subroutine integer_attribute
 
    subroutine real_attribute(self, path, name, value)
@@ -160,32 +187,41 @@ contains
       character(*), intent(in) :: path, name
       real(dp), intent(in), target :: value
 
-      call self%write_attribute(path, name, h5t_native_double, c_loc(value))
+      call self%number_attribute(path, name, h5t_native_double, c_loc(value))
    end subroutine real_attribute
 
-   !> A scalar attribute of the group or dataset at `path`.
-   subroutine write_attribute(self, path, name, kind, address)
+   subroutine number_attribute(self, path, name, kind, address)
       class(store_type), intent(inout) :: self
       character(*), intent(in) :: path, name
       integer(hid_t), intent(in) :: kind
       type(c_ptr), intent(in) :: address
-      integer(hid_t) :: object, space, id
+      integer(hid_t) :: object
       integer :: status
 
       if (allocated(self%failure)) return
       call h5oopen_f(self%file, path, object, status)
       call self%note(status, 'open '//path)
       if (status < 0) return
-      call h5screate_f(h5s_scalar_f, space, status)
-      call h5acreate_f(object, name, kind, space, id, status)
+      call self%write_attribute(object, path, name, kind, address)
+      call h5oclose_f(object, status)
+   end subroutine number_attribute
+
+   !> A scalar attribute of an open group or dataset.
+   subroutine write_attribute(self, object, path, name, kind, address)
+      class(store_type), intent(inout) :: self
+      integer(hid_t), intent(in) :: object, kind
+      character(*), intent(in) :: path, name
+      type(c_ptr), intent(in) :: address
+      integer(hid_t) :: id
+      integer :: status
+
+      call h5acreate_f(object, name, kind, self%scalar, id, status)
       call self%note(status, 'create the attribute '//name//' of '//path)
       if (status >= 0) then
          call h5awrite_f(id, kind, address, status)
          call self%note(status, 'write the attribute '//name//' of '//path)
          call h5aclose_f(id, status)
       end if
-      call h5sclose_f(space, status)
-      call h5oclose_f(object, status)
    end subroutine write_attribute
 
    !> A dimension whose places are numbered from 1.
@@ -236,7 +272,6 @@ contains
       character(*), intent(in) :: path, values(:), dimensions(:), units, description
       character(kind=c_char), allocatable, target :: text(:, :)
       type(c_ptr), allocatable, target :: address(:)
-      integer(hid_t) :: kind
       integer :: i
 
       if (allocated(self%failure)) return
@@ -245,9 +280,7 @@ contains
       do i = 1, size(values)
          address(i) = c_loc(text(1, i))
       end do
-      call text_kind(kind)
-      call self%put_any(path, kind, shape(values), dimensions, units, description, c_loc(address))
-      call free_kind(kind)
+      call self%put_any(path, self%text, shape(values), dimensions, units, description, c_loc(address))
    end subroutine put_text
 
    !> 0 and 1, marked so that xarray makes booleans of them.
@@ -258,8 +291,7 @@ contains
       integer(int8), allocatable, target :: bytes(:)
 
       bytes = merge(1_int8, 0_int8, values)
-      call self%put_any(path, h5t_std_i8le, shape(values), dimensions, '1', description, c_loc(bytes))
-      call self%attribute(path, 'dtype', 'bool')
+      call self%put_any(path, h5t_std_i8le, shape(values), dimensions, '1', description, c_loc(bytes), dtype='bool')
    end subroutine put_logical
 
    !> Without axes: of use to this program alone.
@@ -312,32 +344,31 @@ contains
    end subroutine put_real_3
 
    !> A dataset from memory at `address`.
-   subroutine put_any(self, path, kind, extents, dimensions, units, description, address)
+   subroutine put_any(self, path, kind, extents, dimensions, units, description, address, dtype)
       class(store_type), intent(inout) :: self
       character(*), intent(in) :: path, dimensions(:), units, description
       integer(hid_t), intent(in) :: kind
       integer, intent(in) :: extents(:)
       type(c_ptr), intent(in) :: address
-      integer(hid_t) :: space, id, how
+      !> The type that xarray makes of it.
+      character(*), intent(in), optional :: dtype
+      integer(hid_t) :: space, id
       integer :: status
 
       if (allocated(self%failure)) return
       call h5screate_simple_f(size(extents), int(extents, hsize_t), space, status)
-      ! Without the time: the same results are the same bytes.
-      call h5pcreate_f(h5p_dataset_create_f, how, status)
-      status = h5pset_obj_track_times(int(how, c_int64_t), .false._c_bool)
-      call h5dcreate_f(self%file, path, kind, space, id, status, dcpl_id=how)
+      call h5dcreate_f(self%file, path, kind, space, id, status, dcpl_id=self%creation)
       call self%note(status, 'create '//path)
       if (status >= 0) then
          if (product(extents) > 0) call h5dwrite_f(id, kind, address, status, xfer_prp=self%transfer)
          call self%note(status, 'write '//path)
          call self%attach_axes(id, path, dimensions)
+         call self%describe(id, path, 'units', units)
+         call self%describe(id, path, 'description', description)
+         if (present(dtype)) call self%describe(id, path, 'dtype', dtype)
          call h5dclose_f(id, status)
       end if
-      call h5pclose_f(how, status)
       call h5sclose_f(space, status)
-      call self%attribute(path, 'units', units)
-      call self%attribute(path, 'description', description)
    end subroutine put_any
 
    subroutine attach_axes(self, dataset, path, dimensions)
@@ -370,23 +401,6 @@ contains
 
       if (status < 0 .and. .not. allocated(self%failure)) self%failure = 'HDF5 cannot '//action
    end subroutine note
-
-   !> UTF-8 text of any length.
-   subroutine text_kind(kind)
-      integer(hid_t), intent(out) :: kind
-      integer :: status
-
-      call h5tcopy_f(h5t_c_s1, kind, status)
-      call h5tset_size_f(kind, variable_length, status)
-      call h5tset_cset_f(kind, h5t_cset_utf8_f, status)
-   end subroutine text_kind
-
-   subroutine free_kind(kind)
-      integer(hid_t), intent(in) :: kind
-      integer :: status
-
-      call h5tclose_f(kind, status)
-   end subroutine free_kind
 
    !> As C has text: without the blanks at the end, closed by a null; one a column.
    pure subroutine terminate(values, text)
