@@ -30,8 +30,8 @@ contains
          rests_on_undecided = nearest_decided(branch, s, -1) == 0 .or. nearest_decided(branch, s, 1) == 0
    end function rests_on_undecided
 
-   !> Index of the nearest point before (side = -1) or after (+1) special point s that tells, being decided, what happens there; 0 where another
-   !> special point or an end of the part comes first, or there is none in reach.
+   !> Index of the nearest point before (side = -1) or after (+1) special point s that tells, being decided, what happens there;
+   !> 0 where another special point or an end of the part comes first, or there is none in reach.
    pure integer function nearest_decided(branch, s, side) result(i)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: s, side

@@ -176,11 +176,10 @@ contains
          self%count = self%count + 1
          self%harmonic(self%count) = k
       end do
-      do k = 1, size(balance%left_out)
-         if (balance%left_out(k) <= size(taken)) cycle
-         self%count = self%count + 1
-         self%harmonic(self%count) = balance%left_out(k)
-      end do
+      associate (rest => pack(balance%left_out, balance%left_out > size(taken)))
+         self%harmonic(self%count + 1:self%count + size(rest)) = rest
+         self%count = self%count + size(rest)
+      end associate
    end subroutine choose_tail
 
    !> What the harmonics of the excitation that are left out make of the meshes that are no unknowns, relative to their waveforms;
@@ -220,24 +219,14 @@ contains
       type(balance_type), intent(in) :: balance
       integer, intent(in) :: i
       real(dp), intent(in) :: theta
-      real(dp) :: slope, curvature
-      complex(dp) :: power, advance
-      integer :: m, step
+      real(dp) :: tail(1 + 2*self%count), missing, slope, curvature
 
+      tail(1) = 0
+      tail(2::2) = self%tail(:self%count, i)%re
+      tail(3::2) = -self%tail(:self%count, i)%im
       call evaluate(self%error(:, i), balance%harmonic, theta, waveform_error, slope, curvature)
-      step = 0
-      power = 1
-      do m = 1, self%count
-         if (m == 1) then
-            advance = exp(cmplx(0, self%harmonic(1)*theta, dp))
-            step = self%harmonic(1)
-         else if (self%harmonic(m) - self%harmonic(m - 1) /= step) then
-            step = self%harmonic(m) - self%harmonic(m - 1)
-            advance = exp(cmplx(0, step*theta, dp))
-         end if
-         power = power*advance
-         waveform_error = waveform_error + self%tail(m, i)%re*power%re - self%tail(m, i)%im*power%im
-      end do
+      call evaluate(tail, self%harmonic(:self%count), theta, missing, slope, curvature)
+      waveform_error = waveform_error + missing
    end function waveform_error
 
    !> The nearer root s of y + slope s + bend s**2/2 = 0; where there is none, the fold.
