@@ -278,6 +278,7 @@ contains
          branch%stable = [.true., .false., .true., .false.]
          branch%undecided = [.false., .true., .false., .false.]
          branch%second_estimate = [-1.0_dp, 0.99_dp, -1.0_dp, -1.0_dp]
+         branch%count_undecided = [.false., .true., .false., .false.]
          branch%error_estimate = [1e-3_dp, 1e-3_dp, 1e-3_dp, 0.0_dp]
          branch%estimate_doubtful = [.false., .true., .false., .false.]
          branch%point_harmonics = [2, 2, 1, 0]

@@ -150,14 +150,15 @@ contains
             first = abs(motions(k)%multipliers(1))
             call refine(train, motions(k), error)
             if (allocated(error)) cycle
-            if (maxval(abs(motions(k)%rms - branch%rms(:, i))) > 0.05_dp) cycle
+            ! Next to a fold shooting may find the orbit of its other side.
+            if (maxval(abs(motions(k)%rms - branch%rms(:, i))) > 3*branch%error_estimate(i)*norm2(branch%rms(:, i))) cycle
             known = abs(motions(k)%multipliers(1))
             compared = compared + 1
             if ((known < 1) .neqv. branch%stable(i)) wrong = wrong + 1
             off = off + abs([first, branch%second_estimate(i)] - known)
          end do
       end do
-      call cases%holds('largest multiplier within 0.1 of the unit circle, figure 3 at R = 6', &
+      call cases%holds('a second estimate of the largest multiplier, figure 3 at R = 6', &
                        'shooting: no verdict wrong that is not undecided', wrong == 0 .and. compared > 15)
       call cases%measured('the same', 'shooting: mean error of the second estimate over that of the first', off(2)/off(1), 0.5_dp)
       wrong = 0
