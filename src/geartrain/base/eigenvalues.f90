@@ -41,7 +41,8 @@ contains
       real(dp), intent(inout) :: a(n, n)
       complex(dp), intent(out) :: values(n)
       integer, intent(out) :: info
-      real(dp) :: wr(n), wi(n), work(8*n), empty(1, 1)
+      ! Room for the blocks of 32 columns that dgehrd reduces at a time.
+      real(dp) :: wr(n), wi(n), work(34*n + 4300), empty(1, 1)
 
       call dgeev('N', 'N', n, a, n, wr, wi, empty, 1, empty, 1, work, size(work), info)
       values = cmplx(wr, wi, dp)

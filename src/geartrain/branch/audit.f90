@@ -141,7 +141,8 @@ contains
             associate (here => abs(rows(i)%frequency - exact(i)%frequency), there => abs(rows(k)%frequency - exact(k)%frequency))
                if (here < there .or. (here <= there .and. i < k)) cycle
             end associate
-            rows(i)%verdict_wrong = .not. rests_on_undecided(branch, i - (size(rows) - size(branch%special_points)))
+            rows(i)%verdict_wrong = rows(i)%kind == 'fold' .or. &
+                                    .not. rests_on_undecided(branch, i - (size(rows) - size(branch%special_points)))
             rows(i)%finding = 'none but that of '//text(rows(k)%frequency)
             if (.not. rows(i)%verdict_wrong) rows(i)%finding = trim(rows(i)%finding)//', undecided'
          end do
