@@ -124,6 +124,8 @@ contains
       end if
       if (found) then
          row%exact_verdict = counts(first%multipliers, last%multipliers)
+         ! Between two special points of one step no point tells how many multipliers are outside.
+         where (shares_step(branch, special)) sides = 0
          row%verdict_wrong = contradicts(branch, row%kind, sides(1), first) .or. contradicts(branch, row%kind, sides(2), last)
          if (row%verdict_wrong) row%finding = 'verdict wrong'
       else
@@ -150,6 +152,19 @@ contains
       contradicts = (branch%stable(i) .neqv. outside(orbit%multipliers) == 0) &
                     .and. critical(kind, branch%multipliers(:, i)) /= critical(kind, orbit%multipliers)
    end function contradicts
+
+   !> Whether another special point lies between this one and the point before, or after it: the list goes along the branch.
+   pure function shares_step(branch, special) result(shares)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: special
+      logical :: shares(2)
+
+      shares = .false.
+      associate (all_of_them => branch%special_points)
+         if (special > 1) shares(1) = all_of_them(special - 1)%point == all_of_them(special)%point
+         if (special < size(all_of_them)) shares(2) = all_of_them(special + 1)%point == all_of_them(special)%point
+      end associate
+   end function shares_step
 
    !> A first guess of the orbit at a special point, between the points next to it, along the chord of these.
    subroutine stand_at(path, branch, row, start, ends, found)

@@ -125,7 +125,9 @@ contains
          if (branches(n)%cancelled) return
          if (doubles) then
             call find_meeting(train, settings_for(settings, 2*parent%subharmonic), branches(n), place, met)
-            if (met) meetings = [meetings, meeting_type(place, 2*parent%subharmonic, .false., n)]
+            here = meeting_type(place, 2*parent%subharmonic, .false., n)
+            ! From a variable: gfortran 12 never frees a value built within the list.
+            if (met) meetings = [meetings, here]
          else
             call note_crossings(train, settings, branches(n), n, meetings)
          end if
@@ -140,6 +142,7 @@ contains
       integer, intent(in) :: number
       type(meeting_type), allocatable, intent(inout) :: meetings(:)
       type(place_type) :: place
+      type(meeting_type) :: here
       logical :: found
       integer :: i
 
@@ -147,7 +150,8 @@ contains
       do i = 1, size(branch%special_points)
          if (branch%special_points(i)%kind /= 'branch point') cycle
          call find_critical(train, settings, branch, i, place, found)
-         if (found) meetings = [meetings, meeting_type(place, branch%subharmonic, .true., number)]
+         here = meeting_type(place, branch%subharmonic, .true., number)
+         if (found) meetings = [meetings, here]
       end do
    end subroutine note_crossings
 
