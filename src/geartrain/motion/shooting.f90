@@ -13,6 +13,7 @@ module geartrain_motion_shooting
    use geartrain_motion_multiple_shooting, only: find_orbit_in_sections, has_converged, max_iterations, most_parts, &
       section_states
    use geartrain_motion_orbit, only: measure, propagate, stored_harmonics
+   use geartrain_motion_repetition, only: repeat_motion, repetitions_of, take_one
    use geartrain_motion_sections, only: sections_type
    use geartrain_motion_start_state, only: state_of
    use geartrain_stability_multipliers, only: eigenvalues, is_neutral, is_stable
@@ -35,10 +36,10 @@ contains
       integer, intent(in), optional :: harmonics
       type(system_type) :: system
       type(sections_type) :: sections
-      type(motion_type) :: refined
+      type(motion_type) :: guess, refined
       real(dp), allocatable :: state(:), states(:, :), monodromy(:, :)
       real(dp) :: frequency, length
-      integer :: n
+      integer :: n, times, kept
       logical :: found, pieces(2)
 
       call check_train(train, error)
@@ -59,19 +60,25 @@ contains
       end if
       if (.not. motion%frequency > 0) call fatal(error, 'refine: frequency = '//text(motion%frequency)//': must be > 0')
       if (allocated(error)) return
+      kept = stored_harmonics(system)
+      if (allocated(motion%coefficients)) kept = max(kept, ((size(motion%coefficients, 1) - 1)/2)/motion%period)
+      if (present(harmonics)) kept = harmonics
+      guess = motion
+      times = repetitions_of(system, motion)
+      if (times > 1) call take_one(times, system, guess)
       ! In one piece, in sections.
       pieces = .true.
       if (present(in_sections)) pieces = [.not. in_sections, in_sections]
       found = .false.
-      frequency = motion%frequency
+      frequency = guess%frequency
       if (pieces(1)) then
          allocate (state(n), monodromy(n, n))
-         call state_of(system, motion, state)
+         call state_of(system, guess, state)
          call find_orbit(system, frequency, motion%period, max_iterations, state, monodromy, length, found)
       end if
       if (pieces(2) .and. .not. (found .or. system%interrupt%raised())) then
          call sections%setup(system, motion%period, most_parts(system, motion%period), moves=.false.)
-         call section_states(system, motion, sections, states)
+         call section_states(system, guess, sections, states)
          call find_orbit_in_sections(sections, frequency, states, length, found)
          state = states(:, 1)
          monodromy = sections%monodromy
@@ -88,18 +95,16 @@ contains
    contains
 
       subroutine finish()
-         integer :: kept
-
-         refined%frequency = motion%frequency
+         refined%frequency = guess%frequency
          refined%period = motion%period
          refined%share = motion%share
          refined%state = state
          refined%error_estimate = length
-         kept = max(stored_harmonics(system), ((size(motion%coefficients, 1) - 1)/2)/motion%period)
-         if (present(harmonics)) kept = harmonics
-         call measure(system, kept, refined)
+         call measure(system, max(1, kept/times), refined)
          allocate (refined%multipliers(n))
          call eigenvalues(monodromy, refined%multipliers)
+         if (times > 1) call repeat_motion(times, kept, refined)
+         refined%frequency = motion%frequency
          refined%stable = is_stable(refined%multipliers)
          refined%undecided = is_neutral(refined%multipliers)
          motion = refined
