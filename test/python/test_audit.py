@@ -79,3 +79,32 @@ def test_the_call(branch):
 def test_bad_input(branch, wrong):
     with pytest.raises(gt.InputError, match=next(iter(wrong))):
         branch.audit(**wrong)
+
+
+def single_pair(order):
+    """One pair that meshes `order` times a revolution: at Lambda/order it moves as the pair of order 1 does at Lambda."""
+    mesh = gt.Mesh(driving_radius=1.0, driven_radius=1.0, driving_inertia=2.0, driven_inertia=2.0, stiffness=1.0,
+                   damping_ratio=0.05, half_backlash=1.0, stiffness_cos=[0.3], order=order)
+    return gt.Train(input_torque=0.4, prime_mover_inertia=0.0, load_inertia=0.0, characteristic_length=1.0,
+                    characteristic_frequency=1.0, shafts=[gt.Shaft(rigid=True), gt.Shaft(rigid=True)], meshes=[mesh])
+
+
+def test_an_unstable_motion_of_a_high_order_is_that_of_order_1():
+    """Its multipliers are those of order 1 to the power of the order: of 1e13 no shooting over the whole period is left anything."""
+    order = 50
+    branch = single_pair(order).response(start=0.3 / order, stop=1.6 / order, harmonics=12 * order)
+    found = branch.audit(points=12)
+    assert found.ok and found.as_estimated >= 11, found
+    unstable = np.flatnonzero(~branch.stable & ~branch.undecided)[::3]
+    assert len(unstable) > 3 and abs(branch.multipliers[unstable, 0]).max() > 1e12
+    plain = single_pair(1).response(start=0.3, stop=1.6, harmonics=12)
+    for i in unstable:
+        motion = min(branch.at(float(branch.frequency[i])), key=lambda motion: abs(motion.rms[0] - branch.rms[i, 0])).refine()
+        same = [known.refine() for known in plain.at(order * float(branch.frequency[i]))]
+        known = min(same, key=lambda known: abs(known.rms[0] - motion.rms[0]))
+        assert motion.rms == pytest.approx(known.rms, rel=1e-11) and motion.frequency == branch.frequency[i]
+        assert abs(motion.multipliers[0]) == pytest.approx(abs(known.multipliers[0]) ** order, rel=1e-6)
+        # Only harmonics of the teeth, and as large as those of order 1.
+        amplitude = np.hypot(motion.coefficients[0, 1::2], motion.coefficients[0, 2::2])
+        assert not amplitude[np.arange(1, len(amplitude) + 1) % order != 0].any()
+        assert amplitude[order - 1] == pytest.approx(np.hypot(*known.coefficients[0, 1:3]), rel=1e-10)

@@ -138,7 +138,8 @@ contains
             if (k == i .or. rows(k)%kind /= rows(i)%kind) cycle
             if (.not. (allocated(exact(i)%states) .and. allocated(exact(k)%states))) cycle
             if (path%distance(exact(i), exact(k)) > same) cycle
-            associate (here => abs(rows(i)%frequency - exact(i)%frequency), there => abs(rows(k)%frequency - exact(k)%frequency))
+            associate (here => abs(rows(i)%frequency - rows(i)%exact_frequency), &
+                       there => abs(rows(k)%frequency - rows(k)%exact_frequency))
                if (here < there .or. (here <= there .and. i < k)) cycle
             end associate
             rows(i)%verdict_wrong = rows(i)%kind == 'fold' .or. &

@@ -12,6 +12,7 @@ module geartrain_branch_audit_point
    use geartrain_branch_waveform_error, only: harmonics_told, rounding_of, waveform_error
    use geartrain_motion_motion, only: motion_type
    use geartrain_motion_orbit, only: measure
+   use geartrain_motion_repetition, only: repeat_motion
    use geartrain_stability_multipliers, only: is_neutral, is_stable
    implicit none (type, external)
    private
@@ -90,6 +91,7 @@ contains
       type(audit_row_type), intent(inout) :: row
       type(motion_type) :: motion
       real(dp) :: error
+      integer :: told
       logical :: refined
 
       refined = .false.
@@ -98,7 +100,9 @@ contains
       motion%period = path%period
       motion%state = orbit%states(:, 1)
       associate (balance => branch%coefficients(:, :, row%point))
-         call measure(path%system, harmonics_told(balance, path%period), motion)
+         told = harmonics_told(balance, path%period*path%times)
+         call measure(path%system, told, motion)
+         if (path%times > 1) call repeat_motion(path%times, path%times*told, motion)
          error = waveform_error(balance, motion%coefficients, refined)
       end associate
       if (error > max(far, another*row%estimate) .or. (row%error >= 0 .and. error > row%error)) return
@@ -107,7 +111,7 @@ contains
       row%finding = ''
       if (at_fold) then
          row%exact_verdict = 'fold'
-         row%finding = 'beyond the fold at '//text(orbit%frequency)
+         row%finding = 'beyond the fold at '//text(orbit%frequency/path%times)
       else if (is_neutral(orbit%multipliers)) then
          row%exact_verdict = 'neutral'
       else
@@ -136,7 +140,7 @@ contains
       do sense = 1, -1, -2
          orbit%tangent = sense*orbit%tangent
          orbit%tangent_frequency = sense*orbit%tangent_frequency
-         call walk(path, orbit, row%frequency, reached, at_fold, success)
+         call walk(path, orbit, path%times*row%frequency, reached, at_fold, success)
          if (success) call compare(path, branch, reached, at_fold, row)
       end do
    end subroutine follow_exact

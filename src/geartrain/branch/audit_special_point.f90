@@ -118,7 +118,7 @@ contains
       if (found) call path%correct(start, found)
       if (found) call search(path, start, row%kind, sense_of(branch, row, ends, change), exact, found)
       if (found) then
-         row%exact_frequency = exact%frequency
+         row%exact_frequency = exact%frequency/path%times
          call path%advance(exact, -beside, first, found)
          if (found) call path%advance(exact, beside, last, found)
       end if
@@ -187,7 +187,7 @@ contains
       else
          share = 0
          if (abs(last%frequency - first%frequency) > 0) &
-            share = (row%frequency - first%frequency)/(last%frequency - first%frequency)
+            share = (path%times*row%frequency - first%frequency)/(last%frequency - first%frequency)
          ! Next to a fold Lambda tells little.
          share = max(0.0_dp, min(1.0_dp, share))
          start = first

@@ -6,8 +6,9 @@ module geartrain_branch_orbit_path
    use geartrain_model_system, only: system_type
    use geartrain_motion_motion, only: motion_type
    use geartrain_motion_multiple_shooting, only: find_orbit_in_sections, most_parts, section_states
+   use geartrain_motion_repetition, only: divide_orders, take_one
    use geartrain_motion_sections, only: sections_type
-   use geartrain_stability_multipliers, only: eigenvalues
+   use geartrain_stability_multipliers, only: eigenvalues, power
    implicit none (type, external)
    private
    public :: orbit_type, orbit_path_type, orbit_test_type, resolution
@@ -28,7 +29,7 @@ module geartrain_branch_orbit_path
       !> The unit tangent there.
       real(dp) :: tangent_frequency = 0
       real(dp), allocatable :: tangent(:, :)
-      !> All of them, largest magnitude first, (2*elements).
+      !> All of them over the whole period, largest magnitude first, (2*elements).
       complex(dp), allocatable :: multipliers(:)
    end type orbit_type
 
@@ -36,6 +37,8 @@ module geartrain_branch_orbit_path
       type(system_type) :: system
       !> In mesh periods.
       integer :: period = 1
+      !> How often a motion repeats itself within that: orbits are those of one repetition, at so many times the Lambda of the branch.
+      integer :: times = 1
       type(units_type) :: units
       !> At constant Lambda, and along the branch.
       type(sections_type), private :: fixed, moving
@@ -50,6 +53,7 @@ module geartrain_branch_orbit_path
       procedure :: correct
       procedure :: advance
       procedure :: find_zero
+      procedure, private :: find_multipliers
    end type orbit_path_type
 
    !> A number that an orbit has and that changes sign at what is sought.
@@ -78,10 +82,13 @@ contains
 
       self%system = system
       self%period = period
+      self%times = 1
+      if (period == 1) self%times = system%excitation_order
+      call divide_orders(self%times, self%system)
       self%units = units_of(system)
       parts = most_parts(system, period)
-      call self%fixed%setup(system, period, parts, moves=.false.)
-      call self%moving%setup(system, period, parts, moves=.true.)
+      call self%fixed%setup(self%system, period, parts, moves=.false.)
+      call self%moving%setup(self%system, period, parts, moves=.true.)
       associate (n => system%elements, m => self%fixed%sections)
          allocate (self%weight(2*n, m))
          self%weight(:n, :) = 1/(m*self%units%length**2)
@@ -94,9 +101,12 @@ contains
       class(orbit_path_type), intent(inout) :: self
       type(motion_type), intent(in) :: motion
       type(orbit_type), intent(out) :: orbit
+      type(motion_type) :: one
 
-      orbit%frequency = motion%frequency
-      call section_states(self%system, motion, self%fixed, orbit%states)
+      one = motion
+      if (self%times > 1) call take_one(self%times, one)
+      orbit%frequency = one%frequency
+      call section_states(self%system, one, self%fixed, orbit%states)
    end subroutine place
 
    !> Of two orbits, in units of the train's own.
@@ -128,7 +138,7 @@ contains
       real(dp) :: last
 
       call find_orbit_in_sections(self%fixed, orbit%frequency, orbit%states, last, success)
-      if (success) call find_multipliers(self%fixed, orbit)
+      if (success) call self%find_multipliers(self%fixed, orbit)
    end subroutine solve_at
 
    !> The orbit near `orbit`, across its tangent; its multipliers and its own tangent, in the same sense.
@@ -144,15 +154,17 @@ contains
       length = sqrt(sum(self%weight*tangent**2) + (tangent_frequency/self%units%frequency)**2)
       orbit%tangent = tangent/length
       orbit%tangent_frequency = tangent_frequency/length
-      call find_multipliers(self%moving, orbit)
+      call self%find_multipliers(self%moving, orbit)
    end subroutine correct
 
-   subroutine find_multipliers(sections, orbit)
+   subroutine find_multipliers(self, sections, orbit)
+      class(orbit_path_type), intent(in) :: self
       type(sections_type), intent(inout) :: sections
       type(orbit_type), intent(inout) :: orbit
 
       if (.not. allocated(orbit%multipliers)) allocate (orbit%multipliers(size(orbit%states, 1)))
       call eigenvalues(sections%monodromy, orbit%multipliers)
+      if (self%times > 1) orbit%multipliers = power(orbit%multipliers, self%times)
    end subroutine find_multipliers
 
    !> From `from` a distance h along its tangent to `to`. No success where the tangent turns by too much, which may be a jump to

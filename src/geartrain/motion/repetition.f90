@@ -8,7 +8,7 @@ module geartrain_motion_repetition
    use geartrain_stability_multipliers, only: power
    implicit none (type, external)
    private
-   public :: repetitions_of, take_one, repeat_motion
+   public :: repetitions_of, divide_orders, take_one, repeat_motion
 
    !> Largest share of a motion's amplitude at harmonics that a repetition cannot have.
    real(dp), parameter :: negligible = 1e-9_dp
@@ -31,13 +31,11 @@ contains
       if (sqrt(others) <= negligible*norm2(motion%coefficients(2:, :))) times = system%excitation_order
    end function repetitions_of
 
-   !> Makes of a train and its motion the train with `times`-th part of the orders, and its motion of period 1 at `times` Lambda.
-   pure subroutine take_one(times, system, motion)
+   !> Makes of a train the one with the `times`-th part of its orders.
+   pure subroutine divide_orders(times, system)
       integer, intent(in) :: times
       type(system_type), intent(inout) :: system
-      type(motion_type), intent(inout) :: motion
-      real(dp), allocatable :: coefficients(:, :)
-      integer :: j, r
+      integer :: j
 
       call divide(times, system%torque)
       do j = 1, system%meshes
@@ -45,8 +43,17 @@ contains
          call divide(times, system%transmission_error(j))
       end do
       system%excitation_order = system%excitation_order/times
+   end subroutine divide_orders
+
+   !> Makes of a motion of period 1 that of the other train, at `times` Lambda.
+   pure subroutine take_one(times, motion)
+      integer, intent(in) :: times
+      type(motion_type), intent(inout) :: motion
+      real(dp), allocatable :: coefficients(:, :)
+      integer :: r
+
       motion%frequency = times*motion%frequency
-      allocate (coefficients(1 + 2*((size(motion%coefficients, 1) - 1)/2/times), system%meshes))
+      allocate (coefficients(1 + 2*((size(motion%coefficients, 1) - 1)/2/times), size(motion%coefficients, 2)))
       coefficients(1, :) = motion%coefficients(1, :)
       do r = 1, (size(coefficients, 1) - 1)/2
          coefficients(2*r:2*r + 1, :) = motion%coefficients(2*r*times:2*r*times + 1, :)

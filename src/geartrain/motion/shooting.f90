@@ -13,7 +13,7 @@ module geartrain_motion_shooting
    use geartrain_motion_multiple_shooting, only: find_orbit_in_sections, has_converged, max_iterations, most_parts, &
       section_states
    use geartrain_motion_orbit, only: measure, propagate, stored_harmonics
-   use geartrain_motion_repetition, only: repeat_motion, repetitions_of, take_one
+   use geartrain_motion_repetition, only: divide_orders, repeat_motion, repetitions_of, take_one
    use geartrain_motion_sections, only: sections_type
    use geartrain_motion_start_state, only: state_of
    use geartrain_stability_multipliers, only: eigenvalues, is_neutral, is_stable
@@ -65,7 +65,10 @@ contains
       if (present(harmonics)) kept = harmonics
       guess = motion
       times = repetitions_of(system, motion)
-      if (times > 1) call take_one(times, system, guess)
+      if (times > 1) then
+         call divide_orders(times, system)
+         call take_one(times, guess)
+      end if
       ! In one piece, in sections.
       pieces = .true.
       if (present(in_sections)) pieces = [.not. in_sections, in_sections]
