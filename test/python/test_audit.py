@@ -90,7 +90,7 @@ def single_pair(order):
 
 
 def test_an_unstable_motion_of_a_high_order_is_that_of_order_1():
-    """Its multipliers are those of order 1 to the power of the order: of 1e13 no shooting over the whole period is left anything."""
+    """Its multipliers are those of order 1 to the power of the order: at 1e13 shooting over the whole period loses all digits."""
     order = 50
     branch = single_pair(order).response(start=0.3 / order, stop=1.6 / order, harmonics=12 * order)
     found = branch.audit(points=12)

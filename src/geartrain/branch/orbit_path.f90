@@ -37,7 +37,7 @@ module geartrain_branch_orbit_path
       type(system_type) :: system
       !> In mesh periods.
       integer :: period = 1
-      !> How often a motion repeats itself within that: orbits are those of one repetition, at so many times the Lambda of the branch.
+      !> How often a motion repeats itself within that: orbits are those of one repetition, at so many times the branch's Lambda.
       integer :: times = 1
       type(units_type) :: units
       !> At constant Lambda, and along the branch.

@@ -19,8 +19,8 @@ module geartrain_branch_verdict
    !> move by (root of the sum of squares) [dimensionless time], times itself: over the same points no change that matters is
    !> larger. Of the others, which tell no more than where special points lie, what such moves change as a rule is enough.
    real(dp), parameter :: sensitivity = 30, usual = 8
-   !> Relative error of the waveform beyond which its first order, which the second estimate is, tells nothing of multipliers: of two
-   !> hunting stages at R = 213 one was 0.55 and is 1.46 at an error of 0.06.
+   !> Relative error of the waveform beyond which its first order, which the second estimate is, tells nothing of multipliers: with
+   !> an error of 0.06 the largest one of two hunting stages at R = 213 was 0.55 for 1.46.
    real(dp), parameter :: largest_error = 0.03_dp
    !> A multiplier is decided to be on its side of the circle where it is farther from it than this many times its error.
    real(dp), parameter :: surely = 2
