@@ -130,9 +130,14 @@ class Train:
         -------
         Modes
         """
-        with Box(self.namelist()) as box:
-            box.check(fortran.find_modes(box.handle))
-            return Modes(**(box.modes() or {}))
+        text = self.namelist()
+
+        def work(progress: NDArray[np.float64]) -> Modes:
+            with Box(text) as box:
+                box.check(fortran.find_modes(box.handle, progress))
+                return Modes(**(box.modes() or {}))
+
+        return watched(work, "modes", in_parts=False)
 
     def response(
         self,
