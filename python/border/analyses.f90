@@ -57,6 +57,19 @@ subroutine read_path(handle, path, status)
    status = close_with(box, error)
 end subroutine read_path
 
+! Meshes of the case's train, and its states: twice its elastic elements.
+subroutine train_sizes(handle, sizes)
+   use geartrain_python_box, only: box_type, box_of
+   implicit none
+   integer(8), intent(in) :: handle
+   integer, intent(out) :: sizes(2)
+   type(box_type), pointer :: box
+
+   box => box_of(handle)
+   sizes(1) = size(box%case%train%meshes)
+   sizes(2) = 2*(sizes(1) + count(.not. box%case%train%shafts%rigid))
+end subroutine train_sizes
+
 ! The natural modes of the case's train.
 subroutine find_modes(handle, progress, status)
    use geartrain, only: error_type, natural_modes
