@@ -64,6 +64,8 @@ contains
       type(job_type) :: jobs(size(files))
       integer :: i
 
+      call find_repeated(files, status)
+      if (status /= 0) return
       do i = 1, size(files)
          call prepare(files, i, output_file, jobs)
       end do
@@ -75,6 +77,23 @@ contains
       !$omp end parallel do
       status = maxval(jobs%status)
    end subroutine run_cases
+
+   !> `status` is not 0 where a case is given twice: nothing is run then, since a slip is more likely than a wish.
+   subroutine find_repeated(files, status)
+      type(file_name_type), intent(in) :: files(:)
+      integer, intent(out) :: status
+      integer :: i, k
+
+      status = 0
+      do i = 2, size(files)
+         do k = 1, i - 1
+            if (place(files(k)%name) /= place(files(i)%name)) cycle
+            call complain(files(i)%name//': error: the case is given twice: give it once; nothing was run')
+            status = status_input
+            exit
+         end do
+      end do
+   end subroutine find_repeated
 
    !> Reads case i and finds the place of its results, which must not be that of a case or of other results.
    subroutine prepare(files, i, output_file, jobs)

@@ -57,16 +57,34 @@ subroutine read_path(handle, path, status)
    status = close_with(box, error)
 end subroutine read_path
 
-subroutine find_modes(handle, status)
-   use geartrain, only: error_type, natural_modes
-   use geartrain_python_box, only: box_type, box_of, close_with
+! Meshes of the case's train, and its states: twice its elastic elements.
+subroutine train_sizes(handle, sizes)
+   use geartrain_python_box, only: box_type, box_of
    implicit none
    integer(8), intent(in) :: handle
+   integer, intent(out) :: sizes(2)
+   type(box_type), pointer :: box
+
+   box => box_of(handle)
+   sizes(1) = size(box%case%train%meshes)
+   sizes(2) = 2*(sizes(1) + count(.not. box%case%train%shafts%rigid))
+end subroutine train_sizes
+
+! The natural modes of the case's train.
+subroutine find_modes(handle, progress, status)
+   use geartrain, only: error_type, natural_modes
+   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type
+   implicit none
+   integer(8), intent(in) :: handle
+   double precision, intent(inout), target :: progress(3)
    integer, intent(out) :: status
    type(box_type), pointer :: box
    type(error_type), allocatable :: error
+   type(watch_type) :: watch
+   !f2py threadsafe
 
    box => box_of(handle)
+   call begin_watch(watch, box, progress)
    allocate (box%results%modes)
    call natural_modes(box%case%train, box%results%modes, error)
    status = close_with(box, error)

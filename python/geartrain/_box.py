@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from numbers import Integral
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
@@ -11,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _geartrain as fortran
+from ._motion_check import VALUES, check_motion
 from ._namelist import in_words_of_the_call
-from .errors import InputError, SolverError, shown
+from .errors import InputError, SolverError
 
 if TYPE_CHECKING:
     from .branch import Branch
@@ -27,10 +27,6 @@ Array = NDArray[np.float64]
 LOOSE, INTEGRATION, ATTRACTORS = 0, 1, 2  # which motions of a box
 
 _INPUT, _ENDED_EARLY, _FILE = 2, 3, 4
-_VALUES = (
-    *("rms", "mean", "minimum", "maximum"),
-    *("mesh_force_maximum", "dynamic_factor", "separation_fraction", "back_contact_fraction"),
-)
 
 
 class Box:
@@ -59,6 +55,10 @@ class Box:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Free what it holds; it is of no use then."""
         fortran.close_box(self.handle)
 
     def check(self, status: int, whole: bool = True) -> None:
@@ -225,9 +225,15 @@ class Box:
         values = np.stack([modes.natural_frequency, modes.damped_frequency, modes.damping_ratio], axis=1)
         fortran.put_modes(self.handle, _columns(modes.element, 16), values, modes.shape.T)
 
-    def put_motions(self, *motions: Motion) -> None:
+    def sizes(self) -> tuple[int, int]:
+        """Meshes of the case's train, and its states: twice its elastic elements."""
+        meshes, states = map(int, fortran.train_sizes(self.handle))
+        return meshes, states
+
+    def put_motions(self, *motions: Motion, what: str = "motion", only_state: bool = False) -> None:
+        """Put motions of the case's train; ``what`` is what messages call them, ``only_state`` as in `check_motion`."""
         for motion in motions:
-            _check(motion)
+            check_motion(motion, what, *self.sizes(), only_state=only_state)
         fortran.reserve_motions(self.handle, len(motions))
         for place, motion in enumerate(motions, 1):
             fortran.put_motion(
@@ -249,15 +255,23 @@ class Box:
             )
 
     def put_sweep(self, sweep: Sweep) -> None:
-        self.put_motions(*sweep)
+        if len(sweep.direction) != len(sweep) or not {*sweep.direction} <= {"up", "down"}:
+            raise InputError(f"integration: direction: must be 'up' or 'down' of each of the {len(sweep)} motions")
+        self._put_alike("integration", sweep)
         fortran.put_sweep(self.handle, _columns(sweep.direction, 4), sweep.ended.encode(), int(sweep.complete))
 
     def put_attractors(self, found: Attractors) -> None:
-        self.put_motions(*found)
+        self._put_alike("attractors", found)
         fortran.put_attractors(
             self.handle, found.ended.encode(), [found.frequency, found.unsettled],
             [found.random_seed, found.starts, found.complete],
         )
+
+    def _put_alike(self, what: str, motions: list[Motion]) -> None:
+        """Put motions that are written as one table."""
+        self.put_motions(*motions, what=what)
+        if len({len(motion.multipliers) for motion in motions if motion.multipliers is not None}) > 1:
+            raise InputError(f"{what}: multipliers: must be as many of one motion as of another")
 
     def put_stability_map(self, chart: StabilityMap) -> None:
         shape = (0, len(chart.frequency), len(chart.parameter))
@@ -310,27 +324,6 @@ class Box:
             )
 
 
-def _check(motion: Motion) -> None:
-    """Raise `InputError` where a motion is none that any method gives, be it made by hand."""
-    values, meshes = motion.coefficients, len(motion.rms)
-    named = [getattr(motion, name) for name in _VALUES]
-    state = np.zeros(0) if motion.state is None else motion.state
-    if isinstance(motion.period, bool) or not isinstance(motion.period, Integral) or motion.period < 0:
-        raise InputError(f"motion: period = {shown(motion.period)}: must be a whole number >= 0")
-    if values.ndim != 2 or len(values) != meshes or any(np.shape(value) != (meshes,) for value in named):
-        raise InputError("motion: coefficients (meshes, 1 + 2*harmonics), rms and the like (meshes,) do not agree")
-    if not (np.isfinite(motion.frequency) and np.isfinite(state).all()):
-        raise InputError("motion: frequency and state must be finite numbers")
-    harmonics = (values.shape[1] - 1) // 2
-    if values.shape[1] and not motion.unbounded and not (values.shape[1] % 2 and np.isfinite(values).all()):
-        raise InputError("motion: coefficients must be finite numbers, 1 + 2*harmonics of each mesh")
-    if values.shape[1] and motion.period > max(harmonics, 1):
-        raise InputError(
-            f"motion: period = {shown(motion.period)}: has {harmonics} harmonics, of which none is the mesh frequency itself: "
-            "must be at most that many"
-        )
-
-
 def file_name(path: str | os.PathLike[str]) -> bytes:
     """The path as Fortran wants it."""
     return os.fsencode(path)
@@ -338,7 +331,7 @@ def file_name(path: str | os.PathLike[str]) -> bytes:
 
 def _by_name(values: Array) -> dict[str, Array]:
     """The values of every mesh by their names; no dynamic factor (negative in Fortran) is NaN."""
-    named = dict(zip(_VALUES, values))
+    named = dict(zip(VALUES, values))
     factor = named["dynamic_factor"]
     named["dynamic_factor"] = np.where(factor < 0, np.nan, factor)
     return named
@@ -346,7 +339,7 @@ def _by_name(values: Array) -> dict[str, Array]:
 
 def _in_columns(owner: Motion | Branch) -> Array:
     """The inverse of ``_by_name``."""
-    values = {name: getattr(owner, name) for name in _VALUES}
+    values = {name: getattr(owner, name) for name in VALUES}
     values["dynamic_factor"] = np.nan_to_num(values["dynamic_factor"], nan=-1.0)
     return np.stack(list(values.values())).T
 

@@ -23,7 +23,12 @@ _TICK = 0.05  # s between looks at the progress
 
 
 def watched(
-    work: Callable[[NDArray[np.float64]], Result], name: str, total: int | None = None, unit: str = "points", value: str = "Lambda"
+    work: Callable[[NDArray[np.float64]], Result],
+    name: str,
+    total: int | None = None,
+    unit: str = "points",
+    value: str = "Lambda",
+    in_parts: bool = True,
 ) -> Result:
     """Do long work that Ctrl-C can stop.
 
@@ -39,6 +44,8 @@ def watched(
         Number of points, where known.
     unit, value : str
         What is counted in place of points, and what the third number is.
+    in_parts : bool
+        Whether there is anything to be had of work that was stopped; else the first Ctrl-C does not wait for it.
 
     Raises
     ------
@@ -75,9 +82,9 @@ def watched(
                     bar.set_postfix_str(f"{value} = {progress[2]:.4g}")
             except KeyboardInterrupt:
                 progress[0] = 1.0
-                if interrupted:
+                second, interrupted = interrupted, True
+                if second or not in_parts:
                     break  # the other thread ends by itself
-                interrupted = True
             except (OSError, ValueError):  # standard error is lost, and the bar with it
                 wanted, bar = False, None
     finally:

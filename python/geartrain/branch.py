@@ -168,6 +168,10 @@ class Branch:
         """
         if isinstance(frequency, bool) or not isinstance(frequency, Real):
             raise InputError(f"frequency = {shown(frequency)}: must be a number")
+        try:
+            frequency = float(frequency)
+        except OverflowError:
+            raise InputError(f"frequency = {shown(frequency)}: must be a finite number") from None
 
         def work(progress: NDArray[np.float64]) -> list[Motion]:
             with self._box() as box:

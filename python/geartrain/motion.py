@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Sequence, Sized
 from dataclasses import dataclass, field
 from functools import cached_property
 from numbers import Integral
@@ -14,6 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._box import ATTRACTORS, INTEGRATION, Box, fortran
 from ._draw import check_mesh
+from ._motion_check import check_motion, check_states
+from ._request import text_at
 from ._watch import watched
 from .errors import InputError, SolverError, shown
 
@@ -107,6 +109,7 @@ class Motion:
     @property
     def true_ac_rms(self) -> Array:
         """Root mean square over time of the displacement less its mean, (meshes,): ``rms`` over sqrt(2)."""
+        check_motion(self)
         return self.rms / np.sqrt(2)
 
     @property
@@ -131,6 +134,7 @@ class Motion:
 
     @cached_property
     def _period(self) -> tuple[Array, Array, Array]:
+        check_motion(self)
         harmonics = (self.coefficients.shape[-1] - 1) // 2
         return self._sample(max(256 * max(self.period or 1, 1), 16 * harmonics))
 
@@ -172,6 +176,7 @@ class Motion:
         >>> order, amplitude[:, 0].round(3)
         (array([1., 2., 3., 4., 5., 6.]), array([0.157, 0.376, 0.049, 0.004, 0.001, 0.   ]))
         """
+        check_motion(self)
         cosine, sine = self.coefficients[:, 1::2], self.coefficients[:, 2::2]
         order = np.arange(1, cosine.shape[1] + 1) / (self.period or _LONGEST)
         return order, np.hypot(cosine, sine).T
@@ -197,6 +202,7 @@ class Motion:
         >>> axes = branch.at(0.9)[0].plot(mesh=2)
         >>> axes[0].figure.savefig("motion.png")  # doctest: +SKIP
         """
+        check_motion(self)
         meshes = len(self.rms)
         if mesh is not None:
             check_mesh(mesh, meshes)
@@ -254,7 +260,7 @@ class Motion:
         """
 
         def work(progress: NDArray[np.float64]) -> Motion:
-            with self._box() as box:
+            with self._box("refine") as box:
                 box.check(fortran.refine_motion(box.handle, progress))
                 return Motion(train=self.train, **box.motions()[0])
 
@@ -268,13 +274,25 @@ class Motion:
             )
         return refined
 
-    def _box(self) -> Box:
+    def _box(self, what: str = "motion") -> Box:
+        """A box of the motion; ``what`` is what messages call it."""
         if self.train is None:
             raise ValueError("this motion has no train")
+        from .train import Train
+
+        if not isinstance(self.train, Train):
+            raise InputError(f"{what}: train = {shown(self.train)}: must be a gt.Train")
         if self.unbounded:
             raise SolverError(f"the motion grows without bound at Lambda = {self.frequency:g}: it has no waveform")
-        box = Box(self.train.namelist())
-        box.put_motions(self)
+        try:
+            box = Box(text_at(self.train, self.frequency, {}))
+        except InputError as error:
+            raise InputError(str(error).replace("&integration", what)) from None
+        try:
+            box.put_motions(self, what=what)
+        except BaseException:
+            box.close()
+            raise
         return box
 
 
@@ -373,11 +391,16 @@ class Attractors(list[Motion]):
         return cls([Motion(train=train, **fields) for fields in motions], **box.attractors(), branches=branches)
 
 
-def from_state(state: ArrayLike, meshes: int) -> Motion:
-    """A motion of which only the state is known."""
+def from_state(state: ArrayLike, meshes: int, states: int) -> Motion:
+    """A motion of which only the state is known; ``states`` is how many values it must have."""
+    if not isinstance(state, np.ndarray):
+        # A list without end, or of such lists, is not to be looked through.
+        _check_length(state, states)
+        if isinstance(state, Sequence) and any(isinstance(item, Sized) and not np.isscalar(item) for item in state):
+            raise InputError(f"start = {shown(state)}: must be a gt.Motion or a list of numbers, and has lists in it")
     try:
         values = np.array(state, float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"start = {shown(state)}: must be a gt.Motion or a list of numbers") from None
     if values.ndim != 1 or not np.isfinite(values).all():
         raise InputError(f"start: must be a gt.Motion or finite numbers of shape (2*elements,), is {values.shape}")
@@ -396,3 +419,13 @@ def from_state(state: ArrayLike, meshes: int) -> Motion:
         coefficients=np.zeros((meshes, 0)),
         state=values,
     )
+
+
+def _check_length(state: Any, states: int) -> None:
+    if not isinstance(state, Sized) or isinstance(state, (str, bytes)):
+        return
+    try:
+        number = len(state)
+    except (OverflowError, TypeError):  # a range of more items than Python counts; an array of no dimension
+        raise InputError(f"start = {shown(state)}: must be a gt.Motion or a list of {states} numbers") from None
+    check_states(number, states, "start")

@@ -130,9 +130,14 @@ class Train:
         -------
         Modes
         """
-        with Box(self.namelist()) as box:
-            box.check(fortran.find_modes(box.handle))
-            return Modes(**(box.modes() or {}))
+        text = self.namelist()
+
+        def work(progress: NDArray[np.float64]) -> Modes:
+            with Box(text) as box:
+                box.check(fortran.find_modes(box.handle, progress))
+                return Modes(**(box.modes() or {}))
+
+        return watched(work, "modes", in_parts=False)
 
     def response(
         self,
@@ -233,13 +238,15 @@ class Train:
             "refine": refine,
         }
         text = self.namelist(response=settings)
-        if seed is not None:
-            self._check_seed(seed)
+        if seed is not None and not isinstance(seed, Motion):
+            raise InputError(f"seed = {shown(seed)}: must be a gt.Motion")
+        if seed is not None and seed.unbounded:
+            raise InputError("seed: a motion that grew without bound: must be a periodic one")
 
         def work(progress: NDArray[np.float64]) -> Branch:
             with Box(text) as box:
                 if seed is not None:
-                    box.put_motions(seed)
+                    box.put_motions(seed, what="seed")
                 status = fortran.follow_response(box.handle, progress)
                 branch = Branch._from(box, self, settings)
                 box.check(status, whole=branch is None)
@@ -295,12 +302,13 @@ class Train:
         """
         settings = {"stability": stability, "harmonics": harmonics, "max_periods": max_periods, "tolerance": tolerance}
         text = text_at(self, frequency, settings)
-        first = start if start is None or isinstance(start, Motion) else from_state(start, len(self.meshes))
 
         def work(progress: NDArray[np.float64]) -> Motion:
             with Box(text) as box:
-                if first is not None:
-                    box.put_motions(first)
+                if isinstance(start, Motion):
+                    box.put_motions(start, what="start")
+                elif start is not None:
+                    box.put_motions(from_state(start, *box.sizes()), what="start", only_state=True)
                 box.check(fortran.integrate_at(box.handle, frequency, progress))
                 return Motion(train=self, **box.motions()[0])
 
@@ -504,11 +512,3 @@ class Train:
                 return StabilityMap(**(box.stability_map() or {}))
 
         return watched(work, "stability map", parameter_points, "rows", parameter)
-
-    def _check_seed(self, seed: Motion) -> None:
-        if not isinstance(seed, Motion):
-            raise InputError(f"seed = {shown(seed)}: must be a gt.Motion")
-        meshes, terms = seed.coefficients.shape
-        if terms == 0 or meshes != len(self.meshes):
-            raise InputError(f"seed: a motion of {meshes} meshes with {terms // 2} harmonics: the train has "
-                             f"{len(self.meshes)} meshes")

@@ -371,6 +371,28 @@ def test_files_of_junk(content, message, tmp_path):
         gt.read_case(path)
 
 
+@pytest.mark.parametrize(("character", "told"), [
+    ("\u00a0", 'found "\u00a0" (U+00A0)'), ("\u00e4", 'found "\u00e4" (U+00E4)'), ("\u2028", "(U+2028)"),
+    ("\U0001f469", 'found "\U0001f469" (U+1F469)'), ("\ufeff", "(U+FEFF)"), ("?", 'found "?"'),
+])
+def test_messages_show_whole_characters(executable, table, tmp_path, character, told):
+    """Standard error is UTF-8, whichever character stands where none must."""
+    path = tmp_path / "case.nml"
+    path.write_text(case_text(table).replace("&train\n", f"&train\n{character}\n", 1), encoding="utf-8")
+    done = subprocess.run([executable, "--check", path], capture_output=True, check=False)
+    assert done.returncode == 2 and told in done.stderr.decode(), done
+    with pytest.raises(gt.InputError, match=re.escape(told)):
+        gt.read_case(path)
+
+
+@pytest.mark.parametrize("line", [b"\xe4 = 1", b"\xa0", b"input_torque = \xe4", b"title = 'Zahnr\xe4der'", b"\xf0\x9f"])
+def test_messages_about_files_that_are_not_utf_8_are(executable, table, tmp_path, line):
+    path = tmp_path / "case.nml"
+    path.write_bytes(case_text(table).encode().replace(b"&train\n", b"&train\n" + line + b"\n", 1))
+    done = subprocess.run([executable, "--check", path], capture_output=True, check=False)
+    assert done.returncode == 2 and "case.nml:2:" in done.stderr.decode(), done
+
+
 def test_files_that_are_none(executable, tmp_path):
     huge = tmp_path / "huge.nml"
     with huge.open("wb") as file:

@@ -69,6 +69,16 @@ def test_several_cases(executable, tmp_path):
             assert one["response"][name][()].tobytes() == two["response"][name][()].tobytes()
 
 
+def test_a_case_given_twice_is_refused_before_anything_runs(executable, tmp_path):
+    for name in ("one", "two"):
+        (tmp_path / f"{name}.nml").write_text(CASE.read_text())
+    for again in ("one.nml", "./one.nml", f"../{tmp_path.name}/one.nml"):
+        done = run(executable, "one.nml", "two.nml", again, cwd=tmp_path)
+        assert done.returncode == 2 and done.stdout == ""
+        assert done.stderr == f"{again}: error: the case is given twice: give it once; nothing was run\n"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["one.nml", "two.nml"]
+
+
 @pytest.mark.parametrize(
     "arguments", [(), ("--nonsense",), ("missing.nml",), (".",), (CASE, "--output"), (CASE, CASE, "--output", "x.h5")]
 )

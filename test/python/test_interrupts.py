@@ -52,6 +52,8 @@ HUGE = "points=10000, parameter_points=10000"
     (60, MAP.format("linear=True"), (0.2, 2.0)),
     (60, MAP.format("points=20"), (2.0,)),
     (30, "response(start=1.5, stop=4.0, period_doublings=2)", (2.0, 4.0)),
+    (700, "modes()", (0.3, 2.0)),
+    (700, "natural_frequencies()", (2.0,)),
 ])
 def test_within_a_second(meshes, call, waits):
     for wait in waits:

@@ -63,22 +63,91 @@ def test_without_standard_error_or_tqdm_there_is_no_bar(request, before):
 @pytest.mark.parametrize("changes", [
     {"period": 10**6}, {"period": 10**30}, {"period": -1}, {"period": 2.5}, {"period": True}, {"period": None},
     {"coefficients": np.ones((2, 4))}, {"coefficients": np.ones((1, 33))}, {"coefficients": np.full((2, 33), np.nan)},
-    {"rms": np.ones(3)}, {"mesh_force_maximum": np.ones(1)}, {"state": np.full(10, np.inf)}, {"frequency": float("nan")},
+    {"period": 10**400}, {"period": 1001, "coefficients": np.zeros((2, 10001))}, {"coefficients": np.zeros((2, 0))},
+    {"coefficients": np.zeros((0, 33))}, {"coefficients": None},
+    {"coefficients": np.full((2, 33), 1e300)}, {"coefficients": np.ones((2, 33), complex)},
+    {"rms": np.ones(3)}, {"rms": None}, {"mean": [None, None]}, {"mesh_force_maximum": np.ones(1)},
+    {"state": np.full(10, np.inf)}, {"state": np.full(10, 1e200)}, {"state": "rest"},
+    {"frequency": float("nan")}, {"frequency": 10**400}, {"frequency": None}, {"multipliers": np.ones((2, 2), complex)},
+    {"error_estimate": None}, {"lyapunov_exponent": "0"}, {"stable": "yes"}, {"kind": "unheard"}, {"kind": None},
 ])
 def test_forged_motions_are_refused(train, changes):
+    """Wherever a motion goes, whatever of it is used there; the message tells the value and what it must be."""
     forged = dataclasses.replace(train.integrate(0.9), **changes)
     begin = time.monotonic()
-    for call in (forged.refine, lambda: forged.displacement, lambda: train.response(start=0.8, stop=1.0, seed=forged),
-                 lambda: train.integrate(0.9, start=forged)):
-        with pytest.raises(gt.InputError):
+    for call in (forged.refine, lambda: forged.displacement, lambda: forged.mesh_force, lambda: forged.time,
+                 lambda: forged.true_ac_rms, lambda: forged.waveform(64), forged.spectrum, forged.plot,
+                 lambda: train.response(start=0.8, stop=1.0, seed=forged), lambda: train.integrate(0.9, start=forged)):
+        with pytest.raises(gt.InputError, match=r"must (be|have)"):
             call()
     assert time.monotonic() - begin < 5
 
 
-@pytest.mark.parametrize("changes", [{"state": np.ones(3)}, {"frequency": -1.0}, {"frequency": 0.0}])
-def test_what_a_forged_motion_lacks_is_told_where_it_is_wanted(train, changes):
-    with pytest.raises(gt.InputError, match="refine: "):
-        dataclasses.replace(train.integrate(0.9), **changes).refine()
+@pytest.mark.parametrize("changes", [
+    {"state": np.ones(3)}, {"multipliers": np.ones(11, complex)}, {"frequency": -1.0}, {"frequency": 0.0}, {"frequency": 1e-300},
+    {"frequency": 1e300}, {"train": "the paper's"},
+])
+def test_forged_motions_that_no_motion_of_the_train_is_like(train, changes):
+    forged = dataclasses.replace(train.integrate(0.9), **changes)
+    with pytest.raises(gt.InputError, match=r"^refine: .*must "):
+        forged.refine()
+    for call in (lambda: forged.displacement, lambda: forged.waveform(64)):
+        with pytest.raises(gt.InputError, match=r"^motion: .*must "):
+            call()
+
+
+def test_motions_of_another_train_are_refused(train):
+    """Not one byte of it is read or written: the heap would not bear it."""
+    shafts, meshes = train.shafts[:2], train.meshes[:1]
+    pair = paper_train(shafts=shafts, meshes=meshes)
+    motion = train.integrate(0.9)
+    for forged in (dataclasses.replace(motion, train=pair), dataclasses.replace(motion, train=pair, state=None)):
+        for call in (lambda m=forged: m.waveform(64), lambda m=forged: m.displacement, lambda m=forged: m.mesh_force,
+                     forged.refine, forged.plot):
+            with pytest.raises(gt.InputError, match="a motion of 2 meshes: the train has 1"):
+                call()
+    with pytest.raises(gt.InputError, match="seed: a motion of 2 meshes"):
+        pair.response(start=0.8, stop=1.0, seed=motion)
+    with pytest.raises(gt.InputError, match="start: a motion of 2 meshes"):
+        pair.integrate(0.9, start=motion)
+    same_meshes = paper_train(shafts=[train.shafts[0], gt.Shaft(rigid=True), train.shafts[2]])
+    with pytest.raises(gt.InputError, match="a state of 10 values: must have 8"):
+        dataclasses.replace(motion, train=same_meshes).waveform(64)
+
+
+def test_results_of_forged_motions_are_not_written(tmp_path):
+    results = gt.read_case(ROOT / "namelists" / "single_pair.nml")
+    sweep = results.train.sweep(start=0.5, stop=0.6, points=2, stability=True)
+    text = results.train.namelist(integration={"start": 0.5, "stop": 0.6, "points": 2})
+    forged = dataclasses.replace(sweep[1], multipliers=np.ones(1, complex))
+    for motions, direction, told in (
+        ([*sweep, sweep[0]], sweep.direction, "direction: must be 'up' or 'down' of each of the 3 motions"),
+        ([sweep[0], forged], sweep.direction, "multipliers: must be as many"),
+        ([sweep[0], dataclasses.replace(sweep[1], rms=None)], sweep.direction, "integration: rms = None"),
+    ):
+        wrong = gt.Results(modes=None, response=None, integration=gt.Sweep(motions, direction, "", True), text=text)
+        with pytest.raises(gt.InputError, match=told):
+            wrong.write(tmp_path / "out.h5")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("start", [
+    range(10**12), range(10**30), [range(10**12)] * 10, [10**400] * 10, [1e200] * 10, np.full(10, 1e200), np.array(0.0),
+    np.zeros((2, 5)), "at rest!!!", {"state": 1},
+], ids=lambda start: str(start)[:20])
+def test_starts_that_are_none_are_told_at_once(train, start):
+    begin = time.monotonic()
+    with pytest.raises(gt.InputError, match=r"^start.*must "):
+        train.integrate(0.9, start=start)
+    assert time.monotonic() - begin < 5
+
+
+@pytest.mark.parametrize("frequency", [10**400, -(10**400)])
+def test_frequencies_beyond_all_numbers(train, branch, frequency):
+    with pytest.raises(gt.InputError, match=r"frequency = .*must be a finite number"):
+        branch.at(frequency)
+    with pytest.raises(gt.InputError, match=r"frequency = .*must be a"):
+        train.integrate(frequency)
 
 
 @pytest.mark.parametrize("number", [2**31, -(2**31) - 1, 2**63, 10**30, 10**5000], ids=["31", "-31", "63", "10**30", "10**5000"])

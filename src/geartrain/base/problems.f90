@@ -2,6 +2,7 @@
 module geartrain_base_problems
    use geartrain_base_error, only: error_type, fatal
    use geartrain_base_numbers, only: integer_text
+   use geartrain_base_variable, only: is_utf_8
    implicit none (type, external)
    private
    public :: problems_type, group_label
@@ -129,12 +130,25 @@ contains
       end if
    end function before
 
+   !> The text with a question mark for each byte beyond ASCII where it is not UTF-8, as values of a file in another code are.
+   pure function readable(text) result(whole)
+      character(*), intent(in) :: text
+      character(len(text)) :: whole
+      integer :: i
+
+      whole = text
+      if (is_utf_8(text)) return
+      do i = 1, len(text)
+         if (iachar(text(i:i)) >= 128) whole(i:i) = '?'
+      end do
+   end function readable
+
    pure function message(problem, file) result(text)
       type(problem_type), intent(in) :: problem
       character(*), intent(in) :: file
       character(:), allocatable :: text
 
-      text = problem%text
+      text = readable(problem%text)
       if (problem%group /= '' .and. .not. problem%names_group) then
          text = group_label(problem%group, problem%index)//': '//text
       end if

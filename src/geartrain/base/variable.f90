@@ -8,7 +8,7 @@ module geartrain_base_variable
    use geartrain_base_numbers, only: integer_text, real_text
    implicit none (type, external)
    private
-   public :: variable_type, visitor_type, smallest, largest
+   public :: variable_type, visitor_type, is_utf_8, smallest, largest
 
    !> Magnitudes of numbers that are not 0, for every variable: products of several of them are numbers still, and no train in SI
    !> units comes near. A list may hold smaller ones: rounding of what is 0.

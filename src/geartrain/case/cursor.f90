@@ -1,5 +1,6 @@
 !> A place in the text of a case file, and the steps over it.
 module geartrain_case_cursor
+   use geartrain_base_variable, only: is_utf_8
    implicit none (type, external)
    private
    public :: cursor_type, lower, shortened, blanks, digits, letters, newline
@@ -17,6 +18,7 @@ module geartrain_case_cursor
    contains
       procedure :: ended
       procedure :: peek
+      procedure :: shown
       procedure :: advance
       procedure :: skip_space
       procedure :: skip_to_group
@@ -117,6 +119,31 @@ contains
       peek = newline
       if (self%at <= len(self%text)) peek = self%text(self%at:self%at)
    end function peek
+
+   !> The character under the cursor in quotes, as a message shows it: all bytes of UTF-8, and the code point where it is not
+   !> ASCII, since it may look like a blank; a byte that is no character by its number.
+   pure function shown(self) result(text)
+      class(cursor_type), intent(in) :: self
+      character(:), allocatable :: text
+      character(8) :: code
+      integer :: first, last, point, i
+
+      text = '"'//self%peek()//'"'
+      first = iachar(self%peek())
+      if (first < 128) return
+      last = min(len(self%text), self%at + count(first >= [192, 224, 240]))
+      if (is_utf_8(self%text(self%at:last))) then
+         point = iand(first, 63/2**(last - self%at))
+         do i = self%at + 1, last
+            point = 64*point + iand(iachar(self%text(i:i)), 63)
+         end do
+         write (code, '(a, z0.4)') 'U+', point
+         text = '"'//self%text(self%at:last)//'" ('//trim(code)//')'
+      else
+         write (code, '(z2)') first
+         text = 'the byte '//trim(code)//' (hexadecimal), which is not UTF-8'
+      end if
+   end function shown
 
    !> Columns count characters as an editor shows them: the later bytes of a UTF-8 character count nothing.
    subroutine advance(self, steps)

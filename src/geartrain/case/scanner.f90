@@ -107,7 +107,7 @@ contains
             n = n + 1
             call scan_assignment(cursor, room(n), group, problems)
          else
-            call problems%add('expected "name = value" or the closing /, found "'//cursor%peek()//'"', group%name, &
+            call problems%add('expected "name = value" or the closing /, found '//cursor%shown(), group%name, &
                               group%index, line=cursor%line, column=cursor%column)
             skipped%bad = .true.
             call scan_values(cursor, skipped, group, problems)

@@ -34,6 +34,10 @@ contains
       if (allocated(error)) return
       call build_system(train, system)
       call undamped(system, modes, info)
+      if (system%interrupt%raised()) then
+         call fatal(error, 'natural modes: interrupted', status_ended_early)
+         return
+      end if
       if (info == 0) call damped(system, modes, info)
       if (info /= 0) call fatal(error, 'natural modes: LAPACK did not converge', status_ended_early)
       allocate (modes%element(system%elements))
