@@ -430,11 +430,16 @@ contains
       origin = before(2)
    end subroutine relax
 
-   !> Adds to the reason for the end how many points miss the tolerance; where all do, the branch is not what was asked for.
+   !> Adds to the reason for the end how many points miss the tolerance; where all do, the branch is not what was asked for. Where
+   !> it is nearly vertical a small error in Lambda is a large one at constant Lambda, which more harmonics hardly mend.
    subroutine tell_missed(self, branch)
       class(tracer_type), intent(in) :: self
       type(branch_type), intent(inout) :: branch
+      integer :: steep
 
+      if (self%settings%harmonics /= 0) return
+      steep = count(branch%error_estimate(:branch%points) > self%settings%tolerance) - self%missed
+      if (steep > 0) branch%ended = branch%ended//'; '//text(steep)//' points where it is nearly vertical miss the tolerance'
       if (self%missed == 0) return
       if (self%missed >= branch%points) branch%complete = .false.
       branch%ended = branch%ended//'; '//text(min(self%missed, branch%points))//' of '//text(branch%points) &
