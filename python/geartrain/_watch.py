@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import sys
 import threading
@@ -84,7 +85,9 @@ def watched(
                 progress[0] = 1.0
                 second, interrupted = interrupted, True
                 if second or not in_parts:
-                    break  # the other thread ends by itself
+                    # The other thread ends by itself, and before the process does: its code must not be unloaded under it.
+                    atexit.register(thread.join)
+                    break
             except (OSError, ValueError):  # standard error is lost, and the bar with it
                 wanted, bar = False, None
     finally:
