@@ -35,6 +35,9 @@ def main():
     parser.add_argument("parts", nargs="*", choices=[*PARTS, []], help="those to measure; all of them unless told")
     options = parser.parse_args()
     KEPT.mkdir(parents=True, exist_ok=True)
+    unknown = [name for name in PARTS if options.parts and name not in options.parts and not (KEPT / f"{name}.json").exists()]
+    if unknown:
+        parser.error(f"nothing is kept of {', '.join(unknown)}: measure all parts first")
     begun = time.perf_counter()
 
     def say(text):
