@@ -238,6 +238,7 @@ contains
       character(*), intent(in) :: path
       integer :: status
 
+      status = 0
       call execute_command_line('ls '//path//'.*.tmp >/dev/null 2>&1', exitstat=status)
       no_temporary = status /= 0
    end function no_temporary

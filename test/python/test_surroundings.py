@@ -63,7 +63,7 @@ def test_without_standard_error_or_tqdm_there_is_no_bar(request, before):
 @pytest.mark.parametrize("changes", [
     {"period": 10**6}, {"period": 10**30}, {"period": -1}, {"period": 2.5}, {"period": True}, {"period": None},
     {"coefficients": np.ones((2, 4))}, {"coefficients": np.ones((1, 33))}, {"coefficients": np.full((2, 33), np.nan)},
-    {"period": 10**400}, {"period": 1001, "coefficients": np.zeros((2, 10001))}, {"coefficients": np.zeros((2, 0))},
+    {"period": 10**400}, {"period": 2**31}, {"coefficients": np.zeros((2, 0))},
     {"coefficients": np.zeros((0, 33))}, {"coefficients": None},
     {"coefficients": np.full((2, 33), 1e300)}, {"coefficients": np.ones((2, 33), complex)},
     {"rms": np.ones(3)}, {"rms": None}, {"mean": [None, None]}, {"mesh_force_maximum": np.ones(1)},

@@ -169,8 +169,7 @@ contains
             call tracer%path%correct(place, success)
             if (.not. success) return
             f = depth_at(place, j, back)
-            ! What the polynomial lacks goes as the product of the ways to its nodes.
-            way = -f/(slope + f*sum(1/(s - piece%at(:piece%nodes))))
+            way = step_to_zero(piece, s, f, slope)
             frequency = place%frequency + place%tangent_frequency*way
             if (way**2 < nearly*piece%length) return
             ! The branch is as far from the polynomial a little further on.
@@ -198,6 +197,20 @@ contains
       end function depth_at
 
    end subroutine locate_contact_edges
+
+   !> The way from s to where a depth is zero that is f at s, on the branch, and grows as `slope` on the polynomial: what the
+   !> polynomial lacks goes as the product of the ways to its nodes, and is nothing at a node.
+   pure real(dp) function step_to_zero(piece, s, f, slope)
+      type(piece_type), intent(in) :: piece
+      real(dp), intent(in) :: s, f, slope
+      real(dp) :: to_nodes(piece%nodes), rate
+
+      to_nodes = s - piece%at(:piece%nodes)
+      rate = slope
+      if (minval(abs(to_nodes)) > 1e-9_dp*piece%length) rate = rate + f*sum(1/to_nodes)
+      step_to_zero = 0
+      if (abs(f) > 0) step_to_zero = -f/sign(max(abs(rate), 1e-30_dp), rate)
+   end function step_to_zero
 
    !> The place at the way s along a piece, with its tangent: on the polynomial through its nodes.
    pure subroutine go_along(piece, s, place)

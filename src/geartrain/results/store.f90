@@ -40,7 +40,7 @@ module geartrain_results_store
       procedure :: put_bytes
       procedure :: close => close_store
       procedure, private :: text_attribute, integer_attribute, real_attribute
-      procedure, private :: number_attribute, describe, write_attribute
+      procedure, private :: opens, number_attribute, describe, write_attribute
       procedure, private :: index_axis, real_axis, text_axis, make_axis
       procedure, private :: put_text, put_logical, put_integer, put_integer_2, put_real_1, put_real_2, put_real_3, put_any
       procedure, private :: attach_axes
@@ -152,13 +152,24 @@ contains
       integer(hid_t) :: object
       integer :: status
 
-      if (allocated(self%failure)) return
-      call h5oopen_f(self%file, path, object, status)
-      call self%note(status, 'open '//path)
-      if (status < 0) return
+      if (.not. self%opens(path, object)) return
       call self%describe(object, path, name, value)
       call h5oclose_f(object, status)
    end subroutine text_attribute
+
+   !> Opens the group or dataset at `path`; false where that or something before it failed.
+   logical function opens(self, path, object)
+      class(store_type), intent(inout) :: self
+      character(*), intent(in) :: path
+      integer(hid_t), intent(out) :: object
+      integer :: status
+
+      opens = .not. allocated(self%failure)
+      if (.not. opens) return
+      call h5oopen_f(self%file, path, object, status)
+      call self%note(status, 'open '//path)
+      opens = status >= 0
+   end function opens
 
    !> A text attribute of an open group or dataset.
    subroutine describe(self, object, path, name, value)
@@ -198,10 +209,7 @@ contains
       integer(hid_t) :: object
       integer :: status
 
-      if (allocated(self%failure)) return
-      call h5oopen_f(self%file, path, object, status)
-      call self%note(status, 'open '//path)
-      if (status < 0) return
+      if (.not. self%opens(path, object)) return
       call self%write_attribute(object, path, name, kind, address)
       call h5oclose_f(object, status)
    end subroutine number_attribute
