@@ -3,7 +3,7 @@ module geartrain_base_lapack
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
    private
-   public :: dgetrf, dgetrs, dgeev, dgemm, dgemv, dsteqr, dsterf
+   public :: dgetrf, dgetrs, dgeev, dgemm, dgemv, dsbev
 
    interface
       !> LU factors of a general matrix.
@@ -57,24 +57,16 @@ module geartrain_base_lapack
          real(dp), intent(inout) :: y(*)
       end subroutine dgemv
 
-      !> Eigenvalues and vectors of a symmetric tridiagonal matrix.
-      pure subroutine dsteqr(compz, n, d, e, z, ldz, work, info)
+      !> Eigenvalues, ascending, and where asked for eigenvectors of a symmetric band matrix.
+      pure subroutine dsbev(jobz, uplo, n, kd, ab, ldab, w, z, ldz, work, info)
          import :: dp
          implicit none (type, external)
-         character, intent(in) :: compz
-         integer, intent(in) :: n, ldz
-         real(dp), intent(inout) :: d(*), e(*), z(ldz, *), work(*)
+         character, intent(in) :: jobz, uplo
+         integer, intent(in) :: n, kd, ldab, ldz
+         real(dp), intent(inout) :: ab(ldab, *), z(ldz, *), work(*)
+         real(dp), intent(out) :: w(*)
          integer, intent(out) :: info
-      end subroutine dsteqr
-
-      !> Eigenvalues alone of a symmetric tridiagonal matrix, ascending, at a fraction of the work.
-      pure subroutine dsterf(n, d, e, info)
-         import :: dp
-         implicit none (type, external)
-         integer, intent(in) :: n
-         real(dp), intent(inout) :: d(*), e(*)
-         integer, intent(out) :: info
-      end subroutine dsterf
+      end subroutine dsbev
    end interface
 
 end module geartrain_base_lapack

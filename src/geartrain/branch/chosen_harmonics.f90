@@ -1,7 +1,6 @@
 !> How many harmonics a balance may have where their number is left to the program.
 module geartrain_branch_chosen_harmonics
    use geartrain_model_excitation, only: excited_harmonics, reach_of_sources
-   use geartrain_model_receptance, only: is_unknown
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
@@ -43,7 +42,7 @@ contains
       type(system_type), intent(in) :: system
 
       at_least = max(harmonics*apart(system, subharmonic), reach_of_sources(system))
-      if (.not. all(is_unknown(system))) at_least = maxval([at_least, excited_harmonics(system)])
+      if (system%cut%unknowns < system%meshes) at_least = maxval([at_least, excited_harmonics(system)])
       at_least = at_least*subharmonic
    end function at_least
 

@@ -25,7 +25,7 @@ contains
       gap = maxval(system%backlash)
       if (drive > 0) gap = min(gap, rattle*drive)
       units%length = decade(max(drive, gap))
-      units%frequency = decade(sqrt(minval(system%coupling(2, system%mesh_element))))
+      units%frequency = decade(sqrt(minval(system%own(system%mesh_element))))
    end function units_of
 
    !> Unit of length of motions that cross the gap, which amplitude limits are multiples of.

@@ -2,8 +2,9 @@
 module geartrain_model_modes
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_kinds, only: dp
-   use geartrain_base_lapack, only: dgeev, dsteqr, dsterf
+   use geartrain_base_lapack, only: dgeev
    use geartrain_model_check, only: check_train
+   use geartrain_model_spectrum, only: eigenvalues_of
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -28,7 +29,7 @@ contains
       type(modes_type), intent(out) :: modes
       type(error_type), allocatable, intent(out) :: error
       type(system_type) :: system
-      integer :: info, n, j
+      integer :: info, n
 
       call check_train(train, error)
       if (allocated(error)) return
@@ -42,49 +43,39 @@ contains
       if (info /= 0) call fatal(error, 'natural modes: LAPACK did not converge', status_ended_early)
       allocate (modes%element(system%elements))
       do n = 1, system%elements
-         if (system%element_mesh(n) > 0) write (modes%element(n), '(a, i0)') 'mesh ', system%element_mesh(n)
-      end do
-      do j = 1, size(system%body_element)
-         if (system%body_element(j) > 0) write (modes%element(system%body_element(j)), '(a, i0)') 'shaft ', j
+         if (system%element_mesh(n) > 0) then
+            write (modes%element(n), '(a, i0)') 'mesh ', system%element_mesh(n)
+         else
+            write (modes%element(n), '(a, i0)') 'shaft ', system%element_shaft(n)
+         end if
       end do
    end subroutine natural_modes
 
    !> Natural frequencies alone, over characteristic frequency, ascending; empty where LAPACK does not converge.
    pure function natural_frequencies(system) result(frequency)
       type(system_type), intent(in) :: system
-      real(dp), allocatable :: frequency(:), off(:)
+      real(dp), allocatable :: frequency(:)
       integer :: n, info
 
-      n = system%elements
-      frequency = system%coupling(2, :)
-      off = -sqrt(system%coupling(3, :n - 1)*system%coupling(1, 2:))
-      call dsterf(n, frequency, off, info)
+      allocate (frequency(system%elements))
+      call eigenvalues_of(system, [(1.0_dp, n=1, system%elements)], frequency, info)
       frequency = sqrt(max(frequency, 0.0_dp))
       if (info /= 0) frequency = [real(dp) ::]
    end function natural_frequencies
 
-   !> W is tridiagonal and similar to a symmetric matrix by the square roots of the stiffnesses.
    subroutine undamped(system, modes, info)
       type(system_type), intent(in) :: system
       type(modes_type), intent(inout) :: modes
       integer, intent(out) :: info
-      real(dp), allocatable :: diagonal(:), off(:), vector(:, :), work(:)
-      integer :: n, i
+      real(dp) :: square(system%elements)
+      integer :: i
 
-      n = system%elements
-      allocate (vector(n, n), work(max(1, 2*n - 2)))
-      vector = 0
-      do i = 1, n
-         vector(i, i) = 1
-      end do
-      diagonal = system%coupling(2, :)
-      off = -sqrt(system%coupling(3, :n - 1)*system%coupling(1, 2:))
-      call dsteqr('I', n, diagonal, off, vector, n, work, info)
+      allocate (modes%shape(system%elements, system%elements))
+      call eigenvalues_of(system, [(1.0_dp, i=1, system%elements)], square, info, modes%shape)
       if (info /= 0) return
-      modes%natural_frequency = sqrt(max(diagonal, 0.0_dp))
-      modes%shape = vector
-      do i = 1, n
-         modes%shape(:, i) = vector(:, i)/sqrt(system%stiffness)
+      modes%natural_frequency = sqrt(max(square, 0.0_dp))
+      do i = 1, system%elements
+         modes%shape(:, i) = modes%shape(:, i)/sqrt(system%stiffness)
          modes%shape(:, i) = modes%shape(:, i)/modes%shape(maxloc(abs(modes%shape(:, i)), 1), i)
       end do
    end subroutine undamped
@@ -103,9 +94,13 @@ contains
       a = 0
       do i = 1, n
          a(i, n + i) = 1
-         do j = max(1, i - 1), min(n, i + 1)
-            a(n + i, j) = -system%coupling(j - i + 2, i)
-            a(n + i, n + j) = -system%coupling(j - i + 2, i)*system%damping(j)
+         a(n + i, i) = -system%own(i)
+         a(n + i, n + i) = -system%own(i)*system%damping(i)
+         do j = system%first(i), system%first(i + 1) - 1
+            associate (m => system%neighbour(j))
+               a(n + i, m) = -system%coupling(j)
+               a(n + i, n + m) = -system%coupling(j)*system%damping(m)
+            end associate
          end do
       end do
       call dgeev('N', 'N', 2*n, a, 2*n, wr, wi, empty, 1, empty, 1, work, size(work), info)

@@ -1,145 +1,172 @@
-!> The linear part of the harmonic balance: displacement of each unknown mesh under harmonic mesh forces,
-!>    p_j + sum over i = j-1, j, j+1 of H_ji phi_i = a_j,
-!> with linear meshes of constant stiffness eliminated and recovered afterwards.
+!> The linear rest of the harmonic balance: displacement of each unknown mesh under harmonic mesh forces,
+!>    p_i + sum over j of H_ij phi_j = a_i,
+!> j over the unknown meshes that share a linear part with i, and the displacements within the parts afterwards.
 module geartrain_model_receptance
    use geartrain_base_kinds, only: dp
-   use geartrain_model_body, only: body_type
+   use geartrain_model_part, only: part_state_type
    use geartrain_model_system, only: series_type, system_type
    implicit none (type, external)
    private
-   public :: receptance_type, find_receptance, is_unknown, recover_meshes
+   public :: receptance_type, find_receptance, linear_displacements
 
    type :: receptance_type
-      !> H(j, i = j-1, j, j+1) between neighbouring meshes that remain and the excitation a(j), with their derivatives with
-      !> respect to Lambda, (3, mesh) and (mesh). Rows of eliminated meshes hold their state at elimination.
-      complex(dp), allocatable :: h(:, :), dh(:, :), a(:), da(:)
+      !> H between the unknown meshes, (entries of the cut's graph), the excitation a, (unknown), and their derivatives with respect
+      !> to Lambda.
+      complex(dp), allocatable :: h(:), dh(:), a(:), da(:)
    end type receptance_type
 
 contains
 
-   !> Whether a mesh is an unknown of the balance: it has backlash or a varying stiffness.
-   pure function is_unknown(system)
-      type(system_type), intent(in) :: system
-      logical, allocatable :: is_unknown(:)
-      integer :: j
-
-      is_unknown = [(system%backlash(j) > 0 .or. size(system%mesh_stiffness(j)%amplitude) > 0, j=1, system%meshes)]
-   end function is_unknown
-
    !> Receptance at `harmonic` of Lambda/eta (`harmonic` >= 1).
-   pure subroutine find_receptance(system, unknown, frequency, harmonic, eta, r)
+   pure subroutine find_receptance(system, frequency, harmonic, eta, r)
       type(system_type), intent(in) :: system
-      logical, intent(in) :: unknown(:)
       real(dp), intent(in) :: frequency
       integer, intent(in) :: harmonic, eta
       type(receptance_type), intent(inout) :: r
-      complex(dp) :: alpha(3), d_alpha(3), next(3), d_next(3), torque
-      real(dp) :: omega, d_omega
-      integer :: j, m, n, before, after, last_unknown
+      complex(dp), allocatable :: alpha(:, :), d_alpha(:, :)
+      real(dp) :: omega, d_omega, gain
+      integer :: i, j, p, ports
 
-      m = system%meshes
-      if (.not. allocated(r%h)) allocate (r%h(3, m), r%dh(3, m), r%a(m), r%da(m))
-      d_omega = system%characteristic_frequency*harmonic/eta
-      omega = d_omega*frequency
-      torque = amplitude_at(system%torque, harmonic, eta)
-      call system%bodies(1)%receptance(omega, alpha, d_alpha)
-      do j = 1, m
-         call system%bodies(j + 1)%receptance(omega, next, d_next)
-         n = system%mesh_element(j)
-         associate (left => system%left_radius(n), right => system%right_radius(n))
-            r%h(2, j) = (left**2*alpha(3) + right**2*next(1))*system%stiffness(n)
-            r%dh(2, j) = (left**2*d_alpha(3) + right**2*d_next(1))*system%stiffness(n)*d_omega
-            r%a(j) = amplitude_at(system%transmission_error(j), harmonic, eta)
-            r%da(j) = 0
-            r%h([1, 3], j) = 0
-            r%dh([1, 3], j) = 0
-            if (j > 1) then
-               before = system%mesh_element(j - 1)
-               r%h(1, j) = -left*system%right_radius(before)*system%stiffness(before)*alpha(2)
-               r%dh(1, j) = -left*system%right_radius(before)*system%stiffness(before)*d_alpha(2)*d_omega
-            else
-               r%a(j) = r%a(j) + left*alpha(2)*torque
-               r%da(j) = left*d_alpha(2)*torque*d_omega
-            end if
-            if (j < m) then
-               after = system%mesh_element(j + 1)
-               r%h(3, j) = -right*system%left_radius(after)*system%stiffness(after)*next(2)
-               r%dh(3, j) = -right*system%left_radius(after)*system%stiffness(after)*d_next(2)*d_omega
-            end if
-         end associate
-         alpha = next
-         d_alpha = d_next
-      end do
-      last_unknown = 0
-      do j = 1, m
-         if (unknown(j)) then
-            last_unknown = j
-         else
-            call eliminate(system, j, last_unknown, frequency*harmonic/eta, real(harmonic, dp)/eta, r)
-         end if
-      end do
+      associate (cut => system%cut)
+         if (.not. allocated(r%h)) allocate (r%h(cut%graph%entries), r%dh(cut%graph%entries), r%a(cut%unknowns), r%da(cut%unknowns))
+         d_omega = system%characteristic_frequency*harmonic/eta
+         omega = d_omega*frequency
+         r%h = 0
+         r%dh = 0
+         do i = 1, cut%unknowns
+            r%a(i) = amplitude_at(system%transmission_error(cut%mesh(i)), harmonic, eta)
+         end do
+         r%da = 0
+         do p = 1, size(cut%part)
+            associate (part => cut%part(p))
+               ports = size(part%at)
+               if (ports == 0) cycle
+               if (allocated(alpha)) then
+                  if (size(alpha, 1) /= ports) deallocate (alpha, d_alpha)
+               end if
+               if (.not. allocated(alpha)) allocate (alpha(ports, ports), d_alpha(ports, ports))
+               call part%receptance(omega, alpha, d_alpha)
+               do j = 1, ports
+                  gain = system%stiffness(cut%element(part%unknown(j)))
+                  do i = 1, ports
+                     associate (entry => part%entry(i, j))
+                        r%h(entry) = r%h(entry) + alpha(i, j)*gain
+                        r%dh(entry) = r%dh(entry) + d_alpha(i, j)*(gain*d_omega)
+                     end associate
+                  end do
+               end do
+            end associate
+         end do
+         call add_sources(system, omega, d_omega, harmonic, eta, r)
+      end associate
    end subroutine find_receptance
 
-   !> Eliminates linear mesh j: (1/z + H_jj) phi_j + H_j,j-1 phi_j-1 + H_j,j+1 phi_j+1 = a_j with z = 1 + i omega gamma.
-   !> Its neighbours then couple to each other. Meshes before j that are linear have been eliminated already: `before` is the last
-   !> one that has not, or 0.
-   pure subroutine eliminate(system, j, before, omega, d_omega, r)
+   !> What the torque and the transmission errors of meshes that are no unknowns make of the others.
+   pure subroutine add_sources(system, omega, d_omega, harmonic, eta, r)
       type(system_type), intent(in) :: system
-      integer, intent(in) :: j, before
       real(dp), intent(in) :: omega, d_omega
+      integer, intent(in) :: harmonic, eta
       type(receptance_type), intent(inout) :: r
-      complex(dp) :: pivot, d_pivot, z
+      type(part_state_type) :: state
+      complex(dp), allocatable :: x(:), dx(:), difference(:)
+      integer :: i, p
+      logical :: any_
 
-      z = cmplx(1, omega*system%damping(system%mesh_element(j)), dp)
-      pivot = 1/z + r%h(2, j)
-      d_pivot = r%dh(2, j) - cmplx(0, d_omega*system%damping(system%mesh_element(j)), dp)/z**2
-      if (before >= 1) call eliminate_from(r, before, 3, j, pivot, d_pivot)
-      if (j < system%meshes) call eliminate_from(r, j + 1, 1, j, pivot, d_pivot)
-   end subroutine eliminate
-
-   !> Eliminates mesh j from `row`, where its receptance stands in `column`; the far neighbour of j takes its place.
-   pure subroutine eliminate_from(r, row, column, j, pivot, d_pivot)
-      type(receptance_type), intent(inout) :: r
-      integer, intent(in) :: row, column, j
-      complex(dp), intent(in) :: pivot, d_pivot
-      complex(dp) :: ratio, d_ratio
-
-      ratio = r%h(column, row)/pivot
-      d_ratio = (r%dh(column, row) - ratio*d_pivot)/pivot
-      r%a(row) = r%a(row) - ratio*r%a(j)
-      r%da(row) = r%da(row) - d_ratio*r%a(j) - ratio*r%da(j)
-      r%h(column, row) = -ratio*r%h(column, j)
-      r%dh(column, row) = -d_ratio*r%h(column, j) - ratio*r%dh(column, j)
-      r%h(2, row) = r%h(2, row) - ratio*r%h(4 - column, j)
-      r%dh(2, row) = r%dh(2, row) - d_ratio*r%h(4 - column, j) - ratio*r%dh(4 - column, j)
-   end subroutine eliminate_from
-
-   !> Given the forces phi (mesh) of the unknown meshes at one harmonic, fills in those of the eliminated ones and their
-   !> displacements p = phi/z. Back substitution: the last eliminated first.
-   pure subroutine recover_meshes(system, unknown, omega, r, phi, p)
-      type(system_type), intent(in) :: system
-      logical, intent(in) :: unknown(:)
-      !> harmonic Lambda/eta [1].
-      real(dp), intent(in) :: omega
-      type(receptance_type), intent(in) :: r
-      complex(dp), intent(inout) :: phi(:), p(:)
-      complex(dp) :: z
-      integer :: j, before
-
-      before = system%meshes
-      do j = system%meshes, 1, -1
-         if (unknown(j)) cycle
-         do before = min(before, j - 1), 1, -1
-            if (unknown(before)) exit
-         end do
-         z = cmplx(1, omega*system%damping(system%mesh_element(j)), dp)
-         phi(j) = r%a(j)
-         if (j < system%meshes) phi(j) = phi(j) - r%h(3, j)*phi(j + 1)
-         if (before >= 1) phi(j) = phi(j) - r%h(1, j)*phi(before)
-         phi(j) = phi(j)/(1/z + r%h(2, j))
-         p(j) = phi(j)/z
+      do p = 1, size(system%cut%part)
+         associate (part => system%cut%part(p))
+            if (size(part%at) == 0 .or. .not. part%excited) cycle
+            allocate (x(size(part%mass)), dx(size(part%mass)), difference(part%graph%slots))
+            call find_sources(system, p, omega, harmonic, eta, x, dx, any_)
+            if (any_) then
+               call part%factor(omega, state)
+               call part%solve(state, x, difference)
+               dx = dx - part%derivative(omega, x)
+               call part%solve(state, dx, difference)
+               do i = 1, size(part%at)
+                  associate (unknown => part%unknown(i))
+                     r%a(unknown) = r%a(unknown) + part%weight(i)*x(part%at(i))
+                     r%da(unknown) = r%da(unknown) + part%weight(i)*dx(part%at(i))*d_omega
+                  end associate
+               end do
+            end if
+            deallocate (x, dx, difference)
+         end associate
       end do
-   end subroutine recover_meshes
+   end subroutine add_sources
+
+   !> Forces on the masses of part p over b_c [N/m] and their derivatives with respect to omega, (mass); whether there are any.
+   pure subroutine find_sources(system, p, omega, harmonic, eta, force, d_force, any_)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: p, harmonic, eta
+      real(dp), intent(in) :: omega
+      complex(dp), intent(out) :: force(:), d_force(:)
+      logical, intent(out) :: any_
+      complex(dp) :: amplitude
+      real(dp) :: push(2)
+      integer :: i, j, n, masses(2)
+
+      force = 0
+      d_force = 0
+      associate (cut => system%cut, network => system%network)
+         if (cut%home(network%driven) == p) &
+            force(cut%mass(network%driven)) = amplitude_at(system%torque, harmonic, eta)/network%radius(network%driven)
+         do i = 1, size(cut%part(p)%element)
+            n = cut%part(p)%element(i)
+            j = system%element_mesh(n)
+            if (j == 0) cycle
+            associate (element => network%elements(n))
+               amplitude = amplitude_at(system%transmission_error(j), harmonic, eta)
+               if (.not. abs(amplitude) > 0) cycle
+               ! The mesh pushes its bodies apart along the line of action.
+               masses = cut%mass([element%from, element%to])
+               push = abs(cut%scale(n))*[-1, 1]
+               force(masses) = force(masses) + push*cmplx(element%stiffness, omega*element%damping, dp)*amplitude
+               d_force(masses) = d_force(masses) + push*cmplx(0, element%damping, dp)*amplitude
+            end associate
+         end do
+      end associate
+      any_ = any(abs(force) > 0)
+   end subroutine find_sources
+
+   !> Displacements of the elements that are no unknowns, over b_c, at one harmonic, given the forces phi of the unknown meshes,
+   !> (unknown); those of the unknowns are left as they are, (element).
+   pure subroutine linear_displacements(system, frequency, harmonic, eta, phi, p)
+      type(system_type), intent(in) :: system
+      real(dp), intent(in) :: frequency
+      integer, intent(in) :: harmonic, eta
+      complex(dp), intent(in) :: phi(:)
+      complex(dp), intent(inout) :: p(:)
+      type(part_state_type) :: state
+      complex(dp), allocatable :: x(:), dx(:), difference(:)
+      real(dp) :: omega
+      integer :: i, n, k
+      logical :: any_
+
+      omega = system%characteristic_frequency*harmonic/eta*frequency
+      associate (cut => system%cut)
+         do k = 1, size(cut%part)
+            associate (part => cut%part(k))
+               if (size(part%mass) == 1) cycle
+               allocate (x(size(part%mass)), dx(size(part%mass)), difference(part%graph%slots))
+               call find_sources(system, k, omega, harmonic, eta, x, dx, any_)
+               do i = 1, size(part%at)
+                  associate (mass => part%at(i), unknown => part%unknown(i))
+                     x(mass) = x(mass) - part%weight(i)*system%stiffness(cut%element(unknown))*phi(unknown)
+                  end associate
+               end do
+               call part%factor(omega, state)
+               call part%solve(state, x, difference)
+               do i = 1, size(part%element)
+                  n = part%element(i)
+                  p(n) = cut%scale(n)*difference(cut%slot(n))
+                  if (system%element_mesh(n) > 0) &
+                     p(n) = p(n) + amplitude_at(system%transmission_error(system%element_mesh(n)), harmonic, eta)
+               end do
+               deallocate (x, dx, difference)
+            end associate
+         end do
+      end associate
+   end subroutine linear_displacements
 
    !> Amplitude of a series at a harmonic of Lambda/eta.
    pure complex(dp) function amplitude_at(series, harmonic, eta)

@@ -1,14 +1,15 @@
-!> The dimensionless system of a train, holding only what the train has: a chain of elastic elements (flexible shafts and
-!> meshes; rigid shafts merge inertias), displacement over characteristic length, time times characteristic frequency.
+!> The dimensionless system of a train, holding only what the train has: elastic elements (shafts that are not rigid, and meshes)
+!> between bodies, displacement over characteristic length, time times characteristic frequency.
 !>
-!> Element n lies between inertias n and n+1: p_n = ra_n theta_n - rb_n theta_(n+1) + e_n, a shaft having ra = rb.
-!> Each force is over k_n b_c: phi = kappa g(p) + gamma p' in a mesh. From I theta'' + B^T F = T and p = B theta + e:
+!> Element n: p_n = r_from theta_from - r_to theta_to + e_n (geartrain_model_network). Each force is over k_n b_c: phi = kappa
+!> g(p) + gamma p' in a mesh. From I theta'' + B^T F = T and p = B theta + e:
 !>    p'' = -W phi + s(t) + e''      (equations (5) with their signs and indices put right)
+!> with W = B I^-1 B^T K, whose elements n and m are different from 0 where they have a body in common.
 module geartrain_model_system
    use geartrain_base_interrupt, only: interrupt_type
    use geartrain_base_kinds, only: dp
-   use geartrain_model_body, only: body_type
-   use geartrain_model_mesh, only: mesh_type
+   use geartrain_model_cut, only: cut_network, cut_type
+   use geartrain_model_network, only: build_network, network_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -22,25 +23,26 @@ module geartrain_model_system
 
    type :: system_type
       integer :: meshes = 0, elements = 0
-      !> Element of each mesh (mesh); mesh of each element, 0 for a shaft (element).
-      integer, allocatable :: mesh_element(:), element_mesh(:)
-      !> Radii of the elements at their two inertias [m], mean stiffness along the line of action [N/m], (element).
-      real(dp), allocatable :: left_radius(:), right_radius(:), stiffness(:)
-      !> W(n, n-1), W(n, n), W(n, n+1) [1], (3, element).
-      real(dp), allocatable :: coupling(:, :)
+      !> Element of each mesh (mesh); mesh and shaft of each element, 0 where it is none (element).
+      integer, allocatable :: mesh_element(:), element_mesh(:), element_shaft(:)
+      !> Mean stiffness along the line of action [N/m], (element).
+      real(dp), allocatable :: stiffness(:)
+      !> W_nn [1], (element); the elements first(n):first(n + 1) - 1 of `neighbour` have a body in common with element n, ascending,
+      !> and W of each of them is in `coupling`.
+      real(dp), allocatable :: own(:), coupling(:)
+      integer, allocatable :: first(:), neighbour(:)
       !> gamma = c omega_c/k [1] and static force over k b_c [1], (element).
       real(dp), allocatable :: damping(:), load(:)
       !> b/b_c [1], (mesh).
       real(dp), allocatable :: backlash(:)
-      !> kappa - 1 and e/b_c, (mesh); torque harmonics T/b_c [N m/m] on the first inertia.
+      !> kappa - 1 and e/b_c, (mesh); torque harmonics T/b_c [N m/m] on the body that is driven.
       type(series_type), allocatable :: mesh_stiffness(:), transmission_error(:)
       type(series_type) :: torque
-      !> Acceleration of element 1 per unit of torque%amplitude [1].
-      real(dp) :: torque_gain = 0
-      !> The free bodies between the meshes, (meshes + 1).
-      type(body_type), allocatable :: bodies(:)
-      !> Shaft element of each body, 0 where rigid, (meshes + 1).
-      integer, allocatable :: body_element(:)
+      !> Acceleration of each element per unit of torque%amplitude [1], (element); body on which the torque acts.
+      real(dp), allocatable :: torque_gain(:)
+      type(network_type) :: network
+      !> The network cut at the meshes that are unknowns of the harmonic balance: those with backlash or a varying stiffness.
+      type(cut_type) :: cut
       !> omega_c [rad/s] and b_c [m].
       real(dp) :: characteristic_frequency = 0, characteristic_length = 0
       !> Greatest common divisor of the orders that excite the train: Lambda harmonics that are no multiple of it stay zero.
@@ -55,74 +57,164 @@ contains
    pure subroutine build_system(train, system)
       type(train_type), intent(in) :: train
       type(system_type), intent(out) :: system
-      integer :: j, n, m
-      real(dp), allocatable :: inertia(:), damping(:)
-      real(dp) :: wc, bc, force, equivalent
+      integer :: i, j, n
 
-      m = size(train%meshes)
-      wc = train%characteristic_frequency
-      bc = train%characteristic_length
-      system%meshes = m
-      system%elements = m + count(.not. train%shafts%rigid)
       system%interrupt = train%interrupt
-      system%characteristic_frequency = wc
-      system%characteristic_length = bc
-      allocate (system%bodies(m + 1), system%body_element(m + 1), system%mesh_element(m), inertia(system%elements + 1), &
-                system%backlash(m))
-      n = system%elements
-      allocate (system%element_mesh(n), system%left_radius(n), system%right_radius(n), system%stiffness(n), damping(n), &
-                system%coupling(3, n), system%load(n))
-
-      n = 0
-      do j = 1, m + 1
-         call build_body(train, j, system%bodies(j))
-         system%body_element(j) = 0
-         if (.not. train%shafts(j)%rigid) then
-            n = n + 1
-            inertia(n) = system%bodies(j)%left_inertia
-            system%body_element(j) = n
-            system%element_mesh(n) = 0
-            ! A shaft's twist is measured along the base circle of a gear on it: any radius does.
-            if (j <= m) then
-               system%left_radius(n) = train%meshes(j)%driving_radius
-            else
-               system%left_radius(n) = train%meshes(m)%driven_radius
-            end if
-            system%right_radius(n) = system%left_radius(n)
-            system%stiffness(n) = system%bodies(j)%stiffness/system%left_radius(n)**2
-            damping(n) = system%bodies(j)%damping/system%left_radius(n)**2
-         end if
-         inertia(n + 1) = system%bodies(j)%right_inertia
-         if (j > m) exit
-         n = n + 1
-         associate (mesh => train%meshes(j))
-            system%mesh_element(j) = n
-            system%element_mesh(n) = j
-            system%left_radius(n) = mesh%driving_radius
-            system%right_radius(n) = mesh%driven_radius
-            system%stiffness(n) = mesh%stiffness
-            equivalent = 1/(mesh%driving_radius**2/mesh%driving_inertia + mesh%driven_radius**2/mesh%driven_inertia)
-            damping(n) = 2*mesh%damping_ratio*sqrt(mesh%stiffness*equivalent)
-            if (mesh%damping_given) damping(n) = mesh%damping
-            system%backlash(j) = mesh%half_backlash/bc
-         end associate
+      system%characteristic_frequency = train%characteristic_frequency
+      system%characteristic_length = train%characteristic_length
+      system%backlash = train%meshes%half_backlash/train%characteristic_length
+      call put_excitation(train, system)
+      call build_network(train, system%network)
+      associate (elements => system%network%elements)
+         system%elements = size(elements)
+         system%element_mesh = elements%mesh
+         system%element_shaft = elements%shaft
+         system%stiffness = elements%stiffness
+         system%damping = elements%damping*system%characteristic_frequency/elements%stiffness
+      end associate
+      allocate (system%mesh_element(system%meshes))
+      do n = 1, system%elements
+         if (system%element_mesh(n) > 0) system%mesh_element(system%element_mesh(n)) = n
+      end do
+      call couple(system%network, system)
+      system%load = static_forces(system%network)/(system%stiffness*system%characteristic_length)
+      call cut_network(system%network, [(is_unknown(n), n=1, system%elements)], system%cut)
+      do n = 1, size(system%cut%part)
+         system%cut%part(n)%excited = size(system%torque%amplitude) > 0 .and. system%cut%home(system%network%driven) == n
+         do i = 1, size(system%cut%part(n)%element)
+            j = system%element_mesh(system%cut%part(n)%element(i))
+            if (j == 0) cycle
+            if (size(system%transmission_error(j)%amplitude) > 0) system%cut%part(n)%excited = .true.
+         end do
       end do
 
-      associate (left => system%left_radius, right => system%right_radius, k => system%stiffness, w => system%coupling)
-         force = train%input_torque/left(1)
-         do n = 1, system%elements
-            if (n > 1) force = force*right(n - 1)/left(n)
-            system%load(n) = force/(k(n)*bc)
-            w(:, n) = 0
-            w(2, n) = (left(n)**2/inertia(n) + right(n)**2/inertia(n + 1))*k(n)/wc**2
-            if (n > 1) w(1, n) = -left(n)*right(n - 1)/inertia(n)*k(n - 1)/wc**2
-            if (n < system%elements) w(3, n) = -right(n)*left(n + 1)/inertia(n + 1)*k(n + 1)/wc**2
-         end do
-         system%damping = damping*wc/k
-         system%torque_gain = left(1)/(inertia(1)*wc**2)
-      end associate
-      call put_excitation(train, system)
+   contains
+
+      pure logical function is_unknown(n)
+         integer, intent(in) :: n
+
+         is_unknown = system%element_mesh(n) > 0
+         if (is_unknown) is_unknown = system%backlash(system%element_mesh(n)) > 0 .or. &
+                                      size(system%mesh_stiffness(system%element_mesh(n))%amplitude) > 0
+      end function is_unknown
+
    end subroutine build_system
+
+   !> W, and what the torque does.
+   pure subroutine couple(network, system)
+      type(network_type), intent(in) :: network
+      type(system_type), intent(inout) :: system
+      real(dp) :: w
+      integer :: n, m, count
+
+      allocate (system%own(system%elements), system%first(system%elements + 1), system%torque_gain(system%elements))
+      allocate (system%neighbour(4*system%elements), system%coupling(4*system%elements))
+      count = 0
+      do n = 1, system%elements
+         system%first(n) = count + 1
+         system%torque_gain(n) = radius(n, network%driven)/(network%inertia(network%driven)*system%characteristic_frequency**2)
+         do m = 1, system%elements
+            if (.not. touch(n, m)) cycle
+            w = inverse_inertia(n, m)*system%stiffness(m)/system%characteristic_frequency**2
+            if (m == n) then
+               system%own(n) = w
+               cycle
+            end if
+            count = count + 1
+            if (count > size(system%neighbour)) then
+               system%neighbour = [system%neighbour, system%neighbour]
+               system%coupling = [system%coupling, system%coupling]
+            end if
+            system%neighbour(count) = m
+            system%coupling(count) = w
+         end do
+      end do
+      system%first(system%elements + 1) = count + 1
+      system%neighbour = system%neighbour(:count)
+      system%coupling = system%coupling(:count)
+
+   contains
+
+      pure logical function touch(n, m)
+         integer, intent(in) :: n, m
+
+         associate (a => network%elements(n), b => network%elements(m))
+            touch = a%from == b%from .or. a%from == b%to .or. a%to == b%from .or. a%to == b%to
+         end associate
+      end function touch
+
+      !> B_n I^-1 B_m [1/kg].
+      pure real(dp) function inverse_inertia(n, m)
+         integer, intent(in) :: n, m
+
+         associate (a => network%elements(n))
+            inverse_inertia = a%radius(1)*radius(m, a%from)/network%inertia(a%from) &
+                              - a%radius(2)*radius(m, a%to)/network%inertia(a%to)
+         end associate
+      end function inverse_inertia
+
+      !> B(m, body) [m].
+      pure real(dp) function radius(m, body)
+         integer, intent(in) :: m, body
+
+         radius = 0
+         associate (element => network%elements(m))
+            if (element%from == body) radius = radius + element%radius(1)
+            if (element%to == body) radius = radius - element%radius(2)
+         end associate
+      end function radius
+
+   end subroutine couple
+
+   !> Mean forces of the elements [N], (element): each body that has but one of them left tells that one.
+   pure function static_forces(network) result(force)
+      type(network_type), intent(in) :: network
+      real(dp) :: force(size(network%elements)), torque(size(network%torque))
+      integer :: open_elements(size(network%torque)), waiting(size(network%torque)), n, other, last
+      logical :: done(size(force))
+
+      torque = network%torque
+      force = 0
+      done = .false.
+      open_elements = 0
+      do n = 1, size(force)
+         associate (element => network%elements(n))
+            open_elements([element%from, element%to]) = open_elements([element%from, element%to]) + 1
+         end associate
+      end do
+      last = 0
+      do n = 1, size(torque)
+         if (open_elements(n) /= 1 .or. n == network%balancing) cycle
+         last = last + 1
+         waiting(last) = n
+      end do
+      do while (last > 0)
+         associate (body => waiting(last))
+            do n = 1, size(force)
+               if (.not. done(n) .and. any([network%elements(n)%from, network%elements(n)%to] == body)) exit
+            end do
+            associate (element => network%elements(n))
+               if (element%from == body) then
+                  other = element%to
+                  force(n) = torque(body)/element%radius(1)
+                  torque(other) = torque(other) + force(n)*element%radius(2)
+               else
+                  other = element%from
+                  force(n) = -torque(body)/element%radius(2)
+                  torque(other) = torque(other) - force(n)*element%radius(1)
+               end if
+            end associate
+         end associate
+         done(n) = .true.
+         open_elements(other) = open_elements(other) - 1
+         if (open_elements(other) == 1 .and. other /= network%balancing) then
+            waiting(last) = other
+         else
+            last = last - 1
+         end if
+      end do
+
+   end function static_forces
 
    !> What excites the train: torque, mesh stiffnesses and transmission errors as series, and the greatest common divisor of the
    !> harmonics of Lambda in them.
@@ -144,29 +236,6 @@ contains
       end associate
       system%excitation_order = common_order(system)
    end subroutine put_excitation
-
-   !> The body of shaft j: its gears' inertias, or those of the machines at the ends.
-   pure subroutine build_body(train, j, body)
-      type(train_type), intent(in) :: train
-      integer, intent(in) :: j
-      type(body_type), intent(out) :: body
-
-      associate (shaft => train%shafts(j), m => size(train%meshes))
-         body%left_inertia = train%prime_mover_inertia
-         if (j > 1) body%left_inertia = train%meshes(j - 1)%driven_inertia
-         body%right_inertia = train%load_inertia
-         if (j <= m) body%right_inertia = train%meshes(j)%driving_inertia
-         body%rigid = shaft%rigid
-         if (shaft%rigid) then
-            body%left_inertia = body%left_inertia + body%right_inertia
-            body%right_inertia = body%left_inertia
-            return
-         end if
-         body%stiffness = shaft%stiffness
-         body%damping = 2*shaft%damping_ratio*sqrt(shaft%stiffness/(1/body%left_inertia + 1/body%right_inertia))
-         if (shaft%damping_given) body%damping = shaft%damping
-      end associate
-   end subroutine build_body
 
    !> Series of cos and sin amplitudes, either of which may be absent or shorter; trailing zeros are dropped.
    pure function series(cosine, sine, factor, order)

@@ -1,11 +1,11 @@
 !> Harmonic balance in mesh displacements: with phi the whole mesh force over k b_c, projected by Galerkin,
-!>    S_j0 = phi_j0 - load_j,     S_jr = p_jr + sum over i = j-1, j, j+1 of H_ji(r Lambda/eta) phi_ir - a_jr(Lambda).
+!>    S_j0 = phi_j0 - load_j,     S_jr = p_jr + sum over i of H_ji(r Lambda/eta) phi_ir - a_jr(Lambda).
 !> Identity plus compact: well conditioned for any number of harmonics. Equations (8) to (10) put right, shafts condensed.
 module geartrain_motion_balance
    use geartrain_base_fftw, only: transform_type
    use geartrain_base_kinds, only: dp
    use geartrain_model_excitation, only: excited_harmonics
-   use geartrain_model_receptance, only: find_receptance, is_unknown, receptance_type, recover_meshes
+   use geartrain_model_receptance, only: find_receptance, linear_displacements, receptance_type
    use geartrain_model_system, only: system_type
    use geartrain_motion_bordered, only: bordered_type
    use geartrain_motion_contact, only: contact_type
@@ -36,7 +36,6 @@ module geartrain_motion_balance
       !> Meshes that are unknowns, and which they are.
       integer :: unknowns = 0
       integer, allocatable :: mesh(:)
-      logical, allocatable :: unknown(:)
       !> Contact of each unknown mesh at the last `evaluate`.
       type(contact_type), allocatable :: contact(:)
       !> Residual S and dS/dLambda, (block, unknowns).
@@ -63,6 +62,7 @@ module geartrain_motion_balance
       procedure :: full_coefficients
       procedure :: damping_of
       procedure :: mean_stiffness
+      procedure :: mean_matrix
       procedure, private :: mesh_force
       procedure, private :: find_tangent
       procedure, private :: damp_tangent
@@ -93,9 +93,8 @@ contains
       self%left_out = eta*excited_harmonics(system)
       self%left_out = pack(self%left_out, self%left_out > highest)
       self%block = 1 + 2*size(self%harmonic)
-      self%unknown = is_unknown(system)
-      self%mesh = pack([(i, i=1, system%meshes)], self%unknown)
-      self%unknowns = size(self%mesh)
+      self%mesh = system%cut%mesh
+      self%unknowns = system%cut%unknowns
       if (.not. allocated(self%contact)) allocate (self%contact(self%unknowns))
       do i = 1, self%unknowns
          associate (j => self%mesh(i))
@@ -119,7 +118,7 @@ contains
    subroutine evaluate(self, u, frequency)
       class(balance_type), intent(inout) :: self
       real(dp), intent(in) :: u(:, :), frequency
-      integer :: i, k, r, neighbour
+      integer :: i, k, r, n
       complex(dp) :: s, ds, force, d_force
 
       self%frequency = frequency
@@ -130,24 +129,23 @@ contains
       end do
       do k = 1, size(self%harmonic)
          r = self%harmonic(k)
-         call find_receptance(self%system, self%unknown, frequency, r, self%eta, self%receptance(k))
-         associate (h => self%receptance(k)%h, dh => self%receptance(k)%dh)
+         call find_receptance(self%system, frequency, r, self%eta, self%receptance(k))
+         associate (h => self%receptance(k)%h, dh => self%receptance(k)%dh, graph => self%system%cut%graph)
             do i = 1, self%unknowns
-               associate (j => self%mesh(i))
-                  s = cmplx(u(2*k, i), -u(2*k + 1, i), dp) - self%receptance(k)%a(j)
-                  ds = -self%receptance(k)%da(j)
-                  do neighbour = max(1, i - 1), min(self%unknowns, i + 1)
-                     force = cmplx(self%force(2*k, neighbour), -self%force(2*k + 1, neighbour), dp)
-                     d_force = cmplx(0, self%damping_of(neighbour)*r/self%eta, dp) &
-                               *cmplx(u(2*k, neighbour), -u(2*k + 1, neighbour), dp)
-                     s = s + h(neighbour - i + 2, j)*force
-                     ds = ds + dh(neighbour - i + 2, j)*force + h(neighbour - i + 2, j)*d_force
-                  end do
-                  self%residual(2*k, i) = s%re
-                  self%residual(2*k + 1, i) = -s%im
-                  self%d_frequency(2*k, i) = ds%re
-                  self%d_frequency(2*k + 1, i) = -ds%im
-               end associate
+               s = cmplx(u(2*k, i), -u(2*k + 1, i), dp) - self%receptance(k)%a(i)
+               ds = -self%receptance(k)%da(i)
+               do n = graph%row(i), graph%row(i + 1) - 1
+                  associate (j => graph%column(n), entry => graph%entry(n))
+                     force = cmplx(self%force(2*k, j), -self%force(2*k + 1, j), dp)
+                     d_force = cmplx(0, self%damping_of(j)*r/self%eta, dp)*cmplx(u(2*k, j), -u(2*k + 1, j), dp)
+                     s = s + h(entry)*force
+                     ds = ds + dh(entry)*force + h(entry)*d_force
+                  end associate
+               end do
+               self%residual(2*k, i) = s%re
+               self%residual(2*k + 1, i) = -s%im
+               self%d_frequency(2*k, i) = ds%re
+               self%d_frequency(2*k + 1, i) = -ds%im
             end do
          end associate
       end do
@@ -168,6 +166,26 @@ contains
 
       mean_stiffness = cmplx(real(self%contact(i)%stiffness(0), dp), self%damping_of(i)*harmonic*self%frequency/self%eta, dp)
    end function mean_stiffness
+
+   !> Derivative of the residual at one harmonic by itself, the meshes with their mean stiffness, (entries of the cut's graph).
+   pure subroutine mean_matrix(self, harmonic, receptance, matrix)
+      class(balance_type), intent(in) :: self
+      integer, intent(in) :: harmonic
+      !> At `harmonic`.
+      type(receptance_type), intent(in) :: receptance
+      complex(dp), intent(out) :: matrix(:)
+      complex(dp) :: own(self%unknowns)
+      integer :: i, n
+
+      own = [(self%mean_stiffness(i, harmonic), i=1, self%unknowns)]
+      matrix = 0
+      matrix(:self%unknowns) = 1
+      associate (graph => self%system%cut%graph)
+         do n = 1, size(graph%entry)
+            matrix(graph%entry(n)) = matrix(graph%entry(n)) + receptance%h(graph%entry(n))*own(graph%column(n))
+         end do
+      end associate
+   end subroutine mean_matrix
 
    !> Whether the derivatives of the forces are matrices for all harmonics.
    pure logical function is_direct(self)
@@ -307,7 +325,7 @@ contains
       real(dp), intent(out) :: s(:, :)
       real(dp) :: force(self%block, self%unknowns), rate
       complex(dp) :: total
-      integer :: i, k, neighbour
+      integer :: i, k, n
 
       do i = 1, self%unknowns
          call self%product(i, x(:, i), force(:, i))
@@ -319,12 +337,13 @@ contains
       end do
       s(1, :) = force(1, :)
       do k = 1, size(self%harmonic)
-         associate (h => self%receptance(k)%h)
+         associate (h => self%receptance(k)%h, graph => self%system%cut%graph)
             do i = 1, self%unknowns
                total = cmplx(x(2*k, i), -x(2*k + 1, i), dp)
-               do neighbour = max(1, i - 1), min(self%unknowns, i + 1)
-                  total = total + h(neighbour - i + 2, self%mesh(i)) &
-                          *cmplx(force(2*k, neighbour), -force(2*k + 1, neighbour), dp)
+               do n = graph%row(i), graph%row(i + 1) - 1
+                  associate (j => graph%column(n))
+                     total = total + h(graph%entry(n))*cmplx(force(2*k, j), -force(2*k + 1, j), dp)
+                  end associate
                end do
                s(2*k, i) = total%re
                s(2*k + 1, i) = -total%im
@@ -337,35 +356,37 @@ contains
    subroutine jacobian(self, matrix)
       class(balance_type), intent(in) :: self
       type(bordered_type), intent(inout) :: matrix
-      integer :: i, l, block
+      integer :: i, l, n, block
 
       block = 1 + 2*self%explicit
-      call matrix%resize(block, self%unknowns)
-      matrix%interrupt = self%system%interrupt
-      do i = 1, self%unknowns
-         call fill(matrix%diagonal(:, :, i), i, 2, self%tangent(:, :, i))
-         matrix%diagonal(1, :, i) = self%tangent(1, :, i)
-         do l = 2, block
-            matrix%diagonal(l, l, i) = matrix%diagonal(l, l, i) + 1
+      associate (graph => self%system%cut%graph)
+         call matrix%resize(block, graph)
+         matrix%interrupt = self%system%interrupt
+         do i = 1, self%unknowns
+            do n = graph%row(i), graph%row(i + 1) - 1
+               call fill(matrix%entry(:, :, graph%entry(n)), graph%entry(n), self%tangent(:, :, graph%column(n)))
+            end do
+            matrix%entry(1, :, i) = self%tangent(1, :, i)
+            do l = 2, block
+               matrix%entry(l, l, i) = matrix%entry(l, l, i) + 1
+            end do
          end do
-         if (i > 1) call fill(matrix%lower(:, :, i), i, 1, self%tangent(:, :, i - 1))
-         if (i < self%unknowns) call fill(matrix%upper(:, :, i), i, 3, self%tangent(:, :, i + 1))
-      end do
+      end associate
       matrix%column = self%d_frequency(:block, :)
 
    contains
 
       !> Rows of harmonic k: the complex receptance times the rows of the force's derivative.
-      pure subroutine fill(a, i, neighbour, t)
+      pure subroutine fill(a, entry, t)
          real(dp), intent(inout) :: a(:, :)
-         integer, intent(in) :: i, neighbour
+         integer, intent(in) :: entry
          real(dp), intent(in) :: t(:, :)
          complex(dp) :: h
          integer :: k, column
 
          a(1, :) = 0
          do k = 1, self%explicit
-            h = self%receptance(k)%h(neighbour, self%mesh(i))
+            h = self%receptance(k)%h(entry)
             do column = 1, size(t, 2)
                a(2*k, column) = h%re*t(2*k, column) + h%im*t(2*k + 1, column)
                a(2*k + 1, column) = h%re*t(2*k + 1, column) - h%im*t(2*k, column)
@@ -375,40 +396,30 @@ contains
 
    end subroutine jacobian
 
-   !> Coefficients of every mesh at harmonics 1..highest, (1 + 2*highest, mesh), and the mesh forces alike, from those of the
-   !> unknown meshes at the last `evaluate`.
-   pure subroutine full_coefficients(self, u, frequency, coefficients, forces)
+   !> Coefficients of every mesh at harmonics 1..highest, (1 + 2*highest, mesh), from those of the unknown meshes at the last
+   !> `evaluate`.
+   pure subroutine full_coefficients(self, u, frequency, coefficients)
       class(balance_type), intent(in) :: self
       real(dp), intent(in) :: u(:, :), frequency
       real(dp), intent(out) :: coefficients(:, :)
-      real(dp), intent(out), optional :: forces(:, :)
-      complex(dp) :: phi(self%system%meshes), p(self%system%meshes)
-      type(receptance_type) :: local
+      complex(dp) :: p(self%system%elements)
       integer :: i, k, r
 
       coefficients = 0
-      coefficients(1, :) = self%system%load(self%system%mesh_element)
-      if (present(forces)) forces = coefficients
-      do i = 1, self%unknowns
-         coefficients(1, self%mesh(i)) = u(1, i)
-      end do
-      do k = 1, size(self%harmonic)
-         r = self%harmonic(k)
-         do i = 1, self%unknowns
-            phi(self%mesh(i)) = cmplx(self%force(2*k, i), -self%force(2*k + 1, i), dp)
-            p(self%mesh(i)) = cmplx(u(2*k, i), -u(2*k + 1, i), dp)
+      associate (system => self%system)
+         coefficients(1, :) = system%load(system%mesh_element)
+         coefficients(1, self%mesh) = u(1, :)
+         do k = 1, size(self%harmonic)
+            r = self%harmonic(k)
+            do i = 1, self%unknowns
+               p(system%cut%element(i)) = cmplx(u(2*k, i), -u(2*k + 1, i), dp)
+            end do
+            if (self%unknowns < system%meshes) &
+               call linear_displacements(system, frequency, r, self%eta, cmplx(self%force(2*k, :), -self%force(2*k + 1, :), dp), p)
+            coefficients(2*r, :) = real(p(system%mesh_element), dp)
+            coefficients(2*r + 1, :) = -aimag(p(system%mesh_element))
          end do
-         if (self%unknowns < self%system%meshes) then
-            call find_receptance(self%system, self%unknown, frequency, r, self%eta, local)
-            call recover_meshes(self%system, self%unknown, frequency*r/self%eta, local, phi, p)
-         end if
-         coefficients(2*r, :) = real(p, dp)
-         coefficients(2*r + 1, :) = -aimag(p)
-         if (present(forces)) then
-            forces(2*r, :) = real(phi, dp)
-            forces(2*r + 1, :) = -aimag(phi)
-         end if
-      end do
+      end associate
    end subroutine full_coefficients
 
 end module geartrain_motion_balance

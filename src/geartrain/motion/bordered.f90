@@ -1,7 +1,9 @@
-!> A block-tridiagonal matrix with one border row and column: factors and solves, cost linear in the number of blocks.
-!> The border closes the last block, so the whole stays regular at folds, where the matrix without it is singular.
+!> A matrix of blocks on a graph with one border row and column: factors and solves along the order of the graph, on a tree in time
+!> linear in the number of blocks. The border closes the last block, so the whole stays regular at folds, where the matrix without
+!> it is singular.
 module geartrain_motion_bordered
    use geartrain_base_elimination, only: factor_matrix, solve_factored
+   use geartrain_base_graph, only: graph_type
    use geartrain_base_interrupt, only: interrupt_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_lapack, only: dgemm, dgemv
@@ -10,9 +12,10 @@ module geartrain_motion_bordered
    public :: bordered_type
 
    type :: bordered_type
-      integer :: block = 0, blocks = 0
-      !> Fill these before `factor`, which overwrites them: (block, block, blocks), lower(:, :, j) multiplies unknowns j-1.
-      real(dp), allocatable :: lower(:, :, :), diagonal(:, :, :), upper(:, :, :)
+      integer :: block = 0
+      type(graph_type) :: graph
+      !> Fill these before `factor`, which overwrites them, (block, block, entries of the graph); it clears those that fill in.
+      real(dp), allocatable :: entry(:, :, :)
       !> Border column and row, (block, blocks), and their corner.
       real(dp), allocatable :: column(:, :), row(:, :)
       real(dp) :: corner = 0
@@ -30,51 +33,67 @@ module geartrain_motion_bordered
 
 contains
 
-   subroutine resize(self, block, blocks)
+   subroutine resize(self, block, graph)
       class(bordered_type), intent(inout) :: self
-      integer, intent(in) :: block, blocks
+      integer, intent(in) :: block
+      type(graph_type), intent(in) :: graph
 
-      if (self%block == block .and. self%blocks == blocks) return
-      if (allocated(self%lower)) deallocate (self%lower, self%diagonal, self%upper, self%column, self%row, self%last, &
-                                             self%joint, self%pivot, self%last_pivot)
+      if (allocated(self%entry)) then
+         if (self%block == block .and. self%graph%nodes == graph%nodes) return
+         deallocate (self%entry, self%column, self%row, self%last, self%joint, self%pivot, self%last_pivot)
+      end if
       self%block = block
-      self%blocks = blocks
-      allocate (self%lower(block, block, blocks), self%diagonal(block, block, blocks), self%upper(block, block, blocks), &
-                self%column(block, blocks), self%row(block, blocks), self%last(block + 1, block + 1), &
-                self%joint(block + 1), self%pivot(block, blocks), self%last_pivot(block + 1))
+      self%graph = graph
+      allocate (self%entry(block, block, graph%entries), self%column(block, graph%nodes), self%row(block, graph%nodes), &
+                self%last(block + 1, block + 1), self%joint(block + 1), self%pivot(block, graph%nodes), &
+                self%last_pivot(block + 1))
    end subroutine resize
 
-   !> Block elimination downwards; afterwards `upper` and `column` hold D^-1 U and D^-1 g. info = 0 when regular, which it is not
+   !> Block elimination; afterwards the upper entries and `column` hold D^-1 U and D^-1 g. info = 0 when regular, which it is not
    !> where it is interrupted.
    subroutine factor(self, info)
       class(bordered_type), intent(inout) :: self
       integer, intent(out) :: info
-      integer :: j, n
+      integer :: i, k, m, n, s, t
 
       n = self%block
       info = 0
       self%orientation = 1
-      if (self%blocks == 0) return
-      do j = 1, self%blocks - 1
-         info = 1
-         if (self%interrupt%raised()) return
-         associate (d => self%diagonal(:, :, j), pivot => self%pivot(:, j))
-            call factor_matrix(n, d, pivot, info)
+      associate (graph => self%graph, nodes => self%graph%nodes, slots => self%graph%slots)
+         if (nodes == 0) return
+         do s = 1, size(graph%fill)
+            self%entry(:, :, graph%fill(s)) = 0
+         end do
+         do k = 1, nodes - 1
+            info = 1
+            if (self%interrupt%raised()) return
+            i = graph%order(k)
+            call factor_matrix(n, self%entry(:, :, i), self%pivot(:, i), info)
             if (info /= 0) return
-            self%orientation = self%orientation*determinant_sign(d, pivot)
-            call solve_factored(n, n, d, pivot, self%upper(:, :, j))
-            call solve_factored(n, 1, d, pivot, self%column(:, j))
-         end associate
-         call dgemm('N', 'N', n, n, n, -1.0_dp, self%lower(:, :, j + 1), n, self%upper(:, :, j), n, 1.0_dp, &
-                    self%diagonal(:, :, j + 1), n)
-         call dgemv('N', n, n, -1.0_dp, self%lower(:, :, j + 1), n, self%column(:, j), 1, 1.0_dp, self%column(:, j + 1), 1)
-         call dgemv('T', n, n, -1.0_dp, self%upper(:, :, j), n, self%row(:, j), 1, 1.0_dp, self%row(:, j + 1), 1)
-         self%corner = self%corner - dot_product(self%row(:, j), self%column(:, j))
-      end do
-      j = self%blocks
-      self%last(:n, :n) = self%diagonal(:, :, j)
-      self%last(:n, n + 1) = self%column(:, j)
-      self%last(n + 1, :n) = self%row(:, j)
+            self%orientation = self%orientation*determinant_sign(self%entry(:, :, i), self%pivot(:, i))
+            call solve_factored(n, 1, self%entry(:, :, i), self%pivot(:, i), self%column(:, i))
+            self%corner = self%corner - dot_product(self%row(:, i), self%column(:, i))
+            do s = graph%first(k), graph%first(k + 1) - 1
+               call solve_factored(n, n, self%entry(:, :, i), self%pivot(:, i), self%entry(:, :, nodes + s))
+            end do
+            m = graph%update(k)
+            do s = graph%first(k), graph%first(k + 1) - 1
+               associate (lower => self%entry(:, :, nodes + slots + s), j => graph%later(s))
+                  do t = graph%first(k), graph%first(k + 1) - 1
+                     m = m + 1
+                     call dgemm('N', 'N', n, n, n, -1.0_dp, lower, n, self%entry(:, :, nodes + t), n, 1.0_dp, &
+                                self%entry(:, :, graph%target(m)), n)
+                  end do
+                  call dgemv('N', n, n, -1.0_dp, lower, n, self%column(:, i), 1, 1.0_dp, self%column(:, j), 1)
+                  call dgemv('T', n, n, -1.0_dp, self%entry(:, :, nodes + s), n, self%row(:, i), 1, 1.0_dp, self%row(:, j), 1)
+               end associate
+            end do
+         end do
+         i = graph%order(nodes)
+      end associate
+      self%last(:n, :n) = self%entry(:, :, i)
+      self%last(:n, n + 1) = self%column(:, i)
+      self%last(n + 1, :n) = self%row(:, i)
       self%last(n + 1, n + 1) = self%corner
       call factor_matrix(n + 1, self%last, self%last_pivot, info)
       self%orientation = self%orientation*determinant_sign(self%last, self%last_pivot)
@@ -92,32 +111,40 @@ contains
       end do
    end function determinant_sign
 
-   !> Solves in place for the right-hand side x (block, blocks) and y of the border row.
+   !> Solves in place for the right-hand side x (block, nodes) and y of the border row.
    subroutine solve(self, x, y)
       class(bordered_type), intent(inout) :: self
       real(dp), intent(inout) :: x(:, :), y
-      integer :: j, n
+      integer :: i, k, n, s
 
-      if (self%blocks == 0) then
-         y = y/self%corner
-         return
-      end if
       n = self%block
-      do j = 1, self%blocks - 1
-         call solve_factored(n, 1, self%diagonal(:, :, j), self%pivot(:, j), x(:, j))
-         call dgemv('N', n, n, -1.0_dp, self%lower(:, :, j + 1), n, x(:, j), 1, 1.0_dp, x(:, j + 1), 1)
-         y = y - dot_product(self%row(:, j), x(:, j))
-      end do
-      j = self%blocks
-      self%joint(:n) = x(:, j)
-      self%joint(n + 1) = y
-      call solve_factored(n + 1, 1, self%last, self%last_pivot, self%joint)
-      x(:, j) = self%joint(:n)
-      y = self%joint(n + 1)
-      do j = self%blocks - 1, 1, -1
-         call dgemv('N', n, n, -1.0_dp, self%upper(:, :, j), n, x(:, j + 1), 1, 1.0_dp, x(:, j), 1)
-         x(:, j) = x(:, j) - y*self%column(:, j)
-      end do
+      associate (graph => self%graph, nodes => self%graph%nodes, slots => self%graph%slots)
+         if (nodes == 0) then
+            y = y/self%corner
+            return
+         end if
+         do k = 1, nodes - 1
+            i = graph%order(k)
+            call solve_factored(n, 1, self%entry(:, :, i), self%pivot(:, i), x(:, i))
+            do s = graph%first(k), graph%first(k + 1) - 1
+               call dgemv('N', n, n, -1.0_dp, self%entry(:, :, nodes + slots + s), n, x(:, i), 1, 1.0_dp, x(:, graph%later(s)), 1)
+            end do
+            y = y - dot_product(self%row(:, i), x(:, i))
+         end do
+         i = graph%order(nodes)
+         self%joint(:n) = x(:, i)
+         self%joint(n + 1) = y
+         call solve_factored(n + 1, 1, self%last, self%last_pivot, self%joint)
+         x(:, i) = self%joint(:n)
+         y = self%joint(n + 1)
+         do k = nodes - 1, 1, -1
+            i = graph%order(k)
+            do s = graph%first(k), graph%first(k + 1) - 1
+               call dgemv('N', n, n, -1.0_dp, self%entry(:, :, nodes + s), n, x(:, graph%later(s)), 1, 1.0_dp, x(:, i), 1)
+            end do
+            x(:, i) = x(:, i) - y*self%column(:, i)
+         end do
+      end associate
    end subroutine solve
 
 end module geartrain_motion_bordered

@@ -13,8 +13,10 @@ module geartrain_motion_energy
       integer, private :: elements = 0
       !> Root of the stiffness of each element over the largest, (element).
       real(dp), allocatable, private :: root(:)
-      !> Cholesky factor of the inverse inertia of the elements, bidiagonal: velocities = factor*coordinates, (element).
-      real(dp), allocatable, private :: diagonal(:), below(:)
+      !> Cholesky factor of the inverse inertia of the elements: velocities = factor*coordinates, (element, element), and the first
+      !> column of each row that is not 0: next to the diagonal on a chain.
+      real(dp), allocatable, private :: factor(:, :)
+      integer, allocatable, private :: first(:)
    contains
       procedure :: setup
       procedure :: coordinates
@@ -28,17 +30,31 @@ contains
       class(energy_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       real(dp) :: stiffness(system%elements)
-      integer :: n
+      integer :: i, n, m
 
       self%elements = system%elements
       stiffness = system%stiffness/maxval(system%stiffness)
       self%root = sqrt(stiffness)
-      if (allocated(self%diagonal)) deallocate (self%diagonal, self%below)
-      allocate (self%diagonal(system%elements), self%below(system%elements), source=0.0_dp)
-      ! p'' = -C K p: C is the coupling over the stiffness, symmetric, between neighbours only.
+      if (allocated(self%factor)) deallocate (self%factor, self%first)
+      allocate (self%factor(system%elements, system%elements), source=0.0_dp)
+      allocate (self%first(system%elements))
+      ! p'' = -C K p: C is W over the stiffness, symmetric.
       do n = 1, system%elements
-         if (n > 1) self%below(n) = system%coupling(1, n)/stiffness(n - 1)/self%diagonal(n - 1)
-         self%diagonal(n) = sqrt(max(system%coupling(2, n)/stiffness(n) - self%below(n)**2, tiny(1.0_dp)))
+         self%first(n) = n
+         self%factor(n, n) = system%own(n)/stiffness(n)
+         do i = system%first(n), system%first(n + 1) - 1
+            m = system%neighbour(i)
+            if (m > n) cycle
+            self%first(n) = min(self%first(n), m)
+            self%factor(n, m) = system%coupling(i)/stiffness(m)
+         end do
+         associate (l => self%factor)
+            do m = self%first(n), n - 1
+               i = max(self%first(n), self%first(m))
+               l(n, m) = (l(n, m) - dot_product(l(n, i:m - 1), l(m, i:m - 1)))/l(m, m)
+            end do
+            l(n, n) = sqrt(max(l(n, n) - sum(l(n, self%first(n):n - 1)**2), tiny(1.0_dp)))
+         end associate
       end do
    end subroutine setup
 
@@ -49,12 +65,12 @@ contains
       real(dp) :: y(size(difference))
       integer :: n
 
-      associate (e => self%elements)
+      associate (e => self%elements, l => self%factor)
          y(:e) = self%root*difference(:e)
          do n = 1, e
-            y(e + n) = difference(e + n)
-            if (n > 1) y(e + n) = y(e + n) - self%below(n)*y(e + n - 1)
-            y(e + n) = y(e + n)/self%diagonal(n)
+            associate (i => self%first(n))
+               y(e + n) = (difference(e + n) - dot_product(l(n, i:n - 1), y(e + i:e + n - 1)))/l(n, n)
+            end associate
          end do
       end associate
    end function coordinates
@@ -64,10 +80,15 @@ contains
       class(energy_type), intent(in) :: self
       real(dp), intent(in) :: y(:)
       real(dp) :: difference(size(y))
+      integer :: n
 
-      associate (e => self%elements)
+      associate (e => self%elements, l => self%factor)
          difference(:e) = y(:e)/self%root
-         difference(e + 1:) = self%diagonal*y(e + 1:) + self%below*eoshift(y(e + 1:), -1)
+         do n = 1, e
+            associate (i => self%first(n))
+               difference(e + n) = dot_product(l(n, i:n), y(e + i:e + n))
+            end associate
+         end do
       end associate
    end function state
 

@@ -73,7 +73,7 @@ contains
       self%tolerance = tolerance
       if (allocated(self%x)) deallocate (self%x, self%p, self%v, self%phi, self%kappa, self%excitation, self%contact)
       associate (n => system%elements)
-         allocate (self%x(columns, 2*n), self%p(columns, n, 0:order), self%v(columns, n, 0:order), self%phi(columns, 0:n + 1), &
+         allocate (self%x(columns, 2*n), self%p(columns, n, 0:order), self%v(columns, n, 0:order), self%phi(columns, n), &
                    self%kappa(0:order, system%meshes), self%excitation(0:order, n), self%contact(system%meshes))
       end associate
       self%contact = 1
@@ -208,7 +208,7 @@ contains
             spring(n) = 0
             self%kappa(:, j) = 0
             self%kappa(0, j) = 1
-            call add_series(system%mesh_stiffness(j), self%frequency, self%time, 1.0_dp, self%kappa(:, j))
+            call add_series(system%mesh_stiffness(j), self%frequency, self%time, self%kappa(:, j))
             terms(j) = last_term(self%kappa(:, j), reach, 0.01_dp*self%tolerance)
          end do
          call expand_excitation(self)
@@ -233,32 +233,25 @@ contains
    end function last_term
 
    !> The recurrence: p(k+1) = v(k)/(k+1), v(k+1) = (-W phi(k) + s(k))/(k+1) with phi = kappa g + gamma v. The columns of
-   !> element n are the numbers (n-1)*columns + 1 .. n*columns, so that each line is one long loop over all elements.
+   !> element n are the numbers (n-1)*columns + 1 .. n*columns, so that most lines are long loops over all elements.
    pure subroutine recur(columns, elements, meshes, order, spring, terms, kappa, system, contact, excitation, phi, p, v)
       integer, intent(in) :: columns, elements, meshes, order, terms(meshes), contact(meshes)
       real(dp), intent(in) :: spring(elements), kappa(0:order, meshes), excitation(0:order, elements)
       type(system_type), intent(in) :: system
-      !> One element of zeros before the first and after the last.
-      real(dp), intent(inout) :: phi(1 - columns:columns*(elements + 1)), p(columns*elements, 0:order), &
-                                 v(columns*elements, 0:order)
-      real(dp), dimension(columns*elements) :: before, own, after, gamma, k_spring
+      real(dp), intent(inout) :: phi(columns*elements), p(columns*elements, 0:order), v(columns*elements, 0:order)
+      real(dp), dimension(columns*elements) :: own, gamma, k_spring
       real(dp) :: inverse
-      integer :: first, last, n, j, k, l, all_
+      integer :: first, last, n, i, j, k, l
 
-      all_ = columns*elements
       do n = 1, elements
          first = (n - 1)*columns + 1
          last = n*columns
-         before(first:last) = -system%coupling(1, n)
-         own(first:last) = -system%coupling(2, n)
-         after(first:last) = -system%coupling(3, n)
+         own(first:last) = -system%own(n)
          gamma(first:last) = system%damping(n)
          k_spring(first:last) = spring(n)
       end do
-      phi(:0) = 0
-      phi(all_ + 1:) = 0
       do k = 0, order - 1
-         phi(1:all_) = gamma*v(:, k) + k_spring*p(:, k)
+         phi = gamma*v(:, k) + k_spring*p(:, k)
          do j = 1, meshes
             n = system%mesh_element(j)
             first = (n - 1)*columns + 1
@@ -275,12 +268,19 @@ contains
          end do
          inverse = 1.0_dp/(k + 1)
          p(:, k + 1) = inverse*v(:, k)
-         v(:, k + 1) = inverse*(before*phi(1 - columns:all_ - columns) + own*phi(1:all_) &
-                                + after*phi(1 + columns:all_ + columns))
+         v(:, k + 1) = own*phi
          do n = 1, elements
+            do i = system%first(n), system%first(n + 1) - 1
+               associate (other => (system%neighbour(i) - 1)*columns, here => (n - 1)*columns)
+                  do l = 1, columns
+                     v(here + l, k + 1) = v(here + l, k + 1) - system%coupling(i)*phi(other + l)
+                  end do
+               end associate
+            end do
             first = (n - 1)*columns + 1
-            v(first, k + 1) = v(first, k + 1) + inverse*excitation(k, n)
+            v(first, k + 1) = v(first, k + 1) + excitation(k, n)
          end do
+         v(:, k + 1) = inverse*v(:, k + 1)
       end do
    end subroutine recur
 
@@ -301,26 +301,33 @@ contains
    subroutine expand_excitation(self)
       class(flow_type), intent(inout) :: self
       type(series_type) :: second
-      integer :: j, h
+      real(dp) :: torque(0:self%order)
+      integer :: j, h, n
 
       self%excitation = 0
       associate (system => self%system)
-         call add_series(system%torque, self%frequency, self%time, system%torque_gain, self%excitation(:, 1))
+         if (size(system%torque%amplitude) > 0) then
+            torque = 0
+            call add_series(system%torque, self%frequency, self%time, torque)
+            do n = 1, system%elements
+               self%excitation(:, n) = system%torque_gain(n)*torque
+            end do
+         end if
          do j = 1, system%meshes
             if (size(system%transmission_error(j)%amplitude) == 0) cycle
             second = system%transmission_error(j)
             do h = 1, size(second%amplitude)
                second%amplitude(h) = -(h*second%order*self%frequency)**2*second%amplitude(h)
             end do
-            call add_series(second, self%frequency, self%time, 1.0_dp, self%excitation(:, system%mesh_element(j)))
+            call add_series(second, self%frequency, self%time, self%excitation(:, system%mesh_element(j)))
          end do
       end associate
    end subroutine expand_excitation
 
-   !> Adds the Taylor coefficients in time of a series, times `factor`.
-   pure subroutine add_series(series, frequency, time, factor, coefficient)
+   !> Adds the Taylor coefficients in time of a series.
+   pure subroutine add_series(series, frequency, time, coefficient)
       type(series_type), intent(in) :: series
-      real(dp), intent(in) :: frequency, time, factor
+      real(dp), intent(in) :: frequency, time
       real(dp), intent(inout) :: coefficient(0:)
       complex(dp) :: term
       real(dp) :: rate
@@ -328,7 +335,7 @@ contains
 
       do h = 1, size(series%amplitude)
          rate = h*series%order*frequency
-         term = factor*series%amplitude(h)*exp(cmplx(0, rate*time, dp))
+         term = series%amplitude(h)*exp(cmplx(0, rate*time, dp))
          coefficient(0) = coefficient(0) + term%re
          do k = 1, ubound(coefficient, 1)
             term = cmplx(-term%im, term%re, dp)*(rate/k)

@@ -5,6 +5,7 @@
 !> stiffness at the others as preconditioner, needs no more iterations the more harmonics there are.
 module geartrain_motion_linearization
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use geartrain_base_graph, only: factor_scalars, solve_scalars
    use geartrain_base_kinds, only: dp
    use geartrain_motion_balance, only: balance_type
    use geartrain_motion_bordered, only: bordered_type
@@ -26,9 +27,8 @@ module geartrain_motion_linearization
       !> Of the latest `solve`; 0 by elimination.
       integer :: iterations = 0
       type(bordered_type), private :: lowest
-      !> Tridiagonal factors of each harmonic that is not explicit: what multiplies the mesh before, the inverse pivot and what
-      !> multiplies the mesh after, (3, unknowns, harmonic).
-      complex(dp), allocatable, private :: factors(:, :, :)
+      !> Factors of each harmonic that is not explicit, (entries of the graph, harmonic).
+      complex(dp), allocatable, private :: factors(:, :)
       !> Orthogonal basis of GMRES, (block, unknowns, vector), and the entries of the border row, (vector).
       real(dp), allocatable, private :: basis(:, :, :), basis_y(:)
    contains
@@ -109,34 +109,22 @@ contains
       call self%lowest%solve(x, y)
    end subroutine solve
 
-   !> Factors of the tridiagonal matrix of each harmonic that is not explicit, the meshes with their mean stiffness in contact.
+   !> Factors of the matrix of each harmonic that is not explicit, the meshes with their mean stiffness in contact.
    subroutine factor_tail(self, balance)
       class(linearization_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
-      complex(dp) :: stiffness(balance%unknowns), pivot
-      integer :: i, k, m
+      integer :: m, tail
 
-      m = size(balance%harmonic) - balance%explicit
+      tail = size(balance%harmonic) - balance%explicit
       if (allocated(self%factors)) then
-         if (any(shape(self%factors) /= [3, balance%unknowns, m])) deallocate (self%factors)
+         if (size(self%factors, 2) /= tail) deallocate (self%factors)
       end if
-      if (.not. allocated(self%factors)) allocate (self%factors(3, balance%unknowns, m))
-      do k = 1, m
-         associate (h => balance%receptance(balance%explicit + k)%h, f => self%factors(:, :, k))
-            do i = 1, balance%unknowns
-               stiffness(i) = balance%mean_stiffness(i, balance%harmonic(balance%explicit + k))
-            end do
-            do i = 1, balance%unknowns
-               f(:, i) = 0
-               pivot = 1 + h(2, balance%mesh(i))*stiffness(i)
-               if (i > 1) then
-                  f(1, i) = h(1, balance%mesh(i))*stiffness(i - 1)
-                  pivot = pivot - f(1, i)*f(2, i - 1)*f(3, i - 1)
-               end if
-               if (i < balance%unknowns) f(3, i) = h(3, balance%mesh(i))*stiffness(i + 1)
-               f(2, i) = 1/pivot
-            end do
+      if (.not. allocated(self%factors)) allocate (self%factors(balance%system%cut%graph%entries, tail))
+      do m = 1, tail
+         associate (k => balance%explicit + m)
+            call balance%mean_matrix(balance%harmonic(k), balance%receptance(k), self%factors(:, m))
          end associate
+         call factor_scalars(balance%system%cut%graph, self%factors(:, m))
       end do
    end subroutine factor_tail
 
@@ -146,23 +134,15 @@ contains
       type(balance_type), intent(in) :: balance
       real(dp), intent(inout) :: x(:, :), y
       complex(dp) :: p(balance%unknowns)
-      integer :: i, k, m
+      integer :: k, m
 
       call self%lowest%solve(x(:self%lowest%block, :), y)
-      do m = 1, size(self%factors, 3)
+      do m = 1, size(self%factors, 2)
          k = balance%explicit + m
-         associate (f => self%factors(:, :, m))
-            do i = 1, balance%unknowns
-               p(i) = cmplx(x(2*k, i) - y*self%column(2*k, i), -x(2*k + 1, i) + y*self%column(2*k + 1, i), dp)
-               if (i > 1) p(i) = p(i) - f(1, i)*f(2, i - 1)*p(i - 1)
-            end do
-            do i = balance%unknowns, 1, -1
-               if (i < balance%unknowns) p(i) = p(i) - f(3, i)*p(i + 1)
-               p(i) = p(i)*f(2, i)
-               x(2*k, i) = p(i)%re
-               x(2*k + 1, i) = -p(i)%im
-            end do
-         end associate
+         p = cmplx(x(2*k, :) - y*self%column(2*k, :), -x(2*k + 1, :) + y*self%column(2*k + 1, :), dp)
+         call solve_scalars(balance%system%cut%graph, self%factors(:, m), p)
+         x(2*k, :) = p%re
+         x(2*k + 1, :) = -p%im
       end do
    end subroutine precondition
 

@@ -1,6 +1,7 @@
 !> States at time 0: at rest under the mean load, or of a motion given by its Fourier coefficients.
 module geartrain_motion_start_state
    use geartrain_base_kinds, only: dp, pi
+   use geartrain_model_receptance, only: linear_displacements
    use geartrain_model_system, only: system_type
    use geartrain_motion_balance, only: balance_type
    use geartrain_motion_motion, only: motion_type
@@ -46,13 +47,13 @@ contains
       type(motion_type), intent(in) :: motion
       real(dp), intent(out) :: states(:, :)
       type(balance_type) :: balance
-      real(dp), allocatable :: u(:, :), coefficients(:, :), forces(:, :)
+      real(dp), allocatable :: u(:, :)
+      complex(dp), allocatable :: amplitudes(:, :), turned(:)
       integer :: highest, i, k
 
       highest = (size(motion%coefficients, 1) - 1)/2
       call balance%setup(system, highest, motion%period, 0)
-      allocate (u(balance%block, balance%unknowns), coefficients(1 + 2*highest, system%meshes), &
-                forces(1 + 2*highest, system%meshes))
+      allocate (u(balance%block, balance%unknowns), amplitudes(system%elements, size(balance%harmonic)))
       do i = 1, balance%unknowns
          u(1, i) = motion%coefficients(1, balance%mesh(i))
          do k = 1, size(balance%harmonic)
@@ -62,60 +63,25 @@ contains
          end do
       end do
       call balance%evaluate(u, motion%frequency)
-      call balance%full_coefficients(u, motion%frequency, coefficients, forces)
+      do k = 1, size(balance%harmonic)
+         amplitudes(system%cut%element, k) = cmplx(u(2*k, :), -u(2*k + 1, :), dp)
+         call linear_displacements(system, motion%frequency, balance%harmonic(k), motion%period, &
+                                   cmplx(balance%force(2*k, :), -balance%force(2*k + 1, :), dp), amplitudes(:, k))
+      end do
       do i = 1, size(states, 2)
-         call sum_harmonics(system, motion%frequency/motion%period, motion%period, 2*pi*(i - 1)/size(states, 2), coefficients, &
-                            forces, states(:, i))
+         associate (phase => 2*pi*(i - 1)/size(states, 2), state => states(:, i), e => system%elements)
+            state = 0
+            state(system%mesh_element) = system%load(system%mesh_element)
+            state(system%cut%element) = u(1, :)
+            do k = 1, size(balance%harmonic)
+               associate (r => balance%harmonic(k))
+                  turned = amplitudes(:, k)*exp(cmplx(0, r*phase, dp))
+                  state(:e) = state(:e) + turned%re
+                  state(e + 1:) = state(e + 1:) - r*motion%frequency/motion%period*turned%im
+               end associate
+            end do
+         end associate
       end do
    end subroutine states_of
-
-   pure subroutine sum_harmonics(system, rate, eta, phase, coefficients, forces, state)
-      type(system_type), intent(in) :: system
-      !> Lambda/eta [1]; of the period [rad].
-      real(dp), intent(in) :: rate, phase, coefficients(:, :), forces(:, :)
-      integer, intent(in) :: eta
-      real(dp), intent(out) :: state(:)
-      complex(dp) :: p, left, right, turn((size(coefficients, 1) - 1)/2)
-      integer :: j, n, r, e
-
-      e = system%elements
-      turn = 1
-      if (phase > 0) turn = [(exp(cmplx(0, r*phase, dp)), r=1, size(turn))]
-      state = 0
-      do j = 1, system%meshes
-         n = system%mesh_element(j)
-         state(n) = coefficients(1, j)
-         do r = 1, (size(coefficients, 1) - 1)/2
-            p = turn(r)*cmplx(coefficients(2*r, j), -coefficients(2*r + 1, j), dp)
-            state(n) = state(n) + p%re
-            state(e + n) = state(e + n) - r*rate*p%im
-         end do
-      end do
-      do j = 1, size(system%bodies)
-         n = system%body_element(j)
-         if (n == 0) cycle
-         do r = 1, (size(coefficients, 1) - 1)/2
-            left = 0
-            right = 0
-            if (j > 1) left = system%right_radius(n - 1)*mesh_force(j - 1)
-            if (j == 1 .and. mod(r, eta) == 0 .and. r/eta <= size(system%torque%amplitude)) &
-               left = system%torque%amplitude(r/eta)
-            if (j <= system%meshes) right = -system%left_radius(n + 1)*mesh_force(j)
-            p = turn(r)*system%left_radius(n)*system%bodies(j)%twist(r*rate*system%characteristic_frequency, left, right)
-            state(n) = state(n) + p%re
-            state(e + n) = state(e + n) - r*rate*p%im
-         end do
-      end do
-
-   contains
-
-      !> Force of a mesh at harmonic r over characteristic length [N/m].
-      pure complex(dp) function mesh_force(mesh)
-         integer, intent(in) :: mesh
-
-         mesh_force = system%stiffness(system%mesh_element(mesh))*cmplx(forces(2*r, mesh), -forces(2*r + 1, mesh), dp)
-      end function mesh_force
-
-   end subroutine sum_harmonics
 
 end module geartrain_motion_start_state

@@ -1,8 +1,9 @@
 !> What a balance leaves out: the harmonics above its highest, and what they do to those it carries.
 module geartrain_motion_truncation
    use geartrain_base_fftw, only: transform_type
+   use geartrain_base_graph, only: factor_scalars, solve_scalars
    use geartrain_base_kinds, only: dp
-   use geartrain_model_receptance, only: find_receptance, receptance_type, recover_meshes
+   use geartrain_model_receptance, only: find_receptance, linear_displacements, receptance_type
    use geartrain_motion_balance, only: balance_type
    use geartrain_motion_linearization, only: linearization_type
    use geartrain_motion_trigonometric, only: evaluate, sample, transform_length
@@ -190,25 +191,26 @@ contains
       integer, intent(in) :: harmonic(:)
       !> Forces of the unknown meshes at the tail without what their displacements there cause, and these, (tail, unknowns).
       complex(dp), intent(in) :: force(:, :), tail(:, :)
-      type(receptance_type) :: local
-      complex(dp), dimension(balance%system%meshes) :: phi, p
+      complex(dp) :: phi(balance%unknowns), p(balance%system%elements)
       real(dp) :: coefficients(1 + 2*balance%highest, balance%system%meshes), missing
-      integer :: i, j, m
+      logical :: is_linear(balance%system%meshes)
+      integer :: i, m
 
       missing = 0
+      is_linear = .true.
+      is_linear(balance%mesh) = .false.
       do m = 1, size(harmonic)
          if (.not. any(balance%left_out == harmonic(m))) cycle
-         call find_receptance(balance%system, balance%unknown, frequency, harmonic(m), balance%eta, local)
          do i = 1, balance%unknowns
-            phi(balance%mesh(i)) = force(m, i) + balance%mean_stiffness(i, harmonic(m))*tail(m, i)
+            phi(i) = force(m, i) + balance%mean_stiffness(i, harmonic(m))*tail(m, i)
          end do
-         call recover_meshes(balance%system, balance%unknown, frequency*harmonic(m)/balance%eta, local, phi, p)
-         missing = missing + sum(abs(pack(p, .not. balance%unknown))**2)
+         call linear_displacements(balance%system, frequency, harmonic(m), balance%eta, phi, p)
+         missing = missing + sum(abs(p(pack(balance%system%mesh_element, is_linear)))**2)
       end do
       call balance%full_coefficients(u, frequency, coefficients)
       condensed_error = 0
-      do j = 1, balance%system%meshes
-         if (.not. balance%unknown(j)) condensed_error = condensed_error + sum(coefficients(2:, j)**2)
+      do i = 1, balance%system%meshes
+         if (is_linear(i)) condensed_error = condensed_error + sum(coefficients(2:, i)**2)
       end do
       condensed_error = sqrt(missing/max(condensed_error, tiny(1.0_dp)))
    end function condensed_error
@@ -324,35 +326,26 @@ contains
       integer, intent(in) :: harmonic(:)
       complex(dp), intent(inout) :: tail(:, :)
       type(receptance_type) :: local
-      complex(dp) :: force(balance%unknowns), own(balance%unknowns), pivot(balance%unknowns), ratio
-      integer :: i, m, r, neighbour
+      complex(dp) :: force(balance%unknowns), p(balance%unknowns), matrix(balance%system%cut%graph%entries)
+      integer :: i, m, n
 
-      do m = 1, size(harmonic)
-         r = harmonic(m)
-         force = tail(m, :)
-         do i = 1, balance%unknowns
-            own(i) = balance%mean_stiffness(i, r)
-         end do
-         call find_receptance(balance%system, balance%unknown, frequency, r, balance%eta, local)
-         ! Elimination down the chain and back; the diagonal is 1 plus something small, save at a resonance.
-         associate (p => tail(m, :), h => local%h, j => balance%mesh)
+      associate (graph => balance%system%cut%graph)
+         do m = 1, size(harmonic)
+            force = tail(m, :)
+            call find_receptance(balance%system, frequency, harmonic(m), balance%eta, local)
+            ! The diagonal is 1 plus something small, save at a resonance.
+            call balance%mean_matrix(harmonic(m), local, matrix)
+            p = local%a
             do i = 1, balance%unknowns
-               p(i) = local%a(j(i))
-               do neighbour = max(1, i - 1), min(balance%unknowns, i + 1)
-                  p(i) = p(i) - h(neighbour - i + 2, j(i))*force(neighbour)
+               do n = graph%row(i), graph%row(i + 1) - 1
+                  p(i) = p(i) - local%h(graph%entry(n))*force(graph%column(n))
                end do
-               pivot(i) = 1 + h(2, j(i))*own(i)
-               if (i == 1) cycle
-               ratio = h(1, j(i))*own(i - 1)/pivot(i - 1)
-               pivot(i) = pivot(i) - ratio*h(3, j(i - 1))*own(i)
-               p(i) = p(i) - ratio*p(i - 1)
             end do
-            do i = balance%unknowns, 1, -1
-               if (i < balance%unknowns) p(i) = p(i) - h(3, j(i))*own(i + 1)*p(i + 1)
-               p(i) = p(i)/pivot(i)
-            end do
-         end associate
-      end do
+            call factor_scalars(graph, matrix)
+            call solve_scalars(graph, matrix, p)
+            tail(m, :) = p
+         end do
+      end associate
    end subroutine find_tail
 
    !> Force at harmonic r, not a kept one, that the kept harmonics cause.
@@ -386,7 +379,7 @@ contains
       real(dp), intent(out) :: correction(:, :)
       real(dp) :: d_phi(balance%block, balance%unknowns)
       complex(dp) :: shift
-      integer :: i, k, neighbour
+      integer :: i, k, n
 
       do i = 1, balance%unknowns
          if (balance%is_direct()) then
@@ -395,18 +388,20 @@ contains
             call transform_tail(balance%harmonic, harmonic, stiffness(:, i), tail(:, i), wide, d_phi(:, i))
          end if
       end do
-      do i = 1, balance%unknowns
-         correction(1, i) = -d_phi(1, i)
-         do k = 1, size(balance%harmonic)
-            shift = 0
-            do neighbour = max(1, i - 1), min(balance%unknowns, i + 1)
-               shift = shift - balance%receptance(k)%h(neighbour - i + 2, balance%mesh(i)) &
-                       *cmplx(d_phi(2*k, neighbour), -d_phi(2*k + 1, neighbour), dp)
+      associate (graph => balance%system%cut%graph)
+         do i = 1, balance%unknowns
+            correction(1, i) = -d_phi(1, i)
+            do k = 1, size(balance%harmonic)
+               shift = 0
+               do n = graph%row(i), graph%row(i + 1) - 1
+                  shift = shift - balance%receptance(k)%h(graph%entry(n)) &
+                          *cmplx(d_phi(2*k, graph%column(n)), -d_phi(2*k + 1, graph%column(n)), dp)
+               end do
+               correction(2*k, i) = shift%re
+               correction(2*k + 1, i) = -shift%im
             end do
-            correction(2*k, i) = shift%re
-            correction(2*k + 1, i) = -shift%im
          end do
-      end do
+      end associate
    end subroutine find_shift
 
    !> Force at the kept harmonics that the missing tail causes, to first order.

@@ -40,12 +40,12 @@ contains
 
       m = system%elements
       coupling = 0
-      scale = 1
+      scale = system%stiffness/system%stiffness(1)
       inertia = 0
       do n = 1, m
-         if (n > 1) scale(n) = scale(n - 1)*system%coupling(3, n - 1)/system%coupling(1, n)
-         do i = max(1, n - 1), min(m, n + 1)
-            coupling(n, i) = system%coupling(i - n + 2, n)
+         coupling(n, n) = system%own(n)
+         do i = system%first(n), system%first(n + 1) - 1
+            coupling(n, system%neighbour(i)) = system%coupling(i)
          end do
          inertia(n, n) = 1
       end do

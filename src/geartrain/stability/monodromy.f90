@@ -227,7 +227,7 @@ contains
       real(dp) :: begin, next
       integer :: i
 
-      self%decay = sum(balance%system%coupling(2, :)*balance%system%damping)
+      self%decay = sum(balance%system%own*balance%system%damping)
       self%piece_limit = period/ceiling(max(1.0_dp, self%propagator%fastest_decay*period/largest_decay))
       do i = 1, balance%unknowns
          self%now(balance%mesh(i)) = balance%contact(i)%first_contact

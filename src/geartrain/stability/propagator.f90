@@ -7,7 +7,7 @@
 module geartrain_stability_propagator
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use geartrain_base_kinds, only: dp
-   use geartrain_base_lapack, only: dsterf
+   use geartrain_model_spectrum, only: eigenvalues_of
    use geartrain_model_system, only: system_type
    use geartrain_stability_exponential, only: exponential_type
    implicit none (type, external)
@@ -51,7 +51,10 @@ module geartrain_stability_propagator
       real(dp), allocatable, private :: weight(:), binomial(:, :), kappa_terms(:, :)
       integer, allocatable, private :: terms(:)
       !> Further arguments of `take_step` (element), and its work space.
-      real(dp), allocatable, private :: before(:), after(:), spring(:), damper(:), work(:)
+      real(dp), allocatable, private :: spring(:), damper(:), work(:)
+      !> Neighbours of each element, counted from 0 as in C, and W_nm/W_mm of each.
+      integer, allocatable, private :: first(:), neighbour(:)
+      real(dp), allocatable, private :: factor(:)
    contains
       procedure :: setup
       procedure :: start
@@ -66,13 +69,13 @@ module geartrain_stability_propagator
 
    !> In step.c, where its arguments are described.
    interface
-      pure subroutine take_step(width, elements, degree, most_terms, terms, spring, damper, before, after, binomial, kappa, &
-                                weight, work, x) bind(c, name='geartrain_step')
+      pure subroutine take_step(width, elements, degree, most_terms, terms, spring, damper, first, neighbour, factor, &
+                                binomial, kappa, weight, work, x) bind(c, name='geartrain_step')
          import :: c_double, c_int
          implicit none (type, external)
          integer(c_int), value :: width, elements, degree, most_terms
-         integer(c_int), intent(in), dimension(*) :: terms
-         real(c_double), intent(in), dimension(*) :: spring, damper, before, after, binomial, kappa, weight
+         integer(c_int), intent(in), dimension(*) :: terms, first, neighbour
+         real(c_double), intent(in), dimension(*) :: spring, damper, factor, binomial, kappa, weight
          real(c_double), intent(inout), dimension(*) :: work, x
       end subroutine take_step
    end interface
@@ -105,7 +108,7 @@ contains
          associate (s => system%mesh_stiffness(j), n => system%mesh_element(j))
             if (size(s%amplitude) == 0) cycle
             stiffest(n) = 1 + sum(abs(s%amplitude))
-            self%fastest_mesh = max(self%fastest_mesh, sqrt(system%coupling(2, n)*stiffest(n)))
+            self%fastest_mesh = max(self%fastest_mesh, sqrt(system%own(n)*stiffest(n)))
             self%highest_order = max(self%highest_order, s%order*size(s%amplitude))
          end associate
       end do
@@ -117,20 +120,17 @@ contains
       call self%motion%setup([(longest*i/16, i=1, 16)], aspect, tolerance)
       call self%kappa%setup([(0.05_dp*1.5_dp**i, i=0, 11)], 0.0_dp, tolerance)
       most = maxval(self%motion%degree)
-      if (allocated(self%x)) deallocate (self%x, self%binomial, self%kappa_terms, self%weight, self%before, self%after, &
-                                         self%spring, self%damper, self%work, self%terms)
+      if (allocated(self%x)) deallocate (self%x, self%binomial, self%kappa_terms, self%weight, self%spring, self%damper, &
+                                         self%work, self%terms)
       associate (w => self%width, m => self%elements)
          allocate (self%x(w, self%states, blocks), self%weight(0:most), self%binomial(0:most_terms - 1, 0:most), &
-                   self%kappa_terms(0:most_terms - 1, m), self%before(m), self%after(m), self%spring(m), self%damper(m), &
-                   self%work(w*m*(most + 2) + most_terms + 4), self%terms(m))
+                   self%kappa_terms(0:most_terms - 1, m), self%spring(m), self%damper(m), &
+                   self%work(w*m*(most + 3) + most_terms + 4), self%terms(m))
       end associate
       self%x = 0
-      self%before = 0
-      self%after = 0
-      do i = 2, self%elements
-         self%before(i) = system%coupling(1, i)/system%coupling(2, i - 1)
-         self%after(i - 1) = system%coupling(3, i - 1)/system%coupling(2, i)
-      end do
+      self%first = system%first - 1
+      self%neighbour = system%neighbour - 1
+      self%factor = system%coupling/system%own(system%neighbour)
       self%binomial = 0
       do k = 0, most
          self%binomial(0, k) = 1
@@ -140,20 +140,15 @@ contains
       end do
    end subroutine setup
 
-   !> Of W diag(factor), which is similar to a symmetric tridiagonal matrix.
+   !> Largest eigenvalue of W diag(factor).
    real(dp) function largest_eigenvalue(system, factor) result(largest)
       type(system_type), intent(in) :: system
       real(dp), intent(in) :: factor(:)
-      real(dp) :: diagonal(size(factor)), off(size(factor))
-      integer :: n, info
+      real(dp) :: values(size(factor))
+      integer :: info
 
-      off = 0
-      do n = 1, size(factor)
-         diagonal(n) = system%coupling(2, n)*factor(n)
-         if (n > 1) off(n - 1) = sqrt(system%coupling(1, n)*factor(n - 1)*system%coupling(3, n - 1)*factor(n))
-      end do
-      call dsterf(size(factor), diagonal, off, info)
-      largest = maxval(diagonal)
+      call eigenvalues_of(system, factor, values, info)
+      largest = maxval(values)
    end function largest_eigenvalue
 
    !> Begins at `frequency`, a whole matrix with the identity; steps are shortened by `refinement`.
@@ -166,7 +161,7 @@ contains
       self%band = refinement*max(self%fastest + sidebands*self%highest_order*frequency, &
                                  self%fastest_mesh + mesh_sidebands*self%highest_order*frequency)
       do n = 1, self%elements
-         self%damper(n) = -self%system%coupling(2, n)*self%system%damping(n)/self%band
+         self%damper(n) = -self%system%own(n)*self%system%damping(n)/self%band
       end do
       if (self%whole) call self%restart()
    end subroutine start
@@ -227,7 +222,7 @@ contains
 
       if (.not. to > from) return
       do n = 1, self%elements
-         self%spring(n) = -self%system%coupling(2, n)/self%band**2
+         self%spring(n) = -self%system%own(n)/self%band**2
       end do
       self%terms = 0
       do j = 1, self%system%meshes
@@ -263,8 +258,8 @@ contains
          if (self%terms(self%system%mesh_element(j)) > 0) call self%expand_kappa(j, time, h)
       end do
       do i = 1, size(self%x, 3)
-         call take_step(self%width, self%elements, degree, most_terms, self%terms, self%spring, self%damper, self%before, &
-                        self%after, self%binomial, self%kappa_terms, self%weight, self%work, self%x(:, :, i))
+         call take_step(self%width, self%elements, degree, most_terms, self%terms, self%spring, self%damper, self%first, &
+                        self%neighbour, self%factor, self%binomial, self%kappa_terms, self%weight, self%work, self%x(:, :, i))
       end do
    end subroutine step
 
@@ -301,7 +296,7 @@ contains
          end do
       end do
       n = self%system%mesh_element(mesh)
-      factor = -self%system%coupling(2, n)/self%band**2
+      factor = -self%system%own(n)/self%band**2
       do l = 0, last
          polynomial(l) = factor*polynomial(l)
          factor = factor*(l + 1)/self%band

@@ -49,11 +49,12 @@ INLINE void add_up(const int vectors, int degree, int all, const double *restric
    }
 }
 
-/* The whole step for 4*vectors columns; psi of three neighbouring elements is at hand. */
+/* The whole step for 4*vectors columns. */
 INLINE void carry(const int vectors, int elements, int degree, int most_terms, const int *restrict terms,
-                  const double *restrict spring, const double *restrict damper, const double *restrict before,
-                  const double *restrict after, const double *restrict binomial, const double *restrict kappa,
-                  const double *restrict weight, double *restrict factor, double *restrict p, double *restrict x)
+                  const double *restrict spring, const double *restrict damper, const int *restrict first,
+                  const int *restrict neighbour, const double *restrict share, const double *restrict binomial,
+                  const double *restrict kappa, const double *restrict weight, double *restrict factor, double *restrict psi,
+                  double *restrict p, double *restrict x)
 {
    const int width = 4 * vectors, all = width * elements;
 
@@ -62,22 +63,24 @@ INLINE void carry(const int vectors, int elements, int degree, int most_terms, c
    for (int k = 0; k < degree; k++) {
       const double *restrict here = p + k * all;
       double *restrict next = p + (k + 2) * all;
-      four below[3] = {{0}}, middle[3] = {{0}}, above[3] = {{0}};
-      for (int n = 0; n <= elements; n++) {
-         for (int i = 0; i < vectors; i++) {
-            below[i] = middle[i];
-            middle[i] = above[i];
-            above[i] = (four){0};
-         }
-         if (n < elements) {
-            const int last = terms[n] < k + 1 ? terms[n] : k + 1;
-            for (int l = 0; l < last; l += 4)
-               store(factor + l, load(binomial + k * most_terms + l) * load(kappa + n * most_terms + l));
-            find_psi(vectors, all, spring[n], damper[n], last, factor, here + n * width, above);
-         }
-         if (n > 0)
+      for (int n = 0; n < elements; n++) {
+         const int last = terms[n] < k + 1 ? terms[n] : k + 1;
+         four own[3];
+         for (int l = 0; l < last; l += 4)
+            store(factor + l, load(binomial + k * most_terms + l) * load(kappa + n * most_terms + l));
+         find_psi(vectors, all, spring[n], damper[n], last, factor, here + n * width, own);
+         for (int i = 0; i < vectors; i++)
+            store(psi + n * width + 4 * i, own[i]);
+      }
+      for (int n = 0; n < elements; n++) {
+         four sum[3];
+         for (int i = 0; i < vectors; i++)
+            sum[i] = load(psi + n * width + 4 * i);
+         for (int j = first[n]; j < first[n + 1]; j++)
             for (int i = 0; i < vectors; i++)
-               store(next + (n - 1) * width + 4 * i, middle[i] + before[n - 1] * below[i] + after[n - 1] * above[i]);
+               sum[i] += share[j] * load(psi + neighbour[j] * width + 4 * i);
+         for (int i = 0; i < vectors; i++)
+            store(next + n * width + 4 * i, sum[i]);
       }
    }
    for (int n = 0; n < elements; n++)
@@ -85,27 +88,33 @@ INLINE void carry(const int vectors, int elements, int degree, int most_terms, c
 }
 
 /* Carries one block of columns over a step by the derivatives at its beginning: psi = -W_nn (kappa p + gamma p'),
-   p'' = psi(n) + before psi(n-1) + after psi(n+1), kappa p by Leibniz' rule where kappa varies, weighted sums of them at its end.
+   p'' = psi(n) + sum over its neighbours m of share psi(m), kappa p by Leibniz' rule where kappa varies, weighted sums of them at
+   its end.
      width                          columns of the block: 4, 8 or 12; those of one element lie together
      terms(element)                 how many terms a varying kappa has, at most most_terms; 0 for none
      spring, damper(element)        -W_nn kappa where it is constant, -W_nn gamma
-     before, after(element)         factors of the neighbours' psi
+     first(element + 1), neighbour, share   neighbours first[n] to first[n + 1] - 1 of each element and the factors of their psi
      binomial(term, derivative), kappa(term, element)   room for most_terms, a multiple of four; their product is Leibniz' factor
      weight(derivative)             from 0 to degree
-     work                           room for width elements (degree + 2) + most_terms + 4 numbers
+     work                           room for width elements (degree + 3) + most_terms + 4 numbers
      x(column, element, 2)          displacements and velocities, in and out */
 VERSIONS void geartrain_step(int width, int elements, int degree, int most_terms, const int *restrict terms,
-                             const double *restrict spring, const double *restrict damper, const double *restrict before,
-                             const double *restrict after, const double *restrict binomial, const double *restrict kappa,
-                             const double *restrict weight, double *restrict work, double *restrict x)
+                             const double *restrict spring, const double *restrict damper, const int *restrict first,
+                             const int *restrict neighbour, const double *restrict share, const double *restrict binomial,
+                             const double *restrict kappa, const double *restrict weight, double *restrict work,
+                             double *restrict x)
 {
    double *restrict factor = (double *)(((uintptr_t)work + 31) & ~(uintptr_t)31);
-   double *restrict p = factor + most_terms;
+   double *restrict psi = factor + most_terms;
+   double *restrict p = psi + width * elements;
 
+#define CARRY(vectors) \
+   carry(vectors, elements, degree, most_terms, terms, spring, damper, first, neighbour, share, binomial, kappa, weight, factor, \
+         psi, p, x)
    if (width == 4)
-      carry(1, elements, degree, most_terms, terms, spring, damper, before, after, binomial, kappa, weight, factor, p, x);
+      CARRY(1);
    else if (width == 8)
-      carry(2, elements, degree, most_terms, terms, spring, damper, before, after, binomial, kappa, weight, factor, p, x);
+      CARRY(2);
    else
-      carry(3, elements, degree, most_terms, terms, spring, damper, before, after, binomial, kappa, weight, factor, p, x);
+      CARRY(3);
 }

@@ -1,0 +1,173 @@
+!> A network cut at its unknown meshes: the free linear parts that remain, and the graph of the unknowns that share a part.
+module geartrain_model_cut
+   use geartrain_base_graph, only: graph_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_model_network, only: network_type
+   use geartrain_model_part, only: part_type
+   implicit none (type, external)
+   private
+   public :: cut_type, cut_network
+
+   type :: cut_type
+      !> Unknown meshes, their elements in the network, and whether an element is one, (unknown), (unknown) and (element).
+      integer :: unknowns = 0
+      integer, allocatable :: mesh(:), element(:)
+      logical, allocatable :: is_unknown(:)
+      type(graph_type) :: graph
+      type(part_type), allocatable :: part(:)
+      !> Part and number of the mass of each body of the network, (body).
+      integer, allocatable :: home(:), mass(:)
+      !> Slot of each element within its part, 0 for unknown meshes; displacement of the element per difference of the slot [1],
+      !> (element).
+      integer, allocatable :: slot(:)
+      real(dp), allocatable :: scale(:)
+   end type cut_type
+
+contains
+
+   !> Cuts a network at the elements that are unknown.
+   pure subroutine cut_network(network, is_unknown, cut)
+      type(network_type), intent(in) :: network
+      logical, intent(in) :: is_unknown(:)
+      type(cut_type), intent(out) :: cut
+      integer :: i, n
+
+      cut%is_unknown = is_unknown
+      ! The unknowns are in the order of the meshes, whatever that of the elements.
+      cut%mesh = pack(network%elements%mesh, is_unknown)
+      cut%element = pack([(n, n=1, size(is_unknown))], is_unknown)
+      cut%unknowns = size(cut%mesh)
+      call sort_by_mesh(cut%mesh, cut%element)
+      call find_parts(network, cut)
+      do i = 1, cut%unknowns
+         call add_port(network, cut, i, network%elements(cut%element(i))%from, 1)
+         call add_port(network, cut, i, network%elements(cut%element(i))%to, -1)
+      end do
+      call join_unknowns(cut)
+   end subroutine cut_network
+
+   !> The mesh of an unknown touches the part of `body`; sign = 1 for the driving side.
+   pure subroutine add_port(network, cut, unknown, body, sign)
+      type(network_type), intent(in) :: network
+      type(cut_type), intent(inout) :: cut
+      integer, intent(in) :: unknown, body, sign
+
+      associate (part => cut%part(cut%home(body)), element => network%elements(cut%element(unknown)))
+         part%at = [part%at, cut%mass(body)]
+         part%weight = [part%weight, sign*element%radius(1)/network%radius(element%from)]
+         part%unknown = [part%unknown, unknown]
+      end associate
+   end subroutine add_port
+
+   pure subroutine sort_by_mesh(mesh, element)
+      integer, intent(inout) :: mesh(:), element(:)
+      integer :: i, j, held(2)
+
+      do i = 2, size(mesh)
+         held = [mesh(i), element(i)]
+         do j = i - 1, 1, -1
+            if (mesh(j) < held(1)) exit
+            mesh(j + 1) = mesh(j)
+            element(j + 1) = element(j)
+         end do
+         mesh(j + 1) = held(1)
+         element(j + 1) = held(2)
+      end do
+   end subroutine sort_by_mesh
+
+   !> The parts, numbered by their first bodies.
+   pure subroutine find_parts(network, cut)
+      type(network_type), intent(in) :: network
+      type(cut_type), intent(inout) :: cut
+      integer :: root(size(network%inertia)), ends(2, size(network%elements)), &
+                 masses(2, size(network%elements)), bodies, b, n, p, parts
+      integer, allocatable :: body(:), inside(:)
+
+      bodies = size(network%inertia)
+      root = [(b, b=1, bodies)]
+      do n = 1, size(network%elements)
+         ends(:, n) = [network%elements(n)%from, network%elements(n)%to]
+         if (.not. cut%is_unknown(n)) where (root == root(ends(2, n))) root = root(ends(1, n))
+      end do
+      allocate (cut%home(bodies), cut%mass(bodies), source=0)
+      allocate (cut%slot(size(network%elements)), source=0)
+      allocate (cut%scale(size(network%elements)), source=0.0_dp)
+      parts = 0
+      do b = 1, bodies
+         if (cut%home(b) > 0) cycle
+         parts = parts + 1
+         where (root == root(b)) cut%home = parts
+      end do
+      allocate (cut%part(parts))
+      do p = 1, parts
+         body = pack([(b, b=1, bodies)], cut%home == p)
+         cut%mass(body) = [(b, b=1, size(body))]
+         masses(1, :) = cut%mass(ends(1, :))
+         masses(2, :) = cut%mass(ends(2, :))
+         inside = pack([(n, n=1, size(cut%slot))], .not. cut%is_unknown .and. cut%home(ends(1, :)) == p)
+         do n = 1, size(inside)
+            associate (element => network%elements(inside(n)))
+               cut%scale(inside(n)) = element%radius(1)/network%radius(element%from)
+            end associate
+         end do
+         associate (part => cut%part(p), element => network%elements(inside), scale => cut%scale(inside))
+            call part%setup(body, network%inertia(body)/network%radius(body)**2, &
+                            masses(:, inside), scale**2*element%stiffness, &
+                            scale**2*element%damping)
+            part%element = inside
+            part%at = [integer ::]
+            part%weight = [real(dp) ::]
+            part%unknown = [integer ::]
+         end associate
+         do n = 1, size(inside)
+            call find_slot(cut%part(p)%graph, cut%mass(ends(1, inside(n))), cut%mass(ends(2, inside(n))), &
+                           cut%slot(inside(n)), cut%scale(inside(n)))
+         end do
+      end do
+   end subroutine find_parts
+
+   !> The slot of two masses; the scale changes its sign where the second is the earlier.
+   pure subroutine find_slot(graph, from, to, slot, scale)
+      type(graph_type), intent(in) :: graph
+      integer, intent(in) :: from, to
+      integer, intent(out) :: slot
+      real(dp), intent(inout) :: scale
+
+      slot = graph%entry_of(from, to) - graph%nodes
+      if (slot <= graph%slots) return
+      slot = slot - graph%slots
+      scale = -scale
+   end subroutine find_slot
+
+   !> The graph of the unknowns, all of one part joined.
+   pure subroutine join_unknowns(cut)
+      type(cut_type), intent(inout) :: cut
+      integer, allocatable :: pairs(:, :)
+      integer :: i, j, n, p
+
+      allocate (pairs(2, sum([(size(cut%part(p)%at)**2, p=1, size(cut%part))])))
+      n = 0
+      do p = 1, size(cut%part)
+         associate (unknown => cut%part(p)%unknown)
+            do i = 1, size(unknown)
+               do j = 1, size(unknown)
+                  n = n + 1
+                  pairs(:, n) = [unknown(i), unknown(j)]
+               end do
+            end do
+         end associate
+      end do
+      call cut%graph%setup(cut%unknowns, pairs)
+      do p = 1, size(cut%part)
+         associate (part => cut%part(p))
+            allocate (part%entry(size(part%unknown), size(part%unknown)))
+            do i = 1, size(part%unknown)
+               do j = 1, size(part%unknown)
+                  part%entry(i, j) = cut%graph%entry_of(part%unknown(i), part%unknown(j))
+               end do
+            end do
+         end associate
+      end do
+   end subroutine join_unknowns
+
+end module geartrain_model_cut

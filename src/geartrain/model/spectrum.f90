@@ -1,0 +1,49 @@
+!> Eigenvalues of W diag(factor), which is similar to a symmetric matrix by the roots of stiffness and factor; banded, as the elements
+!> are numbered along the train.
+module geartrain_model_spectrum
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_lapack, only: dsbev
+   use geartrain_model_system, only: system_type
+   implicit none (type, external)
+   private
+   public :: eigenvalues_of
+
+contains
+
+   !> Eigenvalues, ascending, (element), and the eigenvectors of the symmetric matrix, (element, element); info = 0: LAPACK converged.
+   pure subroutine eigenvalues_of(system, factor, values, info, vectors)
+      type(system_type), intent(in) :: system
+      !> Factors >= 0 of the elements, (element).
+      real(dp), intent(in) :: factor(:)
+      real(dp), intent(out) :: values(:)
+      integer, intent(out) :: info
+      real(dp), intent(out), optional :: vectors(:, :)
+      real(dp), allocatable :: band(:, :), work(:)
+      real(dp) :: none(1, 1)
+      integer :: i, n, width
+
+      width = 0
+      do n = 1, system%elements
+         do i = system%first(n), system%first(n + 1) - 1
+            width = max(width, n - system%neighbour(i))
+         end do
+      end do
+      allocate (band(width + 1, system%elements), source=0.0_dp)
+      allocate (work(max(1, 3*system%elements - 2)))
+      do n = 1, system%elements
+         band(width + 1, n) = system%own(n)*factor(n)
+         do i = system%first(n), system%first(n + 1) - 1
+            associate (m => system%neighbour(i))
+               if (m < n) band(width + 1 - n + m, n) = system%coupling(i)*sqrt(system%stiffness(n)/system%stiffness(m)) &
+                                                       *sqrt(factor(n)*factor(m))
+            end associate
+         end do
+      end do
+      if (present(vectors)) then
+         call dsbev('V', 'U', system%elements, width, band, width + 1, values, vectors, system%elements, work, info)
+      else
+         call dsbev('N', 'U', system%elements, width, band, width + 1, values, none, 1, work, info)
+      end if
+   end subroutine eigenvalues_of
+
+end module geartrain_model_spectrum
