@@ -43,7 +43,7 @@ contains
          call add_port(network, cut, i, network%elements(cut%element(i))%from, 1)
          call add_port(network, cut, i, network%elements(cut%element(i))%to, -1)
       end do
-      call join_unknowns(cut)
+      call join_unknowns(network, cut)
    end subroutine cut_network
 
    !> The mesh of an unknown touches the part of `body`; sign = 1 for the driving side.
@@ -140,7 +140,8 @@ contains
    end subroutine find_slot
 
    !> The graph of the unknowns, all of one part joined.
-   pure subroutine join_unknowns(cut)
+   pure subroutine join_unknowns(network, cut)
+      type(network_type), intent(in) :: network
       type(cut_type), intent(inout) :: cut
       integer, allocatable :: pairs(:, :)
       integer :: i, j, n, p
@@ -160,10 +161,11 @@ contains
       call cut%graph%setup(cut%unknowns, pairs)
       do p = 1, size(cut%part)
          associate (part => cut%part(p))
-            allocate (part%entry(size(part%unknown), size(part%unknown)))
+            allocate (part%entry(size(part%unknown), size(part%unknown)), part%gain(size(part%unknown), size(part%unknown)))
             do i = 1, size(part%unknown)
                do j = 1, size(part%unknown)
                   part%entry(i, j) = cut%graph%entry_of(part%unknown(i), part%unknown(j))
+                  part%gain(i, j) = part%weight(i)*part%weight(j)*network%elements(cut%element(part%unknown(j)))%stiffness
                end do
             end do
          end associate

@@ -27,9 +27,13 @@ module geartrain_model_part
       real(dp), allocatable :: weight(:)
       !> Unknown that each port belongs to, (port), and the entries of the balance's graph between them, (port, port).
       integer, allocatable :: unknown(:), entry(:, :)
+      !> What a receptance of the masses of two ports is multiplied with: displacement of the first mesh per phi of the second over
+      !> k b_c [N/m], (port, port).
+      real(dp), allocatable :: gain(:, :)
    contains
       procedure :: setup
       procedure :: receptance
+      procedure :: receptance_of_two
       procedure :: factor
       procedure :: solve
       procedure :: derivative
@@ -72,49 +76,35 @@ contains
       if (slot_of > self%graph%slots) slot_of = slot_of - self%graph%slots
    end function slot_of
 
-   !> Displacement of the meshes per force along them on the masses [m/N], and its derivative with respect to omega, (port, port);
+   !> Displacement per force between the masses of the ports [m/N], and its derivative with respect to omega, (port, port);
    !> omega > 0 [rad/s].
    pure subroutine receptance(self, omega, alpha, d_alpha)
       class(part_type), intent(in) :: self
       real(dp), intent(in) :: omega
       complex(dp), intent(out) :: alpha(:, :), d_alpha(:, :)
       type(part_state_type) :: state
-      complex(dp) :: x(size(self%mass), size(self%at)), direct(3), d_direct(3), difference(self%graph%slots)
-      integer :: i, j, ports
+      complex(dp) :: x(size(self%mass), size(self%at)), changed(size(self%mass)), difference(self%graph%slots)
+      integer :: i, j
 
-      ports = size(self%at)
-      if (size(self%mass) <= 2) then
-         call receptance_of_two(self, omega, direct, d_direct)
-         do j = 1, ports
-            do i = 1, ports
-               associate (product => self%weight(i)*self%weight(j), place => self%at(i) + self%at(j) - 1)
-                  alpha(i, j) = product*direct(place)
-                  d_alpha(i, j) = product*d_direct(place)
-               end associate
-            end do
-         end do
-         return
-      end if
       call self%factor(omega, state)
-      do j = 1, ports
+      do j = 1, size(self%at)
          x(:, j) = 0
-         x(self%at(j), j) = self%weight(j)
+         x(self%at(j), j) = 1
          call self%solve(state, x(:, j), difference)
-         alpha(:, j) = self%weight*x(self%at, j)
+         alpha(:, j) = x(self%at, j)
       end do
       ! X^T Z X' = -X^T Z' X, Z being symmetric.
-      do j = 1, ports
-         associate (changed => self%derivative(omega, x(:, j)))
-            do i = 1, ports
-               d_alpha(i, j) = -sum(x(:, i)*changed)
-            end do
-         end associate
+      do j = 1, size(self%at)
+         changed = self%derivative(omega, x(:, j))
+         do i = 1, size(self%at)
+            d_alpha(i, j) = -sum(x(:, i)*changed)
+         end do
       end do
    end subroutine receptance
 
-   !> Closed form for one mass, or two on a spring: (1, 1), (1, 2) and (2, 2).
+   !> `receptance` in closed form between one mass, or two on a spring: (1, 1), (1, 2) and (2, 2).
    pure subroutine receptance_of_two(self, omega, alpha, d_alpha)
-      type(part_type), intent(in) :: self
+      class(part_type), intent(in) :: self
       real(dp), intent(in) :: omega
       complex(dp), intent(out) :: alpha(3), d_alpha(3)
       complex(dp) :: spring, d_spring, inverse, d_denominator, d_numerator(3)

@@ -3,7 +3,7 @@
 !> j over the unknown meshes that share a linear part with i, and the displacements within the parts afterwards.
 module geartrain_model_receptance
    use geartrain_base_kinds, only: dp
-   use geartrain_model_part, only: part_state_type
+   use geartrain_model_part, only: part_state_type, part_type
    use geartrain_model_system, only: series_type, system_type
    implicit none (type, external)
    private
@@ -23,9 +23,9 @@ contains
       real(dp), intent(in) :: frequency
       integer, intent(in) :: harmonic, eta
       type(receptance_type), intent(inout) :: r
-      complex(dp), allocatable :: alpha(:, :), d_alpha(:, :)
-      real(dp) :: omega, d_omega, gain
-      integer :: i, j, p, ports
+      complex(dp) :: alpha(3), d_alpha(3)
+      real(dp) :: omega, d_omega
+      integer :: i, j, p
 
       associate (cut => system%cut)
          if (.not. allocated(r%h)) allocate (r%h(cut%graph%entries), r%dh(cut%graph%entries), r%a(cut%unknowns), r%da(cut%unknowns))
@@ -39,68 +39,78 @@ contains
          r%da = 0
          do p = 1, size(cut%part)
             associate (part => cut%part(p))
-               ports = size(part%at)
-               if (ports == 0) cycle
-               if (allocated(alpha)) then
-                  if (size(alpha, 1) /= ports) deallocate (alpha, d_alpha)
-               end if
-               if (.not. allocated(alpha)) allocate (alpha(ports, ports), d_alpha(ports, ports))
-               call part%receptance(omega, alpha, d_alpha)
-               do j = 1, ports
-                  gain = system%stiffness(cut%element(part%unknown(j)))
-                  do i = 1, ports
-                     associate (entry => part%entry(i, j))
-                        r%h(entry) = r%h(entry) + alpha(i, j)*gain
-                        r%dh(entry) = r%dh(entry) + d_alpha(i, j)*(gain*d_omega)
-                     end associate
+               if (size(part%at) == 0) cycle
+               if (size(part%mass) > 2) then
+                  call add_part(part, omega, d_omega, r)
+               else
+                  call part%receptance_of_two(omega, alpha, d_alpha)
+                  do j = 1, size(part%at)
+                     do i = 1, size(part%at)
+                        associate (entry => part%entry(i, j), place => part%at(i) + part%at(j) - 1)
+                           r%h(entry) = r%h(entry) + part%gain(i, j)*alpha(place)
+                           r%dh(entry) = r%dh(entry) + (part%gain(i, j)*d_omega)*d_alpha(place)
+                        end associate
+                     end do
                   end do
-               end do
+               end if
+               if (part%excited) call add_sources(system, p, omega, d_omega, harmonic, eta, r)
             end associate
          end do
-         call add_sources(system, omega, d_omega, harmonic, eta, r)
       end associate
    end subroutine find_receptance
 
-   !> What the torque and the transmission errors of meshes that are no unknowns make of the others.
-   pure subroutine add_sources(system, omega, d_omega, harmonic, eta, r)
-      type(system_type), intent(in) :: system
+   !> Adds the receptance of a part of more than two masses.
+   pure subroutine add_part(part, omega, d_omega, r)
+      type(part_type), intent(in) :: part
       real(dp), intent(in) :: omega, d_omega
-      integer, intent(in) :: harmonic, eta
+      type(receptance_type), intent(inout) :: r
+      complex(dp), dimension(size(part%at), size(part%at)) :: alpha, d_alpha
+      integer :: i, j
+
+      call part%receptance(omega, alpha, d_alpha)
+      do j = 1, size(part%at)
+         do i = 1, size(part%at)
+            associate (entry => part%entry(i, j))
+               r%h(entry) = r%h(entry) + part%gain(i, j)*alpha(i, j)
+               r%dh(entry) = r%dh(entry) + (part%gain(i, j)*d_omega)*d_alpha(i, j)
+            end associate
+         end do
+      end do
+   end subroutine add_part
+
+   !> What the torque and the transmission errors of meshes that are no unknowns, in part p, make of the others.
+   pure subroutine add_sources(system, p, omega, d_omega, harmonic, eta, r)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: p, harmonic, eta
+      real(dp), intent(in) :: omega, d_omega
       type(receptance_type), intent(inout) :: r
       type(part_state_type) :: state
-      complex(dp), allocatable :: x(:), dx(:), difference(:)
-      integer :: i, p
-      logical :: any_
+      complex(dp) :: x(size(system%cut%part(p)%mass)), dx(size(system%cut%part(p)%mass)), &
+                     difference(system%cut%part(p)%graph%slots)
+      integer :: i
 
-      do p = 1, size(system%cut%part)
-         associate (part => system%cut%part(p))
-            if (size(part%at) == 0 .or. .not. part%excited) cycle
-            allocate (x(size(part%mass)), dx(size(part%mass)), difference(part%graph%slots))
-            call find_sources(system, p, omega, harmonic, eta, x, dx, any_)
-            if (any_) then
-               call part%factor(omega, state)
-               call part%solve(state, x, difference)
-               dx = dx - part%derivative(omega, x)
-               call part%solve(state, dx, difference)
-               do i = 1, size(part%at)
-                  associate (unknown => part%unknown(i))
-                     r%a(unknown) = r%a(unknown) + part%weight(i)*x(part%at(i))
-                     r%da(unknown) = r%da(unknown) + part%weight(i)*dx(part%at(i))*d_omega
-                  end associate
-               end do
-            end if
-            deallocate (x, dx, difference)
-         end associate
-      end do
+      associate (part => system%cut%part(p))
+         call find_sources(system, p, omega, harmonic, eta, x, dx)
+         if (.not. any(abs(x) > 0)) return
+         call part%factor(omega, state)
+         call part%solve(state, x, difference)
+         dx = dx - part%derivative(omega, x)
+         call part%solve(state, dx, difference)
+         do i = 1, size(part%at)
+            associate (unknown => part%unknown(i))
+               r%a(unknown) = r%a(unknown) + part%weight(i)*x(part%at(i))
+               r%da(unknown) = r%da(unknown) + part%weight(i)*dx(part%at(i))*d_omega
+            end associate
+         end do
+      end associate
    end subroutine add_sources
 
-   !> Forces on the masses of part p over b_c [N/m] and their derivatives with respect to omega, (mass); whether there are any.
-   pure subroutine find_sources(system, p, omega, harmonic, eta, force, d_force, any_)
+   !> Forces on the masses of part p over b_c [N/m] and their derivatives with respect to omega, (mass).
+   pure subroutine find_sources(system, p, omega, harmonic, eta, force, d_force)
       type(system_type), intent(in) :: system
       integer, intent(in) :: p, harmonic, eta
       real(dp), intent(in) :: omega
       complex(dp), intent(out) :: force(:), d_force(:)
-      logical, intent(out) :: any_
       complex(dp) :: amplitude
       real(dp) :: push(2)
       integer :: i, j, n, masses(2)
@@ -125,7 +135,6 @@ contains
             end associate
          end do
       end associate
-      any_ = any(abs(force) > 0)
    end subroutine find_sources
 
    !> Displacements of the elements that are no unknowns, over b_c, at one harmonic, given the forces phi of the unknown meshes,
@@ -140,7 +149,6 @@ contains
       complex(dp), allocatable :: x(:), dx(:), difference(:)
       real(dp) :: omega
       integer :: i, n, k
-      logical :: any_
 
       omega = system%characteristic_frequency*harmonic/eta*frequency
       associate (cut => system%cut)
@@ -148,7 +156,7 @@ contains
             associate (part => cut%part(k))
                if (size(part%mass) == 1) cycle
                allocate (x(size(part%mass)), dx(size(part%mass)), difference(part%graph%slots))
-               call find_sources(system, k, omega, harmonic, eta, x, dx, any_)
+               call find_sources(system, k, omega, harmonic, eta, x, dx)
                do i = 1, size(part%at)
                   associate (mass => part%at(i), unknown => part%unknown(i))
                      x(mass) = x(mass) - part%weight(i)*system%stiffness(cut%element(unknown))*phi(unknown)

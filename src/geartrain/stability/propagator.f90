@@ -52,7 +52,9 @@ module geartrain_stability_propagator
       integer, allocatable, private :: terms(:)
       !> Further arguments of `take_step` (element), and its work space.
       real(dp), allocatable, private :: spring(:), damper(:), work(:)
-      !> Neighbours of each element, counted from 0 as in C, and W_nm/W_mm of each.
+      !> Neighbours of each element, counted from 0 as in C, and W_nm/W_mm of each, between two zeros; 1: they are the elements before
+      !> and after it.
+      integer, private :: chain = 0
       integer, allocatable, private :: first(:), neighbour(:)
       real(dp), allocatable, private :: factor(:)
    contains
@@ -69,11 +71,11 @@ module geartrain_stability_propagator
 
    !> In step.c, where its arguments are described.
    interface
-      pure subroutine take_step(width, elements, degree, most_terms, terms, spring, damper, first, neighbour, factor, &
+      pure subroutine take_step(width, chain, elements, degree, most_terms, terms, spring, damper, first, neighbour, factor, &
                                 binomial, kappa, weight, work, x) bind(c, name='geartrain_step')
          import :: c_double, c_int
          implicit none (type, external)
-         integer(c_int), value :: width, elements, degree, most_terms
+         integer(c_int), value :: width, chain, elements, degree, most_terms
          integer(c_int), intent(in), dimension(*) :: terms, first, neighbour
          real(c_double), intent(in), dimension(*) :: spring, damper, factor, binomial, kappa, weight
          real(c_double), intent(inout), dimension(*) :: work, x
@@ -130,7 +132,9 @@ contains
       self%x = 0
       self%first = system%first - 1
       self%neighbour = system%neighbour - 1
-      self%factor = system%coupling/system%own(system%neighbour)
+      self%factor = [0.0_dp, system%coupling/system%own(system%neighbour), 0.0_dp]
+      self%chain = merge(1, 0, all([(all(abs(system%neighbour(system%first(i):system%first(i + 1) - 1) - i) == 1), &
+                                     i=1, system%elements)]))
       self%binomial = 0
       do k = 0, most
          self%binomial(0, k) = 1
@@ -258,8 +262,9 @@ contains
          if (self%terms(self%system%mesh_element(j)) > 0) call self%expand_kappa(j, time, h)
       end do
       do i = 1, size(self%x, 3)
-         call take_step(self%width, self%elements, degree, most_terms, self%terms, self%spring, self%damper, self%first, &
-                        self%neighbour, self%factor, self%binomial, self%kappa_terms, self%weight, self%work, self%x(:, :, i))
+         call take_step(self%width, self%chain, self%elements, degree, most_terms, self%terms, self%spring, self%damper, &
+                        self%first, self%neighbour, self%factor(2:), self%binomial, self%kappa_terms, self%weight, self%work, &
+                        self%x(:, :, i))
       end do
    end subroutine step
 

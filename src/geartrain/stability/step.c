@@ -49,8 +49,8 @@ INLINE void add_up(const int vectors, int degree, int all, const double *restric
    }
 }
 
-/* The whole step for 4*vectors columns. */
-INLINE void carry(const int vectors, int elements, int degree, int most_terms, const int *restrict terms,
+/* The whole step for 4*vectors columns. On a chain psi of three neighbouring elements stays at hand. */
+INLINE void carry(const int vectors, const int chain, int elements, int degree, int most_terms, const int *restrict terms,
                   const double *restrict spring, const double *restrict damper, const int *restrict first,
                   const int *restrict neighbour, const double *restrict share, const double *restrict binomial,
                   const double *restrict kappa, const double *restrict weight, double *restrict factor, double *restrict psi,
@@ -63,16 +63,27 @@ INLINE void carry(const int vectors, int elements, int degree, int most_terms, c
    for (int k = 0; k < degree; k++) {
       const double *restrict here = p + k * all;
       double *restrict next = p + (k + 2) * all;
-      for (int n = 0; n < elements; n++) {
-         const int last = terms[n] < k + 1 ? terms[n] : k + 1;
-         four own[3];
-         for (int l = 0; l < last; l += 4)
-            store(factor + l, load(binomial + k * most_terms + l) * load(kappa + n * most_terms + l));
-         find_psi(vectors, all, spring[n], damper[n], last, factor, here + n * width, own);
-         for (int i = 0; i < vectors; i++)
-            store(psi + n * width + 4 * i, own[i]);
+      four below[3] = {{0}}, middle[3] = {{0}}, above[3] = {{0}};
+      for (int n = 0; n < elements + chain; n++) {
+         for (int i = 0; i < vectors; i++) {
+            below[i] = middle[i];
+            middle[i] = above[i];
+            above[i] = (four){0};
+         }
+         if (n < elements) {
+            const int last = terms[n] < k + 1 ? terms[n] : k + 1;
+            for (int l = 0; l < last; l += 4)
+               store(factor + l, load(binomial + k * most_terms + l) * load(kappa + n * most_terms + l));
+            find_psi(vectors, all, spring[n], damper[n], last, factor, here + n * width, above);
+         }
+         if (!chain)
+            for (int i = 0; i < vectors; i++)
+               store(psi + n * width + 4 * i, above[i]);
+         else if (n > 0)
+            for (int i = 0; i < vectors; i++)
+               store(next + (n - 1) * width + 4 * i, middle[i] + share[2 * n - 3] * below[i] + share[2 * n - 2] * above[i]);
       }
-      for (int n = 0; n < elements; n++) {
+      for (int n = 0; n < elements && !chain; n++) {
          four sum[3];
          for (int i = 0; i < vectors; i++)
             sum[i] = load(psi + n * width + 4 * i);
@@ -93,12 +104,14 @@ INLINE void carry(const int vectors, int elements, int degree, int most_terms, c
      width                          columns of the block: 4, 8 or 12; those of one element lie together
      terms(element)                 how many terms a varying kappa has, at most most_terms; 0 for none
      spring, damper(element)        -W_nn kappa where it is constant, -W_nn gamma
-     first(element + 1), neighbour, share   neighbours first[n] to first[n + 1] - 1 of each element and the factors of their psi
+     chain                          the neighbours of each element are the one before and the one after it
+     first(element + 1), neighbour, share   neighbours first[n] to first[n + 1] - 1 of each element and the factors of their psi;
+                                    share[-1] and share[2 elements - 2] can be read, and are 0 on a chain
      binomial(term, derivative), kappa(term, element)   room for most_terms, a multiple of four; their product is Leibniz' factor
      weight(derivative)             from 0 to degree
      work                           room for width elements (degree + 3) + most_terms + 4 numbers
      x(column, element, 2)          displacements and velocities, in and out */
-VERSIONS void geartrain_step(int width, int elements, int degree, int most_terms, const int *restrict terms,
+VERSIONS void geartrain_step(int width, int chain, int elements, int degree, int most_terms, const int *restrict terms,
                              const double *restrict spring, const double *restrict damper, const int *restrict first,
                              const int *restrict neighbour, const double *restrict share, const double *restrict binomial,
                              const double *restrict kappa, const double *restrict weight, double *restrict work,
@@ -108,13 +121,13 @@ VERSIONS void geartrain_step(int width, int elements, int degree, int most_terms
    double *restrict psi = factor + most_terms;
    double *restrict p = psi + width * elements;
 
-#define CARRY(vectors) \
-   carry(vectors, elements, degree, most_terms, terms, spring, damper, first, neighbour, share, binomial, kappa, weight, factor, \
-         psi, p, x)
+#define CARRY(vectors, chain) \
+   carry(vectors, chain, elements, degree, most_terms, terms, spring, damper, first, neighbour, share, binomial, kappa, weight, \
+         factor, psi, p, x)
    if (width == 4)
-      CARRY(1);
+      chain ? CARRY(1, 1) : CARRY(1, 0);
    else if (width == 8)
-      CARRY(2);
+      chain ? CARRY(2, 1) : CARRY(2, 0);
    else
-      CARRY(3);
+      chain ? CARRY(3, 1) : CARRY(3, 0);
 }
