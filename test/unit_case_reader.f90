@@ -244,7 +244,7 @@ contains
 
       different = 0
       !$omp parallel do num_threads(8) schedule(static, 1) reduction(+:different)
-      do i = 1, 4000
+      do i = 1, 12000
          if (.not. is_told(i)) different = different + 1
       end do
       !$omp end parallel do
