@@ -25,6 +25,7 @@ module drawing
       procedure :: on_logical
       procedure :: on_text
       procedure :: on_list
+      procedure :: on_names
       procedure :: is_next
    end type drawer_type
 
@@ -246,5 +247,15 @@ contains
          value = [-scale, scale]
       end select
    end subroutine on_list
+
+   !> Names are no setting to try: a chain has none.
+   subroutine on_names(self, variable, value)
+      class(drawer_type), intent(inout) :: self
+      type(variable_type), intent(in) :: variable
+      character(*), intent(inout) :: value(:)
+
+      associate (unused_self => self, unused_variable => variable, unused_value => value)
+      end associate
+   end subroutine on_names
 
 end module drawing

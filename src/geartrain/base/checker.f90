@@ -16,6 +16,7 @@ module geartrain_base_checker
       procedure :: on_logical => check_logical
       procedure :: on_text => check_text
       procedure :: on_list => check_list
+      procedure :: on_names => check_names
       procedure :: complain
       procedure :: lacks
    end type checker_type
@@ -78,6 +79,18 @@ contains
       bad = findloc(variable%allows(value), .false., dim=1)
       if (bad > 0) call self%complain(variable%name, real_text(value(bad)), trim(variable%expectation(value(bad))), bad)
    end subroutine check_list
+
+   subroutine check_names(self, variable, value)
+      class(checker_type), intent(inout) :: self
+      type(variable_type), intent(in) :: variable
+      character(*), intent(inout) :: value(:)
+      integer :: i
+
+      do i = 1, size(value)
+         if (.not. variable%allows_text(value(i))) &
+            call self%complain(variable%name, "'...'", 'must be one line of UTF-8 text without control characters')
+      end do
+   end subroutine check_names
 
    !> Adds 'name = value: expectation' unless the variable has its problem already.
    subroutine complain(self, name, value, expectation, place)

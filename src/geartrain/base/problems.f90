@@ -166,7 +166,7 @@ contains
    pure logical function is_numbered(group)
       character(*), intent(in) :: group
 
-      is_numbered = group == 'shaft' .or. group == 'mesh'
+      is_numbered = group == 'body' .or. group == 'shaft' .or. group == 'mesh'
    end function is_numbered
 
    !> '&mesh 2', or '&train' for a group that stands once.

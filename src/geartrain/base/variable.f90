@@ -55,6 +55,7 @@ module geartrain_base_variable
       procedure(on_logical_interface), deferred :: on_logical
       procedure(on_text_interface), deferred :: on_text
       procedure(on_list_interface), deferred :: on_list
+      procedure(on_names_interface), deferred :: on_names
    end type visitor_type
 
    abstract interface
@@ -95,6 +96,14 @@ module geartrain_base_variable
          type(variable_type), intent(in) :: variable
          real(dp), allocatable, intent(inout) :: value(:)
       end subroutine on_list_interface
+      subroutine on_names_interface(self, variable, value)
+         import :: visitor_type, variable_type
+         implicit none (type, external)
+         class(visitor_type), intent(inout) :: self
+         type(variable_type), intent(in) :: variable
+         !> As many names as there are elements, all of them or none.
+         character(*), intent(inout) :: value(:)
+      end subroutine on_names_interface
    end interface
 
 contains

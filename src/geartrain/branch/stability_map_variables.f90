@@ -86,6 +86,8 @@ contains
       if (settings%linear .and. (settings%parameter == 'input_torque' .or. settings%parameter == 'half_backlash')) &
          call checker%complain('parameter', "'"//trim(settings%parameter)//"'", &
                                'has no influence on the stability of the linear train: leave out linear = .true.')
+      if (settings%parameter == 'input_torque' .and. allocated(train%bodies)) &
+         call checker%complain('parameter', "'input_torque'", 'is that of a chain: the bodies of this train have torques')
       if (settings%parameter == 'stiffness_variation' .and. allocated(train%meshes)) then
          if (.not. largest_variation(train%meshes) > 0 .and. .not. checker%problems%in_group('mesh')) &
             call checker%complain('parameter', "'"//trim(settings%parameter)//"'", &

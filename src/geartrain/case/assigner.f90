@@ -22,6 +22,7 @@ module geartrain_case_assigner
       procedure :: on_logical => assign_logical
       procedure :: on_text => assign_text
       procedure :: on_list => assign_list
+      procedure :: on_names => assign_names
       procedure :: count_of
       procedure :: locate
       procedure, private :: find
@@ -136,6 +137,39 @@ contains
          end do
       end associate
    end subroutine assign_list
+
+   subroutine assign_names(self, variable, value)
+      class(assigner_type), intent(inout) :: self
+      type(variable_type), intent(in) :: variable
+      character(*), intent(inout) :: value(:)
+      character(:), allocatable :: word, wrong
+      integer :: group, place, i
+
+      call self%find(variable%name, group, place)
+      if (place == 0) then
+         if (variable%required) call self%lacks(variable%name, trim(variable%description))
+         return
+      end if
+      associate (given => self%groups(group)%assignments(place))
+         if (given%bad) return
+         if (size(given%values) /= size(value)) then
+            call self%complain(variable%name, trim(shown(given%values(1))), 'takes '//integer_text(size(value))//' names, not '// &
+                               integer_text(size(given%values)))
+            return
+         end if
+         do i = 1, size(value)
+            call read_text(given%values(i), word, wrong)
+            if (wrong == '' .and. len(word) > len(value)) wrong = 'must have at most '//integer_text(len(value))//' bytes'
+            if (wrong == '' .and. word == '') wrong = 'must not be blank'
+            if (wrong /= '') then
+               call self%complain(variable%name, trim(shown(given%values(i))), wrong)
+               return
+            end if
+            value(i) = word
+         end do
+      end associate
+      call self%checker_type%on_names(variable, value)
+   end subroutine assign_names
 
    !> The one value given for a variable; says so where there are several, or none and it is required.
    subroutine find_one(self, variable, token, found)

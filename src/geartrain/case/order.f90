@@ -11,7 +11,8 @@ module geartrain_case_order
 
 contains
 
-   !> &train first, then &shaft and &mesh by turns, then the analyses; what may stand once stands once.
+   !> &train first, then &shaft and &mesh by turns (or, where there are bodies, these three in any order), then the analyses; what
+   !> may stand once stands once.
    subroutine check_order(groups, problems)
       type(group_type), intent(in) :: groups(:)
       type(problems_type), intent(inout) :: problems
@@ -19,7 +20,9 @@ contains
       character(:), allocatable :: last, after
       character(:), allocatable :: text
       integer :: i, j, first(size(known))
+      logical :: chain
 
+      chain = count(groups_named(groups, 'body')) == 0
       last = ''
       after = ''
       first = 0
@@ -33,8 +36,8 @@ contains
             end if
             if (first(j) == 0) first(j) = group%line
             select case (group%name)
-            case ('shaft', 'mesh')
-               call check_turn(group, last, after, problems)
+            case ('body', 'shaft', 'mesh')
+               call check_turn(group, chain, last, after, problems)
                last = group%name
             case default
                if (group%index > 1) then
@@ -50,6 +53,7 @@ contains
          end associate
       end do
       if (first(1) == 0) call problems%add('there is no &train group: it comes first in the file')
+      if (.not. chain) return
       if (count(groups_named(groups, 'mesh')) == 0 .or. count(groups_named(groups, 'shaft')) == 0) then
          call problems%add('there are '//integer_text(count(groups_named(groups, 'shaft')))//' &shaft and '// &
                            integer_text(count(groups_named(groups, 'mesh')))// &
@@ -61,14 +65,17 @@ contains
       end if
    end subroutine check_order
 
-   subroutine check_turn(group, last, after, problems)
+   subroutine check_turn(group, chain, last, after, problems)
       type(group_type), intent(in) :: group
+      logical, intent(in) :: chain
       character(*), intent(in) :: last, after
       type(problems_type), intent(inout) :: problems
       character(:), allocatable :: text
 
       if (after /= '') then
          text = 'stands after &'//after//': the train comes before the analyses'
+      else if (.not. chain) then
+         return
       else if (last == group%name) then
          text = 'follows '//group_label(last, group%index - 1)//': a &'//trim(merge('mesh ', 'shaft', last == 'shaft'))// &
                 ' must stand between them'

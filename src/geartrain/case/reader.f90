@@ -14,7 +14,7 @@ module geartrain_case_reader
    use geartrain_case_table, only: list_variables, row_type, unknown_variable
    use geartrain_case_variables, only: groups, visit_modes, visit_output
    use geartrain_model_check, only: check_consistency
-   use geartrain_model_variables, only: visit_mesh, visit_shaft, visit_train
+   use geartrain_model_variables, only: visit_body, visit_mesh, visit_shaft, visit_train
    use geartrain_motion_variables, only: visit_attractors, visit_integration
    implicit none (type, external)
    private
@@ -104,18 +104,21 @@ contains
       integer :: i
 
       allocate (case%train%shafts(reader%count_of('shaft')), case%train%meshes(reader%count_of('mesh')))
+      if (reader%count_of('body') > 0) allocate (case%train%bodies(reader%count_of('body')))
       case%output_file = ''
       case%train%title = ''
       do i = 1, size(reader%groups)
          associate (n => reader%groups(i)%index)
-            if (n > 1 .and. reader%groups(i)%name /= 'shaft' .and. reader%groups(i)%name /= 'mesh') cycle
+            if (n > 1 .and. .not. any(reader%groups(i)%name == ['body ', 'shaft', 'mesh '])) cycle
             select case (reader%groups(i)%name)
             case ('train')
                call visit_train(case%train, reader)
+            case ('body')
+               call visit_body(case%train%bodies(n), n, reader)
             case ('shaft')
                call visit_shaft(case%train%shafts(n), n, reader)
             case ('mesh')
-               call visit_mesh(case%train%meshes(n), n, reader)
+               call visit_mesh(case%train%meshes(n), n, .not. allocated(case%train%bodies), reader)
             case ('modes')
                case%modes = .true.
                call visit_modes(reader)

@@ -1,6 +1,7 @@
 !> The table of input variables as rows: which there are, their kinds and defaults; and the closest name to a misspelt one.
 module geartrain_case_table
    use geartrain_base_kinds, only: dp
+   use geartrain_base_nearest, only: nearest_name
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_case_cursor, only: shortened
    use geartrain_base_variable, only: variable_type, visitor_type
@@ -12,7 +13,7 @@ module geartrain_case_table
 
    type :: row_type
       character(16) :: group = ''
-      !> 'real', 'integer', 'logical', 'text' or 'reals' (a list).
+      !> 'real', 'integer', 'logical', 'text', 'reals' (a list) or 'names' (of bodies).
       character(12) :: kind = ''
       !> As a case file would give it; blank: none.
       character(24) :: default = ''
@@ -29,6 +30,7 @@ module geartrain_case_table
       procedure :: on_logical
       procedure :: on_text
       procedure :: on_list
+      procedure :: on_names
       procedure :: collect
    end type collector_type
 
@@ -40,7 +42,8 @@ contains
       type(collector_type) :: collector
       type(case_type) :: case
 
-      allocate (collector%rows(64), case%train%shafts(1), case%train%meshes(1), case%response, case%integration, &
+      allocate (collector%rows(64), case%train%bodies(1), case%train%shafts(1), case%train%meshes(1))
+      allocate (case%response, case%integration, &
                 case%attractors, case%stability_map)
       call visit_case(case, collector)
       rows = collector%rows(:collector%count)
@@ -112,13 +115,23 @@ contains
       call self%collect(variable, 'reals', 'none')
    end subroutine on_list
 
+   subroutine on_names(self, variable, value)
+      class(collector_type), intent(inout) :: self
+      type(variable_type), intent(in) :: variable
+      character(*), intent(inout) :: value(:)
+
+      associate (unused => value)
+      end associate
+      call self%collect(variable, 'names', 'none')
+   end subroutine on_names
+
    !> The message about a group that there is not.
    subroutine unknown_group(name, text)
       character(*), intent(in) :: name
       character(:), allocatable, intent(out) :: text
       integer :: i, best
 
-      best = closest(name, [(groups(i)%name, i = 1, size(groups))])
+      best = nearest_name(name, [(groups(i)%name, i = 1, size(groups))])
       text = 'unknown group &'//shortened(name)
       if (best > 0) then
          text = text//' (did you mean &'//trim(groups(best)%name)//'?)'
@@ -142,7 +155,7 @@ contains
       names = pack([(rows(i)%variable%name, i = 1, size(rows))], [(rows(i)%group == group, i = 1, size(rows))])
       text = 'unknown variable "'//shortened(name)//'" in &'//group
       meant = ''
-      best = closest(name, names)
+      best = nearest_name(name, names)
       if (name == 'start') best = findloc(names, 'from', dim=1)
       if (name == 'stop') best = findloc(names, 'to', dim=1)
       if (best > 0) then
@@ -167,42 +180,5 @@ contains
       end do
       text = text//')'
    end subroutine unknown_variable
-
-   !> The candidate that is least different from `name`, at most one letter in three; 0: none.
-   pure integer function closest(name, candidates)
-      character(*), intent(in) :: name, candidates(:)
-      integer :: i, distance, least
-
-      closest = 0
-      ! So long a word is no misspelt name.
-      if (len(name) > 60) return
-      least = max(1, len(name)/3) + 1
-      do i = 1, size(candidates)
-         distance = edits(name, trim(candidates(i)))
-         if (distance < least) then
-            least = distance
-            closest = i
-         end if
-      end do
-   end function closest
-
-   !> Letters to change, insert, delete or swap with the next (optimal string alignment).
-   pure integer function edits(a, b)
-      character(*), intent(in) :: a, b
-      integer :: table(0:len(a), 0:len(b)), i, j
-
-      table(:, 0) = [(i, i = 0, len(a))]
-      table(0, :) = [(j, j = 0, len(b))]
-      do j = 1, len(b)
-         do i = 1, len(a)
-            table(i, j) = min(table(i - 1, j) + 1, table(i, j - 1) + 1, table(i - 1, j - 1) + merge(0, 1, a(i:i) == b(j:j)))
-            if (i > 1 .and. j > 1) then
-               if (a(i:i) == b(j - 1:j - 1) .and. a(i - 1:i - 1) == b(j:j)) &
-                  table(i, j) = min(table(i, j), table(max(i - 2, 0), max(j - 2, 0)) + 1)
-            end if
-         end do
-      end do
-      edits = table(len(a), len(b))
-   end function edits
 
 end module geartrain_case_table

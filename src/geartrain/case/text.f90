@@ -23,6 +23,7 @@ module geartrain_case_text
       procedure :: on_logical => write_logical
       procedure :: on_text => write_text
       procedure :: on_list => write_list
+      procedure :: on_names => write_names
       procedure, private :: write_line
    end type writer_type
 
@@ -141,23 +142,46 @@ contains
       call self%write_line(variable, trim(merge('.true. ', '.false.', value)), .true.)
    end subroutine write_logical
 
-   !> A quote inside the text is doubled.
    subroutine write_text(self, variable, value)
       class(writer_type), intent(inout) :: self
       type(variable_type), intent(in) :: variable
       character(:), allocatable, intent(inout) :: value
-      character(:), allocatable :: quoted
+      character(:), allocatable :: word
+
+      word = "''"
+      if (allocated(value)) call quote(value, word)
+      call self%write_line(variable, word, .true.)
+   end subroutine write_text
+
+   !> A quote inside the text is doubled.
+   pure subroutine quote(value, quoted)
+      character(*), intent(in) :: value
+      character(:), allocatable, intent(out) :: quoted
       integer :: i
 
       quoted = "'"
-      if (allocated(value)) then
-         do i = 1, len(value)
-            quoted = quoted//value(i:i)
-            if (value(i:i) == "'") quoted = quoted//"'"
-         end do
-      end if
-      call self%write_line(variable, quoted//"'", .true.)
-   end subroutine write_text
+      do i = 1, len(value)
+         quoted = quoted//value(i:i)
+         if (value(i:i) == "'") quoted = quoted//"'"
+      end do
+      quoted = quoted//"'"
+   end subroutine quote
+
+   subroutine write_names(self, variable, value)
+      class(writer_type), intent(inout) :: self
+      type(variable_type), intent(in) :: variable
+      character(*), intent(inout) :: value(:)
+      character(:), allocatable :: joined, word
+      integer :: i
+
+      joined = ''
+      do i = 1, size(value)
+         call quote(trim(value(i)), word)
+         if (i > 1) joined = joined//', '
+         joined = joined//word
+      end do
+      call self%write_line(variable, joined, any(value /= ''))
+   end subroutine write_names
 
    !> An empty list is left out: a namelist has no word for it. Explained, it is a comment with a zero to start from.
    subroutine write_list(self, variable, value)

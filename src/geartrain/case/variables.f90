@@ -18,8 +18,10 @@ module geartrain_case_variables
 
    type(group_row_type), parameter :: groups(*) = [ &
       group_row_type('train', 'The train as a whole. Once, first in the file.'), &
-      group_row_type('shaft', 'A shaft. M times, alternating with &mesh: shaft, mesh, shaft, ..., shaft; at least two.'), &
-      group_row_type('mesh', 'A gear pair. M-1 times, each between two &shaft groups.'), &
+      group_row_type('body', 'A body that turns as one: a gear, a rotor. None in a chain; else one for each, and &shaft and &mesh &
+                     &join them by name, in any order.'), &
+      group_row_type('shaft', 'A shaft. In a chain M times, alternating with &mesh: shaft, mesh, ..., shaft; at least two.'), &
+      group_row_type('mesh', 'A gear pair. In a chain M-1 times, each between two &shaft groups.'), &
       group_row_type('modes', 'Asks for undamped and damped natural frequencies and mode shapes of the mean system.'), &
       group_row_type('response', 'Asks for the branch of periodic motions over frequency, by harmonic balance.'), &
       group_row_type('integration', 'Asks for the steady motions that time integration settles on, over frequency.'), &

@@ -4,6 +4,7 @@ module geartrain_model_check
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
+   use geartrain_model_check_network, only: check_network
    use geartrain_model_limits, only: check_stiffest
    use geartrain_model_scales, only: check_scales
    use geartrain_model_shaft, only: shaft_type
@@ -38,7 +39,9 @@ contains
       meshes = 0
       if (allocated(train%shafts)) shafts = size(train%shafts)
       if (allocated(train%meshes)) meshes = size(train%meshes)
-      if (shafts < 2 .or. meshes /= shafts - 1) then
+      if (allocated(train%bodies)) then
+         if (allocated(train%shafts) .and. allocated(train%meshes)) call check_network(train, checker)
+      else if (shafts < 2 .or. meshes /= shafts - 1) then
          call checker%problems%add('the train has '//integer_text(shafts)//' &shaft and '//integer_text(meshes)// &
                                    ' &mesh: a train is shaft, mesh, shaft, ..., shaft, at least 2 shafts and one mesh less &
                                    &than shafts', 'train', 1, names_group=.true.)
@@ -48,15 +51,36 @@ contains
          call check_shaft(train%shafts(i), checker)
          call checker%leave()
       end do
-      if (shafts == 0) return
-      call checker%enter('train', 1)
-      call check_end(train%prime_mover_inertia, 'prime_mover_inertia', 'first', train%shafts(1))
-      call check_end(train%load_inertia, 'load_inertia', 'last', train%shafts(shafts))
-      call checker%leave()
+      if (.not. allocated(train%bodies)) then
+         call check_names()
+         if (shafts == 0) return
+         call checker%enter('train', 1)
+         call check_end(train%prime_mover_inertia, 'prime_mover_inertia', 'first', train%shafts(1))
+         call check_end(train%load_inertia, 'load_inertia', 'last', train%shafts(shafts))
+         call checker%leave()
+      end if
       call check_stiffest(train, checker)
       call check_scales(train, checker)
 
    contains
+
+      !> A chain has no names.
+      subroutine check_names()
+         character(*), parameter :: cure = 'names bodies, but there is no &body: a chain is joined in its order'
+
+         do i = 1, shafts
+            call checker%enter('shaft', i)
+            if (any(train%shafts(i)%between /= '')) &
+               call checker%complain('between', "'"//trim(train%shafts(i)%between(1))//"', ...", cure)
+            call checker%leave()
+         end do
+         do i = 1, meshes
+            call checker%enter('mesh', i)
+            if (any(train%meshes(i)%between /= '')) &
+               call checker%complain('between', "'"//trim(train%meshes(i)%between(1))//"', ...", cure)
+            call checker%leave()
+         end do
+      end subroutine check_names
 
       !> An elastic shaft with nothing at its end has no equation of motion there.
       subroutine check_end(inertia, name, which, shaft)

@@ -14,12 +14,14 @@ contains
       logical, allocatable :: excited(:)
       integer :: j, r
 
-      r = highest_harmonic(system%torque)
+      r = maxval([0, (highest_harmonic(system%torque(j)), j=1, size(system%torque))])
       do j = 1, system%meshes
          r = max(r, highest_harmonic(system%mesh_stiffness(j)), highest_harmonic(system%transmission_error(j)))
       end do
       allocate (excited(r), source=.false.)
-      call mark(system%torque, excited)
+      do j = 1, size(system%torque)
+         call mark(system%torque(j), excited)
+      end do
       do j = 1, system%meshes
          call mark(system%mesh_stiffness(j), excited)
          call mark(system%transmission_error(j), excited)
@@ -33,7 +35,7 @@ contains
       type(system_type), intent(in) :: system
       integer :: j
 
-      reach = max(1, lowest_harmonic(system%torque))
+      reach = maxval([1, (lowest_harmonic(system%torque(j)), j=1, size(system%torque))])
       do j = 1, system%meshes
          reach = max(reach, lowest_harmonic(system%mesh_stiffness(j)), lowest_harmonic(system%transmission_error(j)))
       end do

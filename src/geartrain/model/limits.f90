@@ -6,6 +6,7 @@ module geartrain_model_limits
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_model_excitation, only: lowest_harmonic
+   use geartrain_model_network, only: bodies_of, body_count, ends_of, join_rigid, network_type
    use geartrain_model_system, only: put_excitation, series_type, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -53,7 +54,13 @@ contains
 
       if (.not. in_order(train, checker)) return
       call put_excitation(train, system)
-      call check_source(system%torque, 'the fluctuation of the torque')
+      do j = 1, size(system%torque)
+         if (allocated(train%bodies)) then
+            call check_source(system%torque(j), 'the fluctuation of the torque of &body '//integer_text(j))
+         else
+            call check_source(system%torque(j), 'the fluctuation of the torque')
+         end if
+      end do
       do j = 1, system%meshes
          call check_source(system%mesh_stiffness(j), 'the variation of the stiffness of &mesh '//integer_text(j))
          call check_source(system%transmission_error(j), 'the transmission error of &mesh '//integer_text(j))
@@ -85,25 +92,22 @@ contains
    subroutine check_stiffest(train, checker)
       type(train_type), intent(in) :: train
       class(checker_type), intent(inout) :: checker
-      real(dp) :: own, left, right
-      integer :: i, meshes
+      type(network_type) :: network
+      real(dp) :: own
+      integer :: i
 
       if (.not. in_order(train, checker)) return
       own = own_frequency(train)
-      meshes = size(train%meshes)
-      do i = 1, meshes + 1
-         if (train%shafts(i)%rigid) cycle
-         left = train%prime_mover_inertia
-         if (i > 1) left = train%meshes(i - 1)%driven_inertia
-         right = train%load_inertia
-         if (i <= meshes) right = train%meshes(i)%driving_inertia
-         associate (shaft => train%shafts(i))
-            call check_element(sqrt(shaft%stiffness)*sqrt(1/left + 1/right), 'shaft', shaft%stiffness, shaft%damping_ratio, &
-                               shaft%damping_given, shaft%damping, &
+      call join_rigid(train, network)
+      do i = 1, size(train%shafts)
+         associate (shaft => train%shafts(i), nodes => network%node(ends_of(train, i, mesh=.false.)))
+            if (shaft%rigid) cycle
+            call check_element(sqrt(shaft%stiffness)*sqrt(sum(1/network%inertia(nodes))), 'shaft', shaft%stiffness, &
+                               shaft%damping_ratio, shaft%damping_given, shaft%damping, &
                                'make the shaft rigid, or give the inertias at its ends as they are')
          end associate
       end do
-      do i = 1, meshes
+      do i = 1, size(train%meshes)
          associate (mesh => train%meshes(i))
             call check_element(mesh_frequency(train, i), 'mesh', mesh%stiffness, mesh%damping_ratio, mesh%damping_given, &
                                mesh%damping, 'are radii, inertias and stiffness in SI units?')
@@ -144,13 +148,15 @@ contains
 
       in_order = allocated(train%shafts) .and. allocated(train%meshes)
       if (.not. in_order) return
-      in_order = size(train%meshes) > 0 .and. size(train%shafts) == size(train%meshes) + 1 .and. train%characteristic_frequency > 0
+      in_order = size(train%meshes) > 0 .and. train%characteristic_frequency > 0
       ! What stands outside of a group is a problem of none.
       if (in_order) in_order = all(train%meshes%stiffness > 0 .and. train%meshes%driving_radius > 0 .and. &
-                                   train%meshes%driven_radius > 0 .and. train%meshes%driving_inertia > 0 .and. &
-                                   train%meshes%driven_inertia > 0)
-      if (in_order) in_order = .not. (checker%problems%in_group('train') .or. checker%problems%in_group('shaft') .or. &
-                                      checker%problems%in_group('mesh'))
+                                   train%meshes%driven_radius > 0)
+      if (in_order .and. .not. allocated(train%bodies)) &
+         in_order = size(train%shafts) == size(train%meshes) + 1 .and. all(train%meshes%driving_inertia > 0 .and. &
+                                                                           train%meshes%driven_inertia > 0)
+      if (in_order) in_order = .not. (checker%problems%in_group('train') .or. checker%problems%in_group('body') .or. &
+                                      checker%problems%in_group('shaft') .or. checker%problems%in_group('mesh'))
    end function in_order
 
    !> Frequency of the slowest mesh [rad/s], between its two gears alone; neither 0 nor infinite.
@@ -167,10 +173,13 @@ contains
    pure real(dp) function mesh_frequency(train, j) result(frequency)
       type(train_type), intent(in) :: train
       integer, intent(in) :: j
+      real(dp), dimension(body_count(train)) :: inertia, torque
+      integer :: balancing
 
-      associate (mesh => train%meshes(j))
-         frequency = sqrt(mesh%stiffness)*hypot(mesh%driving_radius/sqrt(mesh%driving_inertia), &
-                                                mesh%driven_radius/sqrt(mesh%driven_inertia))
+      call bodies_of(train, inertia, torque, balancing)
+      associate (mesh => train%meshes(j), ends => ends_of(train, j, mesh=.true.))
+         frequency = sqrt(mesh%stiffness)*hypot(mesh%driving_radius/sqrt(inertia(ends(1))), &
+                                                mesh%driven_radius/sqrt(inertia(ends(2))))
       end associate
    end function mesh_frequency
 

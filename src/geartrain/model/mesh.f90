@@ -1,14 +1,19 @@
 !> A gear pair in SI units.
 module geartrain_model_mesh
    use geartrain_base_kinds, only: dp
+   use geartrain_model_body, only: name_length
    implicit none (type, external)
    private
    public :: mesh_type
 
    type :: mesh_type
+      !> Names of the bodies that the gears are on, that of the driving one first; blank in a chain.
+      character(name_length) :: between(2) = ''
+      !> The pair is an internal one: both gears turn in one sense.
+      logical :: internal = .false.
       !> Base circle radii [m].
       real(dp) :: driving_radius = 0, driven_radius = 0
-      !> Polar moments of inertia [kg m^2].
+      !> Of a chain: polar moments of inertia of the gears [kg m^2].
       real(dp) :: driving_inertia = 0, driven_inertia = 0
       !> Mean mesh stiffness [N/m].
       real(dp) :: stiffness = 0

@@ -1,19 +1,20 @@
-!> A train as a network, in SI units: bodies that turn as one, and the elastic elements, shafts and meshes, that join them.
+!> A train as a network, in SI units: nodes that turn as one, and the elastic elements, shafts and meshes, that join them. A rigid
+!> shaft makes one node of its bodies.
 !>
-!> Rotations are counted positive in the sense in which a body turns when the train runs. Then all bodies turn as one where
-!> theta_b = x/radius_b with one x and reduced radii; with x_b = radius_b theta_b every element is a spring between two masses.
+!> Rotations are counted positive in the sense in which a body turns when the train runs. Then all of them turn together where
+!> theta = x/radius with one x and the reduced radii; with x = radius theta every element is a spring between two masses.
 module geartrain_model_network
    use geartrain_base_kinds, only: dp
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: network_type, element_type, build_network
+   public :: network_type, element_type, build_network, join_rigid, bodies_of, ends_of, body_count
 
    !> A shaft or a mesh: its force is F, its displacement p = radius(1) theta_from - radius(2) theta_to.
    type :: element_type
       !> Number of the shaft or of the mesh in the train; the other is 0.
       integer :: shaft = 0, mesh = 0
-      !> The bodies it joins; that of the driving gear first.
+      !> The nodes it joins; that of the driving gear first.
       integer :: from = 0, to = 0
       !> [m]; those of a shaft are equal, any radius does.
       real(dp) :: radius(2) = 0
@@ -22,114 +23,237 @@ module geartrain_model_network
    end type element_type
 
    type :: network_type
-      !> [kg m^2] and mean torque [N m], but for the body that balances all others, (body).
-      real(dp), allocatable :: inertia(:), torque(:)
-      !> The body whose mean torque balances all others'.
+      !> Node of each body of the train, (body): as given, or in a chain prime mover, driving and driven gear of each mesh, load.
+      integer, allocatable :: node(:)
+      !> [kg m^2], mean torque [N m], but for the node that balances all others, and reduced radii [m], (node).
+      real(dp), allocatable :: inertia(:), torque(:), radius(:)
+      !> The node whose mean torque balances all others'.
       integer :: balancing = 0
-      !> The body on which the fluctuating torque acts.
-      integer :: driven = 0
-      !> Reduced radii [m], (body).
-      real(dp), allocatable :: radius(:)
-      !> In an order in which each but the first has a body in common with one before it, and no two have both.
+      !> The elements of a tree that joins all nodes, each with a node in common with one before it.
       type(element_type), allocatable :: elements(:)
    end type network_type
 
 contains
 
-   !> The network of a train that is in order: a chain of shafts and meshes.
+   !> The network of a train that is in order.
    pure subroutine build_network(train, network)
       type(train_type), intent(in) :: train
       type(network_type), intent(out) :: network
-      integer :: j, m, n, body
-      type(element_type) :: element
+      type(element_type), allocatable :: elements(:)
 
-      m = size(train%meshes)
-      allocate (network%elements(m + count(.not. train%shafts%rigid)))
-      allocate (network%inertia(size(network%elements) + 1), network%torque(size(network%elements) + 1), source=0.0_dp)
-      n = 0
-      body = 1
-      network%inertia(1) = train%prime_mover_inertia
-      network%torque(1) = train%input_torque
-      do j = 1, m + 1
-         if (.not. train%shafts(j)%rigid) then
-            element = shaft_element(train, j, body)
-            n = n + 1
-            network%elements(n) = element
-            body = body + 1
-         end if
-         if (j > m) exit
-         associate (mesh => train%meshes(j))
-            network%inertia(body) = network%inertia(body) + mesh%driving_inertia
-            n = n + 1
-            network%elements(n) = mesh_element(train, j, body)
-            body = body + 1
-            network%inertia(body) = mesh%driven_inertia
-         end associate
-      end do
-      network%inertia(body) = network%inertia(body) + train%load_inertia
-      network%driven = 1
-      network%balancing = body
-      call damp_shafts(train, network)
+      call join_rigid(train, network)
+      call list_elements(train, network, elements)
+      call sort_elements(elements, size(network%inertia), network%elements)
       call find_radii(network)
    end subroutine build_network
 
-   !> Shaft j from `body` to the next.
-   pure function shaft_element(train, j, body) result(element)
+   !> How many bodies there are: as given, or those of a chain.
+   pure integer function body_count(train)
       type(train_type), intent(in) :: train
-      integer, intent(in) :: j, body
-      type(element_type) :: element
 
-      ! The twist of a shaft is measured along the base circle of a gear on it.
-      if (j <= size(train%meshes)) then
-         element%radius = train%meshes(j)%driving_radius
+      if (allocated(train%bodies)) then
+         body_count = size(train%bodies)
       else
-         element%radius = train%meshes(j - 1)%driven_radius
+         body_count = 2*size(train%shafts)
       end if
-      element%shaft = j
-      element%from = body
-      element%to = body + 1
-      element%stiffness = train%shafts(j)%stiffness/element%radius(1)**2
-   end function shaft_element
+   end function body_count
 
-   !> Mesh j from `body` to the next.
-   pure function mesh_element(train, j, body) result(element)
+   !> Inertias of the bodies [kg m^2] and mean torques [N m], (body); the body whose torque balances the others'.
+   pure subroutine bodies_of(train, inertia, torque, balancing)
       type(train_type), intent(in) :: train
-      integer, intent(in) :: j, body
-      type(element_type) :: element
-      real(dp) :: equivalent
+      real(dp), intent(out) :: inertia(:), torque(:)
+      integer, intent(out) :: balancing
+      integer :: j
 
-      associate (mesh => train%meshes(j))
-         element%mesh = j
-         element%from = body
-         element%to = body + 1
-         element%radius = [mesh%driving_radius, mesh%driven_radius]
-         element%stiffness = mesh%stiffness
-         equivalent = 1/(mesh%driving_radius**2/mesh%driving_inertia + mesh%driven_radius**2/mesh%driven_inertia)
-         element%damping = 2*mesh%damping_ratio*sqrt(mesh%stiffness*equivalent)
-         if (mesh%damping_given) element%damping = mesh%damping
-      end associate
-   end function mesh_element
+      if (allocated(train%bodies)) then
+         inertia = train%bodies%inertia
+         torque = train%bodies%torque
+         balancing = findloc(train%bodies%balances, .true., 1)
+      else
+         inertia(1) = train%prime_mover_inertia
+         do j = 1, size(train%meshes)
+            inertia(2*j:2*j + 1) = [train%meshes(j)%driving_inertia, train%meshes(j)%driven_inertia]
+         end do
+         balancing = size(inertia)
+         inertia(balancing) = train%load_inertia
+         torque = 0
+         torque(1) = train%input_torque
+      end if
+   end subroutine bodies_of
 
-   !> The damping ratio of a shaft takes the inertias at its ends, those of rigid shafts beyond them included.
-   pure subroutine damp_shafts(train, network)
+   !> The bodies that a shaft (or, where `mesh` is true, a mesh) joins; 0 for a name that there is not.
+   pure function ends_of(train, number, mesh) result(ends)
       type(train_type), intent(in) :: train
-      type(network_type), intent(inout) :: network
-      integer :: n
+      integer, intent(in) :: number
+      logical, intent(in) :: mesh
+      integer :: ends(2), i, j
 
-      do n = 1, size(network%elements)
-         associate (element => network%elements(n))
-            if (element%shaft == 0) cycle
-            associate (shaft => train%shafts(element%shaft))
-               element%damping = 2*shaft%damping_ratio &
-                                 *sqrt(shaft%stiffness/(1/network%inertia(element%from) + 1/network%inertia(element%to)))
-               if (shaft%damping_given) element%damping = shaft%damping
-               element%damping = element%damping/element%radius(1)**2
-            end associate
+      if (.not. allocated(train%bodies)) then
+         ends = 2*number + merge([0, 1], [-1, 0], mesh)
+         return
+      end if
+      ends = 0
+      do j = 1, size(train%bodies)
+         if (.not. allocated(train%bodies(j)%name)) cycle
+         do i = 1, 2
+            if (mesh) then
+               if (train%meshes(number)%between(i) == train%bodies(j)%name) ends(i) = j
+            else
+               if (train%shafts(number)%between(i) == train%bodies(j)%name) ends(i) = j
+            end if
+         end do
+      end do
+   end function ends_of
+
+   !> Makes the nodes, numbered by their first bodies.
+   pure subroutine join_rigid(train, network)
+      type(train_type), intent(in) :: train
+      type(network_type), intent(out) :: network
+      real(dp), dimension(body_count(train)) :: inertia, torque
+      integer :: root(body_count(train)), ends(2), balancing, i, nodes
+
+      call bodies_of(train, inertia, torque, balancing)
+      root = [(i, i=1, size(root))]
+      do i = 1, size(train%shafts)
+         if (.not. train%shafts(i)%rigid) cycle
+         ends = ends_of(train, i, mesh=.false.)
+         where (root == maxval(root(ends))) root = minval(root(ends))
+      end do
+      allocate (network%node(size(root)))
+      nodes = 0
+      do i = 1, size(root)
+         if (root(i) == i) nodes = nodes + 1
+         network%node(i) = merge(nodes, network%node(root(i)), root(i) == i)
+      end do
+      allocate (network%inertia(nodes), network%torque(nodes), source=0.0_dp)
+      do i = 1, size(root)
+         associate (node => network%node(i))
+            network%inertia(node) = network%inertia(node) + inertia(i)
+            network%torque(node) = network%torque(node) + torque(i)
          end associate
       end do
-   end subroutine damp_shafts
+      network%balancing = network%node(max(1, balancing))
+   end subroutine join_rigid
 
-   !> Reduced radii of all bodies: the first element has its own on either side.
+   !> Elastic shafts and meshes as they are given: shaft 1, mesh 1, shaft 2, ...
+   pure subroutine list_elements(train, network, elements)
+      type(train_type), intent(in) :: train
+      type(network_type), intent(in) :: network
+      type(element_type), allocatable, intent(out) :: elements(:)
+      real(dp), dimension(body_count(train)) :: inertia, torque
+      integer :: balancing, i, n
+
+      call bodies_of(train, inertia, torque, balancing)
+      allocate (elements(size(train%meshes) + count(.not. train%shafts%rigid)))
+      n = 0
+      do i = 1, max(size(train%shafts), size(train%meshes))
+         if (i <= size(train%shafts)) then
+            if (.not. train%shafts(i)%rigid) then
+               n = n + 1
+               call make_shaft(train, network, i, elements(n))
+            end if
+         end if
+         if (i > size(train%meshes)) cycle
+         n = n + 1
+         call make_mesh(train, network, i, inertia, elements(n))
+      end do
+   end subroutine list_elements
+
+   pure subroutine make_shaft(train, network, i, element)
+      type(train_type), intent(in) :: train
+      type(network_type), intent(in) :: network
+      integer, intent(in) :: i
+      type(element_type), intent(inout) :: element
+      integer :: ends(2)
+
+      ends = ends_of(train, i, mesh=.false.)
+      element%shaft = i
+      element%from = network%node(ends(1))
+      element%to = network%node(ends(2))
+      element%radius = measured_radius(train, network, [element%from, element%to])
+      associate (shaft => train%shafts(i))
+         element%stiffness = shaft%stiffness/element%radius(1)**2
+         element%damping = 2*shaft%damping_ratio*sqrt(shaft%stiffness/sum(1/network%inertia([element%from, element%to])))
+         if (shaft%damping_given) element%damping = shaft%damping
+         element%damping = element%damping/element%radius(1)**2
+      end associate
+   end subroutine make_shaft
+
+   pure subroutine make_mesh(train, network, i, inertia, element)
+      type(train_type), intent(in) :: train
+      type(network_type), intent(in) :: network
+      integer, intent(in) :: i
+      real(dp), intent(in) :: inertia(:)
+      type(element_type), intent(inout) :: element
+      integer :: ends(2)
+
+      ends = ends_of(train, i, mesh=.true.)
+      element%mesh = i
+      element%from = network%node(ends(1))
+      element%to = network%node(ends(2))
+      associate (mesh => train%meshes(i))
+         element%radius = [mesh%driving_radius, mesh%driven_radius]
+         element%stiffness = mesh%stiffness
+         element%damping = 2*mesh%damping_ratio*sqrt(mesh%stiffness/sum(element%radius**2/inertia(ends)))
+         if (mesh%damping_given) element%damping = mesh%damping
+      end associate
+   end subroutine make_mesh
+
+   !> The radius along which the twist of a shaft is measured [m]: of a gear that drives from one of its nodes, else of one that is
+   !> driven, else of any gear.
+   pure real(dp) function measured_radius(train, network, nodes) result(radius)
+      type(train_type), intent(in) :: train
+      type(network_type), intent(in) :: network
+      integer, intent(in) :: nodes(2)
+      integer :: ends(2), i
+
+      radius = train%meshes(1)%driving_radius
+      do i = size(train%meshes), 1, -1
+         ends = network%node(ends_of(train, i, mesh=.true.))
+         if (any(nodes == ends(2))) radius = train%meshes(i)%driven_radius
+      end do
+      do i = size(train%meshes), 1, -1
+         ends = network%node(ends_of(train, i, mesh=.true.))
+         if (any(nodes == ends(1))) radius = train%meshes(i)%driving_radius
+      end do
+   end function measured_radius
+
+   !> The elements of a tree in the order in which they are met from a node at an end: a chain from one end to the other.
+   pure subroutine sort_elements(given, nodes, elements)
+      type(element_type), intent(in) :: given(:)
+      integer, intent(in) :: nodes
+      type(element_type), allocatable, intent(out) :: elements(:)
+      integer :: place(nodes), degree(nodes), depth, i, n
+      logical :: met(nodes)
+
+      degree = 0
+      do i = 1, size(given)
+         degree(given(i)%from) = degree(given(i)%from) + 1
+         degree(given(i)%to) = degree(given(i)%to) + 1
+      end do
+      allocate (elements(size(given)))
+      met = .false.
+      depth = 1
+      place(1) = max(1, findloc(degree, 1, 1))
+      met(place(1)) = .true.
+      n = 0
+      search: do while (depth > 0)
+         do i = 1, size(given)
+            associate (here => place(depth), from => given(i)%from, to => given(i)%to)
+               if (.not. (from == here .and. .not. met(to) .or. to == here .and. .not. met(from))) cycle
+               n = n + 1
+               elements(n) = given(i)
+               place(depth + 1) = merge(to, from, from == here)
+            end associate
+            depth = depth + 1
+            met(place(depth)) = .true.
+            cycle search
+         end do
+         depth = depth - 1
+      end do search
+   end subroutine sort_elements
+
+   !> The first element has its own radius at its first node.
    pure subroutine find_radii(network)
       type(network_type), intent(inout) :: network
       integer :: n

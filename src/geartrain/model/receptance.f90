@@ -118,8 +118,12 @@ contains
       force = 0
       d_force = 0
       associate (cut => system%cut, network => system%network)
-         if (cut%home(network%driven) == p) &
-            force(cut%mass(network%driven)) = amplitude_at(system%torque, harmonic, eta)/network%radius(network%driven)
+         do j = 1, size(system%torque)
+            associate (node => network%node(system%torque_body(j)))
+               if (cut%home(node) == p) force(cut%mass(node)) = force(cut%mass(node)) + amplitude_at(system%torque(j), harmonic, &
+                                                                                                  eta)/network%radius(node)
+            end associate
+         end do
          do i = 1, size(cut%part(p)%element)
             n = cut%part(p)%element(i)
             j = system%element_mesh(n)

@@ -5,6 +5,7 @@ module geartrain_model_scales
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text, text
    use geartrain_model_limits, only: in_order, own_frequency
+   use geartrain_model_network, only: bodies_of, body_count, ends_of
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -29,8 +30,11 @@ contains
    subroutine check_scales(train, checker)
       type(train_type), intent(in) :: train
       class(checker_type), intent(inout) :: checker
-      real(dp) :: torque, static, compliance, unit, largest, own
-      integer :: j, before
+      real(dp) :: static, unit, largest, own
+      !> Decades of the reduced radii of the bodies; of x on them [N], by the mean torque; of the displacement of mesh j per unit of
+      !> a force on x.
+      real(dp) :: radius(body_count(train)), force(body_count(train)), compliance(size(train%meshes))
+      integer :: b, j, before, strongest
 
       if (.not. in_order(train, checker)) return
       own = own_frequency(train)
@@ -41,28 +45,32 @@ contains
             &1e7 of the frequency of the slowest mesh, '//text(own)//' rad/s by its stiffness, radii and inertias')
       call checker%leave()
       unit = decades(train%characteristic_length)
-      torque = decades(train%input_torque)
       largest = none
+      call find_scales(train, radius, force, compliance)
+      strongest = maxloc(force, 1)
       do j = 1, size(train%meshes)
          associate (mesh => train%meshes(j))
-            compliance = -decades(mesh%driving_radius) - decades(mesh%stiffness)
-            static = torque + compliance
-            call check_length('train', 1, 'input_torque', train%input_torque, static, 'the static deflection of &mesh ' &
-                              //integer_text(j)//' (by it, the radii up to there and the stiffness)')
-            if (j == 1) then
-               call check_list('train', 1, 'torque_cos', train%torque_cos, compliance, 'the deflection of &mesh 1 (by it, &
-                               &driving_radius and stiffness)')
-               call check_list('train', 1, 'torque_sin', train%torque_sin, compliance, 'the deflection of &mesh 1 (by it, &
-                               &driving_radius and stiffness)')
-            end if
+            call check_torque(j, force(strongest) + compliance(j))
             call check_list('mesh', j, 'error_cos', mesh%error_cos, 0.0_dp, 'it')
             call check_list('mesh', j, 'error_sin', mesh%error_sin, 0.0_dp, 'it')
             call check_length('mesh', j, 'half_backlash', mesh%half_backlash, decades(mesh%half_backlash), 'it')
             call check_variation(j, 'stiffness_cos', mesh%stiffness_cos)
             call check_variation(j, 'stiffness_sin', mesh%stiffness_sin)
-            torque = torque + decades(mesh%driven_radius) - decades(mesh%driving_radius)
          end associate
       end do
+      if (allocated(train%bodies)) then
+         do b = 1, size(train%bodies)
+            associate (body => train%bodies(b), gain => maxval(compliance) - radius(b))
+               call check_list('body', b, 'torque_cos', body%torque_cos, gain, 'the deflection of a mesh by it')
+               call check_list('body', b, 'torque_sin', body%torque_sin, gain, 'the deflection of a mesh by it')
+            end associate
+         end do
+      else
+         call check_list('train', 1, 'torque_cos', train%torque_cos, compliance(1), 'the deflection of &mesh 1 (by it, &
+                         &driving_radius and stiffness)')
+         call check_list('train', 1, 'torque_sin', train%torque_sin, compliance(1), 'the deflection of &mesh 1 (by it, &
+                         &driving_radius and stiffness)')
+      end if
       if (largest > none/2 .and. largest < unit - most_lengths) then
          call checker%enter('train', 1)
          call checker%complain('characteristic_length', real_text(train%characteristic_length), 'must be smaller: the largest &
@@ -73,6 +81,20 @@ contains
       if (checker%problems%count == before) call check_rounding()
 
    contains
+
+      !> The static deflection of mesh j [decades of m].
+      subroutine check_torque(j, static)
+         integer, intent(in) :: j
+         real(dp), intent(in) :: static
+         character(:), allocatable :: what
+
+         what = 'the static deflection of &mesh '//integer_text(j)//' (by it, the radii up to there and the stiffness)'
+         if (allocated(train%bodies)) then
+            call check_length('body', strongest, 'torque', train%bodies(strongest)%torque, static, what)
+         else
+            call check_length('train', 1, 'input_torque', train%input_torque, static, what)
+         end if
+      end subroutine check_torque
 
       !> A displacement [decades of m] that a value gives.
       subroutine check_length(group, index, name, value, length, what)
@@ -120,23 +142,27 @@ contains
       !> A gap and the deflection over it that cannot be told from the larger of them.
       subroutine check_rounding()
          real(dp) :: gap
+         character(12) :: torque_name
 
-         torque = decades(train%input_torque)
+         torque_name = merge('the torques ', 'input_torque', allocated(train%bodies))
          do j = 1, size(train%meshes)
             associate (mesh => train%meshes(j))
-               static = torque - decades(mesh%driving_radius) - decades(mesh%stiffness)
-               torque = torque + decades(mesh%driven_radius) - decades(mesh%driving_radius)
+               static = force(strongest) + compliance(j)
                gap = decades(mesh%half_backlash)
                if (min(gap, static) < none/2) cycle
                if (static < gap - lost) then
-                  call checker%enter('train', 1)
-                  call checker%complain('input_torque', real_text(train%input_torque), 'must be 0 or larger: the static deflection &
-                     &of &mesh '//integer_text(j)//' (by it, the radii up to there and the stiffness), '//power(static)// &
-                     ' m, is lost in rounding beside its half_backlash')
+                  if (allocated(train%bodies)) then
+                     call checker%enter('body', strongest)
+                     call checker%complain('torque', real_text(train%bodies(strongest)%torque), trim(lost_beside(j)))
+                  else
+                     call checker%enter('train', 1)
+                     call checker%complain('input_torque', real_text(train%input_torque), trim(lost_beside(j)))
+                  end if
                else if (gap < static - lost) then
                   call checker%enter('mesh', j)
                   call checker%complain('half_backlash', real_text(mesh%half_backlash), 'must be 0 or larger: it is lost in &
-                     &rounding beside the static deflection (by input_torque, the radii up to there and the stiffness), '// &
+                     &rounding beside the static deflection (by '//trim(torque_name)//', the radii up to there and the &
+                     &stiffness), '// &
                      power(static)//' m')
                end if
             end associate
@@ -144,7 +170,59 @@ contains
          end do
       end subroutine check_rounding
 
+      pure function lost_beside(j) result(words)
+         integer, intent(in) :: j
+         character(200) :: words
+
+         words = 'must be 0 or larger: the static deflection of &mesh '//integer_text(j)//' (by it, the radii up to there and &
+                 &the stiffness), '//power(static)//' m, is lost in rounding beside its half_backlash'
+      end function lost_beside
+
    end subroutine check_scales
+
+   !> See `check_scales`, all in decades.
+   subroutine find_scales(train, radius, force, compliance)
+      type(train_type), intent(in) :: train
+      real(dp), intent(out) :: radius(:), force(:), compliance(:)
+      real(dp) :: inertia(size(radius)), torque(size(radius))
+      logical :: known(size(radius)), changed
+      integer :: balancing, i
+
+      known = .false.
+      known(1) = .true.
+      radius = 0
+      changed = .true.
+      do while (changed)
+         changed = .false.
+         do i = 1, max(size(train%shafts), size(train%meshes))
+            if (i <= size(train%shafts)) call hand_on(ends_of(train, i, mesh=.false.), 0.0_dp)
+            if (i <= size(train%meshes)) call hand_on(ends_of(train, i, mesh=.true.), decades(train%meshes(i)%driven_radius) &
+                                                                                       - decades(train%meshes(i)%driving_radius))
+         end do
+      end do
+      call bodies_of(train, inertia, torque, balancing)
+      force = decades(torque) - radius
+      force(balancing) = none
+      do i = 1, size(compliance)
+         associate (mesh => train%meshes(i), ends => ends_of(train, i, mesh=.true.))
+            compliance(i) = radius(ends(1)) - decades(mesh%driving_radius) - decades(mesh%stiffness)
+         end associate
+      end do
+
+   contains
+
+      subroutine hand_on(ends, ratio)
+         integer, intent(in) :: ends(2)
+         real(dp), intent(in) :: ratio
+
+         if (known(ends(1)) .eqv. known(ends(2))) return
+         if (known(ends(1))) radius(ends(2)) = radius(ends(1)) + ratio
+         if (known(ends(2))) radius(ends(1)) = radius(ends(2)) - ratio
+         known(ends) = .true.
+         changed = .true.
+      end subroutine hand_on
+
+   end subroutine find_scales
 
    !> log10 of a magnitude, also of 0.
    elemental real(dp) function decades(value)

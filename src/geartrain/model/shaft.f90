@@ -1,11 +1,14 @@
 !> A torsional shaft in SI units.
 module geartrain_model_shaft
    use geartrain_base_kinds, only: dp
+   use geartrain_model_body, only: name_length
    implicit none (type, external)
    private
    public :: shaft_type
 
    type :: shaft_type
+      !> Names of the bodies that it joins; blank in a chain.
+      character(name_length) :: between(2) = ''
       !> Torsional stiffness [N m/rad]; not used when rigid.
       real(dp) :: stiffness = 0
       !> Damping ratio [1], c/(2 sqrt(k m_eq)), m_eq = 1/(1/I_a + 1/I_b); or `damping`, whichever is given.

@@ -35,11 +35,13 @@ module geartrain_model_system
       real(dp), allocatable :: damping(:), load(:)
       !> b/b_c [1], (mesh).
       real(dp), allocatable :: backlash(:)
-      !> kappa - 1 and e/b_c, (mesh); torque harmonics T/b_c [N m/m] on the body that is driven.
+      !> kappa - 1 and e/b_c, (mesh).
       type(series_type), allocatable :: mesh_stiffness(:), transmission_error(:)
-      type(series_type) :: torque
-      !> Acceleration of each element per unit of torque%amplitude [1], (element); body on which the torque acts.
-      real(dp), allocatable :: torque_gain(:)
+      !> Fluctuating torques T/b_c [N m/m], the bodies of the train on which they act, (torque), and the acceleration of each element
+      !> per unit of their amplitudes [1], (element, torque).
+      type(series_type), allocatable :: torque(:)
+      integer, allocatable :: torque_body(:)
+      real(dp), allocatable :: torque_gain(:, :)
       type(network_type) :: network
       !> The network cut at the meshes that are unknowns of the harmonic balance: those with backlash or a varying stiffness.
       type(cut_type) :: cut
@@ -80,7 +82,8 @@ contains
       system%load = static_forces(system%network)/(system%stiffness*system%characteristic_length)
       call cut_network(system%network, [(is_unknown(n), n=1, system%elements)], system%cut)
       do n = 1, size(system%cut%part)
-         system%cut%part(n)%excited = size(system%torque%amplitude) > 0 .and. system%cut%home(system%network%driven) == n
+         system%cut%part(n)%excited = any([(size(system%torque(i)%amplitude) > 0 .and. &
+            system%cut%home(system%network%node(system%torque_body(i))) == n, i=1, size(system%torque))])
          do i = 1, size(system%cut%part(n)%element)
             j = system%element_mesh(system%cut%part(n)%element(i))
             if (j == 0) cycle
@@ -107,12 +110,17 @@ contains
       real(dp) :: w
       integer :: n, m, count
 
-      allocate (system%own(system%elements), system%first(system%elements + 1), system%torque_gain(system%elements))
+      allocate (system%own(system%elements), system%first(system%elements + 1), &
+                system%torque_gain(system%elements, size(system%torque)))
       allocate (system%neighbour(4*system%elements), system%coupling(4*system%elements))
       count = 0
       do n = 1, system%elements
          system%first(n) = count + 1
-         system%torque_gain(n) = radius(n, network%driven)/(network%inertia(network%driven)*system%characteristic_frequency**2)
+         do m = 1, size(system%torque)
+            associate (node => network%node(system%torque_body(m)))
+               system%torque_gain(n, m) = radius(n, node)/(network%inertia(node)*system%characteristic_frequency**2)
+            end associate
+         end do
          do m = 1, system%elements
             if (.not. touch(n, m)) cycle
             w = inverse_inertia(n, m)*system%stiffness(m)/system%characteristic_frequency**2
@@ -226,7 +234,17 @@ contains
       system%meshes = size(train%meshes)
       allocate (system%mesh_stiffness(system%meshes), system%transmission_error(system%meshes))
       associate (bc => train%characteristic_length)
-         system%torque = series(train%torque_cos, train%torque_sin, 1/bc, 1)
+         if (allocated(train%bodies)) then
+            system%torque_body = [(j, j=1, size(train%bodies))]
+            allocate (system%torque(size(train%bodies)))
+            do j = 1, size(train%bodies)
+               system%torque(j) = series(train%bodies(j)%torque_cos, train%bodies(j)%torque_sin, 1/bc, 1)
+            end do
+         else
+            system%torque_body = [1]
+            allocate (system%torque(1))
+            system%torque(1) = series(train%torque_cos, train%torque_sin, 1/bc, 1)
+         end if
          do j = 1, system%meshes
             associate (mesh => train%meshes(j))
                system%mesh_stiffness(j) = series(mesh%stiffness_cos, mesh%stiffness_sin, 1.0_dp, mesh%order)
@@ -276,7 +294,9 @@ contains
       integer :: j
 
       common_order = 0
-      call add(system%torque)
+      do j = 1, size(system%torque)
+         call add(system%torque(j))
+      end do
       do j = 1, system%meshes
          call add(system%mesh_stiffness(j))
          call add(system%transmission_error(j))

@@ -1,7 +1,9 @@
-!> A gear train as the user gives it, in SI units: M shafts in a chain and the M-1 gear pairs between them.
+!> A gear train as the user gives it, in SI units: bodies joined by shafts and gear pairs; or in short form, without bodies, M shafts
+!> in a chain and the M-1 gear pairs between them.
 module geartrain_model_train
    use geartrain_base_interrupt, only: interrupt_type
    use geartrain_base_kinds, only: dp
+   use geartrain_model_body, only: body_type
    use geartrain_model_mesh, only: mesh_type
    use geartrain_model_shaft, only: shaft_type
    implicit none (type, external)
@@ -10,11 +12,13 @@ module geartrain_model_train
 
    type :: train_type
       character(:), allocatable :: title
-      !> Mean input torque [N m]; the output torque balances it by itself.
+      !> What the shafts and meshes join by `between`; not allocated: they are a chain.
+      type(body_type), allocatable :: bodies(:)
+      !> Of a chain: mean input torque [N m]; the output torque balances it by itself.
       real(dp) :: input_torque = 0
-      !> Harmonics 1.. of the input torque [N m], orders of Lambda, equation (7c).
+      !> Of a chain: harmonics 1.. of the input torque [N m], orders of Lambda, equation (7c).
       real(dp), allocatable :: torque_cos(:), torque_sin(:)
-      !> Inertias at the two ends [kg m^2]; 0 is allowed on a rigid shaft.
+      !> Of a chain: inertias at the two ends [kg m^2]; 0 is allowed on a rigid shaft.
       real(dp) :: prime_mover_inertia = 0, load_inertia = 0
       !> Unit of mesh displacement, b_c [m], and of frequency, omega_c [rad/s], equation (4).
       real(dp) :: characteristic_length = 0, characteristic_frequency = 0

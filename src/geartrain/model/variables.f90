@@ -4,55 +4,85 @@
 module geartrain_model_variables
    use geartrain_base_kinds, only: dp
    use geartrain_base_variable, only: row => variable_type, visitor_type
+   use geartrain_model_body, only: body_type
    use geartrain_model_mesh, only: mesh_type
    use geartrain_model_shaft, only: shaft_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: visit_model, visit_train, visit_shaft, visit_mesh
+   public :: visit_model, visit_train, visit_body, visit_shaft, visit_mesh
 
    real(dp), parameter :: zero = 0, one = 1
 
 contains
 
-   !> The train, then shaft 1, mesh 1, shaft 2, ...
+   !> The train and its bodies, then shaft 1, mesh 1, shaft 2, ...
    subroutine visit_model(train, visitor)
       type(train_type), intent(inout) :: train
       class(visitor_type), intent(inout) :: visitor
+      logical :: chain
       integer :: i, shafts, meshes
 
       call visit_train(train, visitor)
+      chain = .not. allocated(train%bodies)
+      if (.not. chain) then
+         do i = 1, size(train%bodies)
+            call visit_body(train%bodies(i), i, visitor)
+         end do
+      end if
       shafts = 0
       meshes = 0
       if (allocated(train%shafts)) shafts = size(train%shafts)
       if (allocated(train%meshes)) meshes = size(train%meshes)
       do i = 1, max(shafts, meshes)
          if (i <= shafts) call visit_shaft(train%shafts(i), i, visitor)
-         if (i <= meshes) call visit_mesh(train%meshes(i), i, visitor)
+         if (i <= meshes) call visit_mesh(train%meshes(i), i, chain, visitor)
       end do
    end subroutine visit_model
 
    subroutine visit_train(train, v)
       type(train_type), intent(inout) :: train
       class(visitor_type), intent(inout) :: v
+      logical :: chain
 
+      chain = .not. allocated(train%bodies)
       call v%enter('train', 1)
       call v%on_text(row('title', '', 'a line of text that goes with the results'), train%title)
-      call v%on_real(row('input_torque', 'N m', 'mean torque on the driving end; the load torque balances it by itself', &
-                         required=.true.), train%input_torque)
+      call v%on_real(row('input_torque', 'N m', 'mean torque on the driving end of a chain; the load torque balances it by &
+                         &itself', required=chain), train%input_torque, chain)
       call v%on_list(row('torque_cos', 'N m', 'cosine amplitudes of the input torque, orders 1, 2, ... of Lambda'), &
                      train%torque_cos)
       call v%on_list(row('torque_sin', 'N m', 'sine amplitudes, likewise'), train%torque_sin)
-      call v%on_real(row('prime_mover_inertia', 'kg m^2', 'polar moment of inertia at the driving end; 0 only if the first &
-                         &shaft is rigid', required=.true., least=zero), train%prime_mover_inertia)
-      call v%on_real(row('load_inertia', 'kg m^2', 'polar moment of inertia at the driven end; 0 only if the last shaft is &
-                         &rigid', required=.true., least=zero), train%load_inertia)
+      chain = .not. allocated(train%bodies)
+      call v%on_real(row('prime_mover_inertia', 'kg m^2', 'polar moment of inertia at the driving end of a chain; 0 only if the &
+                         &first shaft is rigid', required=chain, least=zero), train%prime_mover_inertia, chain)
+      chain = .not. allocated(train%bodies)
+      call v%on_real(row('load_inertia', 'kg m^2', 'polar moment of inertia at the driven end of a chain; 0 only if the last &
+                         &shaft is rigid', required=chain, least=zero), train%load_inertia, chain)
       call v%on_real(row('characteristic_length', 'm', 'unit in which mesh displacements are reported, b_c', &
                          required=.true., above=zero), train%characteristic_length)
       call v%on_real(row('characteristic_frequency', 'rad/s', 'unit in which frequencies are reported, omega_c; Lambda is the &
                          &fundamental mesh frequency over it', required=.true., above=zero), train%characteristic_frequency)
       call v%leave()
    end subroutine visit_train
+
+   subroutine visit_body(body, index, v)
+      type(body_type), intent(inout) :: body
+      !> Number of the body in the train.
+      integer, intent(in) :: index
+      class(visitor_type), intent(inout) :: v
+
+      call v%enter('body', index)
+      call v%on_text(row('name', '', 'by which shafts and meshes call it', required=.true.), body%name)
+      call v%on_real(row('inertia', 'kg m^2', 'polar moment of inertia; 0 only where rigid shafts alone join it with others', &
+                         required=.true., least=zero), body%inertia)
+      call v%on_real(row('torque', 'N m', 'mean torque on it, positive in the sense in which it turns'), body%torque)
+      call v%on_list(row('torque_cos', 'N m', 'cosine amplitudes of its torque, orders 1, 2, ... of Lambda'), body%torque_cos)
+      call v%on_list(row('torque_sin', 'N m', 'sine amplitudes, likewise'), body%torque_sin)
+      call v%on_logical(row('balances', '', 'its mean torque balances those of all others; true for exactly one body'), &
+                        body%balances)
+      call v%leave()
+   end subroutine visit_body
 
    subroutine visit_shaft(shaft, index, v)
       type(shaft_type), intent(inout) :: shaft
@@ -62,6 +92,7 @@ contains
       logical :: elastic, by_ratio
 
       call v%enter('shaft', index)
+      call v%on_names(row('between', '', 'names of the two bodies that it joins; none in a chain'), shaft%between)
       call v%on_logical(row('rigid', '', 'the inertias at the ends of the shaft move as one; it then has neither stiffness nor &
                             &damping'), shaft%rigid)
       elastic = .not. shaft%rigid
@@ -75,22 +106,29 @@ contains
       call v%leave()
    end subroutine visit_shaft
 
-   subroutine visit_mesh(mesh, index, v)
+   subroutine visit_mesh(mesh, index, chain, v)
       type(mesh_type), intent(inout) :: mesh
       !> Number of the mesh in the train.
       integer, intent(in) :: index
+      !> It stands in a chain, which has no bodies.
+      logical, intent(in) :: chain
       class(visitor_type), intent(inout) :: v
-      logical :: by_ratio
+      logical :: by_ratio, own_gears
 
       call v%enter('mesh', index)
+      call v%on_names(row('between', '', 'names of the bodies that the driving and the driven gear are on; none in a chain'), &
+                      mesh%between)
       call v%on_real(row('driving_radius', 'm', 'base circle radius of the driving gear', required=.true., above=zero), &
                      mesh%driving_radius)
       call v%on_real(row('driven_radius', 'm', 'base circle radius of the driven gear', required=.true., above=zero), &
                      mesh%driven_radius)
-      call v%on_real(row('driving_inertia', 'kg m^2', 'polar moment of inertia of the driving gear', required=.true., &
-                         above=zero), mesh%driving_inertia)
-      call v%on_real(row('driven_inertia', 'kg m^2', 'polar moment of inertia of the driven gear', required=.true., &
-                         above=zero), mesh%driven_inertia)
+      own_gears = chain
+      call v%on_real(row('driving_inertia', 'kg m^2', 'in a chain: polar moment of inertia of the driving gear', required=chain, &
+                         above=zero), mesh%driving_inertia, own_gears)
+      own_gears = chain
+      call v%on_real(row('driven_inertia', 'kg m^2', 'in a chain: polar moment of inertia of the driven gear', required=chain, &
+                         above=zero), mesh%driven_inertia, own_gears)
+      call v%on_logical(row('internal', '', 'an internal gear pair: both gears turn in one sense'), mesh%internal)
       call v%on_real(row('stiffness', 'N/m', 'mean mesh stiffness along the line of action', required=.true., above=zero), &
                      mesh%stiffness)
       by_ratio = .not. mesh%damping_given

@@ -306,13 +306,14 @@ contains
 
       self%excitation = 0
       associate (system => self%system)
-         if (size(system%torque%amplitude) > 0) then
+         do j = 1, size(system%torque)
+            if (size(system%torque(j)%amplitude) == 0) cycle
             torque = 0
-            call add_series(system%torque, self%frequency, self%time, torque)
+            call add_series(system%torque(j), self%frequency, self%time, torque)
             do n = 1, system%elements
-               self%excitation(:, n) = system%torque_gain(n)*torque
+               self%excitation(:, n) = self%excitation(:, n) + system%torque_gain(n, j)*torque
             end do
-         end if
+         end do
          do j = 1, system%meshes
             if (size(system%transmission_error(j)%amplitude) == 0) cycle
             second = system%transmission_error(j)

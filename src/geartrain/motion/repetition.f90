@@ -37,7 +37,9 @@ contains
       type(system_type), intent(inout) :: system
       integer :: j
 
-      call divide(times, system%torque)
+      do j = 1, size(system%torque)
+         call divide(times, system%torque(j))
+      end do
       do j = 1, system%meshes
          call divide(times, system%mesh_stiffness(j))
          call divide(times, system%transmission_error(j))

@@ -1,0 +1,306 @@
+!> Whether bodies, shafts and meshes make one network: every name known, everything joined, no loop that locks, one body that
+!> balances the torques.
+module geartrain_model_check_network
+   use geartrain_base_checker, only: checker_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_nearest, only: nearest_name
+   use geartrain_base_numbers, only: integer_text, real_text, text
+   use geartrain_model_network, only: ends_of
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: check_network
+
+   !> How far the ratios round a loop may be from 1, relative.
+   real(dp), parameter :: rounding = 1e-9_dp
+
+contains
+
+   !> Adds every problem of the network; the values by themselves are checked elsewhere.
+   subroutine check_network(train, checker)
+      type(train_type), intent(in) :: train
+      class(checker_type), intent(inout) :: checker
+      integer :: before
+
+      before = checker%problems%count
+      call check_chain_values(train, checker)
+      call check_names(train, checker)
+      call check_balance(train, checker)
+      if (size(train%meshes) == 0) call checker%problems%add('the train has no &mesh', 'train', 1, names_group=.true.)
+      if (checker%problems%count > before) return
+      call check_inertias(train, checker)
+      call check_joints(train, checker)
+   end subroutine check_network
+
+   !> What belongs to the chain of shafts and meshes stands in no network.
+   subroutine check_chain_values(train, checker)
+      type(train_type), intent(in) :: train
+      class(checker_type), intent(inout) :: checker
+      character(*), parameter :: cure = 'is for a chain without &body groups: give it in a &body'
+      integer :: i
+
+      call checker%enter('train', 1)
+      if (abs(train%input_torque) > 0) call checker%complain('input_torque', real_text(train%input_torque), cure//', as torque')
+      if (abs(train%prime_mover_inertia) > 0) &
+         call checker%complain('prime_mover_inertia', real_text(train%prime_mover_inertia), cure//', as inertia')
+      if (abs(train%load_inertia) > 0) &
+         call checker%complain('load_inertia', real_text(train%load_inertia), cure//', as inertia')
+      if (given(train%torque_cos)) call checker%complain('torque_cos', '...', cure)
+      if (given(train%torque_sin)) call checker%complain('torque_sin', '...', cure)
+      call checker%leave()
+      do i = 1, size(train%meshes)
+         call checker%enter('mesh', i)
+         associate (mesh => train%meshes(i))
+            if (abs(mesh%driving_inertia) > 0) &
+               call checker%complain('driving_inertia', real_text(mesh%driving_inertia), cure//', as inertia')
+            if (abs(mesh%driven_inertia) > 0) &
+               call checker%complain('driven_inertia', real_text(mesh%driven_inertia), cure//', as inertia')
+         end associate
+         call checker%leave()
+      end do
+   end subroutine check_chain_values
+
+   pure logical function given(list)
+      real(dp), allocatable, intent(in) :: list(:)
+
+      given = .false.
+      if (allocated(list)) given = size(list) > 0
+   end function given
+
+   !> Every body has a name of its own, and every end is the name of a body.
+   subroutine check_names(train, checker)
+      type(train_type), intent(in) :: train
+      class(checker_type), intent(inout) :: checker
+      character(:), allocatable :: name
+      integer :: i, j
+
+      do i = 1, size(train%bodies)
+         call checker%enter('body', i)
+         name = ''
+         if (allocated(train%bodies(i)%name)) name = train%bodies(i)%name
+         if (name == '') then
+            call checker%lacks('name', '')
+         else
+            do j = 1, i - 1
+               if (.not. allocated(train%bodies(j)%name)) cycle
+               if (train%bodies(j)%name /= name) cycle
+               call checker%complain('name', "'"//name//"'", 'is that of &body '//integer_text(j)//' already')
+               exit
+            end do
+         end if
+         call checker%leave()
+      end do
+      do i = 1, size(train%shafts)
+         call checker%enter('shaft', i)
+         call check_ends(train, train%shafts(i)%between, checker)
+         call checker%leave()
+      end do
+      do i = 1, size(train%meshes)
+         call checker%enter('mesh', i)
+         call check_ends(train, train%meshes(i)%between, checker)
+         call checker%leave()
+      end do
+   end subroutine check_names
+
+   subroutine check_ends(train, between, checker)
+      type(train_type), intent(in) :: train
+      character(*), intent(in) :: between(2)
+      class(checker_type), intent(inout) :: checker
+      character(len(between)) :: names(size(train%bodies))
+      integer :: i, best
+
+      if (all(between == '')) then
+         call checker%lacks('between', 'the names of the two bodies that it joins')
+         return
+      end if
+      names = ''
+      do i = 1, size(names)
+         if (allocated(train%bodies(i)%name)) names(i) = train%bodies(i)%name
+      end do
+      do i = 1, 2
+         if (any(names == between(i))) cycle
+         best = nearest_name(trim(between(i)), names)
+         if (best > 0) then
+            call checker%complain('between', "'"//trim(between(i))//"'", "is the name of no &body (did you mean '" &
+                                  //trim(names(best))//"'?)")
+         else
+            call checker%complain('between', "'"//trim(between(i))//"'", 'is the name of no &body')
+         end if
+         return
+      end do
+      if (between(1) == between(2)) call checker%complain('between', "'"//trim(between(1))//"' twice", 'must be two bodies')
+   end subroutine check_ends
+
+   !> One body balances, and has no torque of its own.
+   subroutine check_balance(train, checker)
+      type(train_type), intent(in) :: train
+      class(checker_type), intent(inout) :: checker
+      integer :: i, first
+
+      first = findloc(train%bodies%balances, .true., 1)
+      if (first == 0) call checker%problems%add('no &body has balances = .true.: the mean torque of one of them, the load, &
+         &balances that of all others', 'train', 1, names_group=.true.)
+      do i = first + 1, size(train%bodies)
+         if (.not. train%bodies(i)%balances .or. first == 0) cycle
+         call checker%enter('body', i)
+         call checker%complain('balances', '.true.', 'is that of &body '//integer_text(first)//' already: one balances the others')
+         call checker%leave()
+      end do
+      if (first == 0) return
+      if (.not. abs(train%bodies(first)%torque) > 0) return
+      call checker%enter('body', first)
+      call checker%complain('torque', real_text(train%bodies(first)%torque), 'contradicts balances = .true.: its mean torque &
+                            &follows from the others')
+      call checker%leave()
+   end subroutine check_balance
+
+   !> What vibrates has inertia: a body on a mesh or an elastic shaft; a rigid shaft may join one without to another.
+   subroutine check_inertias(train, checker)
+      type(train_type), intent(in) :: train
+      class(checker_type), intent(inout) :: checker
+      logical :: needed(size(train%bodies))
+      integer :: i
+
+      needed = .false.
+      do i = 1, size(train%shafts)
+         if (.not. train%shafts(i)%rigid) needed(ends_of(train, i, mesh=.false.)) = .true.
+      end do
+      do i = 1, size(train%meshes)
+         needed(ends_of(train, i, mesh=.true.)) = .true.
+      end do
+      do i = 1, size(train%bodies)
+         if (.not. needed(i) .or. train%bodies(i)%inertia > 0) cycle
+         call checker%enter('body', i)
+         call checker%complain('inertia', real_text(train%bodies(i)%inertia), 'must be > 0 kg m^2 on a mesh or an elastic shaft')
+         call checker%leave()
+      end do
+   end subroutine check_inertias
+
+   !> Walks from the first body to all that it is joined with: whom it does not meet is joined with nothing, and where it meets one
+   !> again the ratios must agree.
+   subroutine check_joints(train, checker)
+      type(train_type), intent(in) :: train
+      class(checker_type), intent(inout) :: checker
+      !> Reduced radius and sense of rotation of each body, and the joint it was met by: number, whether it is a mesh, body before.
+      real(dp) :: radius(size(train%bodies))
+      integer :: sense(size(train%bodies)), came(size(train%bodies)), ends(2), i
+      logical :: met(size(train%bodies)), changed
+
+      met = .false.
+      met(1) = .true.
+      radius = 1
+      sense = 1
+      came = 0
+      changed = .true.
+      do while (changed)
+         changed = .false.
+         do i = 1, size(train%shafts)
+            call pass(ends_of(train, i, mesh=.false.), [1.0_dp, 1.0_dp], 1)
+         end do
+         do i = 1, size(train%meshes)
+            associate (mesh => train%meshes(i))
+               call pass(ends_of(train, i, mesh=.true.), [mesh%driving_radius, mesh%driven_radius], merge(1, -1, mesh%internal))
+            end associate
+         end do
+      end do
+      do i = 1, size(train%bodies)
+         if (met(i)) cycle
+         call checker%enter('body', i)
+         call checker%problems%add("'"//train%bodies(i)%name//"' is joined with '"//train%bodies(1)%name// &
+                                   "' by no shaft and no mesh", 'body', i, 'name')
+         call checker%leave()
+      end do
+      if (.not. all(met)) return
+      do i = 1, size(train%shafts)
+         ends = ends_of(train, i, mesh=.false.)
+         call close_loop(ends, radius(ends(2))/radius(ends(1)), sense(ends(1)) == sense(ends(2)), 'shaft')
+      end do
+      do i = 1, size(train%meshes)
+         ends = ends_of(train, i, mesh=.true.)
+         associate (mesh => train%meshes(i))
+            call close_loop(ends, radius(ends(2))/radius(ends(1))*(mesh%driving_radius/mesh%driven_radius), &
+                            (sense(ends(1)) == sense(ends(2))) .eqv. mesh%internal, 'mesh')
+         end associate
+      end do
+
+   contains
+
+      subroutine pass(ends, radii, turn)
+         integer, intent(in) :: ends(2), turn
+         real(dp), intent(in) :: radii(2)
+
+         if (met(ends(1)) .eqv. met(ends(2))) return
+         if (met(ends(1))) then
+            radius(ends(2)) = radius(ends(1))*(radii(2)/radii(1))
+            came(ends(2)) = ends(1)
+         else
+            radius(ends(1)) = radius(ends(2))*(radii(1)/radii(2))
+            came(ends(1)) = ends(2)
+         end if
+         if (.not. met(ends(2))) sense(ends(2)) = turn*sense(ends(1))
+         if (.not. met(ends(1))) sense(ends(1)) = turn*sense(ends(2))
+         met(ends) = .true.
+         changed = .true.
+      end subroutine pass
+
+      !> A joint of two bodies that the walk has met: `ratio` is 1 and the senses agree where it closes a loop that turns.
+      subroutine close_loop(ends, ratio, agree, group)
+         integer, intent(in) :: ends(2)
+         real(dp), intent(in) :: ratio
+         logical, intent(in) :: agree
+         character(*), intent(in) :: group
+         character(:), allocatable :: why
+
+         if (abs(ratio - 1) <= rounding .and. agree) return
+         why = 'these gears lock: '
+         if (.not. agree) why = why//'there is an odd number of external pairs in the loop '
+         if (agree) why = why//'the ratios multiply to '//text(ratio)//', not 1, round the loop '
+         call checker%problems%add(why//loop_of(ends), group, i, 'between')
+      end subroutine close_loop
+
+      !> 'a - b - c - a': along the walk from one end of the joint to the other.
+      function loop_of(ends) result(words)
+         integer, intent(in) :: ends(2)
+         character(400) :: words
+         integer :: first, second
+
+         words = train%bodies(ends(1))%name
+         first = ends(1)
+         do
+            if (is_before(first, ends(2))) exit
+            first = came(first)
+            words = trim(words)//' - '//train%bodies(first)%name
+         end do
+         second = ends(2)
+         do while (second /= first)
+            words = trim(words)//' - '//train%bodies(lower(first, second))%name
+            first = lower(first, second)
+         end do
+         words = trim(words)//' - '//train%bodies(ends(1))%name
+      end function loop_of
+
+      !> Whether the walk came to `body` by way of `before`, or they are the same.
+      logical function is_before(before, body)
+         integer, intent(in) :: before, body
+         integer :: now
+
+         now = body
+         do while (now /= 0 .and. now /= before)
+            now = came(now)
+         end do
+         is_before = now == before
+      end function is_before
+
+      !> The body after `before` on the walk to `body`.
+      integer function lower(before, body)
+         integer, intent(in) :: before, body
+
+         lower = body
+         do while (came(lower) /= before)
+            lower = came(lower)
+         end do
+      end function lower
+
+   end subroutine check_joints
+
+end module geartrain_model_check_network
