@@ -23,13 +23,13 @@ module geartrain_branch_orbit_path
 
    !> A point of the exact branch.
    type :: orbit_type
-      !> Lambda and the states where the sections of the period begin, (2*elements, section).
+      !> Lambda and the states where the sections of the period begin, (2*coordinates, section).
       real(dp) :: frequency = 0
       real(dp), allocatable :: states(:, :)
       !> The unit tangent there.
       real(dp) :: tangent_frequency = 0
       real(dp), allocatable :: tangent(:, :)
-      !> All of them over the whole period, largest magnitude first, (2*elements).
+      !> All of them over the whole period, largest magnitude first, (2*coordinates).
       complex(dp), allocatable :: multipliers(:)
    end type orbit_type
 
@@ -42,7 +42,7 @@ module geartrain_branch_orbit_path
       type(units_type) :: units
       !> At constant Lambda, and along the branch.
       type(sections_type), private :: fixed, moving
-      !> Metric of the states, (2*elements, section).
+      !> Metric of the states, (2*coordinates, section).
       real(dp), allocatable, private :: weight(:, :)
    contains
       procedure :: setup
@@ -89,7 +89,7 @@ contains
       parts = most_parts(system, period)
       call self%fixed%setup(self%system, period, parts, moves=.false.)
       call self%moving%setup(self%system, period, parts, moves=.true.)
-      associate (n => system%elements, m => self%fixed%sections)
+      associate (n => system%coordinates, m => self%fixed%sections)
          allocate (self%weight(2*n, m))
          self%weight(:n, :) = 1/(m*self%units%length**2)
          self%weight(n + 1:, :) = 1/(m*(self%units%length*self%units%frequency)**2)

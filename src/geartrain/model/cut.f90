@@ -25,17 +25,16 @@ module geartrain_model_cut
 
 contains
 
-   !> Cuts a network at the elements that are unknown.
-   pure subroutine cut_network(network, is_unknown, cut)
+   !> Cuts a network at its unknown meshes.
+   pure subroutine cut_network(network, cut)
       type(network_type), intent(in) :: network
-      logical, intent(in) :: is_unknown(:)
       type(cut_type), intent(out) :: cut
       integer :: i, n
 
-      cut%is_unknown = is_unknown
+      cut%is_unknown = network%elements%unknown
       ! The unknowns are in the order of the meshes, whatever that of the elements.
-      cut%mesh = pack(network%elements%mesh, is_unknown)
-      cut%element = pack([(n, n=1, size(is_unknown))], is_unknown)
+      cut%mesh = pack(network%elements%mesh, cut%is_unknown)
+      cut%element = pack([(n, n=1, size(cut%is_unknown))], cut%is_unknown)
       cut%unknowns = size(cut%mesh)
       call sort_by_mesh(cut%mesh, cut%element)
       call find_parts(network, cut)
@@ -146,8 +145,19 @@ contains
       integer, allocatable :: pairs(:, :)
       integer :: i, j, n, p
 
-      allocate (pairs(2, sum([(size(cut%part(p)%at)**2, p=1, size(cut%part))])))
+      allocate (pairs(2, sum([(size(cut%part(p)%at)**2, p=1, size(cut%part))]) + count(closes(cut%element))*cut%unknowns))
       n = 0
+      ! The mean of a mesh that closes a loop (geartrain_model_mean).
+      do i = 1, cut%unknowns
+         if (.not. closes(cut%element(i))) cycle
+         do j = 1, cut%unknowns
+            if (.not. closes(cut%element(j))) then
+               if (.not. abs(network%loop(cut%element(i) - network%coordinates, cut%element(j))) > 0) cycle
+            end if
+            n = n + 1
+            pairs(:, n) = [i, j]
+         end do
+      end do
       do p = 1, size(cut%part)
          associate (unknown => cut%part(p)%unknown)
             do i = 1, size(unknown)
@@ -158,7 +168,7 @@ contains
             end do
          end associate
       end do
-      call cut%graph%setup(cut%unknowns, pairs)
+      call cut%graph%setup(cut%unknowns, pairs(:, :n))
       do p = 1, size(cut%part)
          associate (part => cut%part(p))
             allocate (part%entry(size(part%unknown), size(part%unknown)), part%gain(size(part%unknown), size(part%unknown)))
@@ -170,6 +180,15 @@ contains
             end do
          end associate
       end do
+
+   contains
+
+      elemental logical function closes(element)
+         integer, intent(in) :: element
+
+         closes = element > network%coordinates
+      end function closes
+
    end subroutine join_unknowns
 
 end module geartrain_model_cut

@@ -57,7 +57,7 @@ contains
       real(dp), allocatable :: frequency(:)
       integer :: n, info
 
-      allocate (frequency(system%elements))
+      allocate (frequency(system%coordinates))
       call eigenvalues_of(system, [(1.0_dp, n=1, system%elements)], frequency, info)
       frequency = sqrt(max(frequency, 0.0_dp))
       if (info /= 0) frequency = [real(dp) ::]
@@ -67,14 +67,14 @@ contains
       type(system_type), intent(in) :: system
       type(modes_type), intent(inout) :: modes
       integer, intent(out) :: info
-      real(dp) :: square(system%elements)
+      real(dp) :: square(system%coordinates)
       integer :: i
 
-      allocate (modes%shape(system%elements, system%elements))
+      allocate (modes%shape(system%elements, system%coordinates))
       call eigenvalues_of(system, [(1.0_dp, i=1, system%elements)], square, info, modes%shape)
       if (info /= 0) return
       modes%natural_frequency = sqrt(max(square, 0.0_dp))
-      do i = 1, system%elements
+      do i = 1, system%coordinates
          modes%shape(:, i) = modes%shape(:, i)/sqrt(system%stiffness)
          modes%shape(:, i) = modes%shape(:, i)/modes%shape(maxloc(abs(modes%shape(:, i)), 1), i)
       end do
@@ -89,7 +89,7 @@ contains
       logical, allocatable :: taken(:)
       integer :: n, i, j, best
 
-      n = system%elements
+      n = system%coordinates
       allocate (a(2*n, 2*n), wr(2*n), wi(2*n), work(16*n), empty(1, 1), taken(2*n))
       a = 0
       do i = 1, n
@@ -98,8 +98,15 @@ contains
          a(n + i, n + i) = -system%own(i)*system%damping(i)
          do j = system%first(i), system%first(i + 1) - 1
             associate (m => system%neighbour(j))
-               a(n + i, m) = -system%coupling(j)
-               a(n + i, n + m) = -system%coupling(j)*system%damping(m)
+               if (m <= n) then
+                  a(n + i, m) = a(n + i, m) - system%coupling(j)
+                  a(n + i, n + m) = a(n + i, n + m) - system%coupling(j)*system%damping(m)
+               else
+                  associate (loop => system%network%loop(m - n, :))
+                     a(n + i, :n) = a(n + i, :n) - system%coupling(j)*loop
+                     a(n + i, n + 1:) = a(n + i, n + 1:) - system%coupling(j)*system%damping(m)*loop
+                  end associate
+               end if
             end associate
          end do
       end do

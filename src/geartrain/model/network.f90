@@ -20,6 +20,8 @@ module geartrain_model_network
       real(dp) :: radius(2) = 0
       !> Along the line of action, [N/m] and [N s/m].
       real(dp) :: stiffness = 0, damping = 0
+      !> A mesh with backlash or a varying stiffness: an unknown of the harmonic balance.
+      logical :: unknown = .false.
    end type element_type
 
    type :: network_type
@@ -29,8 +31,13 @@ module geartrain_model_network
       real(dp), allocatable :: inertia(:), torque(:), radius(:)
       !> The node whose mean torque balances all others'.
       integer :: balancing = 0
-      !> The elements of a tree that joins all nodes, each with a node in common with one before it.
+      !> First the elements of a tree that joins all nodes, each with a node in common with one before it: their displacements are
+      !> the coordinates of the network. Then those that close loops; unknown meshes wherever the loop has one.
       type(element_type), allocatable :: elements(:)
+      integer :: coordinates = 0
+      !> Displacement of each element that closes a loop per displacement of those of the tree [1], (loop, coordinate): what a force
+      !> in it takes from the forces of the tree.
+      real(dp), allocatable :: loop(:, :)
    end type network_type
 
 contains
@@ -43,8 +50,10 @@ contains
 
       call join_rigid(train, network)
       call list_elements(train, network, elements)
-      call sort_elements(elements, size(network%inertia), network%elements)
+      network%coordinates = size(network%inertia) - 1
+      call sort_elements(elements, in_tree(elements, size(network%inertia)), size(network%inertia), network%elements)
       call find_radii(network)
+      call find_loops(network)
    end subroutine build_network
 
    !> How many bodies there are: as given, or those of a chain.
@@ -196,7 +205,18 @@ contains
          element%stiffness = mesh%stiffness
          element%damping = 2*mesh%damping_ratio*sqrt(mesh%stiffness/sum(element%radius**2/inertia(ends)))
          if (mesh%damping_given) element%damping = mesh%damping
+         element%unknown = mesh%half_backlash > 0 .or. varies(mesh%stiffness_cos) .or. varies(mesh%stiffness_sin)
       end associate
+
+   contains
+
+      pure logical function varies(amplitude)
+         real(dp), allocatable, intent(in) :: amplitude(:)
+
+         varies = .false.
+         if (allocated(amplitude)) varies = any(abs(amplitude) > 0)
+      end function varies
+
    end subroutine make_mesh
 
    !> The radius along which the twist of a shaft is measured [m]: of a gear that drives from one of its nodes, else of one that is
@@ -218,9 +238,34 @@ contains
       end do
    end function measured_radius
 
-   !> The elements of a tree in the order in which they are met from a node at an end: a chain from one end to the other.
-   pure subroutine sort_elements(given, nodes, elements)
+   !> Which elements make a tree: linear ones first, the stiffest before.
+   pure function in_tree(given, nodes) result(chosen)
       type(element_type), intent(in) :: given(:)
+      integer, intent(in) :: nodes
+      logical :: chosen(size(given)), left(size(given))
+      integer :: root(nodes), i, n
+
+      root = [(i, i=1, nodes)]
+      chosen = .false.
+      left = .true.
+      if (size(given) == nodes - 1) chosen = .true.
+      do while (count(chosen) < nodes - 1)
+         n = maxloc(given%stiffness, 1, left .and. .not. given%unknown)
+         if (n == 0) n = findloc(left, .true., 1)
+         left(n) = .false.
+         associate (ends => root([given(n)%from, given(n)%to]))
+            if (ends(1) == ends(2)) cycle
+            chosen(n) = .true.
+            where (root == maxval(ends)) root = minval(ends)
+         end associate
+      end do
+   end function in_tree
+
+   !> The elements of the tree in the order in which they are met from a node at an end: a chain from one end to the other; then the
+   !> rest.
+   pure subroutine sort_elements(given, chosen, nodes, elements)
+      type(element_type), intent(in) :: given(:)
+      logical, intent(in) :: chosen(:)
       integer, intent(in) :: nodes
       type(element_type), allocatable, intent(out) :: elements(:)
       integer :: place(nodes), degree(nodes), depth, i, n
@@ -239,6 +284,7 @@ contains
       n = 0
       search: do while (depth > 0)
          do i = 1, size(given)
+            if (.not. chosen(i)) cycle
             associate (here => place(depth), from => given(i)%from, to => given(i)%to)
                if (.not. (from == here .and. .not. met(to) .or. to == here .and. .not. met(from))) cycle
                n = n + 1
@@ -251,7 +297,50 @@ contains
          end do
          depth = depth - 1
       end do search
+      elements(n + 1:) = pack(given, .not. chosen)
    end subroutine sort_elements
+
+   !> Each node lies at the end of a path of the tree from the first one; a loop goes along the paths to the ends of its element.
+   pure subroutine find_loops(network)
+      type(network_type), intent(inout) :: network
+      !> x of each node per displacement of the coordinates.
+      real(dp), allocatable :: x(:, :)
+      integer :: i, n
+      logical :: met(size(network%inertia))
+
+      allocate (network%loop(size(network%elements) - network%coordinates, network%coordinates))
+      if (size(network%loop, 1) == 0) return
+      allocate (x(network%coordinates, size(network%inertia)), source=0.0_dp)
+      met = .false.
+      met(network%elements(1)%from) = .true.
+      do n = 1, network%coordinates
+         associate (element => network%elements(n))
+            if (met(element%from)) then
+               x(:, element%to) = x(:, element%from)
+               x(n, element%to) = -1/gain(element)
+            else
+               x(:, element%from) = x(:, element%to)
+               x(n, element%from) = 1/gain(element)
+            end if
+            met([element%from, element%to]) = .true.
+         end associate
+      end do
+      do i = 1, size(network%loop, 1)
+         associate (element => network%elements(network%coordinates + i))
+            network%loop(i, :) = gain(element)*(x(:, element%from) - x(:, element%to))
+         end associate
+      end do
+
+   contains
+
+      !> Displacement of an element per difference of x.
+      pure real(dp) function gain(element)
+         type(element_type), intent(in) :: element
+
+         gain = element%radius(1)/network%radius(element%from)
+      end function gain
+
+   end subroutine find_loops
 
    !> The first element has its own radius at its first node.
    pure subroutine find_radii(network)

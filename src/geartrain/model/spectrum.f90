@@ -1,5 +1,5 @@
 !> Eigenvalues of W diag(factor), which is similar to a symmetric matrix by the roots of stiffness and factor; banded, as the elements
-!> are numbered along the train.
+!> are numbered along the train. Over all elements it has one eigenvalue 0 for each that closes a loop.
 module geartrain_model_spectrum
    use geartrain_base_kinds, only: dp
    use geartrain_base_lapack, only: dsbev
@@ -10,7 +10,8 @@ module geartrain_model_spectrum
 
 contains
 
-   !> Eigenvalues, ascending, (element), and the eigenvectors of the symmetric matrix, (element, element); info = 0: LAPACK converged.
+   !> Eigenvalues, ascending, without those of loops, (coordinate), and the eigenvectors of the symmetric matrix, (element,
+   !> coordinate); info = 0: LAPACK converged.
    pure subroutine eigenvalues_of(system, factor, values, info, vectors)
       type(system_type), intent(in) :: system
       !> Factors >= 0 of the elements, (element).
@@ -18,9 +19,10 @@ contains
       real(dp), intent(out) :: values(:)
       integer, intent(out) :: info
       real(dp), intent(out), optional :: vectors(:, :)
-      real(dp), allocatable :: band(:, :), work(:)
+      real(dp), allocatable :: band(:, :), work(:), vector(:, :)
+      real(dp) :: value(system%elements)
       real(dp) :: none(1, 1)
-      integer :: i, n, width
+      integer :: i, loops, n, width
 
       width = 0
       do n = 1, system%elements
@@ -39,11 +41,15 @@ contains
             end associate
          end do
       end do
+      loops = system%elements - system%coordinates
       if (present(vectors)) then
-         call dsbev('V', 'U', system%elements, width, band, width + 1, values, vectors, system%elements, work, info)
+         allocate (vector(system%elements, system%elements))
+         call dsbev('V', 'U', system%elements, width, band, width + 1, value, vector, system%elements, work, info)
+         vectors = vector(:, loops + 1:)
       else
-         call dsbev('N', 'U', system%elements, width, band, width + 1, values, none, 1, work, info)
+         call dsbev('N', 'U', system%elements, width, band, width + 1, value, none, 1, work, info)
       end if
+      values = value(loops + 1:)
    end subroutine eigenvalues_of
 
 end module geartrain_model_spectrum

@@ -6,9 +6,11 @@
 !>    p'' = -W phi + s(t) + e''      (equations (5) with their signs and indices put right)
 !> with W = B I^-1 B^T K, whose elements n and m are different from 0 where they have a body in common.
 module geartrain_model_system
+   use geartrain_base_elimination, only: factor_matrix, solve_factored
    use geartrain_base_interrupt, only: interrupt_type
    use geartrain_base_kinds, only: dp
    use geartrain_model_cut, only: cut_network, cut_type
+   use geartrain_model_mean, only: mean_rows, mean_type
    use geartrain_model_network, only: build_network, network_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -22,7 +24,8 @@ module geartrain_model_system
    end type series_type
 
    type :: system_type
-      integer :: meshes = 0, elements = 0
+      !> The displacements of the first `coordinates` elements are the coordinates of the train; the others close loops.
+      integer :: meshes = 0, elements = 0, coordinates = 0
       !> Element of each mesh (mesh); mesh and shaft of each element, 0 where it is none (element).
       integer, allocatable :: mesh_element(:), element_mesh(:), element_shaft(:)
       !> Mean stiffness along the line of action [N/m], (element).
@@ -33,6 +36,11 @@ module geartrain_model_system
       integer, allocatable :: first(:), neighbour(:)
       !> gamma = c omega_c/k [1] and static force over k b_c [1], (element).
       real(dp), allocatable :: damping(:), load(:)
+      !> Displacement of each element that closes a loop while the coordinates and the transmission errors are 0: the static twists
+      !> of its shafts, which coordinates leave out [1], (loop).
+      real(dp), allocatable :: loop_offset(:)
+      !> Rate at which the determinant of the monodromy decays [1].
+      real(dp) :: decay = 0
       !> b/b_c [1], (mesh).
       real(dp), allocatable :: backlash(:)
       !> kappa - 1 and e/b_c, (mesh).
@@ -43,8 +51,10 @@ module geartrain_model_system
       integer, allocatable :: torque_body(:)
       real(dp), allocatable :: torque_gain(:, :)
       type(network_type) :: network
-      !> The network cut at the meshes that are unknowns of the harmonic balance: those with backlash or a varying stiffness.
+      !> The network cut at the meshes that are unknowns of the harmonic balance: those with backlash or a varying stiffness; and
+      !> the equations of the mean.
       type(cut_type) :: cut
+      type(mean_type) :: mean
       !> omega_c [rad/s] and b_c [m].
       real(dp) :: characteristic_frequency = 0, characteristic_length = 0
       !> Greatest common divisor of the orders that excite the train: Lambda harmonics that are no multiple of it stay zero.
@@ -69,6 +79,7 @@ contains
       call build_network(train, system%network)
       associate (elements => system%network%elements)
          system%elements = size(elements)
+         system%coordinates = system%network%coordinates
          system%element_mesh = elements%mesh
          system%element_shaft = elements%shaft
          system%stiffness = elements%stiffness
@@ -79,8 +90,9 @@ contains
          if (system%element_mesh(n) > 0) system%mesh_element(system%element_mesh(n)) = n
       end do
       call couple(system%network, system)
-      system%load = static_forces(system%network)/(system%stiffness*system%characteristic_length)
-      call cut_network(system%network, [(is_unknown(n), n=1, system%elements)], system%cut)
+      call find_rest(system)
+      call cut_network(system%network, system%cut)
+      call mean_rows(system%network, system%cut, system%load, system%mean)
       do n = 1, size(system%cut%part)
          system%cut%part(n)%excited = any([(size(system%torque(i)%amplitude) > 0 .and. &
             system%cut%home(system%network%node(system%torque_body(i))) == n, i=1, size(system%torque))])
@@ -90,16 +102,6 @@ contains
             if (size(system%transmission_error(j)%amplitude) > 0) system%cut%part(n)%excited = .true.
          end do
       end do
-
-   contains
-
-      pure logical function is_unknown(n)
-         integer, intent(in) :: n
-
-         is_unknown = system%element_mesh(n) > 0
-         if (is_unknown) is_unknown = system%backlash(system%element_mesh(n)) > 0 .or. &
-                                      size(system%mesh_stiffness(system%element_mesh(n))%amplitude) > 0
-      end function is_unknown
 
    end subroutine build_system
 
@@ -140,6 +142,8 @@ contains
       system%first(system%elements + 1) = count + 1
       system%neighbour = system%neighbour(:count)
       system%coupling = system%coupling(:count)
+      ! The trace of W diag(gamma) over all elements is that of the damping in the coordinates.
+      system%decay = sum(system%own*system%damping)
 
    contains
 
@@ -174,10 +178,64 @@ contains
 
    end subroutine couple
 
-   !> Mean forces of the elements [N], (element): each body that has but one of them left tells that one.
-   pure function static_forces(network) result(force)
+   !> The train at rest under its mean torques: the forces of its elements, and where those that close loops stand.
+   pure subroutine find_rest(system)
+      type(system_type), intent(inout) :: system
+      real(dp) :: force(system%elements), backlash(system%elements), twist(system%coordinates)
+      integer :: j
+
+      backlash = 0
+      do j = 1, system%meshes
+         backlash(system%mesh_element(j)) = system%backlash(j)*system%characteristic_length
+      end do
+      force(:system%coordinates) = tree_forces(system%network)
+      force(system%coordinates + 1:) = 0
+      if (system%elements > system%coordinates) call share_force(system%network%loop, system%stiffness, backlash, force)
+      system%load = force/(system%stiffness*system%characteristic_length)
+      twist = merge(system%load(:system%coordinates), 0.0_dp, system%element_shaft(:system%coordinates) > 0)
+      system%loop_offset = matmul(system%network%loop, twist)
+   end subroutine find_rest
+
+   !> Which forces the elements that close loops take [N]: those of least complementary energy, the sum of F^2/(2 k) + b |F|, with
+   !> |F| made smooth, less and less so.
+   pure subroutine share_force(loop, stiffness, backlash, force)
+      real(dp), intent(in) :: loop(:, :), stiffness(:), backlash(:)
+      !> In: of the tree alone; out: of all, (element).
+      real(dp), intent(inout) :: force(:)
+      real(dp) :: gradient(size(loop, 1)), hessian(size(loop, 1), size(loop, 1)), taken(size(loop, 1), size(force)), smooth, &
+                  unit, root(size(force)), step
+      integer :: pivot(size(loop, 1)), i, info, n, round
+
+      n = size(loop, 2)
+      unit = maxval(abs(force))
+      if (.not. unit > 0) return
+      ! What a force in a loop takes from each element.
+      taken = 0
+      taken(:, :n) = -loop
+      do i = 1, size(loop, 1)
+         taken(i, n + i) = 1
+      end do
+      smooth = unit
+      do round = 1, 16
+         smooth = 0.1_dp*smooth
+         do i = 1, 50
+            root = sqrt(force**2 + smooth**2)
+            gradient = matmul(taken, force/stiffness + backlash*force/root)
+            hessian = matmul(taken*spread(1/stiffness + backlash*smooth**2/root**3, 1, size(loop, 1)), transpose(taken))
+            call factor_matrix(size(gradient), hessian, pivot, info)
+            if (info /= 0) return
+            call solve_factored(size(gradient), 1, hessian, pivot, gradient)
+            step = min(1.0_dp, max(smooth, 0.3_dp*maxval(root))/max(maxval(abs(matmul(gradient, taken))), tiny(1.0_dp)))
+            force = force - step*matmul(gradient, taken)
+            if (maxval(abs(gradient)) < 1e-15_dp*unit) exit
+         end do
+      end do
+   end subroutine share_force
+
+   !> Mean forces of the elements of the tree [N], (coordinate): each body that has but one of them left tells that one.
+   pure function tree_forces(network) result(force)
       type(network_type), intent(in) :: network
-      real(dp) :: force(size(network%elements)), torque(size(network%torque))
+      real(dp) :: force(network%coordinates), torque(size(network%torque))
       integer :: open_elements(size(network%torque)), waiting(size(network%torque)), n, other, last
       logical :: done(size(force))
 
@@ -222,7 +280,7 @@ contains
          end if
       end do
 
-   end function static_forces
+   end function tree_forces
 
    !> What excites the train: torque, mesh stiffnesses and transmission errors as series, and the greatest common divisor of the
    !> harmonics of Lambda in them.

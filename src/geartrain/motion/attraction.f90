@@ -28,7 +28,7 @@ module geartrain_motion_attraction
    type :: attraction_type
       !> Mesh periods; 0: no orbit is known.
       integer :: period = 0
-      !> Of the orbit at phase 0, (2*elements); largest magnitude first, (2*elements).
+      !> Of the orbit at phase 0, (2*coordinates); largest magnitude first, (2*coordinates).
       real(dp), allocatable :: state(:)
       complex(dp), allocatable :: multipliers(:)
       !> Last Newton step that found the orbit, relative [1].
@@ -69,7 +69,7 @@ contains
       real(dp), intent(in) :: frequency
       !> Mesh periods.
       integer, intent(in) :: period
-      !> (2*elements), (state, state).
+      !> (2*coordinates), (state, state).
       real(dp), intent(in) :: state(:), monodromy(:, :)
       !> Last Newton step that found the orbit, relative [1].
       real(dp), intent(in) :: accuracy
@@ -104,7 +104,7 @@ contains
    !> Looks at the section of the flow, a period of the orbit after the last look.
    subroutine follow(self, section, tolerance, caught)
       class(attraction_type), intent(inout) :: self
-      !> (2*elements) at phase 0; distance to the orbit over the state that counts as nothing.
+      !> (2*coordinates) at phase 0; distance to the orbit over the state that counts as nothing.
       real(dp), intent(in) :: section(:), tolerance
       !> The flow goes to this orbit.
       logical, intent(out) :: caught
@@ -164,7 +164,7 @@ contains
    !> Sets `ahead`: the flow is tried where M foretells the largest displacement of a mesh, in each octave of periods.
    subroutine look_ahead(self, distance)
       class(attraction_type), intent(inout) :: self
-      !> From the orbit, in energy coordinates, (2*elements).
+      !> From the orbit, in energy coordinates, (2*coordinates).
       real(dp), intent(in) :: distance(:)
       real(dp) :: now(size(distance)), worst(size(distance)), state(size(distance)), largest, reach
       integer :: i, k, octave
@@ -176,8 +176,8 @@ contains
          do k = 1, 2**octave
             now = matmul(self%monodromy, now)
             state = self%energy%state(now)
-            associate (mesh => self%flow%system%mesh_element)
-               reach = maxval(abs(state(mesh)))
+            associate (system => self%flow%system)
+               reach = maxval(abs(state(pack(system%mesh_element, system%mesh_element <= system%coordinates))))
             end associate
             if (reach <= largest) cycle
             largest = reach

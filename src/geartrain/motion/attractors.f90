@@ -93,13 +93,15 @@ contains
       integer :: j
 
       generator = begin_random(seed, start)
-      allocate (state(2*system%elements))
+      allocate (state(2*system%coordinates))
       state = resting_state(system)
       do j = 1, system%meshes
          associate (n => system%mesh_element(j))
+            ! A mesh that closes a loop moves as the others say.
+            if (n > system%coordinates) cycle
             reach = 3*abs(state(n))
             state(n) = reach*(2*generator%uniform() - 1)
-            state(system%elements + n) = reach*(2*generator%uniform() - 1)
+            state(system%coordinates + n) = reach*(2*generator%uniform() - 1)
          end associate
       end do
    end function random_state

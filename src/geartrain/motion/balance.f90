@@ -67,6 +67,7 @@ module geartrain_motion_balance
       procedure, private :: find_tangent
       procedure, private :: damp_tangent
       procedure, private :: damping_rate
+      procedure :: mean_product
       procedure, private :: product
    end type balance_type
 
@@ -124,9 +125,10 @@ contains
       self%frequency = frequency
       do i = 1, self%unknowns
          call self%mesh_force(i, u(:, i))
-         self%residual(1, i) = self%force(1, i) - self%system%load(self%system%mesh_element(self%mesh(i)))
-         self%d_frequency(1, i) = 0
       end do
+      call self%mean_product(self%force(1, :), u(1, :), self%residual(1, :))
+      self%residual(1, :) = self%residual(1, :) - self%system%mean%load
+      self%d_frequency(1, :) = 0
       do k = 1, size(self%harmonic)
          r = self%harmonic(k)
          call find_receptance(self%system, frequency, r, self%eta, self%receptance(k))
@@ -150,6 +152,27 @@ contains
          end associate
       end do
    end subroutine evaluate
+
+   !> The rows of the mean, of mean forces and displacements, (unknown).
+   pure subroutine mean_product(self, force, displacement, product)
+      class(balance_type), intent(in) :: self
+      real(dp), intent(in) :: force(:), displacement(:)
+      real(dp), intent(out) :: product(:)
+      integer :: i, n
+
+      product = force
+      if (size(self%system%mean%closing) == 0) return
+      associate (graph => self%system%cut%graph, mean => self%system%mean)
+         do i = 1, self%unknowns
+            product(i) = 0
+            do n = graph%row(i), graph%row(i + 1) - 1
+               associate (j => graph%column(n), entry => graph%entry(n))
+                  product(i) = product(i) + mean%force(entry)*force(j) + mean%displacement(entry)*displacement(j)
+               end associate
+            end do
+         end do
+      end associate
+   end subroutine mean_product
 
    !> Damping of unknown mesh i over its stiffness, gamma.
    pure real(dp) function damping_of(self, i)
@@ -335,7 +358,7 @@ contains
             force(2*k + 1, i) = force(2*k + 1, i) - rate*x(2*k, i)
          end do
       end do
-      s(1, :) = force(1, :)
+      call self%mean_product(force(1, :), x(1, :), s(1, :))
       do k = 1, size(self%harmonic)
          associate (h => self%receptance(k)%h, graph => self%system%cut%graph)
             do i = 1, self%unknowns
@@ -366,7 +389,6 @@ contains
             do n = graph%row(i), graph%row(i + 1) - 1
                call fill(matrix%entry(:, :, graph%entry(n)), graph%entry(n), self%tangent(:, :, graph%column(n)))
             end do
-            matrix%entry(1, :, i) = self%tangent(1, :, i)
             do l = 2, block
                matrix%entry(l, l, i) = matrix%entry(l, l, i) + 1
             end do
@@ -384,7 +406,8 @@ contains
          complex(dp) :: h
          integer :: k, column
 
-         a(1, :) = 0
+         a(1, :) = self%system%mean%force(entry)*t(1, :)
+         a(1, 1) = a(1, 1) + self%system%mean%displacement(entry)
          do k = 1, self%explicit
             h = self%receptance(k)%h(entry)
             do column = 1, size(t, 2)
@@ -407,7 +430,13 @@ contains
 
       coefficients = 0
       associate (system => self%system)
-         coefficients(1, :) = system%load(system%mesh_element)
+         do i = 1, system%meshes
+            associate (n => system%mesh_element(i))
+               coefficients(1, i) = system%load(n)
+               if (.not. system%network%elements(n)%unknown) coefficients(1, i) = coefficients(1, i) &
+                  + system%mean%linear_displacement(system%cut, n, self%force(1, :), system%load)
+            end associate
+         end do
          coefficients(1, self%mesh) = u(1, :)
          do k = 1, size(self%harmonic)
             r = self%harmonic(k)

@@ -1,5 +1,6 @@
 !> The energy of a vibration of the mean train (every mesh in contact, at its mean stiffness) as a norm of states: free vibration
-!> without damping keeps it, where a plain norm swings between displacements and velocities.
+!> without damping keeps it, where a plain norm swings between displacements and velocities. What closes a loop is left out: a norm
+!> all the same.
 module geartrain_motion_energy
    use geartrain_base_kinds, only: dp
    use geartrain_model_system, only: system_type
@@ -29,17 +30,17 @@ contains
    pure subroutine setup(self, system)
       class(energy_type), intent(inout) :: self
       type(system_type), intent(in) :: system
-      real(dp) :: stiffness(system%elements)
+      real(dp) :: stiffness(system%coordinates)
       integer :: i, n, m
 
-      self%elements = system%elements
-      stiffness = system%stiffness/maxval(system%stiffness)
+      self%elements = system%coordinates
+      stiffness = system%stiffness(:system%coordinates)/maxval(system%stiffness)
       self%root = sqrt(stiffness)
       if (allocated(self%factor)) deallocate (self%factor, self%first)
-      allocate (self%factor(system%elements, system%elements), source=0.0_dp)
-      allocate (self%first(system%elements))
+      allocate (self%factor(system%coordinates, system%coordinates), source=0.0_dp)
+      allocate (self%first(system%coordinates))
       ! p'' = -C K p: C is W over the stiffness, symmetric.
-      do n = 1, system%elements
+      do n = 1, system%coordinates
          self%first(n) = n
          self%factor(n, n) = system%own(n)/stiffness(n)
          do i = system%first(n), system%first(n + 1) - 1
@@ -58,7 +59,7 @@ contains
       end do
    end subroutine setup
 
-   !> Energy coordinates of a difference of two states, (2*elements).
+   !> Energy coordinates of a difference of two states, (2*coordinates).
    pure function coordinates(self, difference) result(y)
       class(energy_type), intent(in) :: self
       real(dp), intent(in) :: difference(:)

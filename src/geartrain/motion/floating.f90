@@ -15,11 +15,11 @@ module geartrain_motion_floating
 
 contains
 
-   !> Whether nothing holds the teeth together at rest.
+   !> Whether nothing holds the teeth of some mesh together at rest.
    pure logical function can_float(system)
       type(system_type), intent(in) :: system
 
-      can_float = any(system%backlash > 0) .and. .not. any(abs(system%load) > 0)
+      can_float = any(system%backlash > 0 .and. .not. abs(system%load(system%mesh_element)) > 0)
    end function can_float
 
    !> Whether a motion bears on no flank of some mesh: any other mean position of that mesh in its gap does as well. A steady motion

@@ -4,11 +4,13 @@
 !> follow from a short recurrence, to any order; the series is its own dense output, in which the events are found. The
 !> force is continuous at an event, so tangents pass it unchanged (the saltation matrix is the identity).
 !>
-!> A state is the displacement of every element (a mesh: p; a shaft: its twist less the static twist), then the velocities.
+!> A state is the displacement of the elements that are coordinates (a mesh: p; a shaft: its twist less that at rest), then the
+!> velocities. Elements that close loops follow from these.
 module geartrain_motion_flow
    use geartrain_base_kinds, only: dp
    use geartrain_model_system, only: series_type, system_type
    use geartrain_motion_polynomial, only: first_root
+   use geartrain_motion_taylor, only: add_series, last_term, recur, sum_series
    implicit none (type, external)
    private
    public :: flow_type, contact_at
@@ -21,7 +23,7 @@ module geartrain_motion_flow
       real(dp) :: frequency = 1
       !> Columns of `x`: the first is the state, the others are tangents to the flow.
       integer :: columns = 1
-      !> Time [1] and columns, (column, 2*elements).
+      !> Time [1] and columns, (column, 2*coordinates).
       real(dp) :: time = 0
       real(dp), allocatable :: x(:, :)
       !> Present contact of each mesh: +1 drive flank, 0 separation, -1 back flank; 1 for a mesh without backlash.
@@ -30,7 +32,7 @@ module geartrain_motion_flow
       logical :: event = .false.
       real(dp) :: slowest_event = huge(1.0_dp)
       integer :: events = 0
-      !> Length of the latest step; its series p and velocity, (column, element, 0:order).
+      !> Length of the latest step; its series p and velocity of all elements, (column, element, 0:order).
       real(dp) :: length = 0
       real(dp), allocatable :: p(:, :, :), v(:, :, :)
       !> Displacement below which a state counts as nothing [1]: errors are relative to what is larger.
@@ -38,6 +40,8 @@ module geartrain_motion_flow
       integer :: order = 20
       real(dp) :: tolerance = 1e-15_dp
       real(dp), allocatable, private :: phi(:, :), kappa(:, :), excitation(:, :)
+      !> Taylor coefficients of what closes loops while the coordinates are 0, (0:order + 1, loop).
+      real(dp), allocatable, private :: loop(:, :)
       integer, private :: event_mesh = 0, event_side = 0, stuck = 0
       !> Since `setup`, events followed one another without time passing, and one was passed over, or a state without bound left no
       !> step to go on with: the state is not to be trusted.
@@ -51,7 +55,9 @@ module geartrain_motion_flow
       procedure :: advance
       procedure :: displacement
       procedure :: velocity
+      procedure :: mesh_now
       procedure, private :: expand
+      procedure, private :: expand_loops
       procedure, private :: step_length
       procedure, private :: first_event
    end type flow_type
@@ -71,10 +77,12 @@ contains
       self%columns = columns
       self%order = order
       self%tolerance = tolerance
-      if (allocated(self%x)) deallocate (self%x, self%p, self%v, self%phi, self%kappa, self%excitation, self%contact)
+      if (allocated(self%x)) deallocate (self%x, self%p, self%v, self%phi, self%kappa, self%excitation, self%contact, &
+                                         self%loop)
       associate (n => system%elements)
-         allocate (self%x(columns, 2*n), self%p(columns, n, 0:order), self%v(columns, n, 0:order), self%phi(columns, n), &
-                   self%kappa(0:order, system%meshes), self%excitation(0:order, n), self%contact(system%meshes))
+         allocate (self%x(columns, 2*system%coordinates), self%p(columns, n, 0:order), self%v(columns, n, 0:order), &
+                   self%phi(columns, n), self%kappa(0:order, system%meshes), self%excitation(0:order, n), &
+                   self%contact(system%meshes), self%loop(0:order + 1, n - system%coordinates))
       end associate
       self%contact = 1
       self%lost = .false.
@@ -86,7 +94,8 @@ contains
    subroutine start(self, frequency, time)
       class(flow_type), intent(inout) :: self
       real(dp), intent(in) :: frequency, time
-      integer :: j, n
+      real(dp) :: p, v
+      integer :: j
 
       self%frequency = frequency
       self%time = time
@@ -97,8 +106,8 @@ contains
       self%events = 0
       self%slowest_event = huge(1.0_dp)
       do j = 1, self%system%meshes
-         n = self%system%mesh_element(j)
-         self%contact(j) = contact_at(self%x(1, n), self%x(1, self%system%elements + n), self%system%backlash(j))
+         call self%mesh_now(j, p, v)
+         self%contact(j) = contact_at(p, v, self%system%backlash(j))
       end do
    end subroutine start
 
@@ -150,9 +159,9 @@ contains
       if (reaches_end) h = end_time - self%time
       self%event = .false.
       call self%first_event(h, self%event, mesh, side)
-      n = self%system%elements
-      call sum_series(self%columns*n, self%order, self%p, h, self%x(:, :n))
-      call sum_series(self%columns*n, self%order, self%v, h, self%x(:, n + 1:))
+      n = self%system%coordinates
+      call sum_series(self%columns*n, self%columns*self%system%elements, self%order, self%p, h, self%x(:, :n))
+      call sum_series(self%columns*n, self%columns*self%system%elements, self%order, self%v, h, self%x(:, n + 1:))
       self%length = h
       if (self%event) then
          self%time = self%time + h
@@ -170,11 +179,13 @@ contains
       class(flow_type), intent(inout) :: self
       integer, intent(in) :: mesh, side
       real(dp), intent(in) :: h
+      real(dp) :: p, v
 
       associate (n => self%system%mesh_element(mesh))
-         self%x(1, n) = side*self%system%backlash(mesh)
+         if (n <= self%system%coordinates) self%x(1, n) = side*self%system%backlash(mesh)
          self%contact(mesh) = merge(0, side, self%contact(mesh) /= 0)
-         self%slowest_event = min(self%slowest_event, abs(self%x(1, self%system%elements + n)))
+         call self%mesh_now(mesh, p, v)
+         self%slowest_event = min(self%slowest_event, abs(v))
       end associate
       self%events = self%events + 1
       self%event_mesh = mesh
@@ -194,9 +205,10 @@ contains
       integer :: j, n, terms(self%system%meshes)
 
       associate (system => self%system)
-         n = system%elements
-         self%p(:, :, 0) = self%x(:, :n)
-         self%v(:, :, 0) = self%x(:, n + 1:)
+         n = system%coordinates
+         self%p(:, :n, 0) = self%x(:, :n)
+         self%v(:, :n, 0) = self%x(:, n + 1:)
+         if (system%elements > n) call self%expand_loops(self%order + 1, self%loop)
          spring = 1
          terms = -1
          reach = huge(1.0_dp)
@@ -213,89 +225,62 @@ contains
          end do
          call expand_excitation(self)
          call recur(self%columns, system%elements, system%meshes, self%order, spring, terms, self%kappa, system, &
-                    self%contact, self%excitation, self%phi, self%p, self%v)
+                    self%contact, self%excitation, self%loop, self%phi, self%p, self%v)
       end associate
    end subroutine expand
 
-   !> Index of the last coefficient that matters within `reach`.
-   pure integer function last_term(coefficient, reach, tolerance)
-      real(dp), intent(in) :: coefficient(0:), reach, tolerance
-      real(dp) :: power
+   !> Taylor coefficients of the displacements of what closes loops while the coordinates are 0, (0:highest, loop).
+   pure subroutine expand_loops(self, highest, coefficient)
+      class(flow_type), intent(in) :: self
+      integer, intent(in) :: highest
+      real(dp), intent(out) :: coefficient(0:, :)
+      real(dp) :: error(0:highest)
+      integer :: i, j
 
-      last_term = ubound(coefficient, 1)
-      if (.not. reach < 1e10_dp) return
-      power = reach**last_term
-      do while (last_term > 1)
-         if (abs(coefficient(last_term))*power + abs(coefficient(last_term - 1))*power/reach > tolerance) exit
-         last_term = last_term - 1
-         power = power/reach
-      end do
-   end function last_term
-
-   !> The recurrence: p(k+1) = v(k)/(k+1), v(k+1) = (-W phi(k) + s(k))/(k+1) with phi = kappa g + gamma v. The columns of
-   !> element n are the numbers (n-1)*columns + 1 .. n*columns, so that most lines are long loops over all elements.
-   pure subroutine recur(columns, elements, meshes, order, spring, terms, kappa, system, contact, excitation, phi, p, v)
-      integer, intent(in) :: columns, elements, meshes, order, terms(meshes), contact(meshes)
-      real(dp), intent(in) :: spring(elements), kappa(0:order, meshes), excitation(0:order, elements)
-      type(system_type), intent(in) :: system
-      real(dp), intent(inout) :: phi(columns*elements), p(columns*elements, 0:order), v(columns*elements, 0:order)
-      real(dp), dimension(columns*elements) :: own, gamma, k_spring
-      real(dp) :: inverse
-      integer :: first, last, n, i, j, k, l
-
-      do n = 1, elements
-         first = (n - 1)*columns + 1
-         last = n*columns
-         own(first:last) = -system%own(n)
-         gamma(first:last) = system%damping(n)
-         k_spring(first:last) = spring(n)
-      end do
-      do k = 0, order - 1
-         phi = gamma*v(:, k) + k_spring*p(:, k)
-         do j = 1, meshes
-            n = system%mesh_element(j)
-            first = (n - 1)*columns + 1
-            last = n*columns
-            do l = 0, min(k, terms(j))
-               phi(first:last) = phi(first:last) + kappa(l, j)*p(first:last, k - l)
-            end do
-            if (terms(j) >= 0) then
-               phi(first) = phi(first) - contact(j)*system%backlash(j)*kappa(k, j)
-            else if (k == 0) then
-               phi(first) = phi(first) - contact(j)*system%backlash(j)
-            end if
-            if (k == 0) phi(first) = phi(first) - system%load(n)
+      associate (system => self%system)
+         coefficient = 0
+         coefficient(0, :) = system%loop_offset
+         do j = 1, system%meshes
+            if (size(system%transmission_error(j)%amplitude) == 0) cycle
+            error = 0
+            call add_series(system%transmission_error(j), self%frequency, self%time, error)
+            associate (n => system%mesh_element(j))
+               do i = 1, size(coefficient, 2)
+                  if (n > system%coordinates) then
+                     if (n == system%coordinates + i) coefficient(:, i) = coefficient(:, i) + error
+                  else
+                     coefficient(:, i) = coefficient(:, i) - system%network%loop(i, n)*error
+                  end if
+               end do
+            end associate
          end do
-         inverse = 1.0_dp/(k + 1)
-         p(:, k + 1) = inverse*v(:, k)
-         v(:, k + 1) = own*phi
-         do n = 1, elements
-            do i = system%first(n), system%first(n + 1) - 1
-               associate (other => (system%neighbour(i) - 1)*columns, here => (n - 1)*columns)
-                  do l = 1, columns
-                     v(here + l, k + 1) = v(here + l, k + 1) - system%coupling(i)*phi(other + l)
-                  end do
-               end associate
-            end do
-            first = (n - 1)*columns + 1
-            v(first, k + 1) = v(first, k + 1) + excitation(k, n)
+         do i = 1, size(coefficient, 2)
+            associate (n => system%coordinates + i)
+               if (system%element_shaft(n) > 0) coefficient(0, i) = coefficient(0, i) - system%load(n)
+            end associate
          end do
-         v(:, k + 1) = inverse*v(:, k + 1)
-      end do
-   end subroutine recur
+      end associate
+   end subroutine expand_loops
 
-   !> Value of a series with vector coefficients at h, by Horner's rule.
-   pure subroutine sum_series(length, order, series, h, value)
-      integer, intent(in) :: length, order
-      real(dp), intent(in) :: series(length, 0:order), h
-      real(dp), intent(out) :: value(length)
-      integer :: k
+   !> Displacement and velocity of a mesh at the present state.
+   pure subroutine mesh_now(self, mesh, p, v)
+      class(flow_type), intent(in) :: self
+      integer, intent(in) :: mesh
+      real(dp), intent(out) :: p, v
+      real(dp), allocatable :: loop(:, :)
 
-      value = series(:, order)
-      do k = order - 1, 0, -1
-         value = value*h + series(:, k)
-      end do
-   end subroutine sum_series
+      associate (n => self%system%mesh_element(mesh), e => self%system%coordinates)
+         if (n <= e) then
+            p = self%x(1, n)
+            v = self%x(1, e + n)
+         else
+            allocate (loop(0:1, self%system%elements - e))
+            call self%expand_loops(1, loop)
+            p = dot_product(self%system%network%loop(n - e, :), self%x(1, :e)) + loop(0, n - e)
+            v = dot_product(self%system%network%loop(n - e, :), self%x(1, e + 1:)) + loop(1, n - e)
+         end if
+      end associate
+   end subroutine mesh_now
 
    !> Torque harmonics and second derivative of the transmission errors as accelerations.
    subroutine expand_excitation(self)
@@ -324,26 +309,6 @@ contains
          end do
       end associate
    end subroutine expand_excitation
-
-   !> Adds the Taylor coefficients in time of a series.
-   pure subroutine add_series(series, frequency, time, coefficient)
-      type(series_type), intent(in) :: series
-      real(dp), intent(in) :: frequency, time
-      real(dp), intent(inout) :: coefficient(0:)
-      complex(dp) :: term
-      real(dp) :: rate
-      integer :: h, k
-
-      do h = 1, size(series%amplitude)
-         rate = h*series%order*frequency
-         term = series%amplitude(h)*exp(cmplx(0, rate*time, dp))
-         coefficient(0) = coefficient(0) + term%re
-         do k = 1, ubound(coefficient, 1)
-            term = cmplx(-term%im, term%re, dp)*(rate/k)
-            coefficient(k) = coefficient(k) + term%re
-         end do
-      end do
-   end subroutine add_series
 
    !> Step at which the last two terms fall below the tolerance, for the state and for the tangents.
    pure real(dp) function step_length(self) result(h)

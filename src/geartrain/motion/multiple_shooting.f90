@@ -38,17 +38,17 @@ contains
       type(system_type), intent(in) :: system
       integer, intent(in) :: period
 
-      most_parts = max(1, min(usual_parts, int(largest/(4.0_dp*system%elements**2*period))))
+      most_parts = max(1, min(usual_parts, int(largest/(4.0_dp*system%coordinates**2*period))))
    end function most_parts
 
-   !> A motion's states where the sections begin, (2*elements, section).
+   !> A motion's states where the sections begin, (2*coordinates, section).
    subroutine section_states(system, motion, sections, states)
       type(system_type), intent(in) :: system
       type(motion_type), intent(in) :: motion
       type(sections_type), intent(inout) :: sections
       real(dp), allocatable, intent(out) :: states(:, :)
 
-      allocate (states(2*system%elements, sections%sections))
+      allocate (states(2*system%coordinates, sections%sections))
       if (allocated(motion%state)) then
          states(:, 1) = motion%state
          call sections%guess(motion%frequency, states)
@@ -61,7 +61,7 @@ contains
    !> and Lambda move together, to where the row times their change is 0.
    subroutine find_orbit_in_sections(sections, frequency, states, length, found, row, row_frequency, tangent, tangent_frequency)
       type(sections_type), intent(inout) :: sections
-      !> Lambda and the states, (2*elements, section): a guess, then the orbit's.
+      !> Lambda and the states, (2*coordinates, section): a guess, then the orbit's.
       real(dp), intent(inout) :: frequency, states(:, :)
       !> Largest change by the last step, relative.
       real(dp), intent(out) :: length

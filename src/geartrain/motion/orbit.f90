@@ -49,7 +49,7 @@ contains
       monodromy = transpose(flow%x(2:, :))
    end subroutine propagate
 
-   !> Sets the state and the identity as tangents of a flow of 2*elements + 1 columns.
+   !> Sets the state and the identity as tangents of a flow of 2*coordinates + 1 columns.
    pure subroutine begin_tangents(flow, state)
       type(flow_type), intent(inout) :: flow
       real(dp), intent(in) :: state(:)
@@ -80,8 +80,10 @@ contains
       flow%x(1, :) = state
       mesh_period = 2*pi/frequency
       spacing = period*mesh_period/size(displacement, 1)
-      displacement(1, :) = state(system%mesh_element)
-      velocity(1, :) = state(system%elements + system%mesh_element)
+      call flow%start(frequency, 0.0_dp)
+      do j = 1, system%meshes
+         call flow%mesh_now(j, displacement(1, j), velocity(1, j))
+      end do
       spent = 0
       q = 2
       do i = 1, period

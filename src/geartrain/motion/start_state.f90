@@ -11,15 +11,16 @@ module geartrain_motion_start_state
 
 contains
 
-   !> At rest, every mesh in contact under its mean load (see geartrain_motion_flow for what a state is), (2*elements).
+   !> At rest, every mesh in contact under its mean load (see geartrain_motion_flow for what a state is), (2*coordinates).
    pure function resting_state(system) result(state)
       type(system_type), intent(in) :: system
-      real(dp) :: state(2*system%elements)
+      real(dp) :: state(2*system%coordinates)
       integer :: j
 
       state = 0
       do j = 1, system%meshes
          associate (n => system%mesh_element(j))
+            if (n > system%coordinates) cycle
             state(n) = system%load(n) + sign(system%backlash(j), system%load(n))
          end associate
       end do
@@ -40,7 +41,7 @@ contains
       state = states(:, 1)
    end subroutine state_of
 
-   !> States of a motion at equidistant instants of its period from time 0 on, (2*elements, instant), from its coefficients, with
+   !> States of a motion at equidistant instants of its period from time 0 on, (2*coordinates, instant), from its coefficients, with
    !> the shafts' twists recovered from the mesh forces.
    subroutine states_of(system, motion, states)
       type(system_type), intent(in) :: system
@@ -49,6 +50,7 @@ contains
       type(balance_type) :: balance
       real(dp), allocatable :: u(:, :)
       complex(dp), allocatable :: amplitudes(:, :), turned(:)
+      real(dp) :: mean(system%elements)
       integer :: highest, i, k
 
       highest = (size(motion%coefficients, 1) - 1)/2
@@ -68,14 +70,19 @@ contains
          call linear_displacements(system, motion%frequency, balance%harmonic(k), motion%period, &
                                    cmplx(balance%force(2*k, :), -balance%force(2*k + 1, :), dp), amplitudes(:, k))
       end do
+      ! The twist of a shaft is counted from that at rest.
+      do i = 1, system%elements
+         mean(i) = merge(system%load(i), 0.0_dp, system%element_mesh(i) > 0) &
+                   + system%mean%linear_displacement(system%cut, i, balance%force(1, :), system%load)
+      end do
+      mean(system%cut%element) = u(1, :)
       do i = 1, size(states, 2)
-         associate (phase => 2*pi*(i - 1)/size(states, 2), state => states(:, i), e => system%elements)
+         associate (phase => 2*pi*(i - 1)/size(states, 2), state => states(:, i), e => system%coordinates)
             state = 0
-            state(system%mesh_element) = system%load(system%mesh_element)
-            state(system%cut%element) = u(1, :)
+            state(:e) = mean(:e)
             do k = 1, size(balance%harmonic)
                associate (r => balance%harmonic(k))
-                  turned = amplitudes(:, k)*exp(cmplx(0, r*phase, dp))
+                  turned = amplitudes(:e, k)*exp(cmplx(0, r*phase, dp))
                   state(:e) = state(:e) + turned%re
                   state(e + 1:) = state(e + 1:) - r*motion%frequency/motion%period*turned%im
                end associate

@@ -388,9 +388,9 @@ contains
             call transform_tail(balance%harmonic, harmonic, stiffness(:, i), tail(:, i), wide, d_phi(:, i))
          end if
       end do
+      call balance%mean_product(-d_phi(1, :), 0*d_phi(1, :), correction(1, :))
       associate (graph => balance%system%cut%graph)
          do i = 1, balance%unknowns
-            correction(1, i) = -d_phi(1, i)
             do k = 1, size(balance%harmonic)
                shift = 0
                do n = graph%row(i), graph%row(i + 1) - 1

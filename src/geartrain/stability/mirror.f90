@@ -34,18 +34,18 @@ contains
    subroutine setup(self, system)
       class(mirror_type), intent(inout) :: self
       type(system_type), intent(in) :: system
-      real(dp), dimension(system%elements, system%elements) :: coupling, inertia, symmetric
-      real(dp) :: scale(system%elements), product(2*system%elements, 2*system%elements)
-      integer :: pivot(system%elements), i, info, m, n
+      real(dp), dimension(system%coordinates, system%coordinates) :: coupling, inertia, symmetric
+      real(dp) :: scale(system%coordinates), product(2*system%coordinates, 2*system%coordinates)
+      integer :: pivot(system%coordinates), i, info, m, n
 
-      m = system%elements
+      m = system%coordinates
       coupling = 0
-      scale = system%stiffness/system%stiffness(1)
+      scale = system%stiffness(:m)/system%stiffness(1)
       inertia = 0
       do n = 1, m
          coupling(n, n) = system%own(n)
          do i = system%first(n), system%first(n + 1) - 1
-            coupling(n, system%neighbour(i)) = system%coupling(i)
+            if (system%neighbour(i) <= m) coupling(n, system%neighbour(i)) = system%coupling(i)
          end do
          inertia(n, n) = 1
       end do
@@ -58,6 +58,10 @@ contains
       self%varies = [(size(system%mesh_stiffness(n)%amplitude) > 0, n=1, system%meshes)]
       do n = 1, m
          self%j(n, n) = scale(n)*system%damping(n)
+         do i = m + 1, system%elements
+            self%j(n, :m) = self%j(n, :m) + system%network%loop(i - m, n)*system%network%loop(i - m, :) &
+                            *system%damping(i)*system%stiffness(i)/system%stiffness(1)
+         end do
          self%j(n, m + 1:) = scale(n)*inertia(n, :)
          self%j(m + 1:, n) = self%j(n, m + 1:)
          self%inverse(:m, m + n) = coupling(:, n)/scale(n)

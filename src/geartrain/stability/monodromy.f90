@@ -84,7 +84,7 @@ contains
       logical, intent(in), optional :: all_of_them
       logical :: whole
 
-      self%states = 2*system%elements
+      self%states = 2*system%coordinates
       allocate (self%now(system%meshes), self%instant(64), self%mesh(64), self%contact(64))
       whole = self%states < many_states
       if (present(all_of_them)) whole = whole .or. all_of_them
@@ -227,7 +227,7 @@ contains
       real(dp) :: begin, next
       integer :: i
 
-      self%decay = sum(balance%system%own*balance%system%damping)
+      self%decay = balance%system%decay
       self%piece_limit = period/ceiling(max(1.0_dp, self%propagator%fastest_decay*period/largest_decay))
       do i = 1, balance%unknowns
          self%now(balance%mesh(i)) = balance%contact(i)%first_contact

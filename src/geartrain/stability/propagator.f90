@@ -34,9 +34,9 @@ module geartrain_stability_propagator
       real(dp) :: fastest_decay = 0
       !> Largest rate of all modes, with all meshes in contact and stiffest [1].
       real(dp) :: fastest = 0
-      !> Columns of displacements, then velocities over `band`, (column, 2*elements, block of columns).
+      !> Columns of displacements, then velocities over `band`, (column, 2*coordinates, block of columns).
       real(dp), allocatable, private :: x(:, :, :)
-      integer, private :: elements = 0, width = 0
+      integer, private :: coordinates = 0, elements = 0, width = 0
       !> The columns are those of a whole matrix, which begins as the identity.
       logical, private :: whole = .true.
       !> That of a mesh of varying stiffness alone [1]; the largest that a step has to follow, at `frequency`.
@@ -57,6 +57,8 @@ module geartrain_stability_propagator
       integer, private :: chain = 0
       integer, allocatable, private :: first(:), neighbour(:)
       real(dp), allocatable, private :: factor(:)
+      !> Displacements of the elements that close loops per coordinate, (coordinate, loop).
+      real(dp), allocatable, private :: loop(:, :)
    contains
       procedure :: setup
       procedure :: start
@@ -71,13 +73,14 @@ module geartrain_stability_propagator
 
    !> In step.c, where its arguments are described.
    interface
-      pure subroutine take_step(width, chain, elements, degree, most_terms, terms, spring, damper, first, neighbour, factor, &
+      pure subroutine take_step(width, chain, coordinates, elements, degree, most_terms, terms, spring, damper, first, &
+                                neighbour, factor, loop, &
                                 binomial, kappa, weight, work, x) bind(c, name='geartrain_step')
          import :: c_double, c_int
          implicit none (type, external)
-         integer(c_int), value :: width, chain, elements, degree, most_terms
+         integer(c_int), value :: width, chain, coordinates, elements, degree, most_terms
          integer(c_int), intent(in), dimension(*) :: terms, first, neighbour
-         real(c_double), intent(in), dimension(*) :: spring, damper, factor, binomial, kappa, weight
+         real(c_double), intent(in), dimension(*) :: spring, damper, factor, loop, binomial, kappa, weight
          real(c_double), intent(inout), dimension(*) :: work, x
       end subroutine take_step
    end interface
@@ -94,7 +97,8 @@ contains
 
       self%system = system
       self%elements = system%elements
-      self%states = 2*system%elements
+      self%coordinates = system%coordinates
+      self%states = 2*system%coordinates
       ! Blocks of equal width.
       blocks = (self%states + widest - 1)/widest
       self%width = 4*((self%states + 4*blocks - 1)/(4*blocks))
@@ -133,6 +137,7 @@ contains
       self%first = system%first - 1
       self%neighbour = system%neighbour - 1
       self%factor = [0.0_dp, system%coupling/system%own(system%neighbour), 0.0_dp]
+      self%loop = transpose(system%network%loop)
       self%chain = merge(1, 0, all([(all(abs(system%neighbour(system%first(i):system%first(i + 1) - 1) - i) == 1), &
                                      i=1, system%elements)]))
       self%binomial = 0
@@ -148,7 +153,7 @@ contains
    real(dp) function largest_eigenvalue(system, factor) result(largest)
       type(system_type), intent(in) :: system
       real(dp), intent(in) :: factor(:)
-      real(dp) :: values(size(factor))
+      real(dp) :: values(system%coordinates)
       integer :: info
 
       call eigenvalues_of(system, factor, values, info)
@@ -187,7 +192,7 @@ contains
       real(dp), intent(out) :: transposed(:, :)
       integer :: i, n
 
-      associate (m => self%elements)
+      associate (m => self%coordinates)
          do n = 1, self%states
             do i = 1, self%states
                transposed(i, n) = self%x(mod(i - 1, self%width) + 1, n, (i - 1)/self%width + 1)
@@ -204,7 +209,7 @@ contains
       real(dp), intent(in) :: columns(:, :)
 
       self%x(:size(columns, 2), :, 1) = transpose(columns)
-      self%x(:, self%elements + 1:, 1) = self%x(:, self%elements + 1:, 1)/self%band
+      self%x(:, self%coordinates + 1:, 1) = self%x(:, self%coordinates + 1:, 1)/self%band
    end subroutine put_columns
 
    !> Gives them back.
@@ -213,7 +218,7 @@ contains
       real(dp), intent(out) :: columns(:, :)
 
       columns = transpose(self%x(:size(columns, 2), :, 1))
-      columns(self%elements + 1:, :) = columns(self%elements + 1:, :)*self%band
+      columns(self%coordinates + 1:, :) = columns(self%coordinates + 1:, :)*self%band
    end subroutine get_columns
 
    !> From one time to another along constant contacts (mesh), 0 for separation; less far where it is interrupted.
@@ -262,8 +267,9 @@ contains
          if (self%terms(self%system%mesh_element(j)) > 0) call self%expand_kappa(j, time, h)
       end do
       do i = 1, size(self%x, 3)
-         call take_step(self%width, self%chain, self%elements, degree, most_terms, self%terms, self%spring, self%damper, &
-                        self%first, self%neighbour, self%factor(2:), self%binomial, self%kappa_terms, self%weight, self%work, &
+         call take_step(self%width, self%chain, self%coordinates, self%elements, degree, most_terms, self%terms, self%spring, &
+                        self%damper, self%first, self%neighbour, self%factor(2:), self%loop, self%binomial, &
+                        self%kappa_terms, self%weight, self%work, &
                         self%x(:, :, i))
       end do
    end subroutine step

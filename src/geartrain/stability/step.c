@@ -33,7 +33,7 @@ INLINE void find_psi(const int vectors, int all, double spring, double damper, i
 }
 
 /* Sums over k of weight(k) p(k) and of weight(k) p(k + 1), for 4*vectors columns of one element. */
-INLINE void add_up(const int vectors, int degree, int all, const double *restrict weight, const double *restrict p,
+INLINE void add_up(const int vectors, int degree, int all, int given, const double *restrict weight, const double *restrict p,
                    double *restrict x)
 {
    four here[3] = {{0}}, next[3] = {{0}};
@@ -45,21 +45,40 @@ INLINE void add_up(const int vectors, int degree, int all, const double *restric
       }
    for (int i = 0; i < vectors; i++) {
       store(x + 4 * i, here[i]);
-      store(x + all + 4 * i, next[i]);
+      store(x + given + 4 * i, next[i]);
+   }
+}
+
+/* One derivative of the elements that close loops, from those of the coordinates. */
+INLINE void close_loops(const int vectors, int coordinates, int elements, const double *restrict loop, double *restrict p)
+{
+   const int width = 4 * vectors;
+
+   for (int n = coordinates; n < elements; n++, loop += coordinates) {
+      four sum[3] = {{0}};
+      for (int m = 0; m < coordinates; m++)
+         for (int i = 0; i < vectors; i++)
+            sum[i] += loop[m] * load(p + m * width + 4 * i);
+      for (int i = 0; i < vectors; i++)
+         store(p + n * width + 4 * i, sum[i]);
    }
 }
 
 /* The whole step for 4*vectors columns. On a chain psi of three neighbouring elements stays at hand. */
-INLINE void carry(const int vectors, const int chain, int elements, int degree, int most_terms, const int *restrict terms,
+INLINE void carry(const int vectors, const int chain, int coordinates, int elements, int degree, int most_terms, const int *restrict terms,
                   const double *restrict spring, const double *restrict damper, const int *restrict first,
-                  const int *restrict neighbour, const double *restrict share, const double *restrict binomial,
-                  const double *restrict kappa, const double *restrict weight, double *restrict factor, double *restrict psi,
+                  const int *restrict neighbour, const double *restrict share, const double *restrict loop,
+                  const double *restrict binomial, const double *restrict kappa, const double *restrict weight,
+                  double *restrict factor, double *restrict psi,
                   double *restrict p, double *restrict x)
 {
-   const int width = 4 * vectors, all = width * elements;
+   const int width = 4 * vectors, all = width * elements, given = width * coordinates;
 
-   for (int i = 0; i < 2 * all; i += 4)
-      store(p + i, load(x + i));
+   for (int k = 0; k < 2; k++) {
+      for (int i = 0; i < given; i += 4)
+         store(p + k * all + i, load(x + k * given + i));
+      close_loops(vectors, coordinates, elements, loop, p + k * all);
+   }
    for (int k = 0; k < degree; k++) {
       const double *restrict here = p + k * all;
       double *restrict next = p + (k + 2) * all;
@@ -83,7 +102,7 @@ INLINE void carry(const int vectors, const int chain, int elements, int degree, 
             for (int i = 0; i < vectors; i++)
                store(next + (n - 1) * width + 4 * i, middle[i] + share[2 * n - 3] * below[i] + share[2 * n - 2] * above[i]);
       }
-      for (int n = 0; n < elements && !chain; n++) {
+      for (int n = 0; n < coordinates && !chain; n++) {
          four sum[3];
          for (int i = 0; i < vectors; i++)
             sum[i] = load(psi + n * width + 4 * i);
@@ -93,9 +112,10 @@ INLINE void carry(const int vectors, const int chain, int elements, int degree, 
          for (int i = 0; i < vectors; i++)
             store(next + n * width + 4 * i, sum[i]);
       }
+      close_loops(vectors, coordinates, elements, loop, next);
    }
-   for (int n = 0; n < elements; n++)
-      add_up(vectors, degree, all, weight, p + n * width, x + n * width);
+   for (int n = 0; n < coordinates; n++)
+      add_up(vectors, degree, all, given, weight, p + n * width, x + n * width);
 }
 
 /* Carries one block of columns over a step by the derivatives at its beginning: psi = -W_nn (kappa p + gamma p'),
@@ -107,14 +127,15 @@ INLINE void carry(const int vectors, const int chain, int elements, int degree, 
      chain                          the neighbours of each element are the one before and the one after it
      first(element + 1), neighbour, share   neighbours first[n] to first[n + 1] - 1 of each element and the factors of their psi;
                                     share[-1] and share[2 elements - 2] can be read, and are 0 on a chain
+     loop(coordinate, element - coordinates)   displacements of the elements that close loops per coordinate
      binomial(term, derivative), kappa(term, element)   room for most_terms, a multiple of four; their product is Leibniz' factor
      weight(derivative)             from 0 to degree
      work                           room for width elements (degree + 3) + most_terms + 4 numbers
-     x(column, element, 2)          displacements and velocities, in and out */
-VERSIONS void geartrain_step(int width, int chain, int elements, int degree, int most_terms, const int *restrict terms,
+     x(column, coordinate, 2)       displacements and velocities, in and out */
+VERSIONS void geartrain_step(int width, int chain, int coordinates, int elements, int degree, int most_terms, const int *restrict terms,
                              const double *restrict spring, const double *restrict damper, const int *restrict first,
-                             const int *restrict neighbour, const double *restrict share, const double *restrict binomial,
-                             const double *restrict kappa, const double *restrict weight, double *restrict work,
+                             const int *restrict neighbour, const double *restrict share, const double *restrict loop,
+                             const double *restrict binomial, const double *restrict kappa, const double *restrict weight, double *restrict work,
                              double *restrict x)
 {
    double *restrict factor = (double *)(((uintptr_t)work + 31) & ~(uintptr_t)31);
@@ -122,8 +143,8 @@ VERSIONS void geartrain_step(int width, int chain, int elements, int degree, int
    double *restrict p = psi + width * elements;
 
 #define CARRY(vectors, chain) \
-   carry(vectors, chain, elements, degree, most_terms, terms, spring, damper, first, neighbour, share, binomial, kappa, weight, \
-         factor, psi, p, x)
+   carry(vectors, chain, coordinates, elements, degree, most_terms, terms, spring, damper, first, neighbour, share, loop, \
+         binomial, kappa, weight, factor, psi, p, x)
    if (width == 4)
       chain ? CARRY(1, 1) : CARRY(1, 0);
    else if (width == 8)

@@ -1,0 +1,145 @@
+!> The equations of the mean: in a tree the mean force of each mesh is its load. Where unknown meshes close loops, each takes what it
+!> bears from those of its loop, and its mean displacement agrees with theirs and with the twist of what lies between.
+!>
+!> With loop matrix C (geartrain_model_network) and means:
+!>    F_n + sum over c of C_cn (F_c - load_c) = load_n          an unknown mesh n of the tree
+!>    p_c - sum over n of C_cn p_n = twist of what is linear    an unknown mesh c that closes a loop
+module geartrain_model_mean
+   use geartrain_base_elimination, only: factor_matrix, solve_factored
+   use geartrain_base_kinds, only: dp
+   use geartrain_model_cut, only: cut_type
+   use geartrain_model_network, only: network_type
+   implicit none (type, external)
+   private
+   public :: mean_type, mean_rows
+
+   !> The rows sum over j of (force_ij phi_j + displacement_ij p_j) = load_i, over the unknowns.
+   type :: mean_type
+      !> (entries of the cut's graph) and (unknown).
+      real(dp), allocatable :: force(:), displacement(:), load(:)
+      !> Unknowns that close loops, and the mean displacement of each linear element per phi of them above their load, (element, loop).
+      integer, allocatable :: closing(:)
+      real(dp), allocatable :: follow(:, :)
+   contains
+      procedure :: linear_displacement
+   end type mean_type
+
+contains
+
+   !> The mean equations of a network cut at its unknown meshes, whose elements bear `load` over k b_c at rest, (element).
+   pure subroutine mean_rows(network, cut, load, mean)
+      type(network_type), intent(in) :: network
+      type(cut_type), intent(in) :: cut
+      real(dp), intent(in) :: load(:)
+      type(mean_type), intent(out) :: mean
+      integer :: c, i, j, n
+
+      allocate (mean%force(cut%graph%entries), mean%displacement(cut%graph%entries), source=0.0_dp)
+      mean%force(:cut%unknowns) = 1
+      mean%load = load(cut%element)
+      mean%closing = pack([(i, i=1, cut%unknowns)], cut%element > network%coordinates)
+      allocate (mean%follow(size(load), size(mean%closing)))
+      if (size(mean%closing) == 0) return
+      call find_following(network, cut, mean)
+      do i = 1, size(mean%closing)
+         associate (unknown => mean%closing(i))
+            c = cut%element(unknown)
+            mean%force(unknown) = 0
+            mean%displacement(unknown) = 1
+            mean%load(unknown) = 0
+            do j = 1, cut%unknowns
+               n = cut%element(j)
+               if (n > network%coordinates) cycle
+               associate (ratio => network%loop(c - network%coordinates, n))
+                  if (.not. abs(ratio) > 0) cycle
+                  mean%displacement(cut%graph%entry_of(unknown, j)) = -ratio
+                  associate (entry => cut%graph%entry_of(j, unknown))
+                     mean%force(entry) = ratio*network%elements(c)%stiffness/network%elements(n)%stiffness
+                     mean%load(j) = mean%load(j) + mean%force(entry)*load(c)
+                  end associate
+               end associate
+            end do
+            ! What is linear in the loop twists by its load and by what the closing forces change.
+            do n = 1, network%coordinates
+               if (network%elements(n)%unknown) cycle
+               associate (ratio => network%loop(c - network%coordinates, n))
+                  mean%load(unknown) = mean%load(unknown) + ratio*load(n)
+                  do j = 1, size(mean%closing)
+                     associate (entry => cut%graph%entry_of(unknown, mean%closing(j)), twist => ratio*mean%follow(n, j))
+                        mean%force(entry) = mean%force(entry) - twist
+                        mean%load(unknown) = mean%load(unknown) - twist*load(cut%element(mean%closing(j)))
+                     end associate
+                  end do
+               end associate
+            end do
+         end associate
+      end do
+   end subroutine mean_rows
+
+   !> How the linear elements follow the closing forces, those that close loops of linear elements included.
+   pure subroutine find_following(network, cut, mean)
+      type(network_type), intent(in) :: network
+      type(cut_type), intent(in) :: cut
+      type(mean_type), intent(inout) :: mean
+      integer, allocatable :: linear(:)
+      real(dp), allocatable :: flexibility(:, :), taken(:, :)
+      integer, allocatable :: pivot(:)
+      real(dp) :: taken_from
+      integer :: i, info, l, n
+
+      associate (tree => network%coordinates, elements => network%elements)
+         linear = pack([(n, n=1, size(elements))], .not. elements%unknown)
+         linear = pack(linear, linear > tree)
+         allocate (flexibility(size(linear), size(linear)), taken(size(linear), size(mean%closing)), source=0.0_dp)
+         allocate (pivot(size(linear)))
+         ! Forces of the linear closing elements per force of the unknown ones.
+         do n = 1, tree
+            if (elements(n)%unknown) cycle
+            do i = 1, size(linear)
+               associate (ratio => network%loop(linear(i) - tree, n)/elements(n)%stiffness)
+                  flexibility(i, :) = flexibility(i, :) + ratio*network%loop(linear - tree, n)
+                  taken(i, :) = taken(i, :) - ratio*network%loop(cut%element(mean%closing) - tree, n)
+               end associate
+            end do
+         end do
+         do i = 1, size(linear)
+            flexibility(i, i) = flexibility(i, i) + 1/elements(linear(i))%stiffness
+         end do
+         if (size(linear) > 0) then
+            call factor_matrix(size(linear), flexibility, pivot, info)
+            call solve_factored(size(linear), size(mean%closing), flexibility, pivot, taken)
+         end if
+         mean%follow = 0
+         do i = 1, size(mean%closing)
+            associate (c => cut%element(mean%closing(i)))
+               do n = 1, tree
+                  if (elements(n)%unknown) cycle
+                  taken_from = network%loop(c - tree, n)
+                  do l = 1, size(linear)
+                     taken_from = taken_from + network%loop(linear(l) - tree, n)*taken(l, i)
+                  end do
+                  mean%follow(n, i) = -taken_from*elements(c)%stiffness/elements(n)%stiffness
+               end do
+               mean%follow(linear, i) = taken(:, i)*elements(c)%stiffness/elements(linear)%stiffness
+            end associate
+         end do
+      end associate
+   end subroutine find_following
+
+   !> Mean displacement of a linear element over b_c that the closing forces cause, beyond its load; `force` are the phi of the unknown
+   !> meshes, and `load` those of all elements at rest.
+   pure real(dp) function linear_displacement(self, cut, element, force, load)
+      class(mean_type), intent(in) :: self
+      type(cut_type), intent(in) :: cut
+      integer, intent(in) :: element
+      real(dp), intent(in) :: force(:), load(:)
+      integer :: i
+
+      linear_displacement = 0
+      do i = 1, size(self%closing)
+         linear_displacement = linear_displacement &
+                               + self%follow(element, i)*(force(self%closing(i)) - load(cut%element(self%closing(i))))
+      end do
+   end function linear_displacement
+
+end module geartrain_model_mean
