@@ -25,16 +25,15 @@ contains
    subroutine case_reader_tests(tests)
       class(tests_type), intent(inout) :: tests
 
-      call tests%begin('case reader')
-      call what_is_read(tests)
-      call forms(tests)
-      call names(tests)
-      call values(tests)
-      call structure(tests)
-      call agreement(tests)
-      call without_a_file(tests)
-      call files(tests)
-      call threads(tests)
+      if (tests%runs('what_is_read')) call what_is_read(tests)
+      if (tests%runs('forms')) call forms(tests)
+      if (tests%runs('names')) call names(tests)
+      if (tests%runs('values')) call values(tests)
+      if (tests%runs('structure')) call structure(tests)
+      if (tests%runs('agreement')) call agreement(tests)
+      if (tests%runs('without_a_file')) call without_a_file(tests)
+      if (tests%runs('files')) call files(tests)
+      if (tests%runs('threads')) call threads(tests)
    end subroutine case_reader_tests
 
    subroutine what_is_read(tests)

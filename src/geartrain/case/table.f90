@@ -8,7 +8,7 @@ module geartrain_case_table
    use geartrain_case_variables, only: groups, visit_case
    implicit none (type, external)
    private
-   public :: row_type, list_variables, unknown_group, unknown_variable
+   public :: closest, row_type, list_variables, unknown_group, unknown_variable
 
    type :: row_type
       character(16) :: group = ''
