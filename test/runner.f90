@@ -77,7 +77,7 @@ contains
          case ('--all')
             tests%slow_build = .false.
          case default
-            arguments = [arguments, argument]
+            arguments = [character(80) :: arguments, argument]
          end select
       end do
       do i = 1, size(arguments)
