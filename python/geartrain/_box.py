@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _geartrain as fortran
+import geartrain._geartrain as fortran
+
 from ._motion_check import VALUES, check_motion
 from ._namelist import in_words_of_the_call
 from .errors import InputError, SolverError
@@ -217,7 +218,8 @@ class Box:
     def read_off(self, what: str, mesh: int = 1, stable: bool = False) -> Array:
         """A list read off the box's branch, one row an entry, see ``summarize`` in box.f90."""
         columns, rows = map(int, fortran.read_off(self.handle, what, mesh, int(stable)))
-        return fortran.copy_table(self.handle, columns, rows).T
+        table: Array = fortran.copy_table(self.handle, columns, rows).T
+        return table
 
     # -------------------------------------------------------------------------------------------------- in
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ._box import Box, fortran
 from ._draw import check_mesh, draw_curve, label_axes
+from ._extras import extra
 from ._watch import watched
 from .audit import Audit
 from .errors import InputError, SolverError, shown
@@ -369,7 +370,8 @@ class Branch:
     @property
     def undecided_bands(self) -> NDArray[np.bool_]:
         """Which of ``bands_without_stability`` are there by the guess of undecided points alone, (bands,)."""
-        return self._read_off("bands")[:, 2] == 1
+        guessed: NDArray[np.bool_] = self._read_off("bands")[:, 2] == 1
+        return guessed
 
     def separation_ranges(self, mesh: int, stable: bool = False) -> Array:
         """Ranges of Lambda in which the teeth of a mesh separate at some instant.
@@ -439,9 +441,7 @@ class Branch:
         if mesh is not None:
             check_mesh(mesh, meshes)
         if ax is None:
-            import matplotlib.pyplot as plt
-
-            ax = plt.subplots()[1]
+            ax = extra("matplotlib.pyplot").subplots()[1]
         chosen = range(1, meshes + 1) if mesh is None else [mesh]
         from matplotlib.cbook import normalize_kwargs
         from matplotlib.lines import Line2D

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._box import ATTRACTORS, INTEGRATION, Box, fortran
 from ._draw import check_mesh
+from ._extras import extra
 from ._motion_check import check_motion, check_states
 from ._request import text_at
 from ._watch import watched
@@ -110,7 +111,8 @@ class Motion:
     def true_ac_rms(self) -> Array:
         """Root mean square over time of the displacement less its mean, (meshes,): ``rms`` over sqrt(2)."""
         check_motion(self)
-        return self.rms / np.sqrt(2)
+        true: Array = self.rms / np.sqrt(2)
+        return true
 
     @property
     def unbounded(self) -> bool:
@@ -159,7 +161,8 @@ class Motion:
     def _sample(self, samples: int) -> tuple[Array, Array, Array]:
         """Time, displacement and mesh force."""
         with self._box() as box:
-            return fortran.sample_waveform(box.handle, samples, len(self.rms))
+            time, displacement, force = fortran.sample_waveform(box.handle, samples, len(self.rms))
+            return time, displacement, force
 
     def spectrum(self) -> tuple[Array, Array]:
         """Amplitudes of the harmonics of the mesh displacement, those of ``coefficients``; the mean is left out.
@@ -208,9 +211,7 @@ class Motion:
             check_mesh(mesh, meshes)
         chosen = range(1, meshes + 1) if mesh is None else [mesh]
         if axes is None:
-            import matplotlib.pyplot as plt
-
-            axes = plt.subplots(3, layout="constrained", figsize=(6.4, 7.2))[1]
+            axes = extra("matplotlib.pyplot").subplots(3, layout="constrained", figsize=(6.4, 7.2))[1]
         time = self.time * self.frequency / (2 * np.pi)
         order, amplitude = self.spectrum()
         width = 0.8 * (order[0] if len(order) else 1.0) / len(chosen)

@@ -9,10 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from .branch import Branch
-from .case import read_case
-from .errors import SolverError
-from .motion import Motion
+from geartrain import Branch, Motion, SolverError, read_case
 
 __all__ = ["Curve", "Drawn", "compute", "natural_frequencies"]
 
@@ -140,7 +137,7 @@ def natural_frequencies(cases: Path, results: Path) -> tuple[Array, Array]:
     case = read_case(cases / "fig05.nml")
     case.run().write(results / "fig05.h5")
     train = case.train
-    radius = [mesh.driving_radius for mesh in train.meshes] + [train.meshes[-1].driven_radius]
+    radius = np.array([*(mesh.driving_radius for mesh in train.meshes), train.meshes[-1].driven_radius], float)
     frequency, before = [], None
     for stiffness in _SHAFT_RANGE[::-1]:
         shafts = list(train.shafts)
@@ -148,16 +145,16 @@ def natural_frequencies(cases: Path, results: Path) -> tuple[Array, Array]:
         shafts[middle] = replace(shafts[middle], stiffness=float(stiffness))
         modes = replace(train, shafts=shafts).modes()
         # Times the root of the stiffness, shapes of different modes are perpendicular; a shaft's twist is an arc in them.
-        energy = [shaft.stiffness / r**2 for shaft, r in zip(shafts, radius)]
-        for place, mesh in enumerate(train.meshes):
-            energy.insert(2 * place + 1, mesh.stiffness)
+        energy = np.empty(modes.shape.shape[1])
+        energy[0::2] = np.array([shaft.stiffness for shaft in shafts]) / np.square(radius)
+        energy[1::2] = [mesh.stiffness for mesh in train.meshes]
         shape = modes.shape * np.sqrt(energy)
         shape /= np.linalg.norm(shape, axis=1, keepdims=True)
         if before is None:
             order = list(range(len(shape)))
         else:
             overlap = np.abs(before @ shape.T) ** 2
-            order = list(max(permutations(range(len(shape))), key=lambda chosen: overlap[range(len(shape)), chosen].sum()))
+            order = list(max(permutations(range(len(shape))), key=lambda chosen: overlap[range(len(shape)), list(chosen)].sum()))
         before = shape[order]
         frequency.append(modes.natural_frequency[order])
     return _SHAFT_RANGE, np.array(frequency[::-1])
