@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from geartrain import Branch, Motion, SolverError, read_case
+from geartrain import Branch, Motion, SolverError, Train, read_case
 
 __all__ = ["Curve", "Drawn", "compute", "natural_frequencies"]
 
@@ -94,10 +94,10 @@ def compute(curve: Curve, cases: Path, results: Path) -> Drawn | None:
     branches = [branch for branch in (response, *further) if branch.subharmonic == curve.period]
     if not branches:
         raise SolverError(f"{curve.case}: no motion of period {curve.period}")
-    return _integrated(branches)
+    return _integrated(case.train, branches)
 
 
-def _integrated(branches: list[Branch]) -> Drawn:
+def _integrated(train: Train, branches: list[Branch]) -> Drawn:
     """Integrate from stable motions of the branches; those that stay are the marks."""
     marks: list[Motion] = []
     tried, difference = 0, 0.0
@@ -109,9 +109,7 @@ def _integrated(branches: list[Branch]) -> Drawn:
             if twin or not motion.stable:
                 continue
             tried += 1
-            settled = branch.train.integrate(  # type: ignore[union-attr]
-                float(frequency), start=motion, stability=False, max_periods=_PATIENCE, tolerance=1e-7
-            )
+            settled = train.integrate(float(frequency), start=motion, stability=False, max_periods=_PATIENCE, tolerance=1e-7)
             change = float(np.max(np.abs(settled.rms - motion.rms)) / np.max(motion.rms))
             if settled.period == branch.subharmonic and change < _SAME:
                 marks.append(settled)

@@ -16,14 +16,13 @@ from ._draw import check_mesh, draw_curve, label_axes
 from ._extras import extra
 from ._watch import watched
 from .audit import Audit
+from .description import Description
 from .errors import InputError, SolverError, shown
 from .motion import Motion
 from .summary import Jump, Peak
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from .train import Train
 
 __all__ = ["Branch", "SpecialPoint"]
 
@@ -138,7 +137,7 @@ class Branch:
     correction: Array | None = None
     branches: list[Branch] = field(default_factory=list)
     settings: Mapping[str, Any] = field(default_factory=dict)
-    train: Train | None = None
+    train: Description | None = None
 
     def __len__(self) -> int:
         return len(self.frequency)
@@ -475,7 +474,7 @@ class Branch:
         return box
 
     @classmethod
-    def _from(cls, box: Box, train: Train, settings: Mapping[str, Any], place: int = 0) -> Branch | None:
+    def _from(cls, box: Box, train: Description, settings: Mapping[str, Any], place: int = 0) -> Branch | None:
         """The response of the box (place 0) or a further branch; ``settings`` are those of the response."""
         found = box.branch(place)
         if found is None:
@@ -488,7 +487,7 @@ class Branch:
         return cls(**found, special_points=specials, settings=settings, train=train)
 
     @classmethod
-    def _all_from(cls, box: Box, train: Train, settings: Mapping[str, Any], first: int = 1) -> list[Branch]:
+    def _all_from(cls, box: Box, train: Description, settings: Mapping[str, Any], first: int = 1) -> list[Branch]:
         """The further branches of the box."""
         places = range(first, fortran.count_branches(box.handle) + 1)
         return [branch for place in places if (branch := cls._from(box, train, settings, place)) is not None]
