@@ -8,6 +8,7 @@ program main
    use terminal, only: complain, has_memory, leave_at_once, output_lost, say, stand_firm
    implicit none (type, external)
    type(arguments_type) :: asked
+   character(:), allocatable :: text
    integer :: status
 
    call stand_firm()
@@ -28,9 +29,11 @@ program main
    case ('version')
       call say('geartrain '//version//new_line('a'))
    case ('template')
-      call say(template_text())
+      call template_text(text)
+      call say(text)
    case ('reference')
-      call say(reference_text())
+      call reference_text(text)
+      call say(text)
    case ('check')
       call check_cases(asked%case_files, status)
    case ('audit')

@@ -128,12 +128,12 @@ contains
    end function branch_at
 
    !> A text of the box by its name, see `text_size`; lists have one item a line.
-   function box_text(box, name, place) result(text)
+   subroutine box_text(box, name, place, text)
       type(box_type), intent(in) :: box
       character(*), intent(in) :: name
       !> Which branch, see `branch_at`.
       integer, intent(in) :: place
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
       type(branch_type), pointer :: branch
       type(motion_type), pointer :: motions(:)
       type(jump_type), allocatable :: found(:)
@@ -147,7 +147,7 @@ contains
       case ('message')
          if (allocated(box%message)) text = box%message
       case ('case')
-         text = case_text(box%case)
+         call case_text(box%case, text)
       case ('elements')
          text = lines(box%results%modes%element)
       case ('kinds')
@@ -170,7 +170,7 @@ contains
       case ('origin')
          if (allocated(branch%origin)) text = branch%origin
       case ('audit')
-         text = audit_text(box%audit)
+         call audit_text(box%audit, text)
       case ('audit kinds')
          text = lines(box%audit%rows%kind)
       case ('audit verdicts')
@@ -188,7 +188,7 @@ contains
       case ('special points')
          text = lines([(branch%special_points(i)%kind, i=1, size(branch%special_points))])
       end select
-   end function box_text
+   end subroutine box_text
 
    !> Reads a list off the box's branch into its table; the columns are
    !> 'peaks' (of a mesh): Lambda, rms, point, stable;
@@ -269,12 +269,13 @@ contains
    !> The items, one a line.
    pure function lines(items) result(text)
       character(*), intent(in) :: items(:)
-      character(:), allocatable :: text
-      integer :: i
+      character(sum(len_trim(items)) + size(items)) :: text
+      integer :: i, at
 
-      text = ''
+      at = 0
       do i = 1, size(items)
-         text = text//trim(items(i))//new_line('a')
+         text(at + 1:) = trim(items(i))//new_line('a')
+         at = at + len_trim(items(i)) + 1
       end do
    end function lines
 

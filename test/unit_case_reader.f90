@@ -34,6 +34,7 @@ contains
       call agreement(tests)
       call without_a_file(tests)
       call files(tests)
+      call threads(tests)
    end subroutine case_reader_tests
 
    subroutine what_is_read(tests)
@@ -235,6 +236,38 @@ contains
       call read_case('namelists', case, error)
       call tests%is_true(allocated(error), 'a directory is refused')
    end subroutine files
+
+   !> Threads that read bad cases at once get the messages that each gets alone, whatever their lengths.
+   subroutine threads(tests)
+      class(tests_type), intent(inout) :: tests
+      integer :: i, different
+
+      different = 0
+      !$omp parallel do num_threads(8) schedule(static, 1) reduction(+:different)
+      do i = 1, 12000
+         if (.not. is_told(i)) different = different + 1
+      end do
+      !$omp end parallel do
+      call tests%is_true(different == 0, 'messages of eight threads')
+   end subroutine threads
+
+   !> Whether a text with numbers as long as `number` makes them has its message, byte for byte.
+   logical function is_told(number)
+      integer, intent(in) :: number
+      character(*), parameter :: from(4) = [character(22) :: '-1.0', '-0.12345678901234566', '-1.2345678901234567e9', '-2.5e8']
+      character(*), parameter :: harmonics(3) = [character(10) :: '-1', '1234567890', '-12345']
+      type(case_type) :: case
+      type(error_type), allocatable :: error
+      character(:), allocatable :: a, b, expected
+
+      a = trim(from(1 + mod(number, size(from))))
+      b = trim(harmonics(1 + mod(number, size(harmonics))))
+      call read_case_text(good//'&response from='//a//' to=2.6 harmonics='//b//' /', 'x.nml', case, error)
+      expected = 'x.nml:7:16: error: &response: from = '//a//': must be > 0'//n//'x.nml:7:'//integer_text(34 + len(a))// &
+                 ': error: &response: harmonics = '//b//': must be >= 1 and <= 1000, or 0 to leave the choice to the program'
+      is_told = allocated(error)
+      if (is_told) is_told = len(error%message) == len(expected) .and. error%message == expected
+   end function is_told
 
    !> The text is refused with exactly this message, and nothing of it is taken over.
    subroutine refused(tests, text, message)

@@ -237,6 +237,7 @@ contains
       integer, intent(in) :: done
       real(dp), intent(in) :: frequency
       logical, intent(inout) :: keep_going
+      character(:), allocatable :: input
 
       self%steps = self%steps + 1
       if (analysis == 'response') self%response = done > 0 .and. frequency > 0
@@ -245,7 +246,9 @@ contains
       if (analysis == 'integration') self%integration = done > 0 .and. frequency > 0
       if (self%steps /= self%no_at) return
       keep_going = .false.
-      if (associated(self%results)) call pack_state(case_text(self%case), self%results, self%state)
+      if (.not. associated(self%results)) return
+      call case_text(self%case, input)
+      call pack_state(input, self%results, self%state)
    end subroutine on_step
 
    logical function there(name)

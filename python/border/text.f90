@@ -12,8 +12,10 @@ subroutine text_size(handle, name, place, bytes)
    character(*), intent(in) :: name
    integer, intent(in) :: place
    integer, intent(out) :: bytes
+   character(:), allocatable :: whole
 
-   bytes = len(box_text(box_of(handle), name, place))
+   call box_text(box_of(handle), name, place, whole)
+   bytes = len(whole)
 end subroutine text_size
 
 subroutine copy_text(handle, name, place, bytes, text)
@@ -23,6 +25,8 @@ subroutine copy_text(handle, name, place, bytes, text)
    character(*), intent(in) :: name
    integer, intent(in) :: place, bytes
    integer(1), intent(out) :: text(bytes)
+   character(:), allocatable :: whole
 
-   text = transfer(box_text(box_of(handle), name, place), text)
+   call box_text(box_of(handle), name, place, whole)
+   text = transfer(whole, text)
 end subroutine copy_text

@@ -70,10 +70,12 @@ contains
       type(case_type) :: case, read_back
       type(results_type) :: results
       type(error_type), allocatable :: checked, ran
+      character(:), allocatable :: text
       integer(c_int) :: left
 
       call draw_case(seed, number, case)
-      call read_case_text(case_text(case), 'case.nml', read_back, checked)
+      call case_text(case, text)
+      call read_case_text(text, 'case.nml', read_back, checked)
       alarm_flag = 0
       case%train%interrupt = interrupt_by(alarm_flag)
       left = c_ualarm(patience, patience)
@@ -131,9 +133,11 @@ contains
       character(*), intent(in) :: why
       integer, intent(in) :: number
       type(case_type), intent(in) :: case
+      character(:), allocatable :: text
 
       failed = failed + 1
-      write (output_unit, '(/, a, i0, 4a)') 'FAILED: case ', number, ': ', why, newline, case_text(case)
+      call case_text(case, text)
+      write (output_unit, '(/, a, i0, 4a)') 'FAILED: case ', number, ': ', why, newline, text
    end subroutine fail
 
    integer function argument(place, default)

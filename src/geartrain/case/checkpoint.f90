@@ -91,6 +91,7 @@ contains
    subroutine write_now(self)
       class(checkpoint_type), intent(inout) :: self
       type(error_type), allocatable :: error
+      character(:), allocatable :: input
       integer(int8), allocatable :: state(:)
       integer(int64) :: begin, rate
 
@@ -98,7 +99,8 @@ contains
       self%news = .false.
       call system_clock(begin, rate)
       if (self%owns_place()) then
-         call pack_state(case_text(self%case), self%results, state)
+         call case_text(self%case, input)
+         call pack_state(input, self%results, state)
          call write_results(self%path, self%case, self%results, error, state, self%seal)
       end if
       call system_clock(self%last)
@@ -141,7 +143,7 @@ contains
       type(case_type), intent(in) :: case
       type(results_type), intent(inout) :: results
       type(error_type), allocatable, intent(inout) :: error
-      character(:), allocatable :: input, wrong
+      character(:), allocatable :: input, asked, wrong
       integer(int8), allocatable :: bytes(:)
       type(results_type) :: found
 
@@ -153,7 +155,8 @@ contains
       end if
       call unpack_state(bytes, input, found, wrong)
       if (wrong == '') then
-         if (without_output(input) /= without_output(case_text(case))) then
+         call case_text(case, asked)
+         if (without_output(input) /= without_output(asked)) then
             call fatal(error, path//': error: cannot be resumed: it is the checkpoint of another case or of other settings; '// &
                        'begin anew, or name another file with --output')
             return
@@ -162,7 +165,7 @@ contains
          call fatal(error, path//': error: cannot be resumed: '//wrong, status_file)
          return
       end if
-      wrong = disagreement(case, found)
+      wrong = trim(disagreement(case, found))
       if (wrong /= '') then
          call fatal(error, path//': error: cannot be resumed: what it holds of the '//wrong//' does not agree with itself', &
                     status_file)
@@ -171,15 +174,19 @@ contains
       results = found
    end subroutine take_up_checkpoint
 
+   pure integer function kept_length(text) result(length)
+      character(*), intent(in) :: text
+
+      length = index(text, new_line('a')//'&output', back=.true.)
+      if (length == 0) length = len(text)
+   end function kept_length
+
    !> The resolved case without its last group, which names the file alone.
    pure function without_output(text) result(rest)
       character(*), intent(in) :: text
-      character(:), allocatable :: rest
-      integer :: at
+      character(kept_length(text)) :: rest
 
-      at = index(text, new_line('a')//'&output', back=.true.)
       rest = text
-      if (at > 0) rest = text(:at)
    end function without_output
 
 end module geartrain_case_checkpoint

@@ -113,9 +113,9 @@ contains
    end subroutine on_list
 
    !> The message about a group that there is not.
-   function unknown_group(name) result(text)
+   subroutine unknown_group(name, text)
       character(*), intent(in) :: name
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
       integer :: i, best
 
       best = closest(name, [(groups(i)%name, i = 1, size(groups))])
@@ -129,7 +129,7 @@ contains
          end do
          text = text//')'
       end if
-   end function unknown_group
+   end subroutine unknown_group
 
    !> The message about a variable that a group does not have; `meant` is the one that was probably meant, or ''.
    subroutine unknown_variable(name, group, rows, text, meant)

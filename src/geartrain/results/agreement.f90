@@ -15,11 +15,11 @@ module geartrain_results_agreement
 
 contains
 
-   !> Which part of the results does not agree with itself or with the case, in a word; '' where all does.
+   !> Which part of the results does not agree with itself or with the case, in a word; blank where all does.
    function disagreement(case, results) result(part)
       type(case_type), intent(in) :: case
       type(results_type), intent(in) :: results
-      character(:), allocatable :: part
+      character(16) :: part
       integer :: elements, i
       logical :: asked
 

@@ -82,6 +82,7 @@ contains
    subroutine write_root(store, case)
       type(store_type), intent(inout) :: store
       type(case_type), intent(in) :: case
+      character(:), allocatable :: input
 
       call store%attribute('/', 'format_version', format_version)
       call store%attribute('/', 'program_version', version)
@@ -90,7 +91,8 @@ contains
       else
          call store%attribute('/', 'title', '')
       end if
-      call store%attribute('/', 'input', case_text(case))
+      call case_text(case, input)
+      call store%attribute('/', 'input', input)
       call store%attribute('/', 'characteristic_length', case%train%characteristic_length)
       call store%attribute('/', 'characteristic_frequency', case%train%characteristic_frequency)
    end subroutine write_root
