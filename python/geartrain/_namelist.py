@@ -56,6 +56,9 @@ def group(name: str, variables: Variables, values: Mapping[str, Value], problems
         if key not in variables:
             problems[f"{label}: {key}"] = f"{label}: there is no {key}: must be one of {', '.join(variables) or 'none'}"
             continue
+        if key != given and values.get(key) is not None:
+            problems[f"{label}: {key}"] = f"{label}: {key} is given twice, also as {given}: leave out one of the two"
+            continue
         kind = variables[key].kind
         try:
             text = _list(value, _FORMATS[kind[:-1]]) if kind.endswith("s") else _FORMATS[kind](value)

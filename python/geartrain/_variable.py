@@ -92,7 +92,10 @@ def takes(group: Mapping[str, Variable], keywords: type, **defaults: Any) -> Cal
 
         @functools.wraps(call)
         def checked(*given: Any, **settings: Any) -> Any:
-            bound = signature.bind(*given, **{words.get(name, name): value for name, value in settings.items()})
+            named = {words.get(name, name): value for name, value in settings.items()}
+            if len(named) < len(settings):
+                raise TypeError(f"{call.__name__}() got a variable by its name and by its keyword: {', '.join(settings)}")
+            bound = signature.bind(*given, **named)
             bound.apply_defaults()
             return call(*bound.args, **bound.kwargs)
 

@@ -53,6 +53,24 @@ def test_a_misspelt_keyword_is_told(train):
         train.namelist(respons=ENDS)
 
 
+def test_from_and_to_are_start_and_stop_wherever_they_are_named(train, tmp_path):
+    names, keywords = {"from": 0.2, "to": 0.3}, {"start": 0.2, "stop": 0.3}
+    rows = {"parameter_from": 0.1, "parameter_to": 0.2}
+    text = train.namelist(response=names, stability_map={**keywords, **rows})
+    path = tmp_path / "case.nml"
+    cases = []
+    for words in (text, text.replace("from =", "start =").replace("to =", "stop =")):
+        path.write_text(words)
+        cases.append(gt.read_case(path))
+    assert cases[0].text == cases[1].text and "start =" not in cases[1].text
+    assert train.namelist(response=keywords) == train.namelist(response=names)
+    assert train.response(**names).ended == train.response(**keywords).ended == "reached Lambda = 0.3"
+    with pytest.raises(TypeError, match="by its name and by its keyword"):
+        train.response(**names, start=0.2)
+    with pytest.raises(gt.InputError, match="start is given twice, also as from"):
+        train.namelist(response={**names, "start": 0.2})
+
+
 SCRIPT = """
 import numpy as np
 import geartrain as gt
