@@ -26,8 +26,7 @@ _WANTED = {
     "logical": "True or False",
     "text": "a string of one line without control characters",
     "reals": "a number or a list of numbers",
-    "integers": "a whole number or a list of whole numbers",
-    "texts": "a string or a list of strings",
+    "names": "a list of strings",
 }
 
 
@@ -120,7 +119,7 @@ def _list(value: Value, format_of_one: Callable[[Value], str]) -> str:
     return ", ".join(format_of_one(item) for item in value)
 
 
-_FORMATS = {"real": _real, "integer": _integer, "logical": _logical, "text": _text}
+_FORMATS = {"real": _real, "integer": _integer, "logical": _logical, "text": _text, "name": _text}
 
 _TOKEN = re.compile(
     r"""(?P<text>'(?:[^']|'')*')|(?P<comment>![^\n]*)|&(?P<group>\w+)|(?P<end>/)

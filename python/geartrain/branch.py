@@ -146,17 +146,7 @@ class Branch:
         return f"<Branch of {len(self)} points: {self.ended}>"
 
     def at(self, frequency: float) -> list[Motion]:
-        """Every solution of this branch at exactly that frequency.
-
-        Parameters
-        ----------
-        frequency : float
-            Lambda.
-
-        Returns
-        -------
-        list of Motion
-            In their order along the branch; empty where the branch does not pass that frequency.
+        """Every solution of this branch at exactly that frequency (Lambda), in their order along the branch.
 
         Examples
         --------
@@ -183,18 +173,8 @@ class Branch:
     def refine(self) -> Branch:
         """The same branch with every point polished by shooting to about 1e-11, multipliers included.
 
-        A point near which shooting finds no orbit stays as it is, as next to a fold, whose true place is elsewhere. Special
-        points stay as they are.
-
-        Returns
-        -------
-        Branch
-            Its ``correction`` tells by how much each point moved; its ``at`` gives refined motions.
-
-        Raises
-        ------
-        Interrupted
-            On Ctrl-C, with the branch as far as it was refined.
+        Its ``correction`` tells by how much each point moved; its ``at`` gives refined motions. A point near which shooting finds
+        no orbit stays as it is, as next to a fold, whose true place is elsewhere. Special points stay as they are.
 
         Examples
         --------
@@ -223,23 +203,7 @@ class Branch:
 
         Each point's true error is set against its estimate, its stability against the multipliers of the orbit; each fold and
         change of stability is looked for on the exact branch. What is doubtful or undecided counts as wrong nowhere, but is told.
-
-        Parameters
-        ----------
-        points : int
-            Points to be drawn; all of them where the branch has fewer.
-        random_seed : int
-            The same seed draws the same points.
-
-        Returns
-        -------
-        Audit
-            Its ``ok`` tells whether nothing is wrong; printed it is a table.
-
-        Raises
-        ------
-        Interrupted
-            On Ctrl-C, with the rows so far.
+        The same ``random_seed`` draws the same points, all of them where the branch has no more than ``points``.
 
         Examples
         --------
@@ -261,24 +225,10 @@ class Branch:
         return watched(work, "audit", min(points, len(self)) + len(self.special_points))
 
     def period_doubled(self, special: SpecialPoint) -> Branch:
-        """The branch of twice the period that leaves this one at a period doubling; no seed is needed.
+        """The branch of twice the period that leaves this one at a period doubling, one of its ``special_points``.
 
-        Parameters
-        ----------
-        special : SpecialPoint
-            One of this branch's ``special_points``, of kind ``"period doubling"``.
-
-        Returns
-        -------
-        Branch
-            With twice the harmonics and subharmonic, until it meets the branch of half its period or leaves the range.
-
-        Raises
-        ------
-        InputError
-            Where ``special`` is no period doubling of this branch.
-        SolverError
-            Where no point was found.
+        It has twice the harmonics and subharmonic, and ends where it meets the branch of half its period or leaves the range. No
+        seed is needed; `SolverError` where no point was found.
 
         Examples
         --------
@@ -308,17 +258,7 @@ class Branch:
         return watched(work, "period doubling")
 
     def peaks(self, mesh: int) -> list[Peak]:
-        """The local maxima of the rms of a mesh.
-
-        Parameters
-        ----------
-        mesh : int
-            Counted from 1.
-
-        Returns
-        -------
-        list of Peak
-            In their order along the branch.
+        """The local maxima of the rms of a mesh, counted from 1, in their order along the branch.
 
         Examples
         --------
@@ -373,19 +313,9 @@ class Branch:
         return guessed
 
     def separation_ranges(self, mesh: int, stable: bool = False) -> Array:
-        """Ranges of Lambda in which the teeth of a mesh separate at some instant.
+        """Ranges of Lambda in which the teeth of a mesh, counted from 1, separate at some instant: from, to; (ranges, 2).
 
-        Parameters
-        ----------
-        mesh : int
-            Counted from 1.
-        stable : bool
-            Of the stable motions alone.
-
-        Returns
-        -------
-        ndarray, (ranges, 2)
-            From, to; ascending.
+        Those of all motions, or of the stable ones alone.
 
         Examples
         --------
@@ -396,17 +326,7 @@ class Branch:
         return self._read_off("separation", mesh, stable)[:, :2]
 
     def back_collision_ranges(self, mesh: int, stable: bool = False) -> Array:
-        """Ranges of Lambda in which the back flanks of a mesh collide at some instant.
-
-        Parameters
-        ----------
-        mesh, stable
-            As in `separation_ranges`.
-
-        Returns
-        -------
-        ndarray, (ranges, 2)
-            From, to; ascending.
+        """Ranges of Lambda in which the back flanks of a mesh collide at some instant, as in `separation_ranges`.
 
         Examples
         --------
@@ -418,18 +338,7 @@ class Branch:
     def plot(self, mesh: int | None = None, ax: Axes | None = None, **style: Any) -> Axes:
         """Draw rms over Lambda: stable solid, unstable dashed; ``branches`` thinner. Special points are left to the caller.
 
-        Parameters
-        ----------
-        mesh : int, optional
-            Which mesh, counted from 1; all of them unless told.
-        ax : matplotlib.axes.Axes, optional
-            Where to draw; a new figure unless told.
-        **style
-            For matplotlib's ``plot``.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
+        Of one mesh, counted from 1, or of all; on the axes given or in a new figure. ``style`` is that of matplotlib's ``plot``.
 
         Examples
         --------
