@@ -119,7 +119,7 @@ def _bar(name: str, total: int | None, begin: float, unit: str) -> Any:
         from tqdm.auto import tqdm
     except ImportError:
         if sys.stderr.isatty():
-            warnings.warn(f"no progress bar: {missing('tqdm')}", stacklevel=3)
+            warnings.warn(f"no progress bar without {missing('tqdm')}", stacklevel=3)
         return None
     bar = tqdm(desc=name, total=total, unit=f" {unit}", disable=None, leave=False)
     bar.start_t = time.time() - (time.monotonic() - begin)
