@@ -92,8 +92,11 @@ contains
       call refused(tests, train//shaft//'&mesh'//n//'   stifness = 2.5e8, driving_radius=0.05 driven_radius=0.1'//n// &
                    'driving_inertia=0.002 driven_inertia=0.04 /'//n//shaft, &
                    'x.nml:5:4: error: unknown variable "stifness" in &mesh (did you mean "stiffness"?)')
-      call refused(tests, good//'&response start=0.2, to=1 /', &
-                   'x.nml:7:11: error: unknown variable "start" in &response (did you mean "from"?)')
+      call refused(tests, good//'&response start=-0.2, to=1 /', 'x.nml:7:17: error: &response: from = -0.2: must be > 0')
+      call refused(tests, good//'&response start=0.2, to=1, from = 0.3 /', &
+                   'x.nml:7:28: error: &response: from is given twice; the first is on line 7')
+      call refused(tests, good//'&attractors frequency=0.6, start=20 /', &
+                   'x.nml:7:28: error: unknown variable "start" in &attractors (did you mean "starts"?)')
       call refused(tests, good//'&modes title = ''x'' /', &
                    'x.nml:7:8: error: unknown variable "title" in &modes (it belongs to &train)')
       call refused(tests, good//'&output qqqqqqq = 1 /', &
