@@ -18,11 +18,10 @@ contains
    subroutine case_text_tests(tests)
       class(tests_type), intent(inout) :: tests
 
-      call tests%begin('case text')
-      call numbers(tests)
-      call round_trip(tests)
-      call template(tests)
-      call reference(tests)
+      if (tests%runs('numbers')) call numbers(tests)
+      if (tests%runs('round_trip')) call round_trip(tests)
+      if (tests%runs('template')) call template(tests)
+      if (tests%runs('reference')) call reference(tests)
    end subroutine case_text_tests
 
    subroutine numbers(tests)

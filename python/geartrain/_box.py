@@ -9,16 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _geartrain as fortran
+import geartrain._geartrain as fortran
+
 from ._motion_check import VALUES, check_motion
 from ._namelist import in_words_of_the_call
 from .errors import InputError, SolverError
 
 if TYPE_CHECKING:
-    from .branch import Branch
     from .modes import Modes
-    from .motion import Attractors, Motion, Sweep
-    from .stability_map import StabilityMap
 
 __all__ = ["ATTRACTORS", "INTEGRATION", "LOOSE", "Box", "file_name", "fortran"]
 
@@ -217,7 +215,8 @@ class Box:
     def read_off(self, what: str, mesh: int = 1, stable: bool = False) -> Array:
         """A list read off the box's branch, one row an entry, see ``summarize`` in box.f90."""
         columns, rows = map(int, fortran.read_off(self.handle, what, mesh, int(stable)))
-        return fortran.copy_table(self.handle, columns, rows).T
+        table: Array = fortran.copy_table(self.handle, columns, rows).T
+        return table
 
     # -------------------------------------------------------------------------------------------------- in
 
@@ -230,7 +229,7 @@ class Box:
         meshes, states = map(int, fortran.train_sizes(self.handle))
         return meshes, states
 
-    def put_motions(self, *motions: Motion, what: str = "motion", only_state: bool = False) -> None:
+    def put_motions(self, *motions: Any, what: str = "motion", only_state: bool = False) -> None:
         """Put motions of the case's train; ``what`` is what messages call them, ``only_state`` as in `check_motion`."""
         for motion in motions:
             check_motion(motion, what, *self.sizes(), only_state=only_state)
@@ -254,26 +253,26 @@ class Box:
                 np.zeros((2, 0)) if motion.multipliers is None else _pairs(motion.multipliers),
             )
 
-    def put_sweep(self, sweep: Sweep) -> None:
+    def put_sweep(self, sweep: Any) -> None:
         if len(sweep.direction) != len(sweep) or not {*sweep.direction} <= {"up", "down"}:
             raise InputError(f"integration: direction: must be 'up' or 'down' of each of the {len(sweep)} motions")
         self._put_alike("integration", sweep)
         fortran.put_sweep(self.handle, _columns(sweep.direction, 4), sweep.ended.encode(), int(sweep.complete))
 
-    def put_attractors(self, found: Attractors) -> None:
+    def put_attractors(self, found: Any) -> None:
         self._put_alike("attractors", found)
         fortran.put_attractors(
             self.handle, found.ended.encode(), [found.frequency, found.unsettled],
             [found.random_seed, found.starts, found.complete],
         )
 
-    def _put_alike(self, what: str, motions: list[Motion]) -> None:
+    def _put_alike(self, what: str, motions: Any) -> None:
         """Put motions that are written as one table."""
         self.put_motions(*motions, what=what)
         if len({len(motion.multipliers) for motion in motions if motion.multipliers is not None}) > 1:
             raise InputError(f"{what}: multipliers: must be as many of one motion as of another")
 
-    def put_stability_map(self, chart: StabilityMap) -> None:
+    def put_stability_map(self, chart: Any) -> None:
         shape = (0, len(chart.frequency), len(chart.parameter))
         fortran.put_map(
             self.handle,
@@ -289,13 +288,13 @@ class Box:
             np.stack([chart.row_done, chart.row_whole], axis=1),
         )
 
-    def put_branches(self, branches: list[Branch]) -> None:
+    def put_branches(self, branches: list[Any]) -> None:
         """Put further branches."""
         fortran.reserve_branches(self.handle, len(branches))
         for place, branch in enumerate(branches, 1):
             self.put_branch(branch, place)
 
-    def put_branch(self, branch: Branch, place: int = 0) -> None:
+    def put_branch(self, branch: Any, place: int = 0) -> None:
         stable = np.zeros(len(branch), bool) if branch.stable is None else branch.stable
         roots = np.zeros((len(branch), 0)) if branch.multipliers is None else branch.multipliers
         correction = np.full(len(branch), np.nan) if branch.correction is None else branch.correction
@@ -337,7 +336,7 @@ def _by_name(values: Array) -> dict[str, Array]:
     return named
 
 
-def _in_columns(owner: Motion | Branch) -> Array:
+def _in_columns(owner: Any) -> Array:
     """The inverse of ``_by_name``."""
     values = {name: getattr(owner, name) for name in VALUES}
     values["dynamic_factor"] = np.nan_to_num(values["dynamic_factor"], nan=-1.0)

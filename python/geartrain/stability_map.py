@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._box import Box
+from ._extras import extra
 from .errors import InputError, shown
 
 if TYPE_CHECKING:
@@ -105,8 +106,7 @@ class StabilityMap:
         """
         if what not in _TITLES:
             raise InputError(f"what = {shown(what)}: must be {', '.join(map(repr, _TITLES))}")
-        import matplotlib.pyplot as plt
-
+        plt = extra("matplotlib.pyplot")
         if ax is None:
             ax = plt.subplots()[1]
         values: NDArray[Any] = getattr(self, what)

@@ -66,7 +66,8 @@ contains
 
       call list_variables(rows)
       text = 'A real number that is not 0 has a magnitude from '//real_text(smallest)//' to '//real_text(largest)// &
-             '; in a list smaller ones count as well.'//newline
+             '; in a list smaller ones count as well.'//newline// &
+             '`start` and `stop`, the keywords of calls, may stand for `from` and `to`, also at the end of a name.'//newline
       do i = 1, size(groups)
          text = text//newline//'### `&'//trim(groups(i)%name)//'`'//newline//newline//trim(groups(i)%description)//newline
          if (.not. any(rows%group == groups(i)%name)) cycle
