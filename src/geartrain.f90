@@ -26,6 +26,7 @@ module geartrain
    use geartrain_case_run, only: run_case
    use geartrain_case_template, only: template_text
    use geartrain_case_text, only: case_text
+   use geartrain_model_body, only: body_type
    use geartrain_model_check, only: check_train
    use geartrain_model_mesh, only: mesh_type
    use geartrain_model_modes, only: modes_type, natural_modes

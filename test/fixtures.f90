@@ -1,7 +1,7 @@
 !> Trains of the tests, and what their settings are made from; random ones are the same on every machine.
 module fixtures
    use, intrinsic :: iso_fortran_env, only: int64
-   use geartrain, only: case_type, dp, motion_type, response_settings_type, shaft_type, train_type
+   use geartrain, only: body_type, case_type, dp, motion_type, response_settings_type, shaft_type, train_type
    use geartrain_base_fftw, only: transform_type
    use geartrain_base_kinds, only: pi
    use geartrain_case_template, only: paper_case
@@ -9,10 +9,22 @@ module fixtures
    use geartrain_motion_trigonometric, only: fine_samples
    implicit none (type, external)
    private
-   public :: closest, linear_pair, long_train, paper_train, random_train, rattling_pair, rectangular, reducer, settings_of, &
+   public :: body, closest, linear_pair, long_train, paper_train, random_train, rattling_pair, rectangular, reducer, settings_of, &
              single_pair, slow_train, uniform, update_contact
 
 contains
+
+   pure type(body_type) function body(name, inertia, torque, balances)
+      character(*), intent(in) :: name
+      real(dp), intent(in) :: inertia
+      real(dp), intent(in), optional :: torque
+      logical, intent(in), optional :: balances
+
+      body%name = name
+      body%inertia = inertia
+      if (present(torque)) body%torque = torque
+      if (present(balances)) body%balances = balances
+   end function body
 
    !> Table 1 of Al-shyyab and Kahraman (2007), k3 = 1e8 N m/rad, 150 N m.
    function paper_train(kappa) result(train)

@@ -36,8 +36,10 @@ program main
    use validation_figures, only: figures_tests
    use validation_jumps, only: jumps_tests
    use validation_mesh_load, only: mesh_load_tests
+   use validation_network, only: network_tests
    use validation_orders, only: orders_tests
    use validation_paper_train, only: paper_train_tests
+   use validation_random_networks, only: random_networks_tests
    use validation_refinement, only: refinement_tests
    use validation_settling, only: settling_tests
    use validation_single_pair, only: single_pair_tests
@@ -60,6 +62,8 @@ program main
                    suite_type('unit_scale', scale_tests), &
                    suite_type('unit_results_run', results_run_tests), &
                    suite_type('validation_paper_train', paper_train_tests), &
+                   suite_type('validation_network', network_tests), &
+                   suite_type('validation_random_networks', random_networks_tests), &
                    suite_type('validation_orders', orders_tests), &
                    suite_type('validation_single_pair', single_pair_tests), &
                    suite_type('validation_whole_model', whole_model_tests), &

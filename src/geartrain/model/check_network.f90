@@ -255,7 +255,7 @@ contains
          why = 'these gears lock: '
          if (.not. agree) why = why//'there is an odd number of external pairs in the loop '
          if (agree) why = why//'the ratios multiply to '//text(ratio)//', not 1, round the loop '
-         call checker%problems%add(why//loop_of(ends), group, i, 'between')
+         call checker%problems%add(why//trim(loop_of(ends)), group, i, 'between')
       end subroutine close_loop
 
       !> 'a - b - c - a': along the walk from one end of the joint to the other.

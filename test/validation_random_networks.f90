@@ -1,0 +1,261 @@
+!> Random trees and loops of gears against another code of the same equations.
+module validation_random_networks
+   use, intrinsic :: iso_fortran_env, only: int64
+   use fixtures, only: body, uniform
+   use geartrain, only: dp, error_type, integrate, integration_settings_type, mesh_type, motion_type, shaft_type, train_type
+   use geartrain_base_kinds, only: pi
+   use geartrain_base_lapack, only: dgeev
+   use geartrain_model_system, only: build_system, system_type
+   use independent, only: build_machine, displacements, fly, machine_type
+   use testing, only: tests_type
+   implicit none (type, external)
+   private
+   public :: random_networks_tests
+
+contains
+
+   subroutine random_networks_tests(tests)
+      class(tests_type), intent(inout) :: tests
+
+      if (tests%runs('another_code')) call random_networks(tests)
+   end subroutine random_networks_tests
+
+   !> Random trees and loops of up to 12 meshes: their settled motions close in the other code over a period, with the rms and
+   !> the multipliers that it finds.
+   subroutine random_networks(tests)
+      class(tests_type), intent(inout) :: tests
+      integer, parameter :: bodies(*) = [4, 5, 6, 8, 10, 12], loops(*) = [0, 1, 0, 2, 1, 0]
+      integer :: i
+
+      do i = 1, size(bodies)
+         call one_network(tests, bodies(i), loops(i), i)
+      end do
+   end subroutine random_networks
+
+   subroutine one_network(tests, bodies, loops, seed)
+      class(tests_type), intent(inout) :: tests
+      integer, intent(in) :: bodies, loops, seed
+      type(train_type) :: train
+      type(system_type) :: system
+      type(machine_type) :: machine
+      type(motion_type) :: motion
+      type(error_type), allocatable :: error
+      real(dp), parameter :: frequency = 0.83_dp
+      integer, parameter :: samples = 1024
+      real(dp), allocatable :: y(:), begin(:), p(:), v(:), history(:, :), map(:, :), up(:), down(:)
+      real(dp) :: period, rms, scale
+      complex(dp), allocatable :: multipliers(:)
+      character(40) :: name
+      integer :: i, n, first
+
+      write (name, '(2(a, i0))') 'network of ', bodies, ' bodies, loops: ', loops
+      call random_network(bodies, loops, seed, train)
+      call integrate(train, frequency, integration_settings_type(), motion, error)
+      call tests%is_true(.not. allocated(error), trim(name)//': runs')
+      if (allocated(error)) then
+         call tests%is_text(error%message, '', trim(name)//': message')
+         return
+      end if
+      call tests%is_true(motion%period > 0, trim(name)//': settles')
+      if (.not. motion%period > 0) return
+      call build_system(train, system)
+      call build_machine(train, frequency, machine)
+      period = 2*pi*motion%period/(frequency*train%characteristic_frequency)
+      allocate (p(size(machine%joint)), v(size(machine%joint)))
+      y = bodies_of_state(train, system, machine, motion%state)
+      begin = y
+      first = size(train%shafts)
+      allocate (history(samples, size(train%meshes)))
+      do i = 1, samples
+         call displacements(machine, (i - 1)*period/samples, y, p, v)
+         history(i, :) = p(first + 1:)/train%characteristic_length
+         call fly(machine, (i - 1)*period/samples, i*period/samples, y)
+      end do
+      scale = maxval(abs(motion%state(:system%coordinates)))
+      call tests%is_close(maxval(abs(state_of_bodies(system, machine, train, y, period) - motion%state))/scale, 0.0_dp, 1e-8_dp, &
+                          trim(name)//': the other code comes back')
+      do i = 1, size(train%meshes)
+         rms = sqrt(2*sum((history(:, i) - sum(history(:, i))/samples)**2)/samples)
+         call tests%is_close(motion%rms(i), rms, 1e-8_dp, trim(name)//': rms')
+      end do
+      if (.not. allocated(motion%multipliers)) return
+      n = 2*system%coordinates
+      allocate (map(n, n))
+      do i = 1, n
+         up = motion%state
+         down = motion%state
+         up(i) = up(i) + 1e-6_dp*scale
+         down(i) = down(i) - 1e-6_dp*scale
+         up = flown(up)
+         down = flown(down)
+         map(:, i) = (up - down)/(2e-6_dp*scale)
+      end do
+      call eigenvalues_of(map, multipliers)
+      call tests%is_close(maxval(abs(multipliers)), maxval(abs(motion%multipliers)), 1e-7_dp, trim(name)//': largest multiplier')
+      call tests%is_close(real(product(multipliers(:2)), dp), real(product(motion%multipliers(:2)), dp), 1e-6_dp, &
+                          trim(name)//': the leading two')
+
+   contains
+
+      function flown(state) result(end_)
+         real(dp), intent(in) :: state(:)
+         real(dp) :: end_(size(state))
+         real(dp), allocatable :: z(:)
+
+         z = bodies_of_state(train, system, machine, state)
+         call fly(machine, 0.0_dp, period, z)
+         end_ = state_of_bodies(system, machine, train, z, period)
+      end function flown
+
+   end subroutine one_network
+
+   !> Angles and speeds of the bodies, the first node at rest, at time 0, from a state of the library.
+   function bodies_of_state(train, system, machine, state) result(y)
+      type(train_type), intent(in) :: train
+      type(system_type), intent(in) :: system
+      type(machine_type), intent(in) :: machine
+      real(dp), intent(in) :: state(:)
+      real(dp), allocatable :: y(:)
+      real(dp) :: p(size(machine%joint)), v(size(p)), moved, speed
+      logical :: known(size(machine%inertia))
+      integer :: b, i, n
+
+      b = size(machine%inertia)
+      allocate (y(2*b), source=0.0_dp)
+      call displacements(machine, 0.0_dp, y, p, v)
+      known = .false.
+      do n = 1, system%coordinates
+         associate (element => system%network%elements(n))
+            i = element%mesh + size(train%shafts)
+            if (element%shaft > 0) i = element%shaft
+            associate (joint => machine%joint(i))
+               moved = state(n)
+               if (element%shaft > 0) moved = moved + system%load(n)
+               ! A shaft is measured along a radius, the other code counts its twist.
+               moved = moved*train%characteristic_length*joint%ra/element%radius(1) - p(i)
+               speed = state(system%coordinates + n)*train%characteristic_length*train%characteristic_frequency &
+                       *joint%ra/element%radius(1) - v(i)
+               if (n == 1) known(joint%a) = .true.
+               if (known(joint%a)) then
+                  y(joint%b) = (joint%ra*y(joint%a) - moved)/joint%rb
+                  y(b + joint%b) = (joint%ra*y(b + joint%a) - speed)/joint%rb
+               else
+                  y(joint%a) = (joint%rb*y(joint%b) + moved)/joint%ra
+                  y(b + joint%a) = (joint%rb*y(b + joint%b) + speed)/joint%ra
+               end if
+               known([joint%a, joint%b]) = .true.
+            end associate
+         end associate
+      end do
+   end function bodies_of_state
+
+   function state_of_bodies(system, machine, train, y, t) result(state)
+      type(system_type), intent(in) :: system
+      type(machine_type), intent(in) :: machine
+      type(train_type), intent(in) :: train
+      real(dp), intent(in) :: y(:), t
+      real(dp) :: state(2*system%coordinates), p(size(machine%joint)), v(size(p))
+      integer :: i, n
+
+      call displacements(machine, t, y, p, v)
+      do n = 1, system%coordinates
+         associate (element => system%network%elements(n))
+            i = element%mesh + size(train%shafts)
+            if (element%shaft > 0) i = element%shaft
+            associate (joint => machine%joint(i), e => system%coordinates)
+               state(n) = p(i)*element%radius(1)/joint%ra/train%characteristic_length
+               if (element%shaft > 0) state(n) = state(n) - system%load(n)
+               state(e + n) = v(i)*element%radius(1)/joint%ra/(train%characteristic_length*train%characteristic_frequency)
+            end associate
+         end associate
+      end do
+   end function state_of_bodies
+
+   subroutine eigenvalues_of(matrix, values)
+      real(dp), intent(in) :: matrix(:, :)
+      complex(dp), allocatable, intent(out) :: values(:)
+      real(dp) :: a(size(matrix, 1), size(matrix, 1)), wr(size(matrix, 1)), wi(size(matrix, 1)), work(16*size(matrix, 1)), &
+                  none(1, 1)
+      complex(dp) :: held
+      integer :: i, info, j, n
+
+      n = size(matrix, 1)
+      a = matrix
+      call dgeev('N', 'N', n, a, n, wr, wi, none, 1, none, 1, work, size(work), info)
+      values = cmplx(wr, wi, dp)
+      do i = 1, n
+         j = i - 1 + maxloc(abs(values(i:)), 1)
+         held = values(i)
+         values(i) = values(j)
+         values(j) = held
+      end do
+   end subroutine eigenvalues_of
+
+   !> A tree of bodies with shafts and meshes as the dice fall, and as many meshes more as there are loops; some idle, some linear.
+   subroutine random_network(bodies, loops, seed, train)
+      integer, intent(in) :: bodies, loops, seed
+      type(train_type), intent(out) :: train
+      character(8) :: name(bodies)
+      real(dp) :: radius(bodies), dice
+      integer :: i, parent, sense(bodies)
+      integer(int64) :: generator
+      type(mesh_type) :: mesh
+      type(shaft_type) :: shaft
+
+      generator = 7919*seed
+      train%characteristic_length = 1e-5_dp
+      train%characteristic_frequency = 1e4_dp
+      allocate (train%bodies(bodies), train%shafts(0), train%meshes(0))
+      do i = 1, bodies
+         write (name(i), '(a, i0)') 'b', i
+         train%bodies(i) = body(name(i), 1e-3_dp*(1 + 4*fraction()), balances=i == bodies)
+         radius(i) = 0.03_dp + 0.05_dp*fraction()
+      end do
+      train%bodies(1)%torque = 60 + 60*fraction()
+      train%bodies(1)%torque_cos = [5*fraction()]
+      train%bodies(2)%torque = -10*fraction()
+      sense(1) = 1
+      do i = 2, bodies
+         parent = 1 + int((i - 1)*fraction()*0.999_dp)
+         dice = fraction()
+         if (i > 2 .and. dice < 0.3_dp) then
+            radius(i) = radius(parent)
+            sense(i) = sense(parent)
+            shaft = shaft_type(between=[character(64) :: name(parent), name(i)], stiffness=1e5_dp*(1 + 9*fraction()), &
+                               damping_ratio=0.05_dp)
+            train%shafts = [train%shafts, shaft]
+         else
+            sense(i) = -sense(parent)
+            call add_mesh(parent, i)
+         end if
+      end do
+      do i = 1, loops
+         call add_mesh(1 + i, bodies + 1 - i)
+      end do
+
+   contains
+
+      real(dp) function fraction()
+         fraction = uniform(generator, 0.0_dp, 1.0_dp)
+      end function fraction
+
+      subroutine add_mesh(a, b)
+         integer, intent(in) :: a, b
+         real(dp) :: size_
+
+         size_ = 0.5_dp + fraction()
+         mesh = mesh_type(between=[character(64) :: name(a), name(b)], driving_radius=size_*radius(a), &
+                          driven_radius=size_*radius(b), stiffness=1e8_dp*(1 + 2*fraction()), damping_ratio=0.1_dp)
+         mesh%internal = sense(a) == sense(b)
+         if (fraction() < 0.85_dp) then
+            mesh%half_backlash = 1e-5_dp*(1 + fraction())
+            mesh%stiffness_cos = [0.3_dp*fraction(), 0.1_dp*fraction()]
+            mesh%stiffness_sin = [0.2_dp*fraction()]
+         end if
+         if (fraction() < 0.5_dp) mesh%error_cos = [2e-6_dp*fraction()]
+         train%meshes = [train%meshes, mesh]
+      end subroutine add_mesh
+
+   end subroutine random_network
+
+end module validation_random_networks
