@@ -114,7 +114,7 @@ contains
       call monodromy%multipliers(multipliers)
       call tests%is_true(abs(abs(multipliers(1)) - 1) > 0.1_dp, 'which are far from the unit circle')
       ! The damping that the formula counts is another than that of the matrix, as if all three attempts had failed.
-      balance%system%damping = 2*balance%system%damping
+      balance%system%decay = 2*balance%system%decay
       call monodromy%integrate(balance, 0.7_dp)
       call tests%is_true(.not. monodromy%confirmed, 'a determinant that does not hold is told')
       call judge(monodromy, balance, u, 0.7_dp, truncation, multipliers, verdict)
