@@ -57,8 +57,9 @@ subroutine read_path(handle, path, status)
    status = close_with(box, error)
 end subroutine read_path
 
-! Meshes of the case's train, and its states: twice its elastic elements.
+! Meshes of the case's train, and the size of its states.
 subroutine train_sizes(handle, sizes)
+   use geartrain_model_network, only: coordinate_count
    use geartrain_python_box, only: box_type, box_of
    implicit none
    integer(8), intent(in) :: handle
@@ -67,7 +68,7 @@ subroutine train_sizes(handle, sizes)
 
    box => box_of(handle)
    sizes(1) = size(box%case%train%meshes)
-   sizes(2) = 2*(sizes(1) + count(.not. box%case%train%shafts%rigid))
+   sizes(2) = 2*coordinate_count(box%case%train)
 end subroutine train_sizes
 
 ! The natural modes of the case's train.

@@ -42,11 +42,12 @@ from .motion import Motion, Sweep
 from .stability_map import StabilityMap
 from .summary import Jump, Peak
 from .train import Train
-from .variables import Mesh, Shaft
+from .variables import Body, Mesh, Shaft
 
 __all__ = [
     "Attractors",
     "Audit",
+    "Body",
     "Branch",
     "Case",
     "InputError",

@@ -225,7 +225,7 @@ class Box:
         fortran.put_modes(self.handle, _columns(modes.element, 16), values, modes.shape.T)
 
     def sizes(self) -> tuple[int, int]:
-        """Meshes of the case's train, and its states: twice its elastic elements."""
+        """Meshes of the case's train, and the size of its states."""
         meshes, states = map(int, fortran.train_sizes(self.handle))
         return meshes, states
 

@@ -17,25 +17,36 @@ if TYPE_CHECKING:
 VARIABLES: dict[str, dict[str, Variable]] = {
     "train": {
         "title": Variable("title", "text", "str", "", False, "A line of text that goes with the results"),
-        "input_torque": Variable("input_torque", "real", "float", None, True, "Mean torque on the driving end; the load torque balances it by itself; [N m]"),
+        "input_torque": Variable("input_torque", "real", "float", 0.0, False, "Mean torque on the driving end of a chain; the load torque balances it by itself; [N m]"),
         "torque_cos": Variable("torque_cos", "reals", "Series", None, False, "Cosine amplitudes of the input torque, orders 1, 2, ... of Lambda; [N m]"),
         "torque_sin": Variable("torque_sin", "reals", "Series", None, False, "Sine amplitudes, likewise; [N m]"),
-        "prime_mover_inertia": Variable("prime_mover_inertia", "real", "float", None, True, "Polar moment of inertia at the driving end; 0 only if the first shaft is rigid; [kg m^2]; >= 0"),
-        "load_inertia": Variable("load_inertia", "real", "float", None, True, "Polar moment of inertia at the driven end; 0 only if the last shaft is rigid; [kg m^2]; >= 0"),
+        "prime_mover_inertia": Variable("prime_mover_inertia", "real", "float", 0.0, False, "Polar moment of inertia at the driving end of a chain; 0 only if the first shaft is rigid; [kg m^2]; >= 0"),
+        "load_inertia": Variable("load_inertia", "real", "float", 0.0, False, "Polar moment of inertia at the driven end of a chain; 0 only if the last shaft is rigid; [kg m^2]; >= 0"),
         "characteristic_length": Variable("characteristic_length", "real", "float", None, True, "Unit in which mesh displacements are reported, b_c; [m]; > 0"),
         "characteristic_frequency": Variable("characteristic_frequency", "real", "float", None, True, "Unit in which frequencies are reported, omega_c; Lambda is the fundamental mesh frequency over it; [rad/s]; > 0"),
     },
+    "body": {
+        "name": Variable("name", "text", "str", None, True, "By which shafts and meshes call it"),
+        "inertia": Variable("inertia", "real", "float", None, True, "Polar moment of inertia; 0 only where rigid shafts alone join it with others; [kg m^2]; >= 0"),
+        "torque": Variable("torque", "real", "float", 0.0, False, "Mean torque on it, positive in the sense in which it turns; [N m]"),
+        "torque_cos": Variable("torque_cos", "reals", "Series", None, False, "Cosine amplitudes of its torque, orders 1, 2, ... of Lambda; [N m]"),
+        "torque_sin": Variable("torque_sin", "reals", "Series", None, False, "Sine amplitudes, likewise; [N m]"),
+        "balances": Variable("balances", "logical", "bool", False, False, "Its mean torque balances those of all others; true for exactly one body"),
+    },
     "shaft": {
+        "between": Variable("between", "names", "Sequence[str]", None, False, "Names of the two bodies that it joins; none in a chain"),
         "rigid": Variable("rigid", "logical", "bool", False, False, "The inertias at the ends of the shaft move as one; it then has neither stiffness nor damping"),
         "stiffness": Variable("stiffness", "real", "float", None, False, "Torsional stiffness; required unless rigid; [N m/rad]; > 0"),
         "damping_ratio": Variable("damping_ratio", "real", "float", 0.0, False, "c/(2 sqrt(k m)) with 1/m = 1/I_a + 1/I_b of the inertias at the ends; >= 0"),
         "damping": Variable("damping", "real", "float", None, False, "Damping coefficient, instead of damping_ratio; [N m s/rad]; >= 0"),
     },
     "mesh": {
+        "between": Variable("between", "names", "Sequence[str]", None, False, "Names of the bodies that the driving and the driven gear are on; none in a chain"),
         "driving_radius": Variable("driving_radius", "real", "float", None, True, "Base circle radius of the driving gear; [m]; > 0"),
         "driven_radius": Variable("driven_radius", "real", "float", None, True, "Base circle radius of the driven gear; [m]; > 0"),
-        "driving_inertia": Variable("driving_inertia", "real", "float", None, True, "Polar moment of inertia of the driving gear; [kg m^2]; > 0"),
-        "driven_inertia": Variable("driven_inertia", "real", "float", None, True, "Polar moment of inertia of the driven gear; [kg m^2]; > 0"),
+        "driving_inertia": Variable("driving_inertia", "real", "float", None, False, "In a chain: polar moment of inertia of the driving gear; [kg m^2]; > 0"),
+        "driven_inertia": Variable("driven_inertia", "real", "float", None, False, "In a chain: polar moment of inertia of the driven gear; [kg m^2]; > 0"),
+        "internal": Variable("internal", "logical", "bool", False, False, "An internal gear pair: both gears turn in one sense"),
         "stiffness": Variable("stiffness", "real", "float", None, True, "Mean mesh stiffness along the line of action; [N/m]; > 0"),
         "damping_ratio": Variable("damping_ratio", "real", "float", 0.0, False, "c/(2 sqrt(k m)) with m = I_a I_b/(r_a^2 I_b + r_b^2 I_a); >= 0"),
         "damping": Variable("damping", "real", "float", None, False, "Damping coefficient, instead of damping_ratio; [N s/m]; >= 0"),
@@ -102,9 +113,22 @@ VARIABLES: dict[str, dict[str, Variable]] = {
 
 
 @dataclass(frozen=True, kw_only=True)
+class Body(Part, variables=VARIABLES["body"]):
+    """A body that turns as one: a gear, a rotor."""
+
+    name: str | None = None
+    inertia: float | None = None
+    torque: float | None = None
+    torque_cos: Series | None = None
+    torque_sin: Series | None = None
+    balances: bool | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
 class Shaft(Part, variables=VARIABLES["shaft"]):
     """A shaft."""
 
+    between: Sequence[str] | None = None
     rigid: bool | None = None
     stiffness: float | None = None
     damping_ratio: float | None = None
@@ -115,10 +139,12 @@ class Shaft(Part, variables=VARIABLES["shaft"]):
 class Mesh(Part, variables=VARIABLES["mesh"]):
     """A gear pair."""
 
+    between: Sequence[str] | None = None
     driving_radius: float | None = None
     driven_radius: float | None = None
     driving_inertia: float | None = None
     driven_inertia: float | None = None
+    internal: bool | None = None
     stiffness: float | None = None
     damping_ratio: float | None = None
     damping: float | None = None
@@ -142,12 +168,14 @@ class TrainVariables(Part, variables=VARIABLES["train"]):
     load_inertia: float | None = None
     characteristic_length: float | None = None
     characteristic_frequency: float | None = None
+    bodies: Sequence[Body] = ()
     shafts: Sequence[Shaft] = ()
     meshes: Sequence[Mesh] = ()
 
 
 #: Groups that are parts of the train: the keyword of their list, and their class.
 PARTS: dict[str, tuple[str, type[Part]]] = {
+    "body": ("bodies", Body),
     "shaft": ("shafts", Shaft),
     "mesh": ("meshes", Mesh),
 }

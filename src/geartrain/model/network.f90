@@ -8,7 +8,7 @@ module geartrain_model_network
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: network_type, element_type, build_network, join_rigid, bodies_of, ends_of, body_count
+   public :: network_type, element_type, build_network, join_rigid, bodies_of, ends_of, body_count, coordinate_count
 
    !> A shaft or a mesh: its force is F, its displacement p = radius(1) theta_from - radius(2) theta_to.
    type :: element_type
@@ -66,6 +66,15 @@ contains
          body_count = 2*size(train%shafts)
       end if
    end function body_count
+
+   !> How many displacements the elements of the tree have that joins all bodies: a state is these and their velocities.
+   pure integer function coordinate_count(train)
+      type(train_type), intent(in) :: train
+      type(network_type) :: network
+
+      call join_rigid(train, network)
+      coordinate_count = size(network%inertia) - 1
+   end function coordinate_count
 
    !> Inertias of the bodies [kg m^2] and mean torques [N m], (body); the body whose torque balances the others'.
    pure subroutine bodies_of(train, inertia, torque, balancing)

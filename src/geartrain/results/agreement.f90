@@ -5,6 +5,7 @@ module geartrain_results_agreement
    use geartrain_branch_path, only: place_type
    use geartrain_branch_stability_map_settings, only: map_row_type, stability_map_settings_type, stability_map_type
    use geartrain_case_case, only: case_type
+   use geartrain_model_network, only: coordinate_count
    use geartrain_motion_attractors_settings, only: attractors_type
    use geartrain_motion_integration_settings, only: integration_settings_type, sweep_type
    use geartrain_motion_motion, only: motion_type
@@ -24,7 +25,7 @@ contains
       logical :: asked
 
       part = ''
-      elements = size(case%train%meshes) + count(.not. case%train%shafts%rigid)
+      elements = coordinate_count(case%train)
       asked = allocated(case%response)
       associate (meshes => size(case%train%meshes))
          if (allocated(results%response)) then
