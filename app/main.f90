@@ -5,9 +5,11 @@ program main
    use cases, only: check_cases, run_cases
    use geartrain, only: status_file, status_input, template_text, version
    use geartrain_case_text, only: reference_text
+   use geartrain_results_reference, only: output_reference
    use terminal, only: complain, has_memory, leave_at_once, output_lost, say, stand_firm
    implicit none (type, external)
    type(arguments_type) :: asked
+   character(:), allocatable :: page
    integer :: status
 
    call stand_firm()
@@ -31,6 +33,9 @@ program main
       call say(template_text())
    case ('reference')
       call say(reference_text())
+   case ('output-reference')
+      call output_reference(page)
+      call say(page)
    case ('check')
       call check_cases(asked%case_files, status)
    case ('audit')

@@ -7,6 +7,7 @@ module unit_results
    use geartrain_base_kinds, only: dp
    use geartrain_case_case, only: case_type
    use geartrain_results_file, only: check_place
+   use geartrain_results_reference, only: output_reference
    use geartrain_results_results, only: results_type, write_results
    use testing, only: tests_type
    implicit none (type, external)
@@ -25,6 +26,7 @@ contains
       call integration_as_written(tests)
       call attractors_and_branches_as_written(tests)
       call failures(tests)
+      call reference_page(tests)
       call clean()
    end subroutine results_tests
 
@@ -221,6 +223,21 @@ contains
       call check_place(path, error)
       call tests%is_true(there(path) .and. no_temporary(path), 'asking whether it can be written leaves all as it was')
    end subroutine failures
+
+   subroutine reference_page(tests)
+      class(tests_type), intent(inout) :: tests
+      character(:), allocatable :: page, text
+      integer :: unit, bytes, status
+
+      call tests%begin('reference page of the output')
+      open (newunit=unit, file='docs/output.md', access='stream', form='unformatted', status='old', action='read')
+      inquire (unit=unit, size=bytes)
+      allocate (character(bytes) :: page)
+      read (unit, iostat=status) page
+      close (unit)
+      call output_reference(text)
+      call tests%is_true(index(page, text) > 0, 'docs/output.md holds what geartrain --output-reference prints')
+   end subroutine reference_page
 
    subroutine expect(tests, error, message, name)
       class(tests_type), intent(inout) :: tests

@@ -78,7 +78,7 @@ contains
       call read_pair(tests, analyses, case)
       call run_case(case, '', results, error)
       call tests%is_true(.not. allocated(error), 'the case runs')
-      call visit_results(results, case, fields)
+      call visit_results(results, case, fields, summary=.true.)
       damaged = fields
       call take_results(damaged, case, again, wrong)
       call tests%is_text(wrong, '', 'what is read back agrees with its case')

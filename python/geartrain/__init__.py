@@ -34,7 +34,7 @@ from __future__ import annotations
 from . import _box
 from .audit import Audit
 from .branch import Branch, SpecialPoint
-from .case import Case, Results, read_case
+from .case import Case, Results, read_case, read_results
 from .errors import InputError, Interrupted, SolverError
 from .modes import Modes
 from .motion import Attractors, Motion, Sweep
@@ -63,6 +63,7 @@ __all__ = [
     "Sweep",
     "Train",
     "read_case",
+    "read_results",
 ]
 
 with _box.Box() as _opened:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Sequence, Sized
+from collections.abc import Iterable, Mapping, Sequence, Sized
 from dataclasses import dataclass, field
 from functools import cached_property
 from numbers import Integral
@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._box import ATTRACTORS, INTEGRATION, Box, fortran
+from ._box import ATTRACTORS, INTEGRATION, Box, as_columns, fortran
+from ._dataset import dataset
 from ._draw import check_mesh
 from ._motion_check import check_motion, check_states
 from ._request import text_at
@@ -21,6 +22,7 @@ from .errors import InputError, SolverError, shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from xarray import Dataset
 
     from .branch import Branch
     from .train import Train
@@ -274,6 +276,10 @@ class Motion:
             )
         return refined
 
+    def to_dataset(self) -> Dataset:
+        """The motion as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
+        return _table("/integration", [self]).isel(point=0, drop=True)
+
     def _box(self, what: str = "motion") -> Box:
         """A box of the motion; ``what`` is what messages call it."""
         if self.train is None:
@@ -334,6 +340,11 @@ class Sweep(list[Motion]):
         """(motions, meshes)."""
         return np.array([motion.dynamic_factor for motion in self])
 
+    def to_dataset(self) -> Dataset:
+        """The motions as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
+        attributes = {"ended": self.ended, "complete": self.complete}
+        return _table("/integration", self, ("frequency", "direction"), attributes, direction=list(self.direction))
+
     def __repr__(self) -> str:
         return f"<Sweep of {len(self)} motions: {self.ended}>"
 
@@ -382,6 +393,11 @@ class Attractors(list[Motion]):
         self.complete = complete
         self.branches = list(branches)
 
+    def to_dataset(self) -> Dataset:
+        """The motions as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
+        names = ("ended", "complete", "starts", "random_seed", "unsettled")
+        return _table("/attractors", self, (), {name: getattr(self, name) for name in names})
+
     def __repr__(self) -> str:
         return f"<{len(self)} attractors from {self.starts} starts, {self.unsettled:.1%} unsettled: {self.ended}>"
 
@@ -389,6 +405,14 @@ class Attractors(list[Motion]):
     def _from(cls, box: Box, train: Train, branches: Iterable[Branch] = ()) -> Attractors:
         motions: list[dict[str, Any]] = box.motions(ATTRACTORS)
         return cls([Motion(train=train, **fields) for fields in motions], **box.attractors(), branches=branches)
+
+
+def _table(
+    path: str, motions: Sequence[Motion], coordinates: tuple[str, ...] = (), attributes: Mapping[str, Any] | None = None,
+    **columns: Any,
+) -> Dataset:
+    """Motions as the table of a group of the results file."""
+    return dataset(path, {**as_columns(motions), **columns}, coordinates, **(attributes or {}))
 
 
 def from_state(state: ArrayLike, meshes: int, states: int) -> Motion:

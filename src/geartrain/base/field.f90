@@ -4,7 +4,7 @@ module geartrain_base_field
    implicit none (type, external)
    private
    public :: field_type, group_type, groups_type, kind_integer, kind_logical, kind_real, kind_text, lengths_type, &
-      text_type, values_type, word, words
+      text_type, values_type, word
 
    !> A row of the tables of fields (the modules `geartrain_*_fields`): all that is said of a result that is no number.
    type :: field_type
@@ -210,21 +210,6 @@ contains
       call move_alloc(from%integers, to%integers)
       call move_alloc(from%texts, to%texts)
    end subroutine move_values
-
-   !> Number of words in a text.
-   pure integer function words(text)
-      character(*), intent(in) :: text
-      integer :: i
-
-      words = 0
-      do i = 1, len_trim(text)
-         if (text(i:i) == ' ') cycle
-         if (i > 1) then
-            if (text(i - 1:i - 1) /= ' ') cycle
-         end if
-         words = words + 1
-      end do
-   end function words
 
    !> Word number n of a text, words being parted by single blanks.
    pure character(24) function word(text, n)

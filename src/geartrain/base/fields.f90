@@ -290,12 +290,17 @@ contains
             where (ieee_is_nan(values)) values = -1
          else if (self%along /= '' .and. size(extents) > 0) then
             call shorten(values, extents)
-            if (product(extents) == 0 .and. n > 0) return
+            if (product(extents) == 0) deallocate (values)
+            if (product(extents) == 0) return
          end if
          found = .true.
          return
       end if
-      if (.not. allocated(values) .and. self%way == writing) return
+      if (.not. allocated(values) .and. self%way == writing) then
+         if (self%along == '' .or. any(self%lengths_of(about, size(extents)) < 0)) return
+         call self%room_for(about, kind_real, extents, place, first, lengths)
+         return
+      end if
       call self%room_for(about, kind_real, extents, place, first, lengths)
       if (self%way == listing) return
       associate (all => self%groups(self%here)%fields(place)%reals)

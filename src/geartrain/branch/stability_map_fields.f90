@@ -81,7 +81,7 @@ contains
    pure character(8) function unit_of(map)
       type(stability_map_type), intent(in) :: map
 
-      unit_of = '1'
+      unit_of = ''
       if (allocated(map%unit)) unit_of = map%unit
    end function unit_of
 

@@ -3,7 +3,7 @@ module geartrain_case_checkpoint
    use, intrinsic :: iso_fortran_env, only: int64, int8
    use geartrain_base_error, only: error_type, fatal, status_file
    use geartrain_base_fields, only: fields_type
-   use geartrain_base_kinds, only: dp
+   use geartrain_base_kinds, only: dp, version
    use geartrain_base_observer, only: observer_type
    use geartrain_case_case, only: case_type
    use geartrain_case_text, only: case_text
@@ -135,10 +135,11 @@ contains
       type(case_type), intent(in) :: case
       type(results_type), intent(out) :: results
       type(error_type), allocatable, intent(inout) :: error
-      character(:), allocatable :: input, wrong
+      character(:), allocatable :: input, written_by, wrong
       type(fields_type) :: fields
 
-      call open_results(path, fields, input, wrong)
+      call open_results(path, fields, input, written_by, wrong)
+      if (wrong == '' .and. written_by /= version) wrong = 'it was written by another version of geartrain, '//written_by
       if (fields%count == 0) then
          call fatal(error, path//': error: cannot be resumed: it is no readable checkpoint of geartrain ('//wrong// &
                     '); it stays as it is', status_file)

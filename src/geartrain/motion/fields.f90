@@ -206,9 +206,10 @@ contains
          call carry(fields, row('multipliers', 'state complex', '1', about_multipliers//'; NaN where no period was found', &
                                 on_stability), motion%multipliers)
       end if
-      call carry(fields, row('initial_state', 'coordinate', '1', 'state at time 0: the displacement of every elastic element / &
-                             &characteristic_length, then its velocity per 1/characteristic_frequency; see `Motion.state` in &
-                             &Python', 'of what integration gave', optional=.true.), motion%state)
+      if (fields%has('initial_state', allocated(motion%state))) &
+         call carry(fields, row('initial_state', 'coordinate', '1', 'state at time 0: the displacement of every elastic element / &
+                                &characteristic_length, then its velocity per 1/characteristic_frequency; see `Motion.state` in &
+                                &Python', 'of what integration gave', optional=.true.), motion%state)
       if (fields%way == reading) call fields%check(all([allocated(motion%rms), allocated(motion%mean), allocated(motion%minimum), &
                                                         allocated(motion%maximum)] .eqv. allocated(motion%coefficients)), 'rms')
       if (fields%has('share', motion%share >= 0)) &

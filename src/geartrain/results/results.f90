@@ -25,7 +25,7 @@ module geartrain_results_results
    use geartrain_results_seal, only: add_seal, seal_bytes
    implicit none (type, external)
    private
-   public :: format_version, open_results, results_type, take_results, visit_results, write_results
+   public :: open_results, results_type, take_results, visit_results, visit_root, write_results
 
    !> Raised when a name or a shape in the file changes its meaning. 2: a file is sealed and holds all that is to be read back.
    integer, parameter :: format_version = 2
@@ -57,7 +57,7 @@ contains
       type(fields_type) :: fields
 
       call visit_root(case, fields)
-      call visit_results(results, case, fields)
+      call visit_results(results, case, fields, summary=.true.)
       call hdf5_content(fields, content, error)
       if (allocated(error)) then
          error%message = path//': error: '//error%message
@@ -92,30 +92,26 @@ contains
       call carry(fields, row('characteristic_frequency', '', '', 'rad/s'), value)
    end subroutine visit_root
 
-   !> The groups of a results file and the text of the case that they are results of; `wrong` says why they cannot be used, ''
-   !> where all is well so far.
-   subroutine open_results(path, fields, input, wrong)
+   !> The groups of a results file, the text of the case that they are results of, and the version of geartrain that wrote them;
+   !> `wrong` says why they cannot be used, '' where all is well so far.
+   subroutine open_results(path, fields, input, written_by, wrong)
       character(*), intent(in) :: path
       type(fields_type), intent(inout) :: fields
-      character(:), allocatable, intent(out) :: input, wrong
-      character(:), allocatable :: written_by
+      character(:), allocatable, intent(out) :: input, written_by, wrong
       integer :: number
 
       call read_groups(path, fields)
       fields%way = reading
       wrong = 'its checksum does not fit: damaged, cut short or something else'
       input = ''
+      written_by = ''
       if (.not. fields%enter('/', '', .true.)) return
       number = 0
       call carry(fields, row('format_version'), number)
       call carry_text(fields, row('program_version'), written_by)
       call carry_text(fields, row('input'), input)
       wrong = ''
-      if (allocated(fields%wrong) .or. number /= format_version) then
-         wrong = 'it was written by another version of geartrain'
-      else if (written_by /= version) then
-         wrong = 'it was written by another version of geartrain, '//written_by
-      end if
+      if (allocated(fields%wrong) .or. number /= format_version) wrong = 'it was written by another version of geartrain'
    end subroutine open_results
 
    !> The results of the case among the groups read; `wrong` says what does not agree with the rest or with the case, '' where all
@@ -128,15 +124,17 @@ contains
 
       fields%way = reading
       wrong = ''
-      call visit_results(results, case, fields)
+      call visit_results(results, case, fields, summary=.false.)
       if (allocated(fields%wrong)) wrong = fields%wrong
    end subroutine take_results
 
    !> All that a case can give, in the order of the file.
-   subroutine visit_results(results, case, fields)
+   subroutine visit_results(results, case, fields, summary)
       type(results_type), intent(inout) :: results
       type(case_type), intent(in) :: case
       class(fields_type), intent(inout) :: fields
+      !> Whether what one reads off a branch is computed as well.
+      logical, intent(in) :: summary
       integer :: i, n, elements, points, starts
 
       elements = size(case%train%meshes) + count(.not. case%train%shafts%rigid)
@@ -182,7 +180,7 @@ contains
          if (fields%way == reading) then
             call fields%check(branch%states <= 2*elements, home)
             branch%backlash = case%train%meshes%half_backlash/case%train%characteristic_length
-         else if (branch%points > 0 .or. fields%way == listing) then
+         else if (summary .and. (branch%points > 0 .or. fields%way == listing)) then
             call visit_summary(branch, home, fields)
          end if
       end subroutine visit_whole_branch
