@@ -5,6 +5,7 @@ module unit_robust
       read_case_text, response, results_type, run_case, stability_map, stability_map_type, status_file, status_input, sweep, &
       sweep_type
    use geartrain_base_checksum, only: crc64
+   use geartrain_base_field, only: values_type
    use geartrain_base_fields, only: fields_type
    use geartrain_results_results, only: take_results, visit_results
    use geartrain_results_seal, only: add_seal, is_whole
@@ -114,41 +115,47 @@ contains
    subroutine damage(fields, generator)
       type(fields_type), intent(inout) :: fields
       integer(int64), intent(inout) :: generator
-      integer :: at
+      integer :: i
 
-      associate (group => fields%groups(1 + below(fields%count)))
-         associate (field => group%fields(1 + below(group%count)))
-            select case (below(5))
-            case (0)
-               field%about%name = 'another'
-            case (1)
-               if (size(field%extents) == 0) return
-               at = 1 + below(size(field%extents))
-               field%extents(at) = field%extents(at) + below(3) - 1
-            case (2)
-               field%kind = 'r'
-               if (.not. allocated(field%reals)) field%reals = [real(dp) ::]
-            case (3)
-               if (allocated(field%integers)) field%integers(1 + below(size(field%integers))) = below(1000) - 500
-               if (allocated(field%texts)) field%texts(1 + below(size(field%texts)))%text = 'another'
-            case default
-               if (allocated(field%reals)) field%reals = field%reals(:below(size(field%reals)))
-               if (allocated(field%integers)) field%integers = field%integers(:below(size(field%integers)))
-            end select
-         end associate
-      end associate
-
-   contains
-
-      !> 0 .. n - 1.
-      integer function below(n)
-         integer, intent(in) :: n
-
-         generator = mod(48271_int64*generator, 2147483647_int64)
-         below = int(mod(generator/7, int(max(1, n), int64)))
-      end function below
-
+      i = 1 + below(generator, fields%count)
+      call damage_field(fields%groups(i)%fields(1 + below(generator, fields%groups(i)%count)), generator)
    end subroutine damage
+
+   subroutine damage_field(field, generator)
+      type(values_type), intent(inout) :: field
+      integer(int64), intent(inout) :: generator
+      integer :: n, at
+
+      n = product(field%extents)
+      at = below(generator, n)
+      select case (below(generator, 5))
+      case (0)
+         field%about%name = 'another'
+      case (1)
+         if (size(field%extents) == 0) return
+         at = 1 + below(generator, size(field%extents))
+         field%extents(at) = field%extents(at) + below(generator, 3) - 1
+      case (2)
+         field%kind = 'r'
+         if (.not. allocated(field%reals)) allocate (field%reals(0))
+      case (3)
+         if (n == 0) return
+         if (allocated(field%integers)) field%integers(1 + at) = below(generator, 1000) - 500
+         if (allocated(field%texts)) field%texts(1 + at)%text = 'another'
+      case default
+         if (allocated(field%reals)) field%reals = field%reals(:at)
+         if (allocated(field%integers)) field%integers = field%integers(:at)
+      end select
+   end subroutine damage_field
+
+   !> 0 .. n - 1.
+   integer function below(generator, n)
+      integer(int64), intent(inout) :: generator
+      integer, intent(in) :: n
+
+      generator = mod(48271_int64*generator, 2147483647_int64)
+      below = int(mod(generator/7, int(max(1, n), int64)))
+   end function below
 
    !> The flag is up from the beginning: every analysis ends at once, says that it is not complete and keeps nothing half done.
    subroutine interrupted(tests)
