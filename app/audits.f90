@@ -97,6 +97,7 @@ contains
       integer, intent(inout) :: status
       type(audit_type) :: found
       type(error_type), allocatable :: error
+      character(:), allocatable :: table
 
       if (branch%points == 0) return
       call audit_branch(case%train, branch, points, random_seed, found, error, progress)
@@ -105,7 +106,8 @@ contains
          lines = lines//error%message//new_line('a')
          status = max(status, error%status)
       else
-         lines = lines//audit_text(found)//new_line('a')
+         call audit_text(found, table)
+         lines = lines//table//new_line('a')
          if (.not. found%ok) status = max(status, status_ended_early)
       end if
    end subroutine audit_one

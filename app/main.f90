@@ -9,7 +9,7 @@ program main
    use terminal, only: complain, has_memory, leave_at_once, output_lost, say, stand_firm
    implicit none (type, external)
    type(arguments_type) :: asked
-   character(:), allocatable :: page
+   character(:), allocatable :: text
    integer :: status
 
    call stand_firm()
@@ -30,12 +30,14 @@ program main
    case ('version')
       call say('geartrain '//version//new_line('a'))
    case ('template')
-      call say(template_text())
+      call template_text(text)
+      call say(text)
    case ('reference')
-      call say(reference_text())
+      call reference_text(text)
+      call say(text)
    case ('output-reference')
-      call output_reference(page)
-      call say(page)
+      call output_reference(text)
+      call say(text)
    case ('check')
       call check_cases(asked%case_files, status)
    case ('audit')

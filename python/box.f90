@@ -111,9 +111,9 @@ contains
       case ('message')
          if (allocated(box%message)) text = box%message
       case ('case')
-         text = case_text(box%case)
+         call case_text(box%case, text)
       case ('audit')
-         text = audit_text(box%audit)
+         call audit_text(box%audit, text)
       case ('fields')
          call list_fields(box%fields, text)
       end select

@@ -1,6 +1,16 @@
-!> Runs every test, or with the word unit the unit tests alone; the last line is `N passed, N failed`.
+!> All suites of tests; `runner` says which arguments choose among them. The last line is `N passed, N failed`.
 program main
-   use testing, only: tests_type
+   use runner, only: run_suites
+   use testing, only: suite_type
+   use hard_branches, only: branches_cases
+   use hard_closed_forms, only: closed_forms_cases
+   use hard_figures, only: figures_cases
+   use hard_grazing, only: grazing_cases
+   use hard_motions, only: motions_cases
+   use hard_random_trains, only: random_trains_cases
+   use hard_scales, only: scales_cases
+   use hard_settling, only: settling_cases
+   use hard_speeds, only: speeds_cases
    use unit_balance, only: balance_tests
    use unit_branch_summary, only: branch_summary_tests
    use unit_case_reader, only: case_reader_tests
@@ -34,45 +44,47 @@ program main
    use validation_stability_map, only: stability_map_tests
    use validation_whole_model, only: whole_model_tests
    implicit none (type, external)
-   type(tests_type) :: tests
-   character(4) :: which
 
-   call get_command_argument(1, which)
-   call contact_tests(tests)
-   call case_reader_tests(tests)
-   call case_text_tests(tests)
-   call check_tests(tests)
-   call branch_summary_tests(tests)
-   call balance_tests(tests)
-   call eigenvalues_tests(tests)
-   call elimination_tests(tests)
-   call flow_tests(tests)
-   call results_tests(tests)
-   call robust_tests(tests)
-   call scale_tests(tests)
-   call results_run_tests(tests)
-   if (which == 'unit') then
-      call tests%finish()
-      stop
-   end if
-   call paper_train_tests(tests)
-   call orders_tests(tests)
-   call single_pair_tests(tests)
-   call whole_model_tests(tests)
-   call mesh_load_tests(tests)
-   call jumps_tests(tests)
-   call doubling_tests(tests)
-   call bifurcations_tests(tests)
-   call excitations_tests(tests)
-   call figures_tests(tests)
-   call errata_tests(tests)
-   call error_estimate_tests(tests)
-   call claims_shafts_tests(tests)
-   call claims_excitation_tests(tests)
-   call claims_subharmonic_tests(tests)
-   call stability_map_tests(tests)
-   call refinement_tests(tests)
-   call settling_tests(tests)
-   call audit_tests(tests)
-   call tests%finish()
+   call run_suites([ &
+                   suite_type('unit_contact', contact_tests), &
+                   suite_type('unit_case_reader', case_reader_tests), &
+                   suite_type('unit_case_text', case_text_tests), &
+                   suite_type('unit_check', check_tests), &
+                   suite_type('unit_branch_summary', branch_summary_tests), &
+                   suite_type('unit_balance', balance_tests), &
+                   suite_type('unit_eigenvalues', eigenvalues_tests), &
+                   suite_type('unit_elimination', elimination_tests), &
+                   suite_type('unit_flow', flow_tests), &
+                   suite_type('unit_results', results_tests), &
+                   suite_type('unit_robust', robust_tests), &
+                   suite_type('unit_scale', scale_tests), &
+                   suite_type('unit_results_run', results_run_tests), &
+                   suite_type('validation_paper_train', paper_train_tests), &
+                   suite_type('validation_orders', orders_tests), &
+                   suite_type('validation_single_pair', single_pair_tests), &
+                   suite_type('validation_whole_model', whole_model_tests), &
+                   suite_type('validation_mesh_load', mesh_load_tests), &
+                   suite_type('validation_jumps', jumps_tests), &
+                   suite_type('validation_doubling', doubling_tests), &
+                   suite_type('validation_bifurcations', bifurcations_tests), &
+                   suite_type('validation_excitations', excitations_tests), &
+                   suite_type('validation_figures', figures_tests), &
+                   suite_type('validation_errata', errata_tests), &
+                   suite_type('validation_error_estimate', error_estimate_tests), &
+                   suite_type('validation_claims_shafts', claims_shafts_tests), &
+                   suite_type('validation_claims_excitation', claims_excitation_tests), &
+                   suite_type('validation_claims_subharmonic', claims_subharmonic_tests), &
+                   suite_type('validation_stability_map', stability_map_tests), &
+                   suite_type('validation_refinement', refinement_tests), &
+                   suite_type('validation_settling', settling_tests), &
+                   suite_type('validation_audit', audit_tests), &
+                   suite_type('hard_figures', figures_cases), &
+                   suite_type('hard_branches', branches_cases), &
+                   suite_type('hard_grazing', grazing_cases), &
+                   suite_type('hard_scales', scales_cases), &
+                   suite_type('hard_speeds', speeds_cases), &
+                   suite_type('hard_closed_forms', closed_forms_cases), &
+                   suite_type('hard_motions', motions_cases), &
+                   suite_type('hard_settling', settling_cases), &
+                   suite_type('hard_random_trains', random_trains_cases)])
 end program main

@@ -1,12 +1,18 @@
-!> What one reads off a curve of the paper with a ruler: the largest peak in a range, the smallest displacement, a fold.
+!> Motions and curves as tests ask for them, and what one reads off a curve of the paper with a ruler: the largest peak in a range,
+!> the smallest displacement, a fold.
 module readings
-   use geartrain, only: branch_type, dp, error_type, response, train_type
-   use geartrain_branch_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use fixtures, only: settings_of
+   use geartrain, only: branch_type, dp, error_type, motion_type, response, response_settings_type, solutions_at, train_type
+   use geartrain_base_kinds, only: pi
+   use geartrain_branch_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
+   use geartrain_model_system, only: system_type
+   use geartrain_motion_flow, only: flow_type
    use testing, only: tests_type
    implicit none (type, external)
    private
-   public :: traced, peak_between, largest_between, smallest_between, has_fold, folds_between, is_band, stable_somewhere
+   public :: nearest_approach, solution, solve, traced
+   public :: peak_between, largest_between, smallest_between, has_fold, folds_between, is_band, stable_somewhere
 
 contains
 
@@ -97,5 +103,60 @@ contains
                          .and. minval(branch%frequency(:branch%points)) <= from &
                          .and. maxval(branch%frequency(:branch%points)) >= to
    end function stable_somewhere
+
+   !> The response of a train; empty where the input was refused.
+   function solve(train, settings) result(branch)
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      type(branch_type) :: branch
+      type(error_type), allocatable :: error
+
+      call response(train, settings, branch, error)
+   end function solve
+
+   !> The only motion of a train at a frequency, by the balance; its rms is NaN, which no tolerance allows, where there is not
+   !> exactly one.
+   function solution(train, settings) result(motion)
+      type(train_type), intent(in) :: train
+      !> A short range that begins at the frequency.
+      type(response_settings_type), intent(in) :: settings
+      type(motion_type) :: motion
+      type(branch_type) :: branch
+      type(motion_type), allocatable :: motions(:)
+      type(error_type), allocatable :: error
+
+      allocate (motions(0))
+      branch = solve(train, settings)
+      if (branch%points > 0) call solutions_at(train, settings, branch, settings%start, motions, error)
+      if (size(motions) == 1) then
+         motion = motions(1)
+      else
+         allocate (motion%rms(size(train%meshes)), source=ieee_value(1.0_dp, ieee_quiet_nan))
+         motion%mean = motion%rms
+      end if
+   end function solution
+
+   !> How near the flow from a state comes to a motion within some mesh periods, over how far it was: by nothing but integration.
+   !> Ends where it is near enough.
+   real(dp) function nearest_approach(system, start, motion, enough, periods) result(nearest)
+      type(system_type), intent(in) :: system
+      !> (2*elements) at phase 0.
+      real(dp), intent(in) :: start(:)
+      type(motion_type), intent(in) :: motion
+      real(dp), intent(in) :: enough
+      integer, intent(in) :: periods
+      type(flow_type) :: flow
+      integer :: k
+
+      call flow%setup(system, 1, 20, 1e-15_dp)
+      flow%x(1, :) = start
+      nearest = 1
+      do k = 1, periods
+         call flow%start(motion%frequency, 0.0_dp)
+         call flow%advance(2*pi/motion%frequency)
+         nearest = min(nearest, maxval(abs(flow%x(1, :) - motion%state))/maxval(abs(start - motion%state)))
+         if (nearest <= enough) return
+      end do
+   end function nearest_approach
 
 end module readings

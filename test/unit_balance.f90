@@ -16,16 +16,17 @@ contains
    subroutine balance_tests(tests)
       class(tests_type), intent(inout) :: tests
 
-      call tests%begin('balance')
-      call jacobian_at_random(tests, paper_train(), 6, 1, 0, 5.0_dp, 'exact, separation and back contact')
-      call jacobian_at_random(tests, paper_train(), 6, 1, 0, 0.05_dp, 'exact, in contact')
-      call jacobian_at_random(tests, paper_train(), 9, 3, 0, 5.0_dp, 'exact, sub-harmonic 3')
-      call jacobian_at_random(tests, paper_train(), 6, 1, 128, 5.0_dp, 'sampled')
-      call jacobian_at_random(tests, long_train(5), 8, 1, 0, 5.0_dp, 'everything, 5 shafts')
-      call jacobian_at_random(tests, long_train(3), 6, 2, 0, 5.0_dp, 'everything, 3 shafts')
-      call jacobian_at_random(tests, single_pair(0.05_dp, 0.3_dp, 0.4_dp), 12, 1, 0, 5.0_dp, 'single pair')
-      call condensed_linear_mesh(tests)
-      call receptance_derivative(tests)
+      if (tests%runs('jacobian')) then
+         call jacobian_at_random(tests, paper_train(), 6, 1, 0, 5.0_dp, 'exact, separation and back contact')
+         call jacobian_at_random(tests, paper_train(), 6, 1, 0, 0.05_dp, 'exact, in contact')
+         call jacobian_at_random(tests, paper_train(), 9, 3, 0, 5.0_dp, 'exact, sub-harmonic 3')
+         call jacobian_at_random(tests, paper_train(), 6, 1, 128, 5.0_dp, 'sampled')
+         call jacobian_at_random(tests, long_train(5), 8, 1, 0, 5.0_dp, 'everything, 5 shafts')
+         call jacobian_at_random(tests, long_train(3), 6, 2, 0, 5.0_dp, 'everything, 3 shafts')
+         call jacobian_at_random(tests, single_pair(0.05_dp, 0.3_dp, 0.4_dp), 12, 1, 0, 5.0_dp, 'single pair')
+      end if
+      if (tests%runs('condensed_linear_mesh')) call condensed_linear_mesh(tests)
+      if (tests%runs('receptance_derivative')) call receptance_derivative(tests)
    end subroutine balance_tests
 
    !> dS/du and dS/dLambda by central differences (step 1e-6, error about 1e-8 of the entries for a force whose second

@@ -15,15 +15,14 @@ contains
    subroutine branch_summary_tests(tests)
       class(tests_type), intent(inout) :: tests
 
-      call tests%begin('branch summary')
-      call resonance(tests)
-      call period_doubling(tests)
-      call two_parts(tests)
-      call without_stability(tests)
-      call jumps_of_a_resonance(tests)
-      call jump_among_three(tests)
-      call ranges_of_contact(tests)
-      call closed_island(tests)
+      if (tests%runs('resonance')) call resonance(tests)
+      if (tests%runs('period_doubling')) call period_doubling(tests)
+      if (tests%runs('two_parts')) call two_parts(tests)
+      if (tests%runs('without_stability')) call without_stability(tests)
+      if (tests%runs('jumps_of_a_resonance')) call jumps_of_a_resonance(tests)
+      if (tests%runs('jump_among_three')) call jump_among_three(tests)
+      if (tests%runs('ranges_of_contact')) call ranges_of_contact(tests)
+      if (tests%runs('closed_island')) call closed_island(tests)
    end subroutine branch_summary_tests
 
    !> A softening resonance: up to the peak, back through the fold at 0.72, out through the fold at 0.95; the stable levels overlap.

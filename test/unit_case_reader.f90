@@ -25,15 +25,15 @@ contains
    subroutine case_reader_tests(tests)
       class(tests_type), intent(inout) :: tests
 
-      call tests%begin('case reader')
-      call what_is_read(tests)
-      call forms(tests)
-      call names(tests)
-      call values(tests)
-      call structure(tests)
-      call agreement(tests)
-      call without_a_file(tests)
-      call files(tests)
+      if (tests%runs('what_is_read')) call what_is_read(tests)
+      if (tests%runs('forms')) call forms(tests)
+      if (tests%runs('names')) call names(tests)
+      if (tests%runs('values')) call values(tests)
+      if (tests%runs('structure')) call structure(tests)
+      if (tests%runs('agreement')) call agreement(tests)
+      if (tests%runs('without_a_file')) call without_a_file(tests)
+      if (tests%runs('files')) call files(tests)
+      if (tests%runs('threads')) call threads(tests)
    end subroutine case_reader_tests
 
    subroutine what_is_read(tests)
@@ -92,8 +92,11 @@ contains
       call refused(tests, train//shaft//'&mesh'//n//'   stifness = 2.5e8, driving_radius=0.05 driven_radius=0.1'//n// &
                    'driving_inertia=0.002 driven_inertia=0.04 /'//n//shaft, &
                    'x.nml:5:4: error: unknown variable "stifness" in &mesh (did you mean "stiffness"?)')
-      call refused(tests, good//'&response start=0.2, to=1 /', &
-                   'x.nml:7:11: error: unknown variable "start" in &response (did you mean "from"?)')
+      call refused(tests, good//'&response start=-0.2, to=1 /', 'x.nml:7:17: error: &response: from = -0.2: must be > 0')
+      call refused(tests, good//'&response start=0.2, to=1, from = 0.3 /', &
+                   'x.nml:7:28: error: &response: from is given twice; the first is on line 7')
+      call refused(tests, good//'&attractors frequency=0.6, start=20 /', &
+                   'x.nml:7:28: error: unknown variable "start" in &attractors (did you mean "starts"?)')
       call refused(tests, good//'&modes title = ''x'' /', &
                    'x.nml:7:8: error: unknown variable "title" in &modes (it belongs to &train)')
       call refused(tests, good//'&output qqqqqqq = 1 /', &
@@ -235,6 +238,38 @@ contains
       call read_case('namelists', case, error)
       call tests%is_true(allocated(error), 'a directory is refused')
    end subroutine files
+
+   !> Threads that read bad cases at once get the messages that each gets alone, whatever their lengths.
+   subroutine threads(tests)
+      class(tests_type), intent(inout) :: tests
+      integer :: i, different
+
+      different = 0
+      !$omp parallel do num_threads(8) schedule(static, 1) reduction(+:different)
+      do i = 1, 12000
+         if (.not. is_told(i)) different = different + 1
+      end do
+      !$omp end parallel do
+      call tests%is_true(different == 0, 'messages of eight threads')
+   end subroutine threads
+
+   !> Whether a text with numbers as long as `number` makes them has its message, byte for byte.
+   logical function is_told(number)
+      integer, intent(in) :: number
+      character(*), parameter :: from(4) = [character(22) :: '-1.0', '-0.12345678901234566', '-1.2345678901234567e9', '-2.5e8']
+      character(*), parameter :: harmonics(3) = [character(10) :: '-1', '1234567890', '-12345']
+      type(case_type) :: case
+      type(error_type), allocatable :: error
+      character(:), allocatable :: a, b, expected
+
+      a = trim(from(1 + mod(number, size(from))))
+      b = trim(harmonics(1 + mod(number, size(harmonics))))
+      call read_case_text(good//'&response from='//a//' to=2.6 harmonics='//b//' /', 'x.nml', case, error)
+      expected = 'x.nml:7:16: error: &response: from = '//a//': must be > 0'//n//'x.nml:7:'//integer_text(34 + len(a))// &
+                 ': error: &response: harmonics = '//b//': must be >= 1 and <= 1000, or 0 to leave the choice to the program'
+      is_told = allocated(error)
+      if (is_told) is_told = len(error%message) == len(expected) .and. error%message == expected
+   end function is_told
 
    !> The text is refused with exactly this message, and nothing of it is taken over.
    subroutine refused(tests, text, message)

@@ -18,12 +18,11 @@ contains
    subroutine flow_tests(tests)
       class(tests_type), intent(inout) :: tests
 
-      call tests%begin('flow')
-      call bouncing(tests)
-      call tangents(tests)
-      call interrupted(tests)
-      call along_contacts(tests)
-      call half_an_interval(tests)
+      if (tests%runs('bouncing')) call bouncing(tests)
+      if (tests%runs('tangents')) call tangents(tests)
+      if (tests%runs('interrupted')) call interrupted(tests)
+      if (tests%runs('along_contacts')) call along_contacts(tests)
+      if (tests%runs('half_an_interval')) call half_an_interval(tests)
    end subroutine flow_tests
 
    !> x'' + g(x) = f without damping: from rest at x0 > b the mass leaves contact, flies through the gap under the constant

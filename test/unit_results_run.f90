@@ -38,12 +38,12 @@ contains
    subroutine results_run_tests(tests)
       class(tests_type), intent(inout) :: tests
 
-      call whole(tests)
-      call further_branches(tests)
-      call cancelled(tests)
-      call nowhere_to_write(tests)
-      call checkpoints(tests)
-      call map_resumed(tests)
+      if (tests%runs('whole')) call whole(tests)
+      if (tests%runs('further_branches')) call further_branches(tests)
+      if (tests%runs('cancelled')) call cancelled(tests)
+      if (tests%runs('nowhere_to_write')) call nowhere_to_write(tests)
+      if (tests%runs('checkpoints')) call checkpoints(tests)
+      if (tests%runs('map_resumed')) call map_resumed(tests)
       call remove(path)
       call remove(path//'.partial')
    end subroutine results_run_tests
@@ -55,7 +55,6 @@ contains
       type(error_type), allocatable :: error
       type(counter_type) :: counter
 
-      call tests%begin('run of a case')
       call read_pair(tests, '&modes /'//newline//'&response from = 0.4, to = 0.5 /'//newline// &
                      '&integration from = 0.4, to = 0.5, points = 2 /', case)
       call run_case(case, path, results, error, counter)
@@ -83,7 +82,6 @@ contains
       type(counter_type) :: counter, told
       integer :: i
 
-      call tests%begin('run of a case, further branches')
       call read_pair(tests, '&response from = 1.2, to = 2.6, period_doublings = 1 /'//newline// &
                      '&attractors frequency = 1.6, starts = 8, max_periods = 300, follow = .true. /', case)
       case%train%meshes(1)%half_backlash = 1
@@ -123,7 +121,6 @@ contains
       type(error_type), allocatable :: error
       type(counter_type) :: counter
 
-      call tests%begin('run of a case, cancelled')
       call read_pair(tests, '&response from = 0.4, to = 0.9 /'//newline// &
                      '&integration from = 0.4, to = 0.5, points = 2 /', case)
       counter%no_at = 3
@@ -144,7 +141,6 @@ contains
       type(error_type), allocatable :: error
       type(counter_type) :: counter
 
-      call tests%begin('run of a case, no folder to write to')
       call read_pair(tests, '&response from = 0.4, to = 0.9 /', case)
       call run_case(case, 'build/no-such-folder/a.h5', results, error, counter)
       call tests%is_true(allocated(error), 'is an error')
@@ -161,7 +157,6 @@ contains
       type(checkpoint_type) :: checkpoint
       logical :: keep_going
 
-      call tests%begin('checkpoint')
       call read_pair(tests, '&modes /', case)
       checkpoint%observer => counter
       checkpoint%case => case
@@ -193,7 +188,6 @@ contains
       type(counter_type) :: counter, told
       integer :: known
 
-      call tests%begin('run of a case, a stability map resumed')
       call read_pair(tests, '&stability_map from = 0.5, to = 2.5, points = 5, parameter_from = 0.1, parameter_to = 0.5, &
                      &parameter_points = 40, linear = .true. /', case)
       call run_case(case, '', whole, error)

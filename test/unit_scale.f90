@@ -19,14 +19,15 @@ contains
    subroutine scale_tests(tests)
       class(tests_type), intent(inout) :: tests
 
-      call tests%begin('scale')
-      call either_solver(tests, paper_train(), 48, 1, 10, 'figure 3, teeth apart')
-      call either_solver(tests, paper_train(), 60, 2, 10, 'figure 3, sub-harmonic 2')
-      call either_solver(tests, paper_train(), 32, 1, 1, 'figure 3, one harmonic eliminated')
-      call either_solver(tests, long_train(5), 40, 1, 10, 'everything, 5 shafts')
-      call iterations(tests)
-      call diagonal(tests)
-      call leading_multipliers(tests)
+      if (tests%runs('either_solver')) then
+         call either_solver(tests, paper_train(), 48, 1, 10, 'figure 3, teeth apart')
+         call either_solver(tests, paper_train(), 60, 2, 10, 'figure 3, sub-harmonic 2')
+         call either_solver(tests, paper_train(), 32, 1, 1, 'figure 3, one harmonic eliminated')
+         call either_solver(tests, long_train(5), 40, 1, 10, 'everything, 5 shafts')
+      end if
+      if (tests%runs('iterations')) call iterations(tests)
+      if (tests%runs('diagonal')) call diagonal(tests)
+      if (tests%runs('leading_multipliers')) call leading_multipliers(tests)
    end subroutine scale_tests
 
    !> The same solution, tangent and orientation, all harmonics eliminated and the lowest `explicit` ones.

@@ -14,14 +14,13 @@ contains
    subroutine bifurcations_tests(tests)
       class(tests_type), intent(inout) :: tests
 
-      call tests%begin('bifurcations')
-      call antisymmetric_doublings(tests)
-      call doublings_together(tests)
-      call asymmetric_motions(tests)
-      call each_crossing_once(tests)
-      call seeds_and_bounds(tests)
-      call closed_once(tests)
-      call contact_edge(tests)
+      if (tests%runs('antisymmetric_doublings')) call antisymmetric_doublings(tests)
+      if (tests%runs('doublings_together')) call doublings_together(tests)
+      if (tests%runs('asymmetric_motions')) call asymmetric_motions(tests)
+      if (tests%runs('each_crossing_once')) call each_crossing_once(tests)
+      if (tests%runs('seeds_and_bounds')) call seeds_and_bounds(tests)
+      if (tests%runs('closed_once')) call closed_once(tests)
+      if (tests%runs('contact_edge')) call contact_edge(tests)
    end subroutine bifurcations_tests
 
    !> Two equal pairs on a shaft between rigid ends.

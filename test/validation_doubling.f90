@@ -13,17 +13,23 @@ contains
 
    subroutine doubling_tests(tests)
       class(tests_type), intent(inout) :: tests
+
+      if (tests%runs('each_branch_once')) call each_branch_once(tests)
+      if (tests%runs('doublings_in_pairs')) call doublings_in_pairs(tests)
+      if (tests%runs('joined_parents')) call joined_parents(tests)
+      if (tests%runs('island')) call island(tests)
+      if (tests%runs('cascade')) call cascade(tests)
+   end subroutine doubling_tests
+
+   !> Period 1 to 2 to 4.
+   subroutine cascade(tests)
+      class(tests_type), intent(inout) :: tests
       type(branch_type) :: once, twice, four
       type(response_settings_type) :: settings
       type(motion_type), allocatable :: motions(:)
       type(error_type), allocatable :: error
       integer :: i, last
 
-      call tests%begin('period doubling')
-      call each_branch_once(tests)
-      call doublings_in_pairs(tests)
-      call joined_parents(tests)
-      call island(tests)
       settings = settings_of(1.2_dp, 2.6_dp, 12)
       call response(paper_train(), settings, once, error)
       last = doubling(once, last=.true.)
@@ -56,7 +62,7 @@ contains
       call period_four_is_genuine(tests, four)
       call period_doubled(paper_train(), settings, twice, size(twice%special_points) + 1, four, error)
       call tests%is_true(allocated(error), 'no such special point: an error')
-   end subroutine doubling_tests
+   end subroutine cascade
 
    !> Place of the first or the last period doubling among the special points of a branch; 0 without one. No findloc: of a
    !> component it makes a copy, which the run-time checks report.

@@ -16,10 +16,9 @@ contains
    subroutine error_estimate_tests(tests)
       class(tests_type), intent(inout) :: tests
 
-      call tests%begin('error estimate')
-      call against_shooting(tests)
-      call by_tolerance(tests)
-      call hunting_teeth(tests)
+      if (tests%runs('against_shooting')) call against_shooting(tests)
+      if (tests%runs('by_tolerance')) call by_tolerance(tests)
+      if (tests%runs('hunting_teeth')) call hunting_teeth(tests)
    end subroutine error_estimate_tests
 
    !> Figure 3 between 0.9 and 0.65, separation, back contact and folds: at R = 6 a harmonic that meets the highest natural

@@ -3,7 +3,7 @@
 !> A curve that runs from end to end has an odd number of solutions at every frequency. So has one that leaves by the amplitude
 !> limit and comes back from beyond it, save between the frequencies at which it does.
 module validation_figures
-   use fixtures, only: paper_train, settings_of
+   use fixtures, only: paper_train, rectangular, settings_of
    use geartrain, only: branch_type, dp, error_type, motion_type, response, response_settings_type, solutions_at, train_type
    use geartrain_branch_summary, only: folds
    use testing, only: tests_type
@@ -17,33 +17,47 @@ contains
       class(tests_type), intent(inout) :: tests
       type(train_type) :: train
 
-      call tests%begin('figures 6 to 11')
-      train = paper_train()
-      call both_ends(tests, train, 6, 'figure 6, 150 N m')
-      call within_a_resonance(tests, train, 1.101_dp, 0.751_dp)
-      call within_a_resonance(tests, train, 1.954_dp, 1.604_dp)
-      call ends_beyond_the_limit(tests)
-      train%input_torque = 100
-      call both_ends(tests, train, 6, 'figure 6, 100 N m')
-      train%input_torque = 50
-      call both_ends(tests, train, 6, 'figure 6, 50 N m')
-      call both_ends(tests, paper_train(0.42_dp), 6, 'figure 7, kappa 0.42')
-      call both_ends(tests, paper_train(0.2_dp), 6, 'figure 7, kappa 0.2')
-      call both_ends(tests, paper_train(0.1_dp), 6, 'figure 7, kappa 0.1')
-      call both_ends(tests, rectangular(-0.085_dp), 6, 'figure 8 as printed')
-      call both_ends(tests, rectangular(0.084_dp), 6, 'figure 8, rectangular wave')
-      train = paper_train()
-      train%meshes%damping_ratio = 0.03_dp
-      call both_ends(tests, train, 6, 'figure 9, zeta 0.03')
-      train%meshes%damping_ratio = 0.01_dp
-      call both_ends(tests, train, 6, 'figure 9, zeta 0.01')
-      call through_infinity(tests, train, 4, 'figure 9, zeta 0.01')
-      train = paper_train()
-      train%meshes(2)%order = 2
-      call both_ends(tests, train, 6, 'figure 10')
-      call through_infinity(tests, train, 2, 'figure 10')
-      train%meshes%order = [3, 2]
-      call both_ends(tests, train, 6, 'figure 11')
+      if (tests%runs('within_a_resonance')) then
+         call within_a_resonance(tests, paper_train(), 1.101_dp, 0.751_dp)
+         call within_a_resonance(tests, paper_train(), 1.954_dp, 1.604_dp)
+      end if
+      if (tests%runs('ends_beyond_the_limit')) call ends_beyond_the_limit(tests)
+      if (tests%runs('figure_6')) then
+         train = paper_train()
+         call both_ends(tests, train, 6, 'figure 6, 150 N m')
+         train%input_torque = 100
+         call both_ends(tests, train, 6, 'figure 6, 100 N m')
+         train%input_torque = 50
+         call both_ends(tests, train, 6, 'figure 6, 50 N m')
+      end if
+      if (tests%runs('figure_7')) then
+         call both_ends(tests, paper_train(0.42_dp), 6, 'figure 7, kappa 0.42')
+         call both_ends(tests, paper_train(0.2_dp), 6, 'figure 7, kappa 0.2')
+         call both_ends(tests, paper_train(0.1_dp), 6, 'figure 7, kappa 0.1')
+      end if
+      if (tests%runs('figure_8')) then
+         call both_ends(tests, rectangular(-0.085_dp), 6, 'figure 8 as printed')
+         call both_ends(tests, rectangular(0.084_dp), 6, 'figure 8, rectangular wave')
+      end if
+      if (tests%runs('figure_9')) then
+         train = paper_train()
+         train%meshes%damping_ratio = 0.03_dp
+         call both_ends(tests, train, 6, 'figure 9, zeta 0.03')
+         train%meshes%damping_ratio = 0.01_dp
+         call both_ends(tests, train, 6, 'figure 9, zeta 0.01')
+         call through_infinity(tests, train, 4, 'figure 9, zeta 0.01')
+      end if
+      if (tests%runs('figure_10')) then
+         train = paper_train()
+         train%meshes(2)%order = 2
+         call both_ends(tests, train, 6, 'figure 10')
+         call through_infinity(tests, train, 2, 'figure 10')
+      end if
+      if (tests%runs('figure_11')) then
+         train = paper_train()
+         train%meshes%order = [3, 2]
+         call both_ends(tests, train, 6, 'figure 11')
+      end if
    end subroutine figures_tests
 
    !> The same folds, the same solutions and an odd number of them.
@@ -179,16 +193,6 @@ contains
       settings = settings_of(start, stop, harmonics)
       settings%stability = .false.
    end function unjudged
-
-   !> Mesh stiffness of five harmonics with a given fifth.
-   function rectangular(fifth) result(train)
-      real(dp), intent(in) :: fifth
-      type(train_type) :: train
-
-      train = paper_train()
-      train%meshes(1)%stiffness_cos = [0.42_dp, 0.0_dp, -0.141_dp, 0.0_dp, fifth]
-      train%meshes(2)%stiffness_cos = train%meshes(1)%stiffness_cos
-   end function rectangular
 
    !> Distance of a motion to the nearest_motion of several, in coefficients.
    pure real(dp) function nearest_motion(motion, motions)

@@ -13,9 +13,8 @@ contains
    subroutine jumps_tests(tests)
       class(tests_type), intent(inout) :: tests
 
-      call tests%begin('jumps')
-      call against_integration(tests)
-      call independent_of_step(tests)
+      if (tests%runs('against_integration')) call against_integration(tests)
+      if (tests%runs('independent_of_step')) call independent_of_step(tests)
    end subroutine jumps_tests
 
    !> A short way before each jump integration stays on the stable motion that ends; as far beyond it goes where the branch says.

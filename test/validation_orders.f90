@@ -17,12 +17,11 @@ contains
    subroutine orders_tests(tests)
       class(tests_type), intent(inout) :: tests
 
-      call tests%begin('orders')
-      call one_order(tests)
-      call two_orders(tests)
-      call above_the_tail(tests)
-      call linear_meshes(tests)
-      call integrated(tests)
+      if (tests%runs('one_order')) call one_order(tests)
+      if (tests%runs('two_orders')) call two_orders(tests)
+      if (tests%runs('above_the_tail')) call above_the_tail(tests)
+      if (tests%runs('linear_meshes')) call linear_meshes(tests)
+      if (tests%runs('integrated')) call integrated(tests)
    end subroutine orders_tests
 
    !> A single pair of order m at Lambda/m is the pair of order 1 at Lambda, with the number of harmonics left to the program:

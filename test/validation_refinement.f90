@@ -18,7 +18,7 @@ contains
       type(error_type), allocatable :: error
       integer :: before, threads, n
 
-      call tests%begin('refinement')
+      if (.not. tests%runs('figure_3')) return
       call response(paper_train(), settings_of(0.4_dp, 0.9_dp, 6), branch, error)
       n = branch%points
       before = omp_get_max_threads()

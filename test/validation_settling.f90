@@ -1,7 +1,7 @@
 !> Settling by Newton's method gives the motion that the flow goes to, exactly, and says what does not settle.
 module validation_settling
    use, intrinsic :: iso_fortran_env, only: int64
-   use fixtures, only: paper_train, single_pair
+   use fixtures, only: paper_train, rattling_pair, single_pair, slow_train
    use geartrain, only: branch_type, dp, error_type, integrate, integration_settings_type, motion_type, refine, response, &
                         response_settings_type, train_type
    use geartrain_base_kinds, only: pi
@@ -9,7 +9,7 @@ module validation_settling
    use geartrain_motion_lyapunov, only: largest_exponent
    use geartrain_motion_settling, only: settle
    use geartrain_motion_start_state, only: resting_state
-   use slow_trains, only: nearest_approach, rattling_pair, slow_train
+   use readings, only: nearest_approach
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -20,12 +20,11 @@ contains
    subroutine settling_tests(tests)
       class(tests_type), intent(inout) :: tests
 
-      call tests%begin('settling')
-      call slow_decay(tests)
-      call slow_modes(tests)
-      call basins(tests)
-      call chaos(tests)
-      call rattle(tests)
+      if (tests%runs('slow_decay')) call slow_decay(tests)
+      if (tests%runs('slow_modes')) call slow_modes(tests)
+      if (tests%runs('basins')) call basins(tests)
+      if (tests%runs('chaos')) call chaos(tests)
+      if (tests%runs('rattle')) call rattle(tests)
    end subroutine settling_tests
 
    !> Figure 4, k3 = 2e4 N m/rad, at 1.62: disturbances decay by 0.999256 a mesh period, so that averages over hundreds of periods
@@ -58,7 +57,7 @@ contains
                          'figure 4: the average from rest is as near as it says')
    end subroutine slow_decay
 
-   !> The first of the random trains with slow modes; test/hard has ninety.
+   !> The first of the random trains with slow modes; hard_settling has ninety.
    subroutine slow_modes(tests)
       class(tests_type), intent(inout) :: tests
       type(train_type) :: train

@@ -1,7 +1,7 @@
 !> The single gear pair x'' + 2 zeta x' + (1 + kappa cos Lambda t) g(x) = f, b = 1.
 module validation_single_pair
    use, intrinsic :: omp_lib, only: omp_get_max_threads, omp_set_num_threads
-   use fixtures, only: closest, settings_of, single_pair
+   use fixtures, only: closest, linear_pair, settings_of, single_pair
    use geartrain, only: attractors, attractors_settings_type, attractors_type, branch_type, dp, error_type, motion_type, &
                         refine, response, response_settings_type, solutions_at, train_type
    use geartrain_base_kinds, only: pi
@@ -18,10 +18,9 @@ contains
    subroutine single_pair_tests(tests)
       class(tests_type), intent(inout) :: tests
 
-      call tests%begin('single pair')
-      call coexisting(tests)
-      call found_from_random_starts(tests)
-      call linear_constant(tests)
+      if (tests%runs('coexisting')) call coexisting(tests)
+      if (tests%runs('found_from_random_starts')) call found_from_random_starts(tests)
+      if (tests%runs('linear_constant')) call linear_constant(tests)
    end subroutine single_pair_tests
 
    !> Both by continuation and shooting.
@@ -103,9 +102,7 @@ contains
       complex(dp) :: amplitude
       integer :: n
 
-      train = single_pair(0.1_dp, 0.0_dp, 0.4_dp)
-      train%meshes(1)%half_backlash = 0
-      train%torque_cos = [1.0_dp]
+      train = linear_pair(0.4_dp)
       call response(train, settings_of(0.5_dp, 1.5_dp, 3), branch, error)
       n = branch%points
       ! The torque drives gear 1 (I = 2): x'' + 0.2 x' + x = 0.5 cos(Lambda t).

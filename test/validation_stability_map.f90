@@ -24,17 +24,16 @@ contains
    subroutine stability_map_tests(tests)
       class(tests_type), intent(inout) :: tests
 
-      call tests%begin('stability map')
-      call mathieu_boundaries(tests)
-      call damped_mathieu(tests)
-      call tongues_of_paper_train(tests)
-      call against_linear_branch(tests)
-      call no_holes(tests)
-      call coexisting_motions(tests)
-      call any_number_of_threads(tests)
-      call other_parameters(tests)
-      call stopped(tests)
-      call bad_input(tests)
+      if (tests%runs('mathieu_boundaries')) call mathieu_boundaries(tests)
+      if (tests%runs('damped_mathieu')) call damped_mathieu(tests)
+      if (tests%runs('tongues_of_paper_train')) call tongues_of_paper_train(tests)
+      if (tests%runs('against_linear_branch')) call against_linear_branch(tests)
+      if (tests%runs('no_holes')) call no_holes(tests)
+      if (tests%runs('coexisting_motions')) call coexisting_motions(tests)
+      if (tests%runs('any_number_of_threads')) call any_number_of_threads(tests)
+      if (tests%runs('other_parameters')) call other_parameters(tests)
+      if (tests%runs('stopped')) call stopped(tests)
+      if (tests%runs('bad_input')) call bad_input(tests)
    end subroutine stability_map_tests
 
    subroutine on_step(self, analysis, done, frequency, keep_going)

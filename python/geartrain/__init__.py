@@ -32,16 +32,17 @@ array([ 0.9571,  1.8662,  6.6807,  6.681 , 15.9206])
 from __future__ import annotations
 
 from . import _box
+from .attractors import Attractors
 from .audit import Audit
 from .branch import Branch, SpecialPoint
 from .case import Case, Results, read_case, read_results
 from .errors import InputError, Interrupted, SolverError
 from .modes import Modes
-from .motion import Attractors, Motion, Sweep
-from .parts import Mesh, Shaft
+from .motion import Motion, Sweep
 from .stability_map import StabilityMap
 from .summary import Jump, Peak
 from .train import Train
+from .variables import Mesh, Shaft
 
 __all__ = [
     "Attractors",

@@ -6,21 +6,16 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _geartrain as fortran
+import geartrain._geartrain as fortran
+
 from ._motion_check import VALUES, check_motion
 from ._namelist import in_words_of_the_call
 from .errors import InputError, SolverError
-
-if TYPE_CHECKING:
-    from .branch import Branch
-    from .modes import Modes
-    from .motion import Attractors, Motion, Sweep
-    from .stability_map import StabilityMap
 
 __all__ = ["ATTRACTORS", "INTEGRATION", "LOOSE", "Box", "Group", "as_columns", "file_name", "fortran"]
 
@@ -265,27 +260,27 @@ class Box:
         meshes, states = map(int, fortran.train_sizes(self._handle))
         return meshes, states
 
-    def put_modes(self, modes: Modes) -> None:
+    def put_modes(self, modes: Any) -> None:
         names = ("element", "natural_frequency", "damped_frequency", "damping_ratio", "shape")
         arrays = {name: getattr(modes, name) for name in names}
         self.put("/modes", {}, arrays, mode=len(modes.natural_frequency))
 
-    def put_motions(self, *motions: Motion, what: str = "motion", only_state: bool = False) -> None:
+    def put_motions(self, *motions: Any, what: str = "motion", only_state: bool = False) -> None:
         """Put motions of the case's train; ``what`` is what messages call them, ``only_state`` as in `check_motion`."""
         self._put_list(LOOSE, "motion", what, motions, {}, {}, only_state)
 
-    def put_sweep(self, sweep: Sweep) -> None:
+    def put_sweep(self, sweep: Any) -> None:
         if len(sweep.direction) != len(sweep) or not {*sweep.direction} <= {"up", "down"}:
             raise InputError(f"integration: direction: must be 'up' or 'down' of each of the {len(sweep)} motions")
         attributes = {"ended": sweep.ended, "complete": sweep.complete}
         self._put_list(INTEGRATION, "point", "integration", sweep, attributes, {"direction": list(sweep.direction)})
 
-    def put_attractors(self, found: Attractors) -> None:
+    def put_attractors(self, found: Any) -> None:
         names = ("ended", "complete", "frequency", "starts", "random_seed", "unsettled")
         self._put_list(ATTRACTORS, "motion", "attractors", found, {name: getattr(found, name) for name in names}, {})
 
     def _put_list(
-        self, path: str, along: str, what: str, motions: Iterable[Motion], attributes: Mapping[str, Any],
+        self, path: str, along: str, what: str, motions: Iterable[Any], attributes: Mapping[str, Any],
         arrays: Mapping[str, Any], only_state: bool = False,
     ) -> None:
         """Put motions as one table."""
@@ -305,7 +300,7 @@ class Box:
             axes["state"] = columns["multipliers"].shape[1]
         self.put(path, attributes, {**columns, **arrays} if motions else {}, "motions" if path == LOOSE else "results", **axes)
 
-    def put_stability_map(self, chart: StabilityMap) -> None:
+    def put_stability_map(self, chart: Any) -> None:
         names = ("frequency", "parameter", "motions", "stable_motions", "multiplier", "rms", "row_done", "row_whole")
         attributes = {
             "parameter_name": chart.name, "parameter_unit": chart.unit, "linear": chart.linear,
@@ -314,12 +309,12 @@ class Box:
         axes = {} if chart.rms is None else {"mesh": chart.rms.shape[-1]}
         self.put("/stability_map", attributes, {name: getattr(chart, name) for name in names}, **axes)
 
-    def put_branches(self, branches: list[Branch]) -> None:
+    def put_branches(self, branches: list[Any]) -> None:
         """Put further branches."""
         for place, branch in enumerate(branches, 1):
             self.put_branch(branch, place)
 
-    def put_branch(self, branch: Branch, place: int = 0) -> None:
+    def put_branch(self, branch: Any, place: int = 0) -> None:
         """Put the response (place 0) or a further branch."""
         path = f"/branch_{place}" if place else "/response"
         attributes = {
@@ -383,7 +378,7 @@ _OF_MOTION = {
 }
 
 
-def as_columns(motions: Sequence[Motion]) -> dict[str, Any]:
+def as_columns(motions: Sequence[Any]) -> dict[str, Any]:
     """Motions as fields by their names in a results file; None for what none of them has."""
     multipliers = _padded([motion.multipliers for motion in motions])
     numbers = {name: np.array([float(getattr(motion, name)) for motion in motions]) for name in _NUMBERS}

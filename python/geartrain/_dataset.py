@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ._box import Box, Group
+from ._extras import extra
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -22,7 +23,7 @@ def _described() -> dict[str, Group]:
         return box.show("listing")
 
 
-def dataset(path: str, values: dict[str, Any], coordinates: tuple[str, ...] = (), **attributes: Any) -> Dataset:
+def dataset(path: str, values: dict[str, Any], attributes: dict[str, Any], coordinates: tuple[str, ...] = ()) -> Dataset:
     """The fields of a group that there are values of.
 
     Parameters
@@ -33,13 +34,9 @@ def dataset(path: str, values: dict[str, Any], coordinates: tuple[str, ...] = ()
         Arrays by their names there; None for what there is not.
     coordinates : tuple of str
         Those that are coordinates beside the axes.
-    **attributes
+    attributes : dict
         Those of the group.
     """
-    try:
-        import xarray
-    except ImportError:
-        raise ImportError("to_dataset needs xarray: pip install xarray") from None
     variables: dict[str, Any] = {}
     axes: dict[str, Any] = {}
     about = _described()[path].about
@@ -54,10 +51,11 @@ def dataset(path: str, values: dict[str, Any], coordinates: tuple[str, ...] = ()
         for dimension, length in zip(dimensions, array.shape):
             axes.setdefault(dimension, (dimension, _labels(dimension, length)))
     told = {name: int(value) if isinstance(value, bool) else value for name, value in attributes.items()}
-    found = xarray.Dataset(variables, {name: axis for name, axis in axes.items() if name not in variables}, told)
-    for name, axis in found.coords.items():
-        if str(name) in about:
-            axis.attrs.update(units=about[str(name)][1], description=about[str(name)][2])
+    found: Dataset = extra("xarray").Dataset(variables, {name: axis for name, axis in axes.items() if name not in variables}, told)
+    for axis in found.coords.values():
+        if axis.name in about:
+            _, unit, description = about[str(axis.name)]
+            axis.attrs.update(units=unit, description=description)
     return found.set_coords([name for name in coordinates if name in variables])
 
 

@@ -13,18 +13,7 @@ from .errors import InputError, shown
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["STYLE", "check_mesh", "draw_curve", "label_axes", "runs"]
-
-STYLE: dict[str, Any] = {
-    "font.size": 11,
-    "axes.labelsize": 12,
-    "legend.fontsize": 10,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": "0.92",
-    "axes.axisbelow": True,
-}
+__all__ = ["check_mesh", "draw_curve", "label_axes", "runs"]
 
 
 def runs(stable: ArrayLike | None, part: ArrayLike) -> Iterator[tuple[slice, bool]]:

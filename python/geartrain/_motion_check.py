@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from numbers import Integral, Real
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from .errors import InputError, shown
-
-if TYPE_CHECKING:
-    from .motion import Motion
 
 __all__ = ["VALUES", "check_motion", "check_states"]
 
@@ -26,7 +23,7 @@ _LONGEST = 2**31 - 1  # mesh periods, what Fortran can count; the harmonics must
 
 
 def check_motion(
-    motion: Motion, what: str = "motion", meshes: int | None = None, states: int | None = None, *, only_state: bool = False
+    motion: Any, what: str = "motion", meshes: int | None = None, states: int | None = None, *, only_state: bool = False
 ) -> None:
     """Raise `InputError` where a motion is none that any method gives.
 
@@ -76,9 +73,9 @@ def check_states(number: int, states: int, what: str) -> None:
         )
 
 
-def _check_numbers(motion: Motion, what: str) -> None:
+def _check_numbers(motion: Any, what: str) -> None:
     """What is one number, flag or word."""
-    if isinstance(motion.period, bool) or not isinstance(motion.period, Integral) or not 0 <= motion.period <= _LONGEST:
+    if isinstance(motion.period, bool) or not isinstance(motion.period, Integral) or not 0 <= int(motion.period) <= _LONGEST:
         raise InputError(f"{what}: period = {shown(motion.period)}: must be a whole number >= 0 and <= {_LONGEST}")
     if not (_is_number(motion.frequency) and np.isfinite(float(motion.frequency))):
         raise InputError(f"{what}: frequency = {shown(motion.frequency)}: must be a finite number")
@@ -93,7 +90,7 @@ def _check_numbers(motion: Motion, what: str) -> None:
         raise InputError(f"{what}: kind = {shown(motion.kind)}: must be one of {', '.join(map(repr, _KINDS))}")
 
 
-def _check_state(motion: Motion, what: str, states: int | None) -> None:
+def _check_state(motion: Any, what: str, states: int | None) -> None:
     """The state and the multipliers, which a motion may lack."""
     state, multipliers = motion.state, motion.multipliers
     if state is None:

@@ -3,63 +3,73 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from collections.abc import Set as AbstractSet
 from numbers import Integral, Real
 from typing import Any
 
+from ._variable import Variable
 from .errors import shown
+from .variables import VARIABLES
 
-__all__ = ["KEYWORDS", "group", "in_words_of_the_call", "parse"]
+__all__ = ["group", "in_words_of_the_call", "parse"]
 
 Value = Any
-Kinds = Mapping[str, str]
+Variables = Mapping[str, Variable]
 
-#: Names of the case file that are others in a call.
-KEYWORDS = {"from": "start", "to": "stop", "parameter_from": "parameter_start", "parameter_to": "parameter_stop"}
-_NAMES = {keyword: name for name, keyword in KEYWORDS.items()}
+#: Names of the case file that are others in a call, as `from` is a word of Python.
+_KEYWORDS = {row.name: keyword for rows in VARIABLES.values() for keyword, row in rows.items() if row.name != keyword}
 
 _WANTED = {
-    "number": "a number",
+    "real": "a number",
     "integer": "a whole number below 2147483648",
-    "flag": "True or False",
+    "logical": "True or False",
     "text": "a string of one line without control characters",
-    "series": "a number or a list of numbers",
+    "reals": "a number or a list of numbers",
+    "names": "a list of strings",
 }
 
 
-def group(name: str, kinds: Kinds, values: Mapping[str, Value], problems: dict[str, str], place: str = "") -> str:
+def group(name: str, variables: Variables, values: Mapping[str, Value], problems: dict[str, str], place: str = "") -> str:
     """One namelist group.
 
     Parameters
     ----------
     name : str
         The group, without ``&``.
-    kinds : mapping of str to str
-        ``number``, ``integer``, ``flag``, ``text`` or ``series`` for each variable, by its keyword.
+    variables : mapping of str to Variable
+        Those of the group by their keywords.
     values : mapping
-        The variables, likewise; those that are None are left out, so that Fortran's default holds.
+        By keywords, or by names in the case file; those that are None are left out, so that Fortran's default holds.
     problems : dict of str to str
         Takes up what cannot be written, messages by the names of the variables; the group goes without them.
     place : str
         What messages call the group, ``&name`` unless told.
     """
     lines = [f"&{name}"]
-    for key, value in values.items():
+    label = place or "&" + name
+    for given, value in values.items():
         if value is None:
             continue
+        key = _KEYWORDS.get(given, given)
+        if key not in variables:
+            problems[f"{label}: {key}"] = f"{label}: there is no {key}: must be one of {', '.join(variables) or 'none'}"
+            continue
+        if key != given and values.get(key) is not None:
+            problems[f"{label}: {key}"] = f"{label}: {key} is given twice, also as {given}: leave out one of the two"
+            continue
+        kind = variables[key].kind
         try:
-            text = _FORMATS[kinds[key]](value)
+            text = _list(value, _FORMATS[kind[:-1]]) if kind.endswith("s") else _FORMATS[kind](value)
         except (TypeError, ValueError, OverflowError):
-            label = place or "&" + name
-            problems[f"{label}: {key}"] = f"{label}: {key} = {shown(value)}: must be {_WANTED[kinds[key]]}"
+            problems[f"{label}: {key}"] = f"{label}: {key} = {shown(value)}: must be {_WANTED[kind]}"
             continue
         if text:
-            lines.append(f"   {_NAMES.get(key, key)} = {text}")
+            lines.append(f"   {variables[key].name} = {text}")
     return "\n".join([*lines, "/", ""])
 
 
-def in_words_of_the_call(message: str, words: Mapping[str, str] = KEYWORDS) -> str:
+def in_words_of_the_call(message: str, words: Mapping[str, str] = _KEYWORDS) -> str:
     """A message about a case as one about the call that made it.
 
     Parameters
@@ -73,7 +83,7 @@ def in_words_of_the_call(message: str, words: Mapping[str, str] = KEYWORDS) -> s
     return message.replace(".true.", "True").replace(".false.", "False")
 
 
-def _number(value: Value) -> str:
+def _real(value: Value) -> str:
     if isinstance(value, bool) or not isinstance(value, Real):
         raise TypeError
     return repr(float(value))
@@ -87,7 +97,7 @@ def _integer(value: Value) -> str:
     return str(int(value))
 
 
-def _flag(value: Value) -> str:
+def _logical(value: Value) -> str:
     if value is True or value is False or type(value).__name__ in ("bool_", "bool"):
         return ".true." if value else ".false."
     raise TypeError
@@ -100,15 +110,16 @@ def _text(value: Value) -> str:
     return "'" + value.replace("'", "''") + "'"
 
 
-def _series(value: Value) -> str:
-    if isinstance(value, Real):
-        return _number(value)
-    if isinstance(value, (str, bytes, bytearray, Mapping, AbstractSet)) or not isinstance(value, Iterable):
+def _list(value: Value, format_of_one: Callable[[Value], str]) -> str:
+    """A list, or one value of it."""
+    if isinstance(value, (str, Real)):
+        return format_of_one(value)
+    if isinstance(value, (bytes, bytearray, Mapping, AbstractSet)) or not isinstance(value, Iterable):
         raise TypeError
-    return ", ".join(_number(item) for item in value)
+    return ", ".join(format_of_one(item) for item in value)
 
 
-_FORMATS = {"number": _number, "integer": _integer, "flag": _flag, "text": _text, "series": _series}
+_FORMATS = {"real": _real, "integer": _integer, "logical": _logical, "text": _text, "name": _text}
 
 _TOKEN = re.compile(
     r"""(?P<text>'(?:[^']|'')*')|(?P<comment>![^\n]*)|&(?P<group>\w+)|(?P<end>/)
@@ -129,7 +140,7 @@ def parse(text: str) -> list[tuple[str, dict[str, Value]]]:
         if kind == "group":
             groups.append((word, {}))
         elif kind == "key":
-            values = groups[-1][1].setdefault(KEYWORDS.get(word, word), [])
+            values = groups[-1][1].setdefault(_KEYWORDS.get(word, word), [])
         elif kind in ("text", "value"):
             values.append(_value(word))
     return [(name, {key: item[0] if len(item) == 1 else item for key, item in found.items()}) for name, found in groups]

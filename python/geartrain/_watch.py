@@ -7,12 +7,14 @@ import contextlib
 import sys
 import threading
 import time
+import warnings
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ._extras import missing
 from .errors import Interrupted
 
 __all__ = ["watched"]
@@ -55,13 +57,15 @@ def watched(
     """
     progress = np.zeros(3)
     done = threading.Event()
-    outcome: dict[str, Any] = {}
+    result: Result | None = None
+    failure: BaseException | None = None
 
     def run() -> None:
+        nonlocal result, failure
         try:
-            outcome["result"] = work(progress)
+            result = work(progress)
         except BaseException as error:  # noqa: BLE001 (the waiting thread raises it again)
-            outcome["error"] = error
+            failure = error
         finally:
             done.set()
 
@@ -96,25 +100,26 @@ def watched(
             with contextlib.suppress(OSError, ValueError):
                 bar.close()
     if interrupted:
-        result = outcome.get("result")
         message = f"{name} stopped by Ctrl-C"
         if result is not None:
             if progress[1]:
                 message += f" at {value} = {progress[2]:.6g}, after {int(progress[1])} {unit}"
             message += "; .result holds what there is"
-        raise Interrupted(message, result) from outcome.get("error")
-    if "error" in outcome:
-        raise outcome["error"]
-    return outcome["result"]
+        raise Interrupted(message, result) from failure
+    if failure is not None:
+        raise failure
+    return cast(Result, result)
 
 
 def _bar(name: str, total: int | None, begin: float, unit: str) -> Any:
     """A bar on a terminal or in a notebook; None without tqdm or without a standard error to write it to."""
+    if sys.stderr is None or sys.stderr.closed:
+        return None
     try:
         from tqdm.auto import tqdm
     except ImportError:
-        return None
-    if sys.stderr is None or sys.stderr.closed:
+        if sys.stderr.isatty():
+            warnings.warn(f"no progress bar without {missing('tqdm')}", stacklevel=3)
         return None
     bar = tqdm(desc=name, total=total, unit=f" {unit}", disable=None, leave=False)
     bar.start_t = time.time() - (time.monotonic() - begin)

@@ -15,8 +15,10 @@ from numpy.typing import NDArray
 from ._box import Box, Group, file_name, fortran
 from ._dataset import dataset
 from ._draw import check_mesh, draw_curve, label_axes
+from ._extras import extra
 from ._watch import watched
 from .audit import Audit
+from .description import Description
 from .errors import InputError, SolverError, shown
 from .motion import Motion
 from .summary import Jump, Peak
@@ -24,8 +26,6 @@ from .summary import Jump, Peak
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from xarray import Dataset
-
-    from .train import Train
 
 __all__ = ["Branch", "SpecialPoint"]
 
@@ -150,7 +150,7 @@ class Branch:
     correction: Array | None = None
     branches: list[Branch] = field(default_factory=list)
     settings: Mapping[str, Any] = field(default_factory=dict)
-    train: Train | None = None
+    train: Description | None = None
     others: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
     def __len__(self) -> int:
@@ -160,17 +160,7 @@ class Branch:
         return f"<Branch of {len(self)} points: {self.ended}>"
 
     def at(self, frequency: float) -> list[Motion]:
-        """Every solution of this branch at exactly that frequency.
-
-        Parameters
-        ----------
-        frequency : float
-            Lambda.
-
-        Returns
-        -------
-        list of Motion
-            In their order along the branch; empty where the branch does not pass that frequency.
+        """Every solution of this branch at exactly that frequency (Lambda), in their order along the branch.
 
         Examples
         --------
@@ -197,18 +187,8 @@ class Branch:
     def refine(self) -> Branch:
         """The same branch with every point polished by shooting to about 1e-11, multipliers included.
 
-        A point near which shooting finds no orbit stays as it is, as next to a fold, whose true place is elsewhere. Special
-        points stay as they are.
-
-        Returns
-        -------
-        Branch
-            Its ``correction`` tells by how much each point moved; its ``at`` gives refined motions.
-
-        Raises
-        ------
-        Interrupted
-            On Ctrl-C, with the branch as far as it was refined.
+        Its ``correction`` tells by how much each point moved; its ``at`` gives refined motions. A point near which shooting finds
+        no orbit stays as it is, as next to a fold, whose true place is elsewhere. Special points stay as they are.
 
         Examples
         --------
@@ -237,23 +217,7 @@ class Branch:
 
         Each point's true error is set against its estimate, its stability against the multipliers of the orbit; each fold and
         change of stability is looked for on the exact branch. What is doubtful or undecided counts as wrong nowhere, but is told.
-
-        Parameters
-        ----------
-        points : int
-            Points to be drawn; all of them where the branch has fewer.
-        random_seed : int
-            The same seed draws the same points.
-
-        Returns
-        -------
-        Audit
-            Its ``ok`` tells whether nothing is wrong; printed it is a table.
-
-        Raises
-        ------
-        Interrupted
-            On Ctrl-C, with the rows so far.
+        The same ``random_seed`` draws the same points, all of them where the branch has no more than ``points``.
 
         Examples
         --------
@@ -275,24 +239,10 @@ class Branch:
         return watched(work, "audit", min(points, len(self)) + len(self.special_points))
 
     def period_doubled(self, special: SpecialPoint) -> Branch:
-        """The branch of twice the period that leaves this one at a period doubling; no seed is needed.
+        """The branch of twice the period that leaves this one at a period doubling, one of its ``special_points``.
 
-        Parameters
-        ----------
-        special : SpecialPoint
-            One of this branch's ``special_points``, of kind ``"period doubling"``.
-
-        Returns
-        -------
-        Branch
-            With twice the harmonics and subharmonic, until it meets the branch of half its period or leaves the range.
-
-        Raises
-        ------
-        InputError
-            Where ``special`` is no period doubling of this branch.
-        SolverError
-            Where no point was found.
+        It has twice the harmonics and subharmonic, and ends where it meets the branch of half its period or leaves the range. No
+        seed is needed; `SolverError` where no point was found.
 
         Examples
         --------
@@ -320,17 +270,7 @@ class Branch:
         return watched(work, "period doubling")
 
     def peaks(self, mesh: int) -> list[Peak]:
-        """The local maxima of the rms of a mesh.
-
-        Parameters
-        ----------
-        mesh : int
-            Counted from 1.
-
-        Returns
-        -------
-        list of Peak
-            In their order along the branch.
+        """The local maxima of the rms of a mesh, counted from 1, in their order along the branch.
 
         Examples
         --------
@@ -377,22 +317,13 @@ class Branch:
     @property
     def undecided_bands(self) -> NDArray[np.bool_]:
         """Which of ``bands_without_stability`` are there by the guess of undecided points alone, (bands,)."""
-        return self._read_off("bands").column("undecided") == 1
+        guessed: NDArray[np.bool_] = self._read_off("bands").column("undecided") == 1
+        return guessed
 
     def separation_ranges(self, mesh: int, stable: bool = False) -> Array:
-        """Ranges of Lambda in which the teeth of a mesh separate at some instant.
+        """Ranges of Lambda in which the teeth of a mesh, counted from 1, separate at some instant: from, to; (ranges, 2).
 
-        Parameters
-        ----------
-        mesh : int
-            Counted from 1.
-        stable : bool
-            Of the stable motions alone.
-
-        Returns
-        -------
-        ndarray, (ranges, 2)
-            From, to; ascending.
+        Those of all motions, or of the stable ones alone.
 
         Examples
         --------
@@ -403,17 +334,7 @@ class Branch:
         return self._ranges("separation", mesh, stable)
 
     def back_collision_ranges(self, mesh: int, stable: bool = False) -> Array:
-        """Ranges of Lambda in which the back flanks of a mesh collide at some instant.
-
-        Parameters
-        ----------
-        mesh, stable
-            As in `separation_ranges`.
-
-        Returns
-        -------
-        ndarray, (ranges, 2)
-            From, to; ascending.
+        """Ranges of Lambda in which the back flanks of a mesh collide at some instant, as in `separation_ranges`.
 
         Examples
         --------
@@ -425,18 +346,7 @@ class Branch:
     def plot(self, mesh: int | None = None, ax: Axes | None = None, **style: Any) -> Axes:
         """Draw rms over Lambda: stable solid, unstable dashed; ``branches`` thinner. Special points are left to the caller.
 
-        Parameters
-        ----------
-        mesh : int, optional
-            Which mesh, counted from 1; all of them unless told.
-        ax : matplotlib.axes.Axes, optional
-            Where to draw; a new figure unless told.
-        **style
-            For matplotlib's ``plot``.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
+        Of one mesh, counted from 1, or of all; on the axes given or in a new figure. ``style`` is that of matplotlib's ``plot``.
 
         Examples
         --------
@@ -447,9 +357,7 @@ class Branch:
         if mesh is not None:
             check_mesh(mesh, meshes)
         if ax is None:
-            import matplotlib.pyplot as plt
-
-            ax = plt.subplots()[1]
+            ax = extra("matplotlib.pyplot").subplots()[1]
         chosen = range(1, meshes + 1) if mesh is None else [mesh]
         from matplotlib.cbook import normalize_kwargs
         from matplotlib.lines import Line2D
@@ -471,7 +379,8 @@ class Branch:
     @property
     def true_ac_rms(self) -> Array:
         """Root mean square over time of the displacement less its mean, (points, meshes): ``rms`` over sqrt(2)."""
-        return self.rms / np.sqrt(2)
+        rms: Array = self.rms / np.sqrt(2)
+        return rms
 
     def to_dataset(self) -> Dataset:
         """The points as an xarray Dataset with the names, units and coordinates of the results file; needs xarray.
@@ -484,7 +393,7 @@ class Branch:
         names = ("ended", "complete", "closed", "subharmonic")
         attributes = {name: getattr(self, name) for name in names} | ({"origin": self.origin} if self.origin else {})
         values = {**self.arrays(), "true_ac_rms": self.true_ac_rms}
-        return dataset("/response", values, ("frequency",), **attributes)
+        return dataset("/response", values, attributes, ("frequency",))
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write the branch and its ``branches`` as a results file, which `read_results` gives back as the response of its case.
@@ -516,7 +425,8 @@ class Branch:
         if stable and self.stable is None:
             raise InputError("stable = True: the stability of this branch was not asked for")
         found = self._read_off(what)
-        return _ends(found)[(found.column("mesh") == mesh) & (found.column("stable") == stable)]
+        ends: Array = _ends(found)[(found.column("mesh") == mesh) & (found.column("stable") == stable)]
+        return ends
 
     def _box(self) -> Box:
         """A box of the branch, which may be changed; the case is read and the fields are put but once."""
@@ -543,7 +453,7 @@ class Branch:
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}") from None
 
     @classmethod
-    def _from(cls, box: Box, train: Train, settings: Mapping[str, Any], place: int = 0) -> Branch | None:
+    def _from(cls, box: Box, train: Description, settings: Mapping[str, Any], place: int = 0) -> Branch | None:
         """The response of the box (place 0) or a further branch; ``settings`` are those of the response."""
         found = box.branch(place)
         if found is None:
@@ -555,11 +465,11 @@ class Branch:
         settings = _settings_for(settings, found["subharmonic"], (found["coefficients"].shape[-1] - 1) // 2)
         known = {item.name for item in fields(cls)}
         others = {name: found.pop(name) for name in [*found] if name not in known}
-        absent = dict.fromkeys({*_OF_POINTS} - {*found})
+        absent: dict[str, Any] = dict.fromkeys({*_OF_POINTS} - {*found})
         return cls(**found, **absent, special_points=specials, settings=settings, train=train, others=others)
 
     @classmethod
-    def _all_from(cls, box: Box, train: Train, settings: Mapping[str, Any], first: int = 1) -> list[Branch]:
+    def _all_from(cls, box: Box, train: Description, settings: Mapping[str, Any], first: int = 1) -> list[Branch]:
         """The further branches of the box."""
         places = range(first, 1 + sum(path.startswith("/branch_") and path.count("/") == 1 for path in box.results()))
         return [branch for place in places if (branch := cls._from(box, train, settings, place)) is not None]

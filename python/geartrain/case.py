@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 from ._box import ATTRACTORS, INTEGRATION, Box, file_name, fortran
 from ._namelist import parse
 from ._watch import watched
+from .attractors import Attractors
 from .branch import Branch
 from .modes import Modes
-from .motion import Attractors, Sweep
-from .parts import Mesh, Shaft
+from .motion import Sweep
 from .stability_map import StabilityMap
 from .train import Train
+from .variables import PARTS
 
 __all__ = ["Case", "Results", "read_case", "read_results"]
 
@@ -164,10 +165,11 @@ class Case:
         text = box.text("case")
         groups = parse(text)
         one = dict(groups)
-        shafts = [Shaft(**values) for name, values in groups if name == "shaft"]
-        meshes = [Mesh(**values) for name, values in groups if name == "mesh"]
+        lists: dict[str, Any] = {
+            parts: [kind(**values) for name, values in groups if name == group] for group, (parts, kind) in PARTS.items()
+        }
         return cls(
-            train=Train(**one["train"], shafts=shafts, meshes=meshes),
+            train=Train(**one["train"], **lists),
             modes="modes" in one,
             response=one.get("response"),
             integration=one.get("integration"),

@@ -41,4 +41,4 @@ class Modes:
 
     def to_dataset(self) -> Dataset:
         """The modes as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
-        return dataset("/modes", {**vars(self), "element": list(self.element)})
+        return dataset("/modes", {**vars(self), "element": list(self.element)}, {})

@@ -12,22 +12,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._box import ATTRACTORS, INTEGRATION, Box, as_columns, fortran
+from ._box import INTEGRATION, Box, as_columns, fortran
 from ._dataset import dataset
 from ._draw import check_mesh
+from ._extras import extra
 from ._motion_check import check_motion, check_states
-from ._request import text_at
 from ._watch import watched
+from .description import Description
 from .errors import InputError, SolverError, shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from xarray import Dataset
 
-    from .branch import Branch
-    from .train import Train
-
-__all__ = ["Attractors", "Motion", "Sweep", "from_state"]
+__all__ = ["Motion", "Sweep", "from_state", "table"]
 
 Array = NDArray[np.float64]
 
@@ -106,13 +104,14 @@ class Motion:
     lyapunov_error: float = 0.0
     kind: str = "periodic"
     floating: bool = False
-    train: Train | None = field(default=None, repr=False)
+    train: Description | None = field(default=None, repr=False)
 
     @property
     def true_ac_rms(self) -> Array:
         """Root mean square over time of the displacement less its mean, (meshes,): ``rms`` over sqrt(2)."""
         check_motion(self)
-        return self.rms / np.sqrt(2)
+        true: Array = self.rms / np.sqrt(2)
+        return true
 
     @property
     def unbounded(self) -> bool:
@@ -161,7 +160,8 @@ class Motion:
     def _sample(self, samples: int) -> tuple[Array, Array, Array]:
         """Time, displacement and mesh force."""
         with self._box() as box:
-            return fortran.sample_waveform(box.handle, samples, len(self.rms))
+            time, displacement, force = fortran.sample_waveform(box.handle, samples, len(self.rms))
+            return time, displacement, force
 
     def spectrum(self) -> tuple[Array, Array]:
         """Amplitudes of the harmonics of the mesh displacement, those of ``coefficients``; the mean is left out.
@@ -210,9 +210,7 @@ class Motion:
             check_mesh(mesh, meshes)
         chosen = range(1, meshes + 1) if mesh is None else [mesh]
         if axes is None:
-            import matplotlib.pyplot as plt
-
-            axes = plt.subplots(3, layout="constrained", figsize=(6.4, 7.2))[1]
+            axes = extra("matplotlib.pyplot").subplots(3, layout="constrained", figsize=(6.4, 7.2))[1]
         time = self.time * self.frequency / (2 * np.pi)
         order, amplitude = self.spectrum()
         width = 0.8 * (order[0] if len(order) else 1.0) / len(chosen)
@@ -278,20 +276,18 @@ class Motion:
 
     def to_dataset(self) -> Dataset:
         """The motion as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
-        return _table("/integration", [self]).isel(point=0, drop=True)
+        return table("/integration", [self]).isel(point=0, drop=True)
 
     def _box(self, what: str = "motion") -> Box:
         """A box of the motion; ``what`` is what messages call it."""
         if self.train is None:
             raise ValueError("this motion has no train")
-        from .train import Train
-
-        if not isinstance(self.train, Train):
+        if not isinstance(self.train, Description):
             raise InputError(f"{what}: train = {shown(self.train)}: must be a gt.Train")
         if self.unbounded:
             raise SolverError(f"the motion grows without bound at Lambda = {self.frequency:g}: it has no waveform")
         try:
-            box = Box(text_at(self.train, self.frequency, {}))
+            box = Box(self.train._text_at(self.frequency, {}))
         except InputError as error:
             raise InputError(str(error).replace("&integration", what)) from None
         try:
@@ -343,76 +339,23 @@ class Sweep(list[Motion]):
     def to_dataset(self) -> Dataset:
         """The motions as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
         attributes = {"ended": self.ended, "complete": self.complete}
-        return _table("/integration", self, ("frequency", "direction"), attributes, direction=list(self.direction))
+        return table("/integration", self, ("frequency", "direction"), attributes, direction=list(self.direction))
 
     def __repr__(self) -> str:
         return f"<Sweep of {len(self)} motions: {self.ended}>"
 
     @classmethod
-    def _from(cls, box: Box, train: Train) -> Sweep:
+    def _from(cls, box: Box, train: Description) -> Sweep:
         motions: list[dict[str, Any]] = box.motions(INTEGRATION)
         return cls([Motion(train=train, **fields) for fields in motions], **box.sweep())
 
 
-class Attractors(list[Motion]):
-    """The steady motions that random starts settled on at one frequency, largest share first: a list of `Motion`.
-
-    Attributes
-    ----------
-    frequency : float
-        Lambda.
-    starts, random_seed : int
-        Starts done, and what they were made from.
-    unsettled : float
-        Share of the starts that settled on none: not steady after ``max_periods``, or run away.
-    ended : str
-        Why it ended, in words, and that the train floats in its gaps where it does.
-    complete : bool
-        Whether all starts were done.
-    branches : list of Branch
-        Those through motions on no branch known before, where such motions were to be followed.
-    """
-
-    def __init__(
-        self,
-        motions: Iterable[Motion],
-        frequency: float = float("nan"),
-        starts: int = 0,
-        random_seed: int = 0,
-        unsettled: float = 0.0,
-        ended: str = "",
-        complete: bool = False,
-        branches: Iterable[Branch] = (),
-    ) -> None:
-        super().__init__(motions)
-        self.frequency = frequency
-        self.starts = starts
-        self.random_seed = random_seed
-        self.unsettled = unsettled
-        self.ended = ended
-        self.complete = complete
-        self.branches = list(branches)
-
-    def to_dataset(self) -> Dataset:
-        """The motions as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
-        names = ("ended", "complete", "starts", "random_seed", "unsettled")
-        return _table("/attractors", self, (), {name: getattr(self, name) for name in names})
-
-    def __repr__(self) -> str:
-        return f"<{len(self)} attractors from {self.starts} starts, {self.unsettled:.1%} unsettled: {self.ended}>"
-
-    @classmethod
-    def _from(cls, box: Box, train: Train, branches: Iterable[Branch] = ()) -> Attractors:
-        motions: list[dict[str, Any]] = box.motions(ATTRACTORS)
-        return cls([Motion(train=train, **fields) for fields in motions], **box.attractors(), branches=branches)
-
-
-def _table(
+def table(
     path: str, motions: Sequence[Motion], coordinates: tuple[str, ...] = (), attributes: Mapping[str, Any] | None = None,
     **columns: Any,
 ) -> Dataset:
     """Motions as the table of a group of the results file."""
-    return dataset(path, {**as_columns(motions), **columns}, coordinates, **(attributes or {}))
+    return dataset(path, {**as_columns(motions), **columns}, dict(attributes or {}), coordinates)
 
 
 def from_state(state: ArrayLike, meshes: int, states: int) -> Motion:

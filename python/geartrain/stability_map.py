@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ._box import Box
 from ._dataset import dataset
+from ._extras import extra
 from .errors import InputError, shown
 
 if TYPE_CHECKING:
@@ -107,8 +108,7 @@ class StabilityMap:
         """
         if what not in _TITLES:
             raise InputError(f"what = {shown(what)}: must be {', '.join(map(repr, _TITLES))}")
-        import matplotlib.pyplot as plt
-
+        plt = extra("matplotlib.pyplot")
         if ax is None:
             ax = plt.subplots()[1]
         values: NDArray[Any] = getattr(self, what)
@@ -135,9 +135,11 @@ class StabilityMap:
 
     def to_dataset(self) -> Dataset:
         """The map as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
-        attributes = {"parameter_name": self.name, "parameter_unit": self.unit, "linear": self.linear}
-        values = {**vars(self), "spectral_radius": self.spectral_radius}
-        found = dataset("/stability_map", values, **attributes, ended=self.ended, complete=self.complete)
+        attributes = {
+            "ended": self.ended, "complete": self.complete, "linear": self.linear,
+            "parameter_name": self.name, "parameter_unit": self.unit,
+        }
+        found = dataset("/stability_map", {**vars(self), "spectral_radius": self.spectral_radius}, attributes)
         found["parameter"].attrs["units"] = self.unit
         return found
 

@@ -2,48 +2,47 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._box import Box, fortran
-from ._request import TRAIN, case_text, text_at
+from ._variable import takes
 from ._watch import watched
+from .attractors import Attractors
 from .branch import Branch
+from .description import Description
 from .errors import InputError, SolverError, shown
 from .modes import Modes
-from .motion import Attractors, Motion, Sweep, from_state
-from .parts import Mesh, Series, Shaft, freeze_series
+from .motion import Motion, Sweep, from_state
 from .stability_map import StabilityMap
+from .variables import (
+    VARIABLES,
+    AttractorsKeywords,
+    IntegrateKeywords,
+    IntegrationKeywords,
+    ResponseKeywords,
+    StabilityMapKeywords,
+)
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 __all__ = ["Train"]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Train:
+class Train(Description):
     """A gear train: M shafts in a chain, M-1 meshes between them, an inertia at either end. All input is SI.
 
-    Every name is that of the case file, where its unit and range are told. What is not given takes the case file's
-    default. A train cannot be changed; ``dataclasses.replace`` makes a changed one.
+    Every name is that of the case file. What is not given takes the case file's default. A train cannot be changed;
+    ``dataclasses.replace`` makes a changed one.
 
     Parameters
     ----------
-    input_torque : float
-        Mean input torque [N m]; the output torque balances it by itself.
-    prime_mover_inertia, load_inertia : float
-        Inertias at the two ends [kg m^2]; 0 is allowed on a rigid shaft.
-    characteristic_length : float
-        Unit of mesh displacement [m].
-    characteristic_frequency : float
-        Unit of frequency [rad/s].
+    **variables
     shafts : sequence of Shaft
     meshes : sequence of Mesh
-    torque_cos, torque_sin : float or sequence of float, optional
-        Harmonics 1.. of the input torque [N m].
-    title : str, optional
 
     Raises
     ------
@@ -67,52 +66,6 @@ class Train:
     array([0.251373])
     """
 
-    input_torque: float | None = None
-    prime_mover_inertia: float | None = None
-    load_inertia: float | None = None
-    characteristic_length: float | None = None
-    characteristic_frequency: float | None = None
-    shafts: Sequence[Shaft] = ()
-    meshes: Sequence[Mesh] = ()
-    torque_cos: Series | None = None
-    torque_sin: Series | None = None
-    title: str | None = None
-
-    def __post_init__(self) -> None:
-        for name, kind in (("shafts", Shaft), ("meshes", Mesh)):
-            parts = getattr(self, name)
-            if not isinstance(parts, Sequence) or not all(isinstance(part, kind) for part in parts):
-                raise InputError(f"{name} = {shown(parts)}: must be a list of gt.{kind.__name__}")
-            object.__setattr__(self, name, tuple(parts))
-        freeze_series(self, TRAIN)
-        with Box(self.namelist()):
-            pass
-
-    def namelist(
-        self,
-        modes: bool = False,
-        response: Mapping[str, Any] | None = None,
-        integration: Mapping[str, Any] | None = None,
-        attractors: Mapping[str, Any] | None = None,
-        stability_map: Mapping[str, Any] | None = None,
-    ) -> str:
-        """The train, and the analyses wanted, as a case file's text.
-
-        Parameters
-        ----------
-        modes : bool
-        response, integration, attractors, stability_map : mapping, optional
-            The variables of the group by their keywords, hence ``start`` and ``stop`` for ``from`` and ``to``.
-        """
-        analyses = {
-            "modes": {} if modes else None,
-            "response": response,
-            "integration": integration,
-            "attractors": attractors,
-            "stability_map": stability_map,
-        }
-        return case_text(self, analyses)
-
     def natural_frequencies(self) -> NDArray[np.float64]:
         """Undamped natural frequencies of the mean system, over the characteristic frequency, ascending.
 
@@ -124,12 +77,7 @@ class Train:
         return self.modes().natural_frequency
 
     def modes(self) -> Modes:
-        """Natural frequencies, damping ratios and mode shapes of the mean system.
-
-        Returns
-        -------
-        Modes
-        """
+        """Natural frequencies, damping ratios and mode shapes of the mean system."""
         text = self.namelist()
 
         def work(progress: NDArray[np.float64]) -> Modes:
@@ -139,59 +87,16 @@ class Train:
 
         return watched(work, "modes", in_parts=False)
 
-    def response(
-        self,
-        *,
-        start: float,
-        stop: float,
-        harmonics: int = 6,
-        subharmonic: int = 1,
-        stability: bool = True,
-        seed: Motion | None = None,
-        amplitude_limit: float | None = None,
-        coefficients: str | None = None,
-        samples: int | None = None,
-        control: str | None = None,
-        tolerance: float | None = None,
-        step: float | None = None,
-        max_points: int | None = None,
-        period_doublings: int = 0,
-        branch_points: bool = False,
-        refine: bool = False,
-    ) -> Branch:
+    @takes(VARIABLES["response"], ResponseKeywords)
+    def response(self, *, seed: Motion | None = None, **settings: Unpack[ResponseKeywords]) -> Branch:
         """Follow the periodic motions by harmonic balance and continuation, through the folds.
 
         Parameters
         ----------
-        start, stop : float
-            Lambda; the branch is followed downwards where ``start`` is above ``stop``.
-        harmonics : int
-            Of Lambda/subharmonic; 0 lets the program choose them for ``tolerance``.
-        subharmonic : int
-            Period of the motions in fundamental mesh periods.
-        stability : bool
-            Floquet multipliers of every point.
+        **settings
+            The variables of ``&response``.
         seed : Motion, optional
             A motion of the branch wanted, to start from in place of ``start``.
-        amplitude_limit : float, optional
-            Rms over characteristic length beyond which the branch is followed but not recorded; unless told 12 with
-            backlash, 10000 for a linear train, both times the power of ten nearest to its gap or deflection.
-        coefficients : {'exact', 'sampled'}, optional
-            How the force's Fourier coefficients are found; ``samples`` a period where sampled.
-        samples : int, optional
-        control : {'arclength', 'local'}, optional
-        tolerance : float, optional
-            Relative error of the waveform to aim at where ``harmonics`` is 0.
-        step : float, optional
-            Largest step along the branch.
-        max_points : int, optional
-        period_doublings : int
-            How often a period doubling is followed: 1 gives the branches of twice the period, 2 those of four times as well, ...
-        branch_points : bool
-            Whether the branches of the same period that cross at branch points are followed: where a multiplier passes +1
-            without a fold, as where equal stages begin to move differently.
-        refine : bool
-            Every point polished by shooting in the end, see `Branch.refine`.
 
         Returns
         -------
@@ -220,23 +125,6 @@ class Train:
         >>> [(twice.subharmonic, twice.origin[:47]) for twice in both.branches]
         [(2, 'period doubling of the response at Lambda = 3.5')]
         """
-        settings = {
-            "start": start,
-            "stop": stop,
-            "harmonics": harmonics,
-            "subharmonic": subharmonic,
-            "stability": stability,
-            "amplitude_limit": amplitude_limit,
-            "coefficients": coefficients,
-            "samples": samples,
-            "control": control,
-            "tolerance": tolerance,
-            "step": step,
-            "max_points": max_points,
-            "period_doublings": period_doublings,
-            "branch_points": branch_points,
-            "refine": refine,
-        }
         text = self.namelist(response=settings)
         if seed is not None and not isinstance(seed, Motion):
             raise InputError(f"seed = {shown(seed)}: must be a gt.Motion")
@@ -257,15 +145,9 @@ class Train:
 
         return watched(work, "response")
 
+    @takes(VARIABLES["integration"], IntegrateKeywords, stability=True)
     def integrate(
-        self,
-        frequency: float,
-        *,
-        start: Motion | ArrayLike | None = None,
-        stability: bool = True,
-        harmonics: int | None = None,
-        max_periods: int | None = None,
-        tolerance: float | None = None,
+        self, frequency: float, *, start: Motion | ArrayLike | None = None, **settings: Unpack[IntegrateKeywords]
     ) -> Motion:
         """Integrate over time until the motion is steady.
 
@@ -275,14 +157,8 @@ class Train:
             Lambda.
         start : Motion or array_like, optional
             Where to start: a motion, or displacement and then velocity of every elastic element, (2*elements,), as `Motion.state`.
-        stability : bool
-            Floquet multipliers of the motion.
-        harmonics : int, optional
-            Of Lambda, to store; unless told 16 of the highest mesh order.
-        max_periods : int, optional
-            Mesh periods after which an unsettled motion is given up.
-        tolerance : float, optional
-            Relative change over a period at which the motion counts as steady.
+        **settings
+            Variables of ``&integration``.
 
         Returns
         -------
@@ -300,8 +176,7 @@ class Train:
         >>> motion.period, motion.rms.round(6)
         (2, array([0.456399, 0.549464]))
         """
-        settings = {"stability": stability, "harmonics": harmonics, "max_periods": max_periods, "tolerance": tolerance}
-        text = text_at(self, frequency, settings)
+        text = self._text_at(frequency, settings)
 
         def work(progress: NDArray[np.float64]) -> Motion:
             with Box(text) as box:
@@ -314,28 +189,14 @@ class Train:
 
         return watched(work, "integration")
 
-    def sweep(
-        self,
-        *,
-        start: float,
-        stop: float,
-        points: int = 121,
-        direction: str = "up",
-        stability: bool | None = None,
-        harmonics: int | None = None,
-        max_periods: int | None = None,
-        tolerance: float | None = None,
-    ) -> Sweep:
+    @takes(VARIABLES["integration"], IntegrationKeywords)
+    def sweep(self, **settings: Unpack[IntegrationKeywords]) -> Sweep:
         """Integrate at one frequency after another, each from where the one before settled.
 
         Parameters
         ----------
-        start, stop : float
-            The range of Lambda.
-        points : int
-        direction : {'up', 'down', 'both'}
-        stability, harmonics, max_periods, tolerance
-            As in `integrate`.
+        **settings
+            The variables of ``&integration``.
 
         Returns
         -------
@@ -352,16 +213,6 @@ class Train:
         >>> motions.rms[[1, 4], 1].round(3)
         array([0.212, 2.133])
         """
-        settings = {
-            "start": start,
-            "stop": stop,
-            "points": points,
-            "direction": direction,
-            "stability": stability,
-            "harmonics": harmonics,
-            "max_periods": max_periods,
-            "tolerance": tolerance,
-        }
         text = self.namelist(integration=settings)
 
         def work(progress: NDArray[np.float64]) -> Sweep:
@@ -371,19 +222,11 @@ class Train:
                 box.check(status, whole=not motions)
                 return motions
 
-        return watched(work, "integration", points * (1 + (direction == "both")))
+        return watched(work, "integration", settings["points"] * (1 + (settings["direction"] == "both")))
 
+    @takes(VARIABLES["attractors"], AttractorsKeywords)
     def attractors(
-        self,
-        frequency: float,
-        *,
-        starts: int = 200,
-        random_seed: int = 0,
-        follow: Branch | bool = False,
-        stability: bool = True,
-        harmonics: int | None = None,
-        max_periods: int | None = None,
-        tolerance: float | None = None,
+        self, frequency: float, *, follow: Branch | bool = False, **settings: Unpack[AttractorsKeywords]
     ) -> Attractors:
         """The steady motions on which random starts settle.
 
@@ -391,15 +234,11 @@ class Train:
         ----------
         frequency : float
             Lambda.
-        starts : int
-            How many.
-        random_seed : int
-            The same seed gives the same starts.
+        **settings
+            Variables of ``&attractors``.
         follow : Branch, optional
             A response: each motion found that lies neither on it nor on its ``branches`` is followed with the response's settings
             over its range, as an island that closes on itself where it does.
-        stability, harmonics, max_periods, tolerance
-            As in `integrate`.
 
         Returns
         -------
@@ -419,19 +258,9 @@ class Train:
         """
         if follow is True or not isinstance(follow, (bool, Branch)):
             raise InputError(f"follow = {shown(follow)}: must be a gt.Branch, the response whose range and settings are meant")
-        settings = {
-            "frequency": frequency,
-            "starts": starts,
-            "random_seed": random_seed,
-            "follow": follow is not False,
-            "stability": stability,
-            "harmonics": harmonics,
-            "max_periods": max_periods,
-            "tolerance": tolerance,
-        }
         known = follow if isinstance(follow, Branch) else None
         asked = None if known is None else known.settings
-        text = self.namelist(response=asked, attractors=settings)
+        text = self.namelist(response=asked, attractors={"frequency": frequency, "follow": known is not None, **settings})
 
         def work(progress: NDArray[np.float64]) -> Attractors:
             with Box(text) as box:
@@ -443,38 +272,16 @@ class Train:
                 first = 1 + (0 if known is None else len(known.branches))
                 return Attractors._from(box, self, Branch._all_from(box, self, asked or {}, first))
 
-        return watched(work, "attractors", starts)
+        return watched(work, "attractors", settings["starts"])
 
-    def stability_map(
-        self,
-        *,
-        start: float,
-        stop: float,
-        parameter_start: float,
-        parameter_stop: float,
-        parameter: str = "stiffness_variation",
-        linear: bool = False,
-        points: int = 200,
-        parameter_points: int = 200,
-        harmonics: int = 6,
-    ) -> StabilityMap:
+    @takes(VARIABLES["stability_map"], StabilityMapKeywords)
+    def stability_map(self, **settings: Unpack[StabilityMapKeywords]) -> StabilityMap:
         """Stability over frequency and one parameter, on all cores.
 
         Parameters
         ----------
-        start, stop : float
-            The range of Lambda.
-        parameter_start, parameter_stop : float
-            That of the parameter.
-        parameter : {'stiffness_variation', 'mesh_damping_ratio', 'input_torque', 'half_backlash'}
-            ``stiffness_variation`` is the largest amplitude of any harmonic of the mesh stiffnesses, all scaled alike; the others
-            are variables of the train or of every mesh.
-        linear : bool
-            Of the train without backlash, all teeth in contact; else of the motions on the response branch of every row.
-        points, parameter_points : int
-            Of the grid.
-        harmonics : int
-            Of the motions; a linear map needs none.
+        **settings
+            The variables of ``&stability_map``.
 
         Returns
         -------
@@ -493,17 +300,6 @@ class Train:
         >>> chart.frequency[chart.spectral_radius[-1] > 1][[0, -1]].round(2)
         array([1.78, 2.04])
         """
-        settings = {
-            "start": start,
-            "stop": stop,
-            "points": points,
-            "parameter": parameter,
-            "parameter_start": parameter_start,
-            "parameter_stop": parameter_stop,
-            "parameter_points": parameter_points,
-            "linear": linear,
-            "harmonics": harmonics,
-        }
         text = self.namelist(stability_map=settings)
 
         def work(progress: NDArray[np.float64]) -> StabilityMap:
@@ -511,4 +307,4 @@ class Train:
                 box.check(fortran.map_stability(box.handle, progress))
                 return StabilityMap(**(box.stability_map() or {}))
 
-        return watched(work, "stability map", parameter_points, "rows", parameter)
+        return watched(work, "stability map", settings["parameter_points"], "rows", settings["parameter"])

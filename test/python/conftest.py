@@ -1,10 +1,12 @@
-"""The paper's train and the executable."""
+"""What several test files use: trains, cases, the executable and files that it writes."""
 
 import os
 import shutil
 import subprocess
 from pathlib import Path
 
+import h5py
+import numpy as np
 import pytest
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # a threaded BLAS only gets in the way of threads, see docs/python.md
@@ -26,6 +28,42 @@ def paper_train(half_backlash=30e-6, **changes):
         "characteristic_length": 30e-6, "characteristic_frequency": 9870.0, "shafts": shafts, "meshes": meshes,
     }
     return gt.Train(**{**values, **changes})
+
+
+def single_pair(torque, damping_ratio=0.05, **mesh):
+    """x'' + 2 zeta x' + kappa(t) g(x) = torque with b = 1: two gears on rigid shafts; `mesh` says what excites them."""
+    return gt.Train(
+        input_torque=torque, prime_mover_inertia=0.0, load_inertia=0.0, characteristic_length=1.0, characteristic_frequency=1.0,
+        shafts=[gt.Shaft(rigid=True), gt.Shaft(rigid=True)],
+        meshes=[gt.Mesh(driving_radius=1.0, driven_radius=1.0, driving_inertia=2.0, driven_inertia=2.0, stiffness=1.0,
+                        damping_ratio=damping_ratio, half_backlash=1.0, **mesh)],
+    )
+
+
+def write_case(folder, analyses, name="case.nml"):
+    """The case file of figure 3 with other analyses."""
+    path = folder / name
+    path.write_text((ROOT / "namelists" / "fig03.nml").read_text().split("&modes")[0] + analyses)
+    return path
+
+
+def run(executable, *arguments, **options):
+    """What the executable says to its arguments."""
+    return subprocess.run([executable, *arguments], **{"capture_output": True, "text": True, "check": False, **options})
+
+
+def assert_equal_files(one, other):
+    with h5py.File(one) as first, h5py.File(other) as second:
+        names = []
+        first.visit(names.append)
+        others = []
+        second.visit(others.append)
+        assert names == others and names
+        assert first.attrs["input"] == second.attrs["input"]
+        for name in names:
+            assert set(first[name].attrs) == set(second[name].attrs)
+            if isinstance(first[name], h5py.Dataset):
+                np.testing.assert_array_equal(first[name][()], second[name][()], err_msg=name)
 
 
 @pytest.fixture(scope="session")

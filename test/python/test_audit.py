@@ -1,11 +1,10 @@
 """The second opinion: `Branch.audit`, and `geartrain --audit` over every case of the paper."""
 
 import pickle
-import subprocess
 
 import numpy as np
 import pytest
-from conftest import ROOT
+from conftest import ROOT, run, single_pair
 
 import geartrain as gt
 
@@ -14,13 +13,9 @@ CASES = [path for path in sorted((ROOT / "namelists").glob("*.nml")) if "&respon
 GRAZING = ["fig07_042", "fig08_rectangular", "fig09_001"]
 
 
-def audit(executable, *arguments, cwd):
-    return subprocess.run([executable, "--audit", *arguments], cwd=cwd, check=False, capture_output=True, text=True)
-
-
 @pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
 def test_every_case_is_as_shooting_says(executable, tmp_path, path):
-    done = audit(executable, path, cwd=tmp_path)
+    done = run(executable, "--audit", path, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, ""), done.stdout
     lines = [line for line in done.stdout.splitlines() if "as estimated" in line]
     assert lines and all(", 0 verdicts wrong" in line for line in lines)
@@ -39,13 +34,13 @@ def test_every_point_is_as_shooting_says(name):
 def test_several_cases_and_what_cannot_be_audited(executable, tmp_path):
     (tmp_path / "bad.nml").write_text("&train /")
     names = [str(ROOT / "namelists" / f"{name}.nml") for name in ("single_pair", "fig05")]
-    done = audit(executable, *names, "bad.nml", cwd=tmp_path)
+    done = run(executable, "--audit", *names, "bad.nml", cwd=tmp_path)
     assert done.returncode == 2
     assert f"{names[1]}: error: nothing to audit: add &response" in done.stderr
     assert any(line.startswith("bad.nml:") for line in done.stderr.splitlines())
     assert done.stdout.startswith(f"{names[0]}:\nResponse\n") and "20 of 20 as estimated" in done.stdout
     for option in ("--resume", "--check", "--output=x.h5"):
-        done = audit(executable, names[0], option, cwd=tmp_path)
+        done = run(executable, "--audit", names[0], option, cwd=tmp_path)
         assert done.returncode == 2 and done.stderr.startswith("geartrain: error: ")
     assert [path.name for path in tmp_path.iterdir()] == ["bad.nml"]
 
@@ -55,7 +50,7 @@ def test_exit_status_3_where_something_is_wrong(executable, tmp_path):
     text = (ROOT / "namelists" / "fig03.nml").read_text()
     train = text.split("&response", 1)[0]
     (tmp_path / "case.nml").write_text(f"{train}&response coefficients = 'sampled', harmonics = 6, from = 0.3, to = 1.0 /\n")
-    done = audit(executable, "case.nml", cwd=tmp_path)
+    done = run(executable, "--audit", "case.nml", cwd=tmp_path)
     assert done.returncode == 3 and "no fold found near it" in done.stdout
 
 
@@ -81,23 +76,15 @@ def test_bad_input(branch, wrong):
         branch.audit(**wrong)
 
 
-def single_pair(order):
-    """One pair that meshes `order` times a revolution: at Lambda/order it moves as the pair of order 1 does at Lambda."""
-    mesh = gt.Mesh(driving_radius=1.0, driven_radius=1.0, driving_inertia=2.0, driven_inertia=2.0, stiffness=1.0,
-                   damping_ratio=0.05, half_backlash=1.0, stiffness_cos=[0.3], order=order)
-    return gt.Train(input_torque=0.4, prime_mover_inertia=0.0, load_inertia=0.0, characteristic_length=1.0,
-                    characteristic_frequency=1.0, shafts=[gt.Shaft(rigid=True), gt.Shaft(rigid=True)], meshes=[mesh])
-
-
 def test_an_unstable_motion_of_a_high_order_is_that_of_order_1():
     """Its multipliers are those of order 1 to the power of the order: at 1e13 shooting over the whole period loses all digits."""
-    order = 50
-    branch = single_pair(order).response(start=0.3 / order, stop=1.6 / order, harmonics=12 * order)
+    order = 50  # at Lambda/order the pair moves as that of order 1 does at Lambda
+    branch = single_pair(0.4, stiffness_cos=[0.3], order=order).response(start=0.3 / order, stop=1.6 / order, harmonics=12 * order)
     found = branch.audit(points=12)
     assert found.ok and found.as_estimated >= 11, found
     unstable = np.flatnonzero(~branch.stable & ~branch.undecided)[::3]
     assert len(unstable) > 3 and abs(branch.multipliers[unstable, 0]).max() > 1e12
-    plain = single_pair(1).response(start=0.3, stop=1.6, harmonics=12)
+    plain = single_pair(0.4, stiffness_cos=[0.3]).response(start=0.3, stop=1.6, harmonics=12)
     for i in unstable:
         motion = min(branch.at(float(branch.frequency[i])), key=lambda motion: abs(motion.rms[0] - branch.rms[i, 0])).refine()
         same = [known.refine() for known in plain.at(order * float(branch.frequency[i]))]

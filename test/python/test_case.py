@@ -6,7 +6,7 @@ import subprocess
 import h5py
 import numpy as np
 import pytest
-from conftest import ROOT
+from conftest import ROOT, assert_equal_files
 
 import geartrain as gt
 
@@ -110,20 +110,6 @@ def test_period_two_of_figure_12():
     for frequency in (1.76, 1.85, 1.95, 2.03, 3.52, 3.7, 3.9):  # throughout the ranges without stable period-1 motion
         assert not any(motion.stable for motion in results.response.at(frequency))
         assert any(motion.stable for branch in results.branches for motion in branch.at(frequency))
-
-
-def assert_equal_files(one, other):
-    with h5py.File(one) as first, h5py.File(other) as second:
-        names = []
-        first.visit(names.append)
-        others = []
-        second.visit(others.append)
-        assert names == others and names
-        assert first.attrs["input"] == second.attrs["input"]
-        for name in names:
-            assert set(first[name].attrs) == set(second[name].attrs)
-            if isinstance(first[name], h5py.Dataset):
-                np.testing.assert_array_equal(first[name][()], second[name][()], err_msg=name)
 
 
 def test_place_that_cannot_be_written(results):

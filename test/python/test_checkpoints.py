@@ -6,8 +6,7 @@ import time
 
 import h5py
 import pytest
-from conftest import ROOT
-from test_case import assert_equal_files
+from conftest import assert_equal_files, run, write_case
 
 import geartrain as gt
 
@@ -61,8 +60,7 @@ def checkpoints(executable, tmp_path_factory):
     found = {}
     for kind, analyses in CASES.items():
         folder = tmp_path_factory.mktemp(kind)
-        case = folder / "case.nml"
-        case.write_text((ROOT / "namelists" / "fig03.nml").read_text().split("&modes")[0] + analyses)
+        case = write_case(folder, analyses)
         found[kind] = case, stop_at_checkpoint(executable, case, folder / "out.h5", kind).read_bytes()
     return found
 
@@ -83,8 +81,7 @@ def test_a_thousand_flips(executable, checkpoints):
         with pytest.raises(OSError, match="its checksum does not fit"):
             cases[kind].run(resume=partial)
         if number % 10 == 0:
-            command = [executable, "case.nml", "--output", "out.h5", "--resume"]
-            done = subprocess.run(command, cwd=case.parent, capture_output=True, text=True, check=False)
+            done = run(executable, "case.nml", "--output", "out.h5", "--resume", cwd=case.parent)
             told = f"{kind}: byte {place} of {len(content)}: {done}"
             assert done.returncode == 4 and "out.h5.partial: error: cannot be resumed" in done.stderr and not done.stdout, told
         assert partial.read_bytes() == damaged and not partial.with_name("out.h5").exists()
@@ -119,12 +116,10 @@ def test_the_same_bits_from_a_whole_one(executable, tmp_path):
             "   parameter_points = 200 /\n"
         ),
     }.items():
-        case = tmp_path / f"{kind}.nml"
-        case.write_text((ROOT / "namelists" / "fig03.nml").read_text().split("&modes")[0] + analyses)
+        case = write_case(tmp_path, analyses, f"{kind}.nml")
         whole, output = tmp_path / f"{kind}-whole.h5", tmp_path / f"{kind}.h5"
-        assert subprocess.run([executable, case, "--output", whole], capture_output=True, check=False).returncode == 0
+        assert run(executable, case, "--output", whole).returncode == 0
         stop_at_checkpoint(executable, case, output, kind)
-        command = [executable, case, "--output", output, "--resume"]
-        assert subprocess.run(command, capture_output=True, check=False).returncode == 0
+        assert run(executable, case, "--output", output, "--resume").returncode == 0
         assert_equal_files(whole, output)
         assert not output.with_name(output.name + ".partial").exists()

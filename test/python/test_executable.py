@@ -1,19 +1,14 @@
 """The executable as a user types it: options, messages, exit statuses (3 and 4: test_results_file.py)."""
 
 import re
-import subprocess
 
 import h5py
 import pytest
-from conftest import ROOT
+from conftest import ROOT, run
 
 import geartrain as gt
 
 CASE = ROOT / "namelists" / "single_pair.nml"
-
-
-def run(executable, *arguments, cwd):
-    return subprocess.run([executable, *arguments], cwd=cwd, check=False, capture_output=True, text=True)
 
 
 def test_check_and_run(executable, tmp_path):

@@ -16,8 +16,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from conftest import ROOT, paper_train
-from test_case import assert_equal_files
+from conftest import assert_equal_files, paper_train, run, write_case
 
 import geartrain as gt
 
@@ -27,17 +26,6 @@ LONG = (
     "&modes /\n&response from = 0.2, to = 2.6, step = 0.003 /\n"
     "&integration from = 0.2, to = 2.6, points = 160, direction = 'both' /\n"
 )
-
-
-def write_case(folder, analyses):
-    text = (ROOT / "namelists" / "fig03.nml").read_text().split("&modes")[0]
-    path = folder / "case.nml"
-    path.write_text(text + analyses)
-    return path
-
-
-def run(executable, case, *arguments, **options):
-    return subprocess.run([executable, case, *arguments], capture_output=True, text=True, check=False, **options)
 
 
 def names(folder):

@@ -1,12 +1,15 @@
 """The table of the paper's figures and the command that draws them."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from conftest import ROOT
 
 import geartrain as gt
-from geartrain._curves import Curve, compute, natural_frequencies
-from geartrain.figures import FIGURES, main
+from curves import Curve, compute, natural_frequencies
+from figures import FIGURES, main
 
 CASES = ROOT / "namelists"
 
@@ -62,3 +65,9 @@ def test_command_refuses(tmp_path, capsys):
         main(["14"])
     assert "must be 3 to 13" in capsys.readouterr().err
     assert main(["5", "--results", str(tmp_path), "--cases", str(tmp_path)]) != 0
+
+
+def test_figure_3_wants_a_folder(tmp_path):
+    program = [sys.executable, ROOT / "example" / "paper" / "figure3.py"]
+    assert subprocess.run(program, check=False, capture_output=True).returncode == 2
+    assert subprocess.run([*program, tmp_path], check=False, capture_output=True).returncode == 4

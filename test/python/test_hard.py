@@ -2,33 +2,20 @@
 
 import math
 import pickle
-import subprocess
 from dataclasses import replace
 
 import h5py
 import numpy as np
 import pytest
-from conftest import ROOT, paper_train
+from conftest import ROOT, paper_train, run, single_pair
 
 import geartrain as gt
 
 CASE = ROOT / "namelists" / "fig03.nml"
 
 
-def pair(damping_ratio, kappa):
-    """x'' + 2 zeta x' + (1 + kappa cos Lambda t) g(x) = 1 with b = 1."""
-    mesh = gt.Mesh(
-        driving_radius=1.0, driven_radius=1.0, driving_inertia=2.0, driven_inertia=2.0, stiffness=1.0,
-        damping_ratio=damping_ratio, half_backlash=1.0, stiffness_cos=[kappa],
-    )
-    return gt.Train(
-        input_torque=1.0, prime_mover_inertia=0.0, load_inertia=0.0, characteristic_length=1.0, characteristic_frequency=1.0,
-        shafts=[gt.Shaft(rigid=True), gt.Shaft(rigid=True)], meshes=[mesh],
-    )
-
-
 def test_chaos_has_an_exponent_and_no_period():
-    motion = pair(0.05, 0.6).integrate(frequency=1.9, max_periods=1000)
+    motion = single_pair(1.0, stiffness_cos=[0.6]).integrate(frequency=1.9, max_periods=1000)
     assert motion.period == 0
     # 0.0275 over 20000 mesh periods, by a tangent and by the distance of two motions (test/hard_motions.f90).
     assert motion.lyapunov_exponent == pytest.approx(0.0275, abs=max(2e-3, motion.lyapunov_error))
@@ -40,7 +27,7 @@ def test_chaos_has_an_exponent_and_no_period():
 
 
 def test_exponent_of_a_periodic_motion_is_that_of_its_largest_multiplier():
-    motion = pair(0.05, 0.1).integrate(frequency=0.4, stability=True)
+    motion = single_pair(1.0, stiffness_cos=[0.1]).integrate(frequency=0.4, stability=True)
     rate = math.log(abs(motion.multipliers).max()) * 0.4 / (2 * math.pi)
     assert motion.kind == "periodic" and motion.lyapunov_exponent == pytest.approx(rate, rel=1e-12)
     assert motion.error_estimate < 1e-10
@@ -68,10 +55,7 @@ def test_folds_are_undecided():
 
 def test_a_train_without_torque_floats():
     """Its mean position is not unique: a start elsewhere in the gap stays there."""
-    mesh = gt.Mesh(driving_radius=1.0, driven_radius=1.0, driving_inertia=2.0, driven_inertia=2.0, stiffness=1.0,
-                   damping_ratio=0.05, half_backlash=1.0, error_cos=[0.1])
-    train = gt.Train(input_torque=0.0, prime_mover_inertia=0.0, load_inertia=0.0, characteristic_length=1.0,
-                     characteristic_frequency=1.0, shafts=[gt.Shaft(rigid=True), gt.Shaft(rigid=True)], meshes=[mesh])
+    train = single_pair(0.0, error_cos=[0.1])
     here, there = (train.integrate(frequency=0.9, start=[start, 0.0]) for start in (0.3, -0.4))
     assert here.floating and there.floating and "floating=True" in repr(here)
     assert here.period == there.period == 1
@@ -91,7 +75,7 @@ def test_what_floats_is_said_in_the_file(tmp_path, executable):
     case.write_text(
         paper_train(input_torque=0.0).namelist(integration={"start": 0.9, "stop": 1.0, "points": 2}, attractors={
             "frequency": 0.9, "starts": 2}))
-    done = subprocess.run([executable, case, "--output", output], capture_output=True, text=True, check=False)
+    done = run(executable, case, "--output", output)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("floats in its gaps, where its mean position is not unique") == 2
     results = gt.read_case(case).run()

@@ -8,7 +8,7 @@ import time
 
 import h5py
 import pytest
-from conftest import ROOT
+from conftest import write_case
 
 import geartrain as gt
 from geartrain._watch import watched
@@ -108,8 +108,7 @@ LONG = "&response from = 0.2, to = 2.6, step = 1e-4, max_points = 100000 /\n"
 
 def test_the_executable_ends_at_once_and_goes_on(executable, tmp_path):
     """By the signal, as a shell's loop wants it, with a word on what there is."""
-    case, output = tmp_path / "case.nml", tmp_path / "out.h5"
-    case.write_text((ROOT / "namelists" / "fig03.nml").read_text().split("&modes")[0] + LONG)
+    case, output = write_case(tmp_path, LONG), tmp_path / "out.h5"
     partial = tmp_path / "out.h5.partial"
     work = subprocess.Popen([executable, case, "--output", output], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
@@ -131,8 +130,7 @@ def test_the_executable_ends_at_once_and_goes_on(executable, tmp_path):
 
 
 def test_a_map_stopped_before_its_first_row_can_be_written(tmp_path):
-    case = tmp_path / "case.nml"
-    case.write_text((ROOT / "namelists" / "fig03.nml").read_text().split("&modes")[0] + (
+    case = write_case(tmp_path, (
         "&stability_map from = 0.2, to = 2.6, points = 9000, parameter_from = 0.01, parameter_to = 0.1, parameter_points = 9000 /\n"
     ))
     read = gt.read_case(case)

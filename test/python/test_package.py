@@ -4,7 +4,6 @@ import doctest
 import importlib
 import pkgutil
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -37,9 +36,3 @@ def test_stack_is_not_executable():
     headers = subprocess.run(["readelf", "-lW", _geartrain.__file__], capture_output=True, text=True, check=True).stdout
     (stack,) = [line for line in headers.splitlines() if "GNU_STACK" in line]
     assert "RWE" not in stack
-
-
-def test_demo_wants_a_folder(tmp_path):
-    program = [sys.executable, "-m", "geartrain.demo"]
-    assert subprocess.run(program, check=False, capture_output=True).returncode == 2
-    assert subprocess.run([*program, tmp_path], check=False, capture_output=True).returncode == 4

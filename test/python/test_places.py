@@ -9,8 +9,8 @@ import time
 
 import h5py
 import pytest
-from test_case import assert_equal_files
-from test_faults import QUICK, kill_at_checkpoint, names, run, write_case
+from conftest import assert_equal_files, run, write_case
+from test_faults import QUICK, kill_at_checkpoint, names
 
 MEANWHILE = "&response from = 0.2, to = 2.6, step = 0.001, max_points = 100000 /\n"
 

@@ -7,9 +7,8 @@ import h5py
 import numpy as np
 import pytest
 import xarray
-from conftest import ROOT
-from test_case import assert_equal_files
-from test_faults import kill_at_checkpoint, write_case
+from conftest import ROOT, assert_equal_files, write_case
+from test_faults import kill_at_checkpoint
 
 import geartrain as gt
 

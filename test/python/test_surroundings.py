@@ -60,6 +60,25 @@ def test_without_standard_error_or_tqdm_there_is_no_bar(request, before):
     assert done.returncode in (0, 120) and done.stdout == "500\n", done  # 120: Python itself cannot flush such a stream at its end
 
 
+WITHOUT = """
+import sys
+sys.modules["matplotlib"] = None
+sys.path.insert(0, {folder!r})
+from conftest import paper_train
+branch = paper_train().response(start=0.4, stop=0.5)
+try:
+    branch.plot()
+except ImportError as error:
+    print(error)
+"""
+
+
+def test_a_missing_package_is_told_with_the_extra_that_brings_it(request):
+    code = WITHOUT.format(folder=str(request.path.parent))
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "this call needs matplotlib, which is not installed: pip install 'geartrain[plot]'\n"
+
+
 @pytest.mark.parametrize("changes", [
     {"period": 10**6}, {"period": 10**30}, {"period": -1}, {"period": 2.5}, {"period": True}, {"period": None},
     {"coefficients": np.ones((2, 4))}, {"coefficients": np.ones((1, 33))}, {"coefficients": np.full((2, 33), np.nan)},

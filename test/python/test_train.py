@@ -6,7 +6,7 @@ import pickle
 
 import numpy as np
 import pytest
-from conftest import ROOT, paper_train
+from conftest import ROOT, paper_train, single_pair
 
 import geartrain as gt
 
@@ -34,12 +34,7 @@ def test_series_may_be_numbers_lists_or_arrays():
 
 
 def test_rigid_shafts_and_zero_inertias():
-    pair = gt.Train(
-        input_torque=0.8, prime_mover_inertia=0, load_inertia=0, characteristic_length=1, characteristic_frequency=1,
-        shafts=[gt.Shaft(rigid=True), gt.Shaft(rigid=True)],
-        meshes=[gt.Mesh(driving_radius=1, driven_radius=1, driving_inertia=2, driven_inertia=2, stiffness=1,
-                        damping_ratio=0.05, half_backlash=1, stiffness_cos=0.3)])
-    np.testing.assert_allclose(pair.natural_frequencies(), [1.0])
+    np.testing.assert_allclose(single_pair(0.8, stiffness_cos=0.3).natural_frequencies(), [1.0])
 
 
 def test_bad_value_is_told_as_by_the_executable():

@@ -87,6 +87,23 @@ def test_threads_give_equal_bits(train, branch):
             np.testing.assert_array_equal(job.result().multipliers, branch.multipliers)
 
 
+def test_threads_give_equal_words(train):
+    # Of different lengths: text that one thread makes is not cut as another's.
+    def words(number):
+        number %= 6
+        try:
+            return train.response(start=0.9, stop=(1.0, 1.02345, 1.023456)[number % 3], stability=False, harmonics=1,
+                                  max_points=2 + number, period_doublings=-1 if number == 5 else 0).ended
+        except gt.InputError as error:
+            return str(error)
+
+    alone = [words(number) for number in range(6)]
+    assert len(set(map(len, alone))) > 2
+    with ThreadPoolExecutor(8) as pool:
+        together = list(pool.map(words, range(300)))
+    assert together == alone * 50
+
+
 def test_global_lock_is_free_meanwhile(train):
     ticks = []
     stop = threading.Event()

@@ -32,7 +32,7 @@ contains
          if (.not. in_force) return
       end if
       if (.not. variable%allows_number(value)) &
-         call self%complain(variable%name, real_text(value), variable%expectation(value))
+         call self%complain(variable%name, real_text(value), trim(variable%expectation(value)))
    end subroutine check_real
 
    subroutine check_integer(self, variable, value)
@@ -40,7 +40,8 @@ contains
       type(variable_type), intent(in) :: variable
       integer, intent(inout) :: value
 
-      if (.not. variable%allows(real(value, dp))) call self%complain(variable%name, integer_text(value), variable%expectation())
+      if (.not. variable%allows(real(value, dp))) &
+         call self%complain(variable%name, integer_text(value), trim(variable%expectation()))
    end subroutine check_integer
 
    !> Either value is allowed.
@@ -63,7 +64,7 @@ contains
       if (variable%choices == '') then
          call self%complain(variable%name, "'...'", 'must be one line of UTF-8 text without control characters')
       else
-         call self%complain(variable%name, "'"//value//"'", variable%expectation())
+         call self%complain(variable%name, "'"//value//"'", trim(variable%expectation()))
       end if
    end subroutine check_text
 
@@ -75,7 +76,7 @@ contains
 
       if (.not. allocated(value)) return
       bad = findloc(variable%allows(value), .false., dim=1)
-      if (bad > 0) call self%complain(variable%name, real_text(value(bad)), variable%expectation(value(bad)), bad)
+      if (bad > 0) call self%complain(variable%name, real_text(value(bad)), trim(variable%expectation(value(bad))), bad)
    end subroutine check_list
 
    !> Adds 'name = value: expectation' unless the variable has its problem already.

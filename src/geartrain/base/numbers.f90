@@ -1,4 +1,8 @@
 !> Numbers as text: the shortest decimal that reads back to the same bits, or a rounded one for messages.
+!>
+!> No function of the library has a result `character(:), allocatable`: gfortran keeps the length of such a result in a static
+!> variable of the caller, so that two threads in one statement would each take the other's length for their own text. Short texts
+!> have a length that follows from the arguments, or blanks at the end; long ones are arguments of a subroutine.
 module geartrain_base_numbers
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
    use geartrain_base_kinds, only: dp
@@ -12,13 +16,17 @@ module geartrain_base_numbers
       module procedure :: integer_text
    end interface text
 
+   !> No number is longer.
+   integer, parameter :: longest = 40
+
 contains
 
-   !> The shortest of 1 to 17 significant digits that reads back to the same bits: '0.05', '2.5e8', '-1.0'.
-   pure function real_text(value) result(text)
+   ! Each text with blanks at its end comes before the one that has its length: gfortran wants to know the function by then.
+
+   pure function padded_real(value) result(text)
       real(dp), intent(in) :: value
-      character(:), allocatable :: text
-      character(40) :: buffer
+      character(longest) :: text
+      character(longest) :: buffer
       character(16) :: form
       real(dp) :: again
       integer :: digits
@@ -37,12 +45,20 @@ contains
          end do
          text = plain(trim(adjustl(buffer)))
       end if
+   end function padded_real
+
+   !> The shortest of 1 to 17 significant digits that reads back to the same bits: '0.05', '2.5e8', '-1.0'.
+   pure function real_text(value) result(text)
+      real(dp), intent(in) :: value
+      character(len_trim(padded_real(value))) :: text
+
+      text = padded_real(value)
    end function real_text
 
    !> Turns '2.50E+008' into '2.5e8' and '5.E-002' into '0.05': no exponent from 1e-4 to below 1e6.
    pure function plain(scientific) result(text)
       character(*), intent(in) :: scientific
-      character(:), allocatable :: text
+      character(longest) :: text
       character(:), allocatable :: digits, sign
       integer :: at_exponent, exponent, i
 
@@ -65,10 +81,9 @@ contains
       end if
    end function plain
 
-   !> Up to six digits after the point, no padding: 0.6356, 1.0e-9, 12.
-   pure function short_text(x) result(text)
+   pure function padded_short(x) result(text)
       real(dp), intent(in) :: x
-      character(:), allocatable :: text
+      character(longest) :: text
       character(24) :: buffer
       real(dp) :: rounded
       integer :: mark
@@ -81,26 +96,37 @@ contains
          end do
          if (buffer(mark:mark) == '.') mark = mark - 1
          text = buffer(:mark)
-         if (text(1:1) == '.') text = '0'//text
-         if (len(text) > 1) then
-            if (text(1:2) == '-.') text = '-0'//text(2:)
-         end if
+         if (text(1:1) == '.') text = '0'//trim(text)
+         if (text(1:2) == '-.') text = '-0'//trim(text(2:))
       else if (abs(x) > 0 .and. ieee_is_finite(x)) then
          write (buffer, '(es13.4e3)') x
          read (buffer, *) rounded
-         text = real_text(rounded)
+         text = padded_real(rounded)
       else
-         text = real_text(x)
+         text = padded_real(x)
       end if
+   end function padded_short
+
+   !> Up to six digits after the point, no padding: 0.6356, 1.0e-9, 12.
+   pure function short_text(x) result(text)
+      real(dp), intent(in) :: x
+      character(len_trim(padded_short(x))) :: text
+
+      text = padded_short(x)
    end function short_text
+
+   pure function padded_integer(value) result(text)
+      integer, intent(in) :: value
+      character(longest) :: text
+
+      write (text, '(i0)') value
+   end function padded_integer
 
    pure function integer_text(value) result(text)
       integer, intent(in) :: value
-      character(:), allocatable :: text
-      character(16) :: buffer
+      character(len_trim(padded_integer(value))) :: text
 
-      write (buffer, '(i0)') value
-      text = trim(buffer)
+      text = padded_integer(value)
    end function integer_text
 
 end module geartrain_base_numbers

@@ -99,6 +99,7 @@ contains
       !> What messages call the file; '' where there is none: they then start with the group.
       character(*), intent(in) :: file
       type(error_type), allocatable, intent(inout) :: error
+      character(:), allocatable :: text
       integer :: order(self%count), i, j, moving
 
       do i = 1, self%count
@@ -112,7 +113,8 @@ contains
          end do
       end do
       do i = 1, self%count
-         call fatal(error, message(self%list(order(i)), file))
+         call message(self%list(order(i)), file, text)
+         call fatal(error, text)
       end do
       if (self%untold > 0) call fatal(error, 'and '//integer_text(self%untold)//' more')
    end subroutine raise
@@ -143,10 +145,10 @@ contains
       end do
    end function readable
 
-   pure function message(problem, file) result(text)
+   pure subroutine message(problem, file, text)
       type(problem_type), intent(in) :: problem
       character(*), intent(in) :: file
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
 
       text = readable(problem%text)
       if (problem%group /= '' .and. .not. problem%names_group) then
@@ -158,16 +160,23 @@ contains
       else
          text = file//': error: '//text
       end if
-   end function message
+   end subroutine message
+
+   !> Groups that stand several times.
+   pure logical function is_numbered(group)
+      character(*), intent(in) :: group
+
+      is_numbered = group == 'shaft' .or. group == 'mesh'
+   end function is_numbered
 
    !> '&mesh 2', or '&train' for a group that stands once.
    pure function group_label(group, index) result(text)
       character(*), intent(in) :: group
       integer, intent(in) :: index
-      character(:), allocatable :: text
+      character(1 + len_trim(group) + merge(1 + len(integer_text(index)), 0, is_numbered(group))) :: text
 
       text = '&'//trim(group)
-      if (group == 'shaft' .or. group == 'mesh') text = text//' '//integer_text(index)
+      if (is_numbered(group)) text = '&'//trim(group)//' '//integer_text(index)
    end function group_label
 
 end module geartrain_base_problems

@@ -14,6 +14,12 @@ module geartrain_base_variable
    !> units comes near. A list may hold smaller ones: rounding of what is 0.
    real(dp), parameter :: smallest = 1e-20_dp, largest = 1e20_dp
 
+   !> Room for choices in a variable and in words, where each may gain quotes and a comma; for what is allowed, and for that in a
+   !> message.
+   integer, parameter :: choices_length = 80, range_length = 5*choices_length, expectation_length = range_length + 200
+   !> Room for a number.
+   integer, parameter :: number_length = 40
+
    type :: variable_type
       !> Name in the namelist; where the names differ, the keyword of a Fortran or Python call is told in the description.
       character(24) :: name = ''
@@ -26,7 +32,7 @@ module geartrain_base_variable
       !> One value outside the range that leaves the choice to the program; huge: there is none.
       real(dp) :: automatic = huge(1.0_dp)
       !> Words a text may be, separated by blanks; blank: any text.
-      character(80) :: choices = ''
+      character(choices_length) :: choices = ''
       !> Name of a variable that may not be given together with this one.
       character(24) :: excludes = ''
    contains
@@ -167,10 +173,10 @@ contains
       is_utf_8 = .true.
    end function is_utf_8
 
-   !> What is allowed, short: '> 0', '>= 1, or 0', "'up', 'down' or 'both'"; '' where anything is.
+   !> What is allowed, short: '> 0', '>= 1, or 0', "'up', 'down' or 'both'"; '' where anything is. To be trimmed.
    pure function range_text(self) result(text)
       class(variable_type), intent(in) :: self
-      character(:), allocatable :: text
+      character(range_length) :: text
 
       text = ''
       if (self%choices /= '') then
@@ -180,37 +186,40 @@ contains
       if (self%above > -huge(1.0_dp)) text = '> '//short(self%above)
       if (self%least > -huge(1.0_dp)) text = '>= '//short(self%least)
       if (self%most < huge(1.0_dp)) then
-         if (text /= '') text = text//' and '
-         text = text//'<= '//short(self%most)
+         if (text /= '') then
+            text = trim(text)//' and <= '//short(self%most)
+         else
+            text = '<= '//short(self%most)
+         end if
       end if
-      if (self%automatic < huge(1.0_dp)) text = text//', or '//short(self%automatic)
+      if (self%automatic < huge(1.0_dp)) text = trim(text)//', or '//short(self%automatic)
    end function range_text
 
    !> What is allowed, as a message says it: 'must be > 0 N/m', 'must be >= 1, or 0 to leave the choice to the program'. Of a value
-   !> that is too large or too small for a number of any variable it says that.
+   !> that is too large or too small for a number of any variable it says that. To be trimmed.
    pure function expectation(self, value) result(text)
       class(variable_type), intent(in) :: self
       real(dp), intent(in), optional :: value
-      character(:), allocatable :: text
+      character(expectation_length) :: text
 
       text = self%range()
       if (text == '') then
          text = 'must be finite'
       else
-         text = 'must be '//text
-         if (self%unit /= '') text = text//' '//trim(self%unit)
-         if (self%automatic < huge(1.0_dp)) text = text//' to leave the choice to the program'
+         text = 'must be '//trim(text)
+         if (self%unit /= '') text = trim(text)//' '//trim(self%unit)
+         if (self%automatic < huge(1.0_dp)) text = trim(text)//' to leave the choice to the program'
       end if
       if (.not. present(value)) return
       if (.not. ieee_is_finite(value)) return
       if (abs(value) > largest .or. abs(value) < smallest .and. abs(value) > 0) &
-         text = text//', of a magnitude from '//real_text(smallest)//' to '//real_text(largest)
+         text = trim(text)//', of a magnitude from '//real_text(smallest)//' to '//real_text(largest)
    end function expectation
 
    !> 'up down both' becomes "'up', 'down' or 'both'".
    pure function choice(words) result(text)
       character(*), intent(in) :: words
-      character(:), allocatable :: text
+      character(range_length) :: text
       integer :: first, next
 
       text = ''
@@ -218,18 +227,18 @@ contains
       do
          next = index(words(first:), ' ')
          if (next == 0) exit
-         if (text /= '') text = text//', '
-         text = text//"'"//words(first:first + next - 2)//"'"
+         if (text /= '') text = trim(text)//','
+         text = trim(text)//" '"//words(first:first + next - 2)//"'"
          first = first + next
       end do
-      if (text /= '') text = text//' or '
-      text = text//"'"//words(first:)//"'"
+      if (text /= '') text = trim(text)//' or'
+      text = adjustl(trim(text)//" '"//words(first:)//"'")
    end function choice
 
-   !> A bound as text; whole numbers without the point.
+   !> A bound as text; whole numbers without the point. To be trimmed.
    pure function short(value) result(text)
       real(dp), intent(in) :: value
-      character(:), allocatable :: text
+      character(number_length) :: text
 
       if (abs(value) < 1e6_dp .and. abs(value - anint(value)) <= 0) then
          text = integer_text(nint(value))

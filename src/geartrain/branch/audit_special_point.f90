@@ -328,7 +328,7 @@ contains
    !> Multipliers outside the unit circle before and after a special point, in words.
    pure function counts(before, after) result(words)
       complex(dp), intent(in) :: before(:), after(:)
-      character(:), allocatable :: words
+      character(16) :: words
 
       words = text(outside(before))//' -> '//text(outside(after))
    end function counts

@@ -12,33 +12,34 @@ module geartrain_branch_audit_text
 contains
 
    !> The lines, without a newline after the last.
-   function audit_text(audit) result(lines)
+   subroutine audit_text(audit, lines)
       type(audit_type), intent(in) :: audit
-      character(:), allocatable :: lines
+      character(:), allocatable, intent(out) :: lines
       integer :: i
 
-      lines = '      Lambda  what              estimate     error  ratio  balance    shooting   '
+      lines = '      Lambda  what              estimate     error  ratio  balance    shooting   '//newline
       do i = 1, size(audit%rows)
-         lines = lines//newline//line(audit%rows(i))
+         call add_row(audit%rows(i), lines)
+         lines = lines//newline
       end do
-      lines = lines//newline//summary(audit)
-   end function audit_text
+      call add_summary(audit, lines)
+   end subroutine audit_text
 
-   !> One row of the table.
-   function line(row)
+   !> Adds one row of the table.
+   subroutine add_row(row, lines)
       type(audit_row_type), intent(in) :: row
-      character(:), allocatable :: line
+      character(:), allocatable, intent(inout) :: lines
       character(120) :: buffer
 
       write (buffer, '(f12.6, 2x, a16, 3(1x, a), 2(2x, a9))') row%frequency, row%kind, number(row%estimate, '(es9.1)', 9), &
          number(row%error, '(es9.1)', 9), number(row%ratio(), '(f6.2)', 6), row%verdict, row%exact_verdict
-      line = trim(buffer)
+      lines = lines//trim(buffer)
       if (row%exact_frequency > 0) then
          write (buffer, '(sp, es9.1)') row%exact_frequency - row%frequency
-         line = line//'  exact at '//text(row%exact_frequency)//' ('//trim(adjustl(buffer))//')'
+         lines = lines//'  exact at '//text(row%exact_frequency)//' ('//trim(adjustl(buffer))//')'
       end if
-      if (row%finding /= '') line = line//'  '//trim(row%finding)
-   end function line
+      if (row%finding /= '') lines = lines//'  '//trim(row%finding)
+   end subroutine add_row
 
    !> '-' for a negative number, which stands for none.
    function number(value, form, width)
@@ -51,17 +52,17 @@ contains
       if (value >= 0) write (number, form) value
    end function number
 
-   !> '20 of 20 as estimated, 0 verdicts wrong', and what else there is to be said.
-   function summary(audit)
+   !> Adds '20 of 20 as estimated, 0 verdicts wrong', and what else there is to be said.
+   subroutine add_summary(audit, lines)
       type(audit_type), intent(in) :: audit
-      character(:), allocatable :: summary
+      character(:), allocatable, intent(inout) :: lines
 
-      summary = text(audit%as_estimated)//' of '//text(audit%points)//' as estimated, '
-      if (audit%doubtful > 0) summary = summary//text(audit%doubtful)//' doubtful, '
-      summary = summary//text(audit%wrong_verdicts)//trim(merge(' verdict  ', ' verdicts ', audit%wrong_verdicts == 1))//' wrong'
-      if (audit%special_points > 0) summary = summary//'; '//text(audit%confirmed)//' of '//text(audit%special_points)// &
-                                              ' special points confirmed'
-      if (audit%cancelled) summary = summary//'; cancelled'
-   end function summary
+      lines = lines//text(audit%as_estimated)//' of '//text(audit%points)//' as estimated, '
+      if (audit%doubtful > 0) lines = lines//text(audit%doubtful)//' doubtful, '
+      lines = lines//text(audit%wrong_verdicts)//trim(merge(' verdict  ', ' verdicts ', audit%wrong_verdicts == 1))//' wrong'
+      if (audit%special_points > 0) lines = lines//'; '//text(audit%confirmed)//' of '//text(audit%special_points)// &
+                                          ' special points confirmed'
+      if (audit%cancelled) lines = lines//'; cancelled'
+   end subroutine add_summary
 
 end module geartrain_branch_audit_text

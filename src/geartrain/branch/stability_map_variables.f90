@@ -145,7 +145,7 @@ contains
 
    pure function unit_of(parameter) result(unit)
       character(*), intent(in) :: parameter
-      character(:), allocatable :: unit
+      character(merge(3, 1, parameter == 'input_torque')) :: unit
 
       unit = '1'
       if (parameter == 'input_torque') unit = 'N m'

@@ -58,7 +58,7 @@ contains
       call self%find_one(variable, token, found)
       if (.not. found) return
       call read_real(token, value, wrong)
-      if (wrong == '' .and. .not. variable%allows_number(value)) wrong = variable%expectation(value)
+      if (wrong == '' .and. .not. variable%allows_number(value)) wrong = trim(variable%expectation(value))
       if (wrong /= '') call self%complain(variable%name, shown(token), wrong)
       if (present(in_force)) in_force = .true.
       if (variable%excludes == '') return
@@ -78,7 +78,7 @@ contains
       call self%find_one(variable, token, found)
       if (.not. found) return
       call read_integer(token, value, wrong)
-      if (wrong == '' .and. .not. variable%allows(real(value, dp))) wrong = variable%expectation()
+      if (wrong == '' .and. .not. variable%allows(real(value, dp))) wrong = trim(variable%expectation())
       if (wrong /= '') call self%complain(variable%name, shown(token), wrong)
    end subroutine assign_integer
 
@@ -129,7 +129,7 @@ contains
          allocate (value(size(given%values)), source=0.0_dp)
          do i = 1, size(value)
             call read_real(given%values(i), value(i), wrong)
-            if (wrong == '' .and. .not. variable%allows(value(i))) wrong = variable%expectation(value(i))
+            if (wrong == '' .and. .not. variable%allows(value(i))) wrong = trim(variable%expectation(value(i)))
             if (wrong == '') cycle
             call self%complain(trim(variable%name), shown(given%values(i)), wrong, i)
             return
@@ -149,7 +149,7 @@ contains
       found = .false.
       call self%find(variable%name, group, place)
       if (place == 0) then
-         if (variable%required) call self%lacks(variable%name, variable%range()//' '//variable%unit)
+         if (variable%required) call self%lacks(variable%name, trim(variable%range())//' '//variable%unit)
          return
       end if
       associate (given => self%groups(group)%assignments(place))
@@ -230,10 +230,10 @@ contains
    !> A value as messages show it: in its quotes, and not at great length.
    pure function shown(token) result(text)
       type(token_type), intent(in) :: token
-      character(:), allocatable :: text
+      character(len(shortened(token%text)) + merge(2, 0, token%quoted)) :: text
 
       text = shortened(token%text)
-      if (token%quoted) text = "'"//text//"'"
+      if (token%quoted) text = "'"//shortened(token%text)//"'"
    end function shown
 
 end module geartrain_case_assigner

@@ -135,9 +135,10 @@ contains
       type(case_type), intent(in) :: case
       type(results_type), intent(out) :: results
       type(error_type), allocatable, intent(inout) :: error
-      character(:), allocatable :: input, written_by, wrong
+      character(:), allocatable :: input, asked, written_by, wrong
       type(fields_type) :: fields
 
+      call case_text(case, asked)
       call open_results(path, fields, input, written_by, wrong)
       if (wrong == '' .and. written_by /= version) wrong = 'it was written by another version of geartrain, '//written_by
       if (fields%count == 0) then
@@ -145,7 +146,7 @@ contains
                     '); it stays as it is', status_file)
       else if (wrong /= '') then
          call fatal(error, path//': error: cannot be resumed: '//wrong, status_file)
-      else if (without_output(input) /= without_output(case_text(case))) then
+      else if (without_output(input) /= without_output(asked)) then
          call fatal(error, path//': error: cannot be resumed: it is the checkpoint of another case or of other settings; '// &
                     'begin anew, or name another file with --output')
       else
@@ -157,15 +158,19 @@ contains
       end if
    end subroutine take_up_checkpoint
 
+   pure integer function kept_length(text) result(length)
+      character(*), intent(in) :: text
+
+      length = index(text, new_line('a')//'&output', back=.true.)
+      if (length == 0) length = len(text)
+   end function kept_length
+
    !> The resolved case without its last group, which names the file alone.
    pure function without_output(text) result(rest)
       character(*), intent(in) :: text
-      character(:), allocatable :: rest
-      integer :: at
+      character(kept_length(text)) :: rest
 
-      at = index(text, new_line('a')//'&output', back=.true.)
       rest = text
-      if (at > 0) rest = text(:at)
    end function without_output
 
 end module geartrain_case_checkpoint

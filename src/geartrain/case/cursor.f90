@@ -57,25 +57,25 @@ contains
       end do
    end subroutine skip_to_group
 
-   function take_name(self) result(name)
+   subroutine take_name(self, name)
       class(cursor_type), intent(inout) :: self
-      character(:), allocatable :: name
+      character(:), allocatable, intent(out) :: name
       integer :: length
 
       length = verify(self%text(self%at:), in_names) - 1
       name = self%text(self%at:self%at + length - 1)
       call self%advance(length)
-   end function take_name
+   end subroutine take_name
 
-   function take_bare(self) result(text)
+   subroutine take_bare(self, text)
       class(cursor_type), intent(inout) :: self
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
       integer :: length
 
       length = scan(self%text(self%at:), delimiters) - 1
       text = self%text(self%at:self%at + length - 1)
       call self%advance(length)
-   end function take_bare
+   end subroutine take_bare
 
    !> A quote inside the text is doubled; `status` is not 0 where the line ends before the closing quote.
    subroutine take_quoted(self, text, status)
@@ -121,10 +121,10 @@ contains
    end function peek
 
    !> The character under the cursor in quotes, as a message shows it: all bytes of UTF-8, and the code point where it is not
-   !> ASCII, since it may look like a blank; a byte that is no character by its number.
+   !> ASCII, since it may look like a blank; a byte that is no character by its number. To be trimmed.
    pure function shown(self) result(text)
       class(cursor_type), intent(in) :: self
-      character(:), allocatable :: text
+      character(64) :: text
       character(8) :: code
       integer :: first, last, point, i
 
@@ -178,20 +178,27 @@ contains
       end do
    end function lower
 
-   !> What a message shows of a word: all of it, unless it is very long.
-   pure function shortened(text) result(start)
+   pure integer function shortened_length(text) result(length)
       character(*), intent(in) :: text
-      character(:), allocatable :: start
       integer :: last
 
-      start = text
-      if (len(text) <= 60) return
+      length = len(text)
+      if (length <= 60) return
       ! Not within a character of UTF-8.
       last = 57
       do while (last > 53 .and. iand(iachar(text(last + 1:last + 1)), 192) == 128)
          last = last - 1
       end do
-      start = text(:last)//'...'
+      length = last + 3
+   end function shortened_length
+
+   !> What a message shows of a word: all of it, unless it is very long.
+   pure function shortened(text) result(start)
+      character(*), intent(in) :: text
+      character(shortened_length(text)) :: start
+
+      start = text
+      if (len(text) > len(start)) start(len(start) - 2:) = '...'
    end function shortened
 
 end module geartrain_case_cursor

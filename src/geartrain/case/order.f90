@@ -17,6 +17,7 @@ contains
       type(problems_type), intent(inout) :: problems
       !> Last group of the train, and the first one after the train.
       character(:), allocatable :: last, after
+      character(:), allocatable :: text
       integer :: i, j, first(size(known))
 
       last = ''
@@ -26,7 +27,8 @@ contains
          associate (group => groups(i))
             j = findloc(known%name == group%name, .true., dim=1)
             if (j == 0) then
-               call problems%add(unknown_group(group%name), group%name, line=group%line, column=group%column, names_group=.true.)
+               call unknown_group(group%name, text)
+               call problems%add(text, group%name, line=group%line, column=group%column, names_group=.true.)
                cycle
             end if
             if (first(j) == 0) first(j) = group%line

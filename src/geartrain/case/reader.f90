@@ -11,7 +11,7 @@ module geartrain_case_reader
    use geartrain_case_check, only: check_analyses
    use geartrain_case_order, only: check_order
    use geartrain_case_scanner, only: group_type, scan_text
-   use geartrain_case_table, only: list_variables, row_type, unknown_variable
+   use geartrain_case_table, only: is_variable, list_variables, row_type, take_keyword, unknown_variable
    use geartrain_case_variables, only: groups, visit_modes, visit_output
    use geartrain_model_check, only: check_consistency
    use geartrain_model_variables, only: visit_mesh, visit_shaft, visit_train
@@ -79,7 +79,8 @@ contains
       if (.not. any(groups%name == group%name)) return
       do i = 1, size(group%assignments)
          associate (this => group%assignments(i))
-            if (.not. any([(rows(j)%group == group%name .and. rows(j)%variable%name == this%name, j = 1, size(rows))])) then
+            call take_keyword(this%name, group%name, rows)
+            if (.not. is_variable(this%name, group%name, rows)) then
                call unknown_variable(this%name, group%name, rows, text, meant)
                call problems%add(text, group%name, group%index, meant, this%line, this%column, names_group=.true.)
                this%bad = .true.

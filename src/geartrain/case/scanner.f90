@@ -83,12 +83,14 @@ contains
       type(problems_type), intent(inout) :: problems
       type(group_type) :: group
       type(assignment_type) :: skipped, room(most_assignments)
+      character(:), allocatable :: name
       integer :: i, n
 
       group%line = cursor%line
       group%column = cursor%column
       call cursor%advance()
-      group%name = lower(cursor%take_name())
+      call cursor%take_name(name)
+      group%name = lower(name)
       do i = 1, size(groups) - 1
          if (groups(i)%name == group%name) group%index = group%index + 1
       end do
@@ -107,7 +109,7 @@ contains
             n = n + 1
             call scan_assignment(cursor, room(n), group, problems)
          else
-            call problems%add('expected "name = value" or the closing /, found '//cursor%shown(), group%name, &
+            call problems%add('expected "name = value" or the closing /, found '//trim(cursor%shown()), group%name, &
                               group%index, line=cursor%line, column=cursor%column)
             skipped%bad = .true.
             call scan_values(cursor, skipped, group, problems)
@@ -154,7 +156,7 @@ contains
 
       assignment%line = cursor%line
       assignment%column = cursor%column
-      written = cursor%take_name()
+      call cursor%take_name(written)
       assignment%name = lower(written)
       call cursor%skip_space()
       if (scan(cursor%peek(), '(%') == 1) then
@@ -219,7 +221,7 @@ contains
             call cursor%take_quoted(token%text, i)
             if (i /= 0) call complain('the quote is not closed on its line')
          else
-            token%text = cursor%take_bare()
+            call cursor%take_bare(token%text)
             call split_repeat(token%text, repeats)
             if (repeats < 1 .or. repeats > most_values) call complain('a repeat count must be 1 to 1000')
             if (token%text == '') call complain('an empty value')
@@ -276,7 +278,7 @@ contains
       at = cursor%at
       line = cursor%line
       column = cursor%column
-      name = cursor%take_name()
+      call cursor%take_name(name)
       call cursor%skip_space()
       begins_assignment = scan(cursor%peek(), '=(%') == 1
       cursor%at = at

@@ -8,7 +8,7 @@ module geartrain_case_table
    use geartrain_case_variables, only: groups, visit_case
    implicit none (type, external)
    private
-   public :: row_type, list_variables, unknown_group, unknown_variable
+   public :: closest, row_type, is_variable, list_variables, take_keyword, unknown_group, unknown_variable
 
    type :: row_type
       character(16) :: group = ''
@@ -112,10 +112,37 @@ contains
       call self%collect(variable, 'reals', 'none')
    end subroutine on_list
 
+   !> Whether the table has a variable of this name in the group.
+   pure logical function is_variable(name, group, rows)
+      character(*), intent(in) :: name, group
+      type(row_type), intent(in) :: rows(:)
+      integer :: i
+
+      is_variable = any([(rows(i)%group == group .and. rows(i)%variable%name == name, i = 1, size(rows))])
+   end function is_variable
+
+   !> Puts the name in the table in place of the keyword that a call has for it: Python has no keyword `from`, so that `start` and
+   !> `stop` stand for `from` and `to`, and for their like at the end of a name.
+   subroutine take_keyword(name, group, rows)
+      character(:), allocatable, intent(inout) :: name
+      character(*), intent(in) :: group
+      type(row_type), intent(in) :: rows(:)
+      character(:), allocatable :: meant
+      integer :: at
+
+      if (is_variable(name, group, rows)) return
+      meant = name
+      at = index(name, 'start', back=.true.)
+      if (at > 0 .and. at == len(name) - 4) meant = name(:at - 1)//'from'
+      at = index(name, 'stop', back=.true.)
+      if (at > 0 .and. at == len(name) - 3) meant = name(:at - 1)//'to'
+      if (is_variable(meant, group, rows)) name = meant
+   end subroutine take_keyword
+
    !> The message about a group that there is not.
-   function unknown_group(name) result(text)
+   subroutine unknown_group(name, text)
       character(*), intent(in) :: name
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
       integer :: i, best
 
       best = closest(name, [(groups(i)%name, i = 1, size(groups))])
@@ -129,7 +156,7 @@ contains
          end do
          text = text//')'
       end if
-   end function unknown_group
+   end subroutine unknown_group
 
    !> The message about a variable that a group does not have; `meant` is the one that was probably meant, or ''.
    subroutine unknown_variable(name, group, rows, text, meant)
@@ -143,8 +170,6 @@ contains
       text = 'unknown variable "'//shortened(name)//'" in &'//group
       meant = ''
       best = closest(name, names)
-      if (name == 'start') best = findloc(names, 'from', dim=1)
-      if (name == 'stop') best = findloc(names, 'to', dim=1)
       if (best > 0) then
          meant = trim(names(best))
          text = text//' (did you mean "'//meant//'"?)'

@@ -12,19 +12,23 @@ module geartrain_case_template
 contains
 
    !> A complete case file with every variable explained, to write to a file and to edit.
-   function template_text() result(text)
-      character(:), allocatable :: text
+   subroutine template_text(text)
+      character(:), allocatable, intent(out) :: text
       character(*), parameter :: newline = new_line('a')
+      character(:), allocatable :: groups
 
+      call commented_text(paper_case(), groups)
+      call set_aside(groups, 'attractors')
+      call set_aside(groups, 'stability_map')
       text = '! A case for geartrain. Run it with: geartrain CASE.nml'//newline// &
              '! SI units throughout. Lines that begin with ! are comments: remove the ! to give that variable or group.'// &
-             newline// &
-             set_aside(set_aside(commented_text(paper_case()), 'attractors'), 'stability_map')
-   end function template_text
+             newline//groups
+   end subroutine template_text
 
-   !> The text with a group turned into comments: many random starts and long maps are for those who ask for them.
-   function set_aside(text, group) result(changed)
-      character(*), intent(in) :: text, group
+   !> Turns a group of the text into comments: many random starts and long maps are for those who ask for them.
+   subroutine set_aside(text, group)
+      character(:), allocatable, intent(inout) :: text
+      character(*), intent(in) :: group
       character(:), allocatable :: changed
       character(*), parameter :: newline = new_line('a')
       integer :: first, last, i
@@ -36,8 +40,8 @@ contains
          if (text(i - 1:i - 1) == newline) changed = changed//'! '
          changed = changed//text(i:i)
       end do
-      changed = changed//text(last + 2:)
-   end function set_aside
+      text = changed//text(last + 2:)
+   end subroutine set_aside
 
    !> The train of table 1 and the analyses of figure 3, what coexists at Lambda = 0.6, and a map.
    function paper_case() result(case)

@@ -31,22 +31,22 @@ module geartrain_case_text
 contains
 
    !> The resolved namelist; numbers have the digits, up to 17, that read back to identical bits.
-   function case_text(case) result(text)
+   subroutine case_text(case, text)
       type(case_type), intent(in) :: case
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
       type(writer_type) :: writer
       type(case_type) :: copy
 
       copy = case
       writer%text = ''
       call visit_case(copy, writer)
-      text = writer%text
-   end function case_text
+      call move_alloc(writer%text, text)
+   end subroutine case_text
 
    !> The same with every variable explained where it first occurs.
-   function commented_text(case) result(text)
+   subroutine commented_text(case, text)
       type(case_type), intent(in) :: case
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
       type(writer_type) :: writer
       type(case_type) :: copy
 
@@ -54,38 +54,41 @@ contains
       writer%text = ''
       writer%commented = .true.
       call visit_case(copy, writer)
-      text = writer%text
-   end function commented_text
+      call move_alloc(writer%text, text)
+   end subroutine commented_text
 
    !> The groups and variables as Markdown tables, for docs/reference.md.
-   function reference_text() result(text)
-      character(:), allocatable :: text
+   subroutine reference_text(text)
+      character(:), allocatable, intent(out) :: text
       type(row_type), allocatable :: rows(:)
       integer :: i, j
 
       call list_variables(rows)
       text = 'A real number that is not 0 has a magnitude from '//real_text(smallest)//' to '//real_text(largest)// &
-             '; in a list smaller ones count as well.'//newline
+             '; in a list smaller ones count as well.'//newline// &
+             '`start` and `stop`, the keywords of calls, may stand for `from` and `to`, also at the end of a name.'//newline
       do i = 1, size(groups)
          text = text//newline//'### `&'//trim(groups(i)%name)//'`'//newline//newline//trim(groups(i)%description)//newline
          if (.not. any(rows%group == groups(i)%name)) cycle
          text = text//newline//'| Variable | Type | Unit | Default | Allowed | Meaning |'//newline// &
                 '|---|---|---|---|---|---|'//newline
          do j = 1, size(rows)
-            if (rows(j)%group == groups(i)%name) text = text//markdown_row(rows(j))
+            if (rows(j)%group == groups(i)%name) call add_row(rows(j), text)
          end do
       end do
-   end function reference_text
+   end subroutine reference_text
 
-   function markdown_row(row) result(text)
+   !> Adds the row of a Markdown table.
+   subroutine add_row(row, text)
       type(row_type), intent(in) :: row
-      character(:), allocatable :: text, default
+      character(:), allocatable, intent(inout) :: text
+      character(:), allocatable :: default
 
       default = trim(row%default)
       if (row%variable%required) default = 'required'
-      text = '| `'//trim(row%variable%name)//'` | '//trim(row%kind)//' | '//trim(row%variable%unit)//' | '//default// &
-             ' | '//row%variable%range()//' | '//trim(row%variable%description)//' |'//newline
-   end function markdown_row
+      text = text//'| `'//trim(row%variable%name)//'` | '//trim(row%kind)//' | '//trim(row%variable%unit)//' | '//default// &
+             ' | '//trim(row%variable%range())//' | '//trim(row%variable%description)//' |'//newline
+   end subroutine add_row
 
    subroutine begin_group(self, group, index)
       class(writer_type), intent(inout) :: self
@@ -195,7 +198,7 @@ contains
          note = trim(variable%unit)
          if (variable%range() /= '') then
             if (note /= '') note = note//', '
-            note = note//variable%range()
+            note = note//trim(variable%range())
          end if
          if (note /= '') note = note//': '
          if (len(line) < 40) line = line//repeat(' ', 40 - len(line))

@@ -157,7 +157,7 @@ contains
    !> A number by its logarithm, roughly: '1e305'.
    pure function power(exponent) result(text)
       real(dp), intent(in) :: exponent
-      character(:), allocatable :: text
+      character(2 + len(integer_text(nint(exponent)))) :: text
 
       text = '1e'//integer_text(nint(exponent))
    end function power

@@ -39,10 +39,9 @@ contains
    !> The note where it applies, else ''.
    pure function note_of(floating) result(text)
       logical, intent(in) :: floating
-      character(:), allocatable :: text
+      character(merge(len(note), 0, floating)) :: text
 
-      text = ''
-      if (floating) text = note
+      text = note
    end function note_of
 
 end module geartrain_motion_floating

@@ -84,7 +84,7 @@ contains
       title = ''
       if (allocated(case%train%title)) title = case%train%title
       call carry_text(fields, row('title', '', '', 'as in `&train`'), title)
-      if (fields%way /= listing) input = case_text(case)
+      if (fields%way /= listing) call case_text(case, input)
       call carry_text(fields, row('input', '', '', 'the case, all defaults included: written to a file it runs again'), input)
       value = case%train%characteristic_length
       call carry(fields, row('characteristic_length', '', '', 'm'), value)

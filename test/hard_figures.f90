@@ -1,10 +1,11 @@
 !> The figures of the paper on which continuation is hardest: complete from both ends, the same solutions at every step size, their
 !> number odd (a branch beyond the amplitude limit counts where it passes).
 module hard_figures
-   use fixtures, only: paper_train, settings_of
+   use fixtures, only: paper_train, rectangular, settings_of
    use geartrain, only: branch_type, dp, error_type, motion_type, response_settings_type, solutions_at, train_type
    use geartrain_branch_summary, only: folds
-   use hard_cases, only: cases_type, solve
+   use readings, only: solve
+   use testing, only: tests_type
    implicit none (type, external)
    private
    public :: figures_cases
@@ -14,46 +15,57 @@ module hard_figures
 
 contains
 
-   subroutine figures_cases(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine figures_cases(tests)
+      class(tests_type), intent(inout) :: tests
       type(train_type) :: train
 
-      call cases%heading('Figures, each from both ends and at several step sizes')
-      train = paper_train()
-      train%input_torque = 100
-      call figure(cases, train, 'figure 6, 100 N m')
-      call figure(cases, paper_train(0.42_dp), 'figure 7, kappa 0.42')
-      call figure(cases, rectangular(-0.085_dp), 'figure 8 as printed')
-      call figure(cases, rectangular(0.084_dp), 'figure 8, rectangular wave')
-      train = paper_train()
-      train%meshes%damping_ratio = 0.03_dp
-      call figure(cases, train, 'figure 9, zeta 0.03')
-      train%meshes%damping_ratio = 0.01_dp
-      call figure(cases, train, 'figure 9, zeta 0.01')
-      train = paper_train()
-      train%meshes(2)%order = 2
-      call figure(cases, train, 'figure 10')
-      train%meshes%order = [3, 2]
-      call figure(cases, train, 'figure 11')
+      call tests%heading('Figures, each from both ends and at several step sizes')
+      if (tests%runs('figure_6')) then
+         train = paper_train()
+         train%input_torque = 100
+         call figure(tests, train, 'figure 6, 100 N m')
+      end if
+      if (tests%runs('figure_7')) call figure(tests, paper_train(0.42_dp), 'figure 7, kappa 0.42')
+      if (tests%runs('figure_8')) then
+         call figure(tests, rectangular(-0.085_dp), 'figure 8 as printed')
+         call figure(tests, rectangular(0.084_dp), 'figure 8, rectangular wave')
+      end if
+      if (tests%runs('figure_9')) then
+         train = paper_train()
+         train%meshes%damping_ratio = 0.03_dp
+         call figure(tests, train, 'figure 9, zeta 0.03')
+         train%meshes%damping_ratio = 0.01_dp
+         call figure(tests, train, 'figure 9, zeta 0.01')
+      end if
+      if (tests%runs('figure_10')) then
+         train = paper_train()
+         train%meshes(2)%order = 2
+         call figure(tests, train, 'figure 10')
+      end if
+      if (tests%runs('figure_11')) then
+         train = paper_train()
+         train%meshes%order = [3, 2]
+         call figure(tests, train, 'figure 11')
+      end if
    end subroutine figures_cases
 
    !> A figure at several numbers of harmonics; in a debug build, which takes ten times as long, at the first of them.
-   subroutine figure(cases, train, name)
-      class(cases_type), intent(inout) :: cases
+   subroutine figure(tests, train, name)
+      class(tests_type), intent(inout) :: tests
       type(train_type), intent(in) :: train
       character(*), intent(in) :: name
       integer, parameter :: harmonics(*) = [6, 12, 24, 48]
       character(8) :: number
       integer :: i
 
-      do i = 1, merge(1, size(harmonics), cases%slow_build)
+      do i = 1, merge(1, size(harmonics), tests%slow_build)
          write (number, '(a, i0)') ', R = ', harmonics(i)
-         call one_figure(cases, train, harmonics(i), name//trim(number))
+         call one_figure(tests, train, harmonics(i), name//trim(number))
       end do
    end subroutine figure
 
-   subroutine one_figure(cases, train, harmonics, name)
-      class(cases_type), intent(inout) :: cases
+   subroutine one_figure(tests, train, harmonics, name)
+      class(tests_type), intent(inout) :: tests
       type(train_type), intent(in) :: train
       integer, intent(in) :: harmonics
       character(*), intent(in) :: name
@@ -101,9 +113,9 @@ contains
             end do
          end do
       end do
-      call cases%holds(name, 'complete from either end, an odd number of solutions', complete .and. odd)
-      call cases%holds(name, 'it turns back as often, whatever end and step', turned)
-      call cases%measured(name, 'the same solutions from the other end, at steps 0.2 and 0.02', worst, 1e-10_dp)
+      call tests%holds(name, 'complete from either end, an odd number of solutions', complete .and. odd)
+      call tests%holds(name, 'it turns back as often, whatever end and step', turned)
+      call tests%measured(name, 'the same solutions from the other end, at steps 0.2 and 0.02', worst, 1e-10_dp)
    end subroutine one_figure
 
    !> How often the branch passes the frequency beyond the amplitude limit, up to an even number.
@@ -139,15 +151,5 @@ contains
          distance = min(distance, maxval(abs(motion%coefficients - motions(i)%coefficients)))
       end do
    end function distance
-
-   !> Mesh stiffness of five harmonics with a given fifth.
-   function rectangular(fifth) result(train)
-      real(dp), intent(in) :: fifth
-      type(train_type) :: train
-
-      train = paper_train()
-      train%meshes(1)%stiffness_cos = [0.42_dp, 0.0_dp, -0.141_dp, 0.0_dp, fifth]
-      train%meshes(2)%stiffness_cos = train%meshes(1)%stiffness_cos
-   end function rectangular
 
 end module hard_figures

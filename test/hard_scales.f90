@@ -4,7 +4,8 @@ module hard_scales
    use geartrain, only: branch_type, dp, error_type, motion_type, refine, response_settings_type, shaft_type, solutions_at, &
       train_type
    use geartrain_branch_summary, only: folds
-   use hard_cases, only: cases_type, solution, solve
+   use readings, only: solution, solve
+   use testing, only: tests_type
    implicit none (type, external)
    private
    public :: scales_cases
@@ -14,31 +15,31 @@ module hard_scales
 
 contains
 
-   subroutine scales_cases(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine scales_cases(tests)
+      class(tests_type), intent(inout) :: tests
 
-      call cases%heading('Scales')
-      call homogeneous(cases)
-      call units(cases)
-      call light_load(cases)
-      call heavy_load(cases)
-      call gaps(cases)
-      call soft_shaft(cases)
-      call stiff_shaft(cases)
-      call end_inertias(cases)
-      call between(cases)
+      call tests%heading('Scales')
+      if (tests%runs('homogeneous')) call homogeneous(tests)
+      if (tests%runs('units')) call units(tests)
+      if (tests%runs('light_load')) call light_load(tests)
+      if (tests%runs('heavy_load')) call heavy_load(tests)
+      if (tests%runs('gaps')) call gaps(tests)
+      if (tests%runs('soft_shaft')) call soft_shaft(tests)
+      if (tests%runs('stiff_shaft')) call stiff_shaft(tests)
+      if (tests%runs('end_inertias')) call end_inertias(tests)
+      if (tests%runs('between')) call between(tests)
    end subroutine scales_cases
 
    !> Torque, gap and transmission error times s: every displacement times s, the same folds.
-   subroutine homogeneous(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine homogeneous(tests)
+      class(tests_type), intent(inout) :: tests
       real(dp), parameter :: factor(*) = [1e-8_dp, 1e-4_dp, 3.7e-2_dp, 40.0_dp, 1e4_dp, 1e7_dp]
       character(12) :: text
       integer :: i
 
       do i = 1, size(factor)
          write (text, '(es8.1)') factor(i)
-         call same_curve(cases, scaled(factor(i)), 1.0_dp, factor(i), &
+         call same_curve(tests, scaled(factor(i)), 1.0_dp, factor(i), &
                          'torque, gap and error times '//trim(adjustl(text))//', figure 3')
       end do
    end subroutine homogeneous
@@ -57,29 +58,29 @@ contains
    end function scaled
 
    !> Characteristic values that are off.
-   subroutine units(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine units(tests)
+      class(tests_type), intent(inout) :: tests
       type(train_type) :: train
 
       train = scaled(1.0_dp)
       train%characteristic_length = 1e6_dp*train%characteristic_length
-      call same_curve(cases, train, 1.0_dp, 1e-6_dp, 'characteristic length 1e6 times too large, figure 3')
+      call same_curve(tests, train, 1.0_dp, 1e-6_dp, 'characteristic length 1e6 times too large, figure 3')
       train = scaled(1.0_dp)
       train%characteristic_length = 1e-6_dp*train%characteristic_length
-      call same_curve(cases, train, 1.0_dp, 1e6_dp, 'characteristic length 1e6 times too small, figure 3')
+      call same_curve(tests, train, 1.0_dp, 1e6_dp, 'characteristic length 1e6 times too small, figure 3')
       train = scaled(1.0_dp)
       train%characteristic_frequency = 1e-6_dp*train%characteristic_frequency
-      call same_curve(cases, train, 1e6_dp, 1.0_dp, 'characteristic frequency 1e6 times too small, figure 3')
+      call same_curve(tests, train, 1e6_dp, 1.0_dp, 'characteristic frequency 1e6 times too small, figure 3')
       train = scaled(1.0_dp)
       train%characteristic_frequency = 1e3_dp*train%characteristic_frequency
-      call same_curve(cases, train, 1e-3_dp, 1.0_dp, 'characteristic frequency 1e3 times too large, figure 3')
+      call same_curve(tests, train, 1e-3_dp, 1.0_dp, 'characteristic frequency 1e3 times too large, figure 3')
       train%characteristic_frequency = 1e3_dp*train%characteristic_frequency
-      call same_curve(cases, train, 1e-6_dp, 1.0_dp, 'characteristic frequency 1e6 times too large, figure 3')
+      call same_curve(tests, train, 1e-6_dp, 1.0_dp, 'characteristic frequency 1e6 times too large, figure 3')
    end subroutine units
 
    !> Figure 3 (with a transmission error) in other units: Lambda times `fast`, displacements times `large`.
-   subroutine same_curve(cases, train, fast, large, name)
-      class(cases_type), intent(inout) :: cases
+   subroutine same_curve(tests, train, fast, large, name)
+      class(tests_type), intent(inout) :: tests
       type(train_type), intent(in) :: train
       real(dp), intent(in) :: fast, large
       character(*), intent(in) :: name
@@ -108,14 +109,14 @@ contains
             off = max(off, maxval(abs(abs(motions(k)%multipliers) - abs(expected(k)%multipliers))))
          end do
       end do
-      call cases%measured(name, 'rms of the same train in fitting units', worst, 1e-10_dp)
+      call tests%measured(name, 'rms of the same train in fitting units', worst, 1e-10_dp)
       ! They are integrated with series cut at 5e-10 (stability/propagator.f90).
-      call cases%measured(name, 'multipliers of the same train in fitting units', off, 5e-10_dp)
+      call tests%measured(name, 'multipliers of the same train in fitting units', off, 5e-10_dp)
    end subroutine same_curve
 
    !> A light load never reaches the other flank: displacements in proportion to the torque.
-   subroutine light_load(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine light_load(tests)
+      class(tests_type), intent(inout) :: tests
       type(train_type) :: train
       type(response_settings_type) :: settings
       type(branch_type) :: branch
@@ -148,15 +149,15 @@ contains
          call refine(train, motions(k), error)
          if (allocated(error)) worst = huge(1.0_dp)
          write (text, '(es7.0)') torque(j)
-         call cases%measured('torque '//trim(adjustl(text))//' N m in a gap of 30 um', &
+         call tests%measured('torque '//trim(adjustl(text))//' N m in a gap of 30 um', &
                              'shooting at 0.9: rms per torque as at 1 N m', &
                              max(worst, maxval(abs(motions(k)%rms/torque(j) - expected(1)%rms)/expected(1)%rms)), allowed(j))
       end do
    end subroutine light_load
 
    !> Under a heavy load the gap is nothing: the same motion per torque.
-   subroutine heavy_load(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine heavy_load(tests)
+      class(tests_type), intent(inout) :: tests
       type(train_type) :: train, no_gap
       type(motion_type) :: motion, expected
       real(dp), parameter :: torque(*) = [1e6_dp, 1e9_dp]
@@ -171,14 +172,14 @@ contains
          motion = solution(train, settings_of(0.4_dp, 0.41_dp, 12))
          expected = solution(no_gap, settings_of(0.4_dp, 0.41_dp, 12))
          write (text, '(es7.0)') torque(i)
-         call cases%measured('torque '//trim(adjustl(text))//' N m', 'the train without backlash, per torque', &
+         call tests%measured('torque '//trim(adjustl(text))//' N m', 'the train without backlash, per torque', &
                              maxval(abs(motion%rms/expected%rms - 1)), 1e-10_dp)
       end do
    end subroutine heavy_load
 
    !> A gap much smaller than the deflection is none; one much larger is a shift.
-   subroutine gaps(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine gaps(tests)
+      class(tests_type), intent(inout) :: tests
       type(train_type) :: train
       type(motion_type) :: motion, expected
 
@@ -187,19 +188,19 @@ contains
       expected = solution(train, settings_of(0.9_dp, 0.91_dp, 12))
       train%meshes%half_backlash = 1e-12_dp
       motion = solution(train, settings_of(0.9_dp, 0.91_dp, 12))
-      call cases%measured('half backlash 1e-12 m', 'no backlash (they differ by the order of the gap, 1e-7)', &
+      call tests%measured('half backlash 1e-12 m', 'no backlash (they differ by the order of the gap, 1e-7)', &
                           maxval(abs(motion%rms/expected%rms - 1)), 1e-6_dp)
       train%meshes%half_backlash = 30e-6_dp
       expected = solution(train, settings_of(0.9_dp, 0.91_dp, 12))
       train%meshes%half_backlash = 1
       motion = solution(train, settings_of(0.9_dp, 0.91_dp, 12))
-      call cases%measured('half backlash 1 m', 'the same motion with 30 um, which does not reach the other flank', &
+      call tests%measured('half backlash 1 m', 'the same motion with 30 um, which does not reach the other flank', &
                           maxval(abs(motion%rms/expected%rms - 1)), 1e-9_dp)
    end subroutine gaps
 
    !> k3 small: each pair moves as if the other were not there.
-   subroutine soft_shaft(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine soft_shaft(tests)
+      class(tests_type), intent(inout) :: tests
       type(train_type) :: train, pair
       type(motion_type) :: motion, alone
       real(dp), parameter :: stiffness(*) = [1.0_dp, 1e-2_dp, 1e-4_dp], allowed(*) = [1e-4_dp, 1e-5_dp, 1e-6_dp]
@@ -223,7 +224,7 @@ contains
                pair%input_torque = 2*pair%input_torque
             end if
             alone = solution(pair, settings_of(0.9_dp, 0.91_dp, 24))
-            call cases%measured('k3 = '//trim(adjustl(text))//' N m/rad, mesh '//achar(iachar('0') + j), &
+            call tests%measured('k3 = '//trim(adjustl(text))//' N m/rad, mesh '//achar(iachar('0') + j), &
                                 'the pair alone (they differ by the damping of the shaft, the root of k3)', &
                                 abs(motion%rms(j)/alone%rms(1) - 1), allowed(i))
          end do
@@ -231,8 +232,8 @@ contains
    end subroutine soft_shaft
 
    !> k3 large: the model with a rigid shaft, from which it differs in proportion to 1/k3.
-   subroutine stiff_shaft(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine stiff_shaft(tests)
+      class(tests_type), intent(inout) :: tests
       type(train_type) :: train, rigid
       type(motion_type) :: motion, expected
       real(dp), parameter :: stiffness(*) = [1e10_dp, 1e12_dp, 1e14_dp], allowed(*) = [1e-2_dp, 1e-4_dp, 1e-6_dp]
@@ -250,20 +251,20 @@ contains
          train%shafts(2)%stiffness = stiffness(i)
          motion = solution(train, settings)
          write (text, '(es7.0)') stiffness(i)
-         call cases%measured('k3 = '//trim(adjustl(text))//' N m/rad', 'the rigid shaft (they differ by the order of 1/k3)', &
+         call tests%measured('k3 = '//trim(adjustl(text))//' N m/rad', 'the rigid shaft (they differ by the order of 1/k3)', &
                              maxval(abs(motion%rms/expected%rms - 1)), allowed(i))
       end do
       settings%stability = .true.
       expected = solution(rigid, settings)
       train%shafts(2)%stiffness = 1e10_dp
       motion = solution(train, settings)
-      call cases%measured('k3 = 1e10 N m/rad, largest multiplier', 'the rigid shaft', &
+      call tests%measured('k3 = 1e10 N m/rad, largest multiplier', 'the rigid shaft', &
                           abs(abs(motion%multipliers(1)) - abs(expected%multipliers(1))), 1e-3_dp)
    end subroutine stiff_shaft
 
    !> Between the limits, where nothing but the other method is known.
-   subroutine between(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine between(tests)
+      class(tests_type), intent(inout) :: tests
       real(dp), parameter :: stiffness(*) = [1e2_dp, 1e4_dp, 1e6_dp], gap(*) = [1e-9_dp, 1e-7_dp, 1e-5_dp, 1e-3_dp]
       type(train_type) :: train
       character(12) :: text
@@ -273,22 +274,22 @@ contains
          train = paper_train()
          train%shafts(2)%stiffness = stiffness(i)
          write (text, '(es7.0)') stiffness(i)
-         call against_shooting(cases, train, 'k3 = '//trim(adjustl(text))//' N m/rad')
+         call against_shooting(tests, train, 'k3 = '//trim(adjustl(text))//' N m/rad')
       end do
       do i = 1, size(gap)
          train = paper_train()
          train%meshes%half_backlash = gap(i)
          write (text, '(es7.0)') gap(i)
-         call against_shooting(cases, train, 'half backlash '//trim(adjustl(text))//' m')
+         call against_shooting(tests, train, 'half backlash '//trim(adjustl(text))//' m')
       end do
       train = paper_train()
       train%prime_mover_inertia = 1e-9_dp
       train%load_inertia = 1e-9_dp
-      call against_shooting(cases, train, 'end inertias 1.E-09 kg m^2')
+      call against_shooting(tests, train, 'end inertias 1.E-09 kg m^2')
    end subroutine between
 
-   subroutine against_shooting(cases, train, name)
-      class(cases_type), intent(inout) :: cases
+   subroutine against_shooting(tests, train, name)
+      class(tests_type), intent(inout) :: tests
       type(train_type), intent(in) :: train
       character(*), intent(in) :: name
       type(motion_type) :: motion, exact
@@ -301,12 +302,12 @@ contains
       exact = motion
       call refine(train, exact, error)
       if (allocated(error)) exact%rms = 0
-      call cases%measured(name, 'shooting at 0.9: rms at R = 48, relative', maxval(abs(motion%rms/exact%rms - 1)), 1e-6_dp)
+      call tests%measured(name, 'shooting at 0.9: rms at R = 48, relative', maxval(abs(motion%rms/exact%rms - 1)), 1e-6_dp)
    end subroutine against_shooting
 
    !> From nothing, where the shaft might as well not be there, to a wall.
-   subroutine end_inertias(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine end_inertias(tests)
+      class(tests_type), intent(inout) :: tests
       type(train_type) :: train
       type(motion_type) :: motion, expected
       type(error_type), allocatable :: error
@@ -327,7 +328,7 @@ contains
       train%prime_mover_inertia = 1e-12_dp
       train%load_inertia = 1e-12_dp
       motion = solution(train, settings)
-      call cases%measured('end inertias 1e-12 kg m^2', 'no shaft and no inertia at the ends', &
+      call tests%measured('end inertias 1e-12 kg m^2', 'no shaft and no inertia at the ends', &
                           maxval(abs(motion%rms/expected%rms - 1)), 1e-8_dp)
       do i = 1, size(inertia)
          train%prime_mover_inertia = inertia(i)
@@ -337,7 +338,7 @@ contains
          call refine(train, expected, error)
          if (allocated(error)) expected%rms = 0
          write (text, '(es7.0)') inertia(i)
-         call cases%measured('end inertias '//trim(adjustl(text))//' kg m^2', 'shooting at 0.9, rms at R = 24', &
+         call tests%measured('end inertias '//trim(adjustl(text))//' kg m^2', 'shooting at 0.9, rms at R = 24', &
                              maxval(abs(motion%rms - expected%rms)), 1e-5_dp)
       end do
    end subroutine end_inertias

@@ -14,6 +14,7 @@ program settings
    use drawing, only: draw_case
    use geartrain, only: branch_type, case_text, case_type, error_type, interrupt_by, read_case_text, results_type, run_case, &
                         status_input
+   use testing, only: number_argument
    implicit none (type, external)
    character(*), parameter :: newline = new_line('a')
    integer(c_int), parameter :: sigalrm = 14
@@ -36,10 +37,10 @@ program settings
       end function c_ualarm
    end interface
 
-   count = argument(1, 600)
-   seed = argument(2, 1)
-   first = argument(3, 1)
-   patience = 1000*argument(4, 250)
+   count = number_argument(1, 600)
+   seed = number_argument(2, 1)
+   first = number_argument(3, 1)
+   patience = 1000*number_argument(4, 250)
    failed = 0
    refused = 0
    interrupted = 0
@@ -70,10 +71,12 @@ contains
       type(case_type) :: case, read_back
       type(results_type) :: results
       type(error_type), allocatable :: checked, ran
+      character(:), allocatable :: text
       integer(c_int) :: left
 
       call draw_case(seed, number, case)
-      call read_case_text(case_text(case), 'case.nml', read_back, checked)
+      call case_text(case, text)
+      call read_case_text(text, 'case.nml', read_back, checked)
       alarm_flag = 0
       case%train%interrupt = interrupt_by(alarm_flag)
       left = c_ualarm(patience, patience)
@@ -131,21 +134,11 @@ contains
       character(*), intent(in) :: why
       integer, intent(in) :: number
       type(case_type), intent(in) :: case
+      character(:), allocatable :: text
 
       failed = failed + 1
-      write (output_unit, '(/, a, i0, 4a)') 'FAILED: case ', number, ': ', why, newline, case_text(case)
+      call case_text(case, text)
+      write (output_unit, '(/, a, i0, 4a)') 'FAILED: case ', number, ': ', why, newline, text
    end subroutine fail
-
-   integer function argument(place, default)
-      integer, intent(in) :: place, default
-      character(24) :: word
-      integer :: status
-
-      argument = default
-      call get_command_argument(place, word)
-      if (word == '') return
-      read (word, *, iostat=status) argument
-      if (status /= 0) argument = default
-   end function argument
 
 end program settings

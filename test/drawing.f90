@@ -1,6 +1,7 @@
 !> Small cases of every kind, two of whose variables have drawn values.
 module drawing
-   use geartrain, only: case_type, dp, shaft_type
+   use fixtures, only: single_pair
+   use geartrain, only: case_type, dp
    use geartrain_base_random, only: begin_random, generator_type
    use geartrain_base_variable, only: variable_type, visitor_type
    use geartrain_case_template, only: paper_case
@@ -79,7 +80,7 @@ contains
       real(dp) :: centre
 
       case = paper_case()
-      if (generator%one_of(2) == 1) call make_single_pair(case)
+      if (generator%one_of(2) == 1) case%train = single_pair(0.05_dp, 0.2_dp, 0.4_dp)
       centre = 0.3_dp + 1.5_dp*generator%uniform()
       case%modes = .false.
       case%response%start = centre
@@ -112,28 +113,6 @@ contains
          case%attractors%follow = .true.
       end select
    end function small_case
-
-   subroutine make_single_pair(case)
-      type(case_type), intent(inout) :: case
-
-      associate (train => case%train)
-         train%title = 'single pair'
-         train%input_torque = 0.4_dp
-         train%prime_mover_inertia = 0
-         train%load_inertia = 0
-         train%characteristic_length = 1
-         train%characteristic_frequency = 1
-         train%shafts = [shaft_type(rigid=.true.), shaft_type(rigid=.true.)]
-         train%meshes = train%meshes(:1)
-         train%meshes%driving_radius = 1
-         train%meshes%driven_radius = 1
-         train%meshes%driving_inertia = 2
-         train%meshes%driven_inertia = 2
-         train%meshes%stiffness = 1
-         train%meshes%half_backlash = 1
-         train%meshes(1)%stiffness_cos = [0.2_dp]
-      end associate
-   end subroutine make_single_pair
 
    !> Whether the next variable is one of those chosen.
    logical function is_next(self)

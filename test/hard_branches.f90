@@ -4,24 +4,25 @@ module hard_branches
    use geartrain, only: attractors, attractors_settings_type, attractors_type, branch_type, dp, error_type, follow_attractors, &
                         motion_type, refine, response_settings_type, solutions_at, train_type
    use geartrain_branch_summary, only: folds
-   use hard_cases, only: cases_type, solve
+   use readings, only: solve
+   use testing, only: tests_type
    implicit none (type, external)
    private
    public :: branches_cases
 
 contains
 
-   subroutine branches_cases(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine branches_cases(tests)
+      class(tests_type), intent(inout) :: tests
 
-      call cases%heading('Branches on their own')
-      if (.not. cases%slow_build) call island_of_figure_9(cases)
+      call tests%heading('Branches on their own')
+      if (tests%runs('island_of_figure_9') .and. .not. tests%slow_build) call island_of_figure_9(tests)
    end subroutine branches_cases
 
    !> Figure 9 at zeta 0.01 has a closed branch of period 1, part of it beyond the amplitude limit, that is joined to no other. One
    !> of its motions attracts one random start in six at 0.85.
-   subroutine island_of_figure_9(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine island_of_figure_9(tests)
+      class(tests_type), intent(inout) :: tests
       character(*), parameter :: name = 'closed branch of figure 9, zeta 0.01'
       type(train_type) :: train
       type(response_settings_type) :: settings
@@ -43,16 +44,16 @@ contains
       ! Branches of longer periods are there as well, some of them very long.
       found%motions = pack(found%motions, found%motions%period == 1)
       call follow_attractors(train, settings, found, once, branches, error)
-      call cases%holds(name, 'found by random starts at 0.85, and on no other branch', size(branches) == 1)
+      call tests%holds(name, 'found by random starts at 0.85, and on no other branch', size(branches) == 1)
       if (size(branches) /= 1) return
       associate (island => branches(1))
-         call cases%holds(name, 'followed beyond the amplitude limit and back to where it began', &
+         call tests%holds(name, 'followed beyond the amplitude limit and back to where it began', &
                           island%closed .and. maxval(island%part) == 2)
          at_fold = folds(island)
-         call cases%holds(name, 'one fold', size(at_fold) == 1)
-         if (size(at_fold) == 1) call cases%measured(name, 'its fold at R = 48', abs(at_fold(1) - 0.74431157_dp), 1e-5_dp)
+         call tests%holds(name, 'one fold', size(at_fold) == 1)
+         if (size(at_fold) == 1) call tests%measured(name, 'its fold at R = 48', abs(at_fold(1) - 0.74431157_dp), 1e-5_dp)
          call solutions_at(train, settings, island, 0.8_dp, motions, error)
-         call cases%holds(name, 'two motions at 0.8', size(motions) == 2)
+         call tests%holds(name, 'two motions at 0.8', size(motions) == 2)
          off = 0
          do i = 1, size(motions)
             exact = motions(i)
@@ -60,7 +61,7 @@ contains
             if (allocated(error)) exact%rms = huge(1.0_dp)
             off = max(off, maxval(abs(motions(i)%rms - exact%rms)))
          end do
-         call cases%measured(name, 'shooting at 0.8: rms of the meshes', off, 2e-4_dp)
+         call tests%measured(name, 'shooting at 0.8: rms of the meshes', off, 2e-4_dp)
       end associate
    end subroutine island_of_figure_9
 

@@ -1,4 +1,4 @@
-"""Draws the paper's figure 3 from the executable's results: ``python -m geartrain.demo RESULTS_FOLDER``.
+"""Draws the paper's figure 3 from the executable's results: ``python example/paper/figure3.py RESULTS_FOLDER``.
 
 Reads ``fig03.h5`` and ``fig03_linear.h5`` (the same train without backlash) and writes ``fig03.png`` beside them.
 """
@@ -12,12 +12,21 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
-from ._draw import STYLE, draw_curve
-
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["draw_figure", "main"]
+__all__ = ["STYLE", "draw_figure", "main"]
+
+STYLE: Any = {
+    "font.size": 11,
+    "axes.labelsize": 12,
+    "legend.fontsize": 10,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "0.92",
+    "axes.axisbelow": True,
+}
 
 _BLUE, _GREY, _RED = "#1f4e9c", "0.55", "#c8391e"
 
@@ -82,8 +91,8 @@ def _draw_panel(
     marks: dict[str, Any] | None,
     linear_marks: dict[str, Any] | None,
 ) -> None:
-    for data, style in ((linear, {"color": _GREY, "lw": 1.0}), (curve, {"color": _BLUE, "lw": 2.2})):
-        draw_curve(ax, data["frequency"], data["rms"][:, mesh], data["stable"], data["part"], **style)
+    _draw_curve(ax, linear, mesh, color=_GREY, lw=1.0)
+    _draw_curve(ax, curve, mesh, color=_BLUE, lw=2.2)
     if linear_marks is not None:
         ax.plot(linear_marks["frequency"], linear_marks["rms"][:, mesh], **_LINEAR_MARKS)
     if marks is not None:
@@ -96,6 +105,15 @@ def _draw_panel(
     ax.set_title(f"({'ab'[mesh]})  mesh {mesh + 1}", loc="left", fontsize=12, fontweight="bold")
 
 
+def _draw_curve(ax: Axes, curve: dict[str, Any], mesh: int, **style: Any) -> None:
+    """Stable solid, unstable dashed: each line goes on to the first point of the other kind."""
+    for part in np.unique(curve["part"]):
+        frequency, rms, stable = (curve[name][curve["part"] == part] for name in ("frequency", "rms", "stable"))
+        for shown, dashes in ((stable == 1, "-"), (stable == 0, (0, (3, 1.5)))):
+            reached = shown | np.append(False, shown[:-1])
+            ax.plot(frequency, np.where(reached, rms[:, mesh], np.nan), ls=dashes, **style)
+
+
 def _read(group: Any) -> dict[str, Any]:
     """The arrays that are drawn; None for those that the group lacks."""
     names = ("frequency", "rms", "stable", "part", "period")
@@ -105,12 +123,12 @@ def _read(group: Any) -> dict[str, Any]:
 def main(arguments: list[str]) -> int:
     """Run the module as a program; the exit status."""
     if len(arguments) != 1:
-        print("usage: python -m geartrain.demo RESULTS_FOLDER", file=sys.stderr)
+        print("usage: python example/paper/figure3.py RESULTS_FOLDER", file=sys.stderr)
         return 2
     try:
         print(draw_figure(Path(arguments[0])))
     except (OSError, KeyError) as error:
-        print(f"geartrain.demo: {error}", file=sys.stderr)
+        print(f"figure3: {error}", file=sys.stderr)
         return 4
     return 0
 

@@ -8,25 +8,25 @@ module hard_motions
    use geartrain_motion_lyapunov, only: largest_exponent
    use geartrain_motion_orbit, only: propagate
    use geartrain_stability_multipliers, only: eigenvalues
-   use hard_cases, only: cases_type
+   use testing, only: tests_type
    implicit none (type, external)
    private
    public :: motions_cases
 
 contains
 
-   subroutine motions_cases(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine motions_cases(tests)
+      class(tests_type), intent(inout) :: tests
 
-      call cases%heading('Chaos and quasi-periodic motion')
-      call known_exponents(cases)
-      call quasi_periodic(cases)
-      call chaos(cases)
+      call tests%heading('Chaos and quasi-periodic motion')
+      if (tests%runs('known_exponents')) call known_exponents(tests)
+      if (tests%runs('quasi_periodic')) call quasi_periodic(tests)
+      if (tests%runs('chaos')) call chaos(tests)
    end subroutine motions_cases
 
    !> Of a linear train the exponent is log |multiplier|/T, whatever the motion.
-   subroutine known_exponents(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine known_exponents(tests)
+      class(tests_type), intent(inout) :: tests
       real(dp), parameter :: frequency(*) = [2.0_dp, 2.4_dp], kappa(*) = [0.6_dp, 0.3_dp], allowed(*) = [1e-9_dp, 1e-3_dp]
       type(train_type) :: train
       type(system_type) :: system
@@ -44,7 +44,7 @@ contains
          call eigenvalues(monodromy, multipliers)
          call largest_exponent(system, frequency(i), state, 300, exponent, uncertain)
          if (.not. allocated(exponent)) allocate (exponent, source=huge(1.0_dp))
-         call cases%measured('Lyapunov exponent, '//trim(merge('unstable linear train        ', &
+         call tests%measured('Lyapunov exponent, '//trim(merge('unstable linear train        ', &
                                                                'stable linear train, pair +-i', i == 1)), &
                              'log of the largest multiplier over the period', &
                              abs(exponent - log(abs(multipliers(1)))*frequency(i)/(2*pi)), allowed(i))
@@ -52,8 +52,8 @@ contains
    end subroutine known_exponents
 
    !> Without damping the free vibration goes on beside the forced one: two frequencies without a common period.
-   subroutine quasi_periodic(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine quasi_periodic(tests)
+      class(tests_type), intent(inout) :: tests
       type(train_type) :: train
       type(motion_type) :: motion
       type(integration_settings_type) :: settings
@@ -62,14 +62,14 @@ contains
       train = single_pair(0.0_dp, 0.3_dp, 1.0_dp)
       settings%max_periods = 1000
       call integrate(train, 3.3_dp, settings, motion, error)
-      call cases%holds('two frequencies, no damping', 'no period found', motion%period == 0)
+      call tests%holds('two frequencies, no damping', 'no period found', motion%period == 0)
       if (.not. allocated(motion%lyapunov_exponent)) allocate (motion%lyapunov_exponent, source=huge(1.0_dp))
-      call cases%measured('the same', 'largest Lyapunov exponent 0', abs(motion%lyapunov_exponent), 3e-3_dp)
+      call tests%measured('the same', 'largest Lyapunov exponent 0', abs(motion%lyapunov_exponent), 3e-3_dp)
    end subroutine quasi_periodic
 
    !> A pair with kappa = 0.6 at 1.9, between its period doublings: chaos, by the growth of the distance of two motions as well.
-   subroutine chaos(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine chaos(tests)
+      class(tests_type), intent(inout) :: tests
       type(train_type) :: train
       type(motion_type) :: motion
       type(integration_settings_type) :: settings
@@ -82,15 +82,15 @@ contains
       train = single_pair(0.05_dp, 0.6_dp, 1.0_dp)
       settings%max_periods = 1000
       call integrate(train, 1.9_dp, settings, motion, error)
-      call cases%holds('chaos', 'no period found', motion%period == 0)
+      call tests%holds('chaos', 'no period found', motion%period == 0)
       if (.not. allocated(motion%lyapunov_exponent)) allocate (motion%lyapunov_exponent, source=0.0_dp)
-      call cases%holds('the same', 'positive Lyapunov exponent', motion%lyapunov_exponent > 0.01_dp)
+      call tests%holds('the same', 'positive Lyapunov exponent', motion%lyapunov_exponent > 0.01_dp)
       call build_system(train, system)
-      periods = merge(2000, 20000, cases%slow_build)
+      periods = merge(2000, 20000, tests%slow_build)
       call largest_exponent(system, 1.9_dp, motion%state, periods, longer, uncertain)
-      call cases%measured('the same', 'the exponent over twenty times as long', abs(motion%lyapunov_exponent - longer), 1e-2_dp)
+      call tests%measured('the same', 'the exponent over twenty times as long', abs(motion%lyapunov_exponent - longer), 1e-2_dp)
       pairwise = growth_of_distance(system, 1.9_dp, motion%state, periods)
-      call cases%measured('the same', 'growth of the distance of two motions, brought back to 1e-8 each period', &
+      call tests%measured('the same', 'growth of the distance of two motions, brought back to 1e-8 each period', &
                           abs(pairwise - longer), 1e-2_dp)
    end subroutine chaos
 

@@ -1,32 +1,33 @@
 !> Settling by Newton's method: random trains with slow modes, and where a response of a random train begins.
 module hard_settling
    use, intrinsic :: iso_fortran_env, only: int64
+   use fixtures, only: rattling_pair, slow_train, uniform
    use geartrain, only: branch_type, dp, error_type, integrate, integration_settings_type, motion_type, response, &
                         response_settings_type, train_type
    use geartrain_model_system, only: build_system, system_type
    use geartrain_motion_lyapunov, only: largest_exponent
    use geartrain_motion_start_state, only: resting_state
-   use hard_cases, only: cases_type
-   use slow_trains, only: nearest_approach, rattling_pair, slow_train, uniform
+   use readings, only: nearest_approach
+   use testing, only: tests_type
    implicit none (type, external)
    private
    public :: settling_cases
 
 contains
 
-   subroutine settling_cases(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine settling_cases(tests)
+      class(tests_type), intent(inout) :: tests
 
-      call cases%heading('Slow modes and starts')
-      call slow_modes(cases)
-      call starts(cases)
-      call rattling_starts(cases)
+      call tests%heading('Slow modes and starts')
+      if (tests%runs('slow_modes')) call slow_modes(tests)
+      if (tests%runs('starts')) call starts(tests)
+      if (tests%runs('rattling_starts')) call rattling_starts(tests)
    end subroutine settling_cases
 
    !> What integration with its defaults says of 90 random trains. Where the plain flow goes is the judge of what settles, an
    !> average ten times as long that of what does not.
-   subroutine slow_modes(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine slow_modes(tests)
+      class(tests_type), intent(inout) :: tests
       integer, parameter :: longest = 20000
       type(train_type) :: train
       type(system_type) :: system
@@ -38,7 +39,7 @@ contains
       real(dp), allocatable :: longer
       integer :: i, trains, settled, unbounded, told, elsewhere, refuted
 
-      trains = merge(12, 90, cases%slow_build)
+      trains = merge(12, 90, tests%slow_build)
       settled = 0
       unbounded = 0
       told = 0
@@ -64,15 +65,15 @@ contains
             if (motion%kind == 'quasi-periodic' .and. abs(longer) > motion%lyapunov_error) refuted = refuted + 1
          end if
       end do
-      call cases%holds('90 random trains with slow modes', 'settle, run away, or are told to be chaotic or quasi-periodic, as ten &
+      call tests%holds('90 random trains with slow modes', 'settle, run away, or are told to be chaotic or quasi-periodic, as ten &
                        &times as long an average confirms: 85', settled + unbounded + told - refuted >= (85*trains)/90)
-      call cases%holds('those that settle', &
+      call tests%holds('those that settle', &
                        'come near the motion without Newton''s method within 20000 periods, all of them', elsewhere == 0)
    end subroutine slow_modes
 
    !> A response of each of 200 random trains over a range at random, of each period from 1 to 3.
-   subroutine starts(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine starts(tests)
+      class(tests_type), intent(inout) :: tests
       type(train_type) :: train
       type(branch_type) :: branch
       type(response_settings_type) :: settings
@@ -81,7 +82,7 @@ contains
       real(dp) :: frequency
       integer :: i, trains, failed
 
-      trains = merge(10, 200, cases%slow_build)
+      trains = merge(10, 200, tests%slow_build)
       failed = 0
       generator = 77
       do i = 1, trains
@@ -100,11 +101,11 @@ contains
          call response(train, settings, branch, error)
          if (index(branch%ended, 'found to start from') > 0) failed = failed + 1
       end do
-      call cases%holds('responses of 200 random trains', 'a motion to start from at both ends, each time', failed == 0)
+      call tests%holds('responses of 200 random trains', 'a motion to start from at both ends, each time', failed == 0)
    end subroutine starts
 
-   subroutine rattling_starts(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine rattling_starts(tests)
+      class(tests_type), intent(inout) :: tests
       real(dp), parameter :: torque(*) = [0.2_dp, 1.0_dp, 5.0_dp]
       type(branch_type) :: branch
       type(response_settings_type) :: settings
@@ -116,20 +117,20 @@ contains
       settings%stability = .false.
       settings%max_points = 100
       do i = 1, size(torque)
-         do j = 1, merge(3, 20, cases%slow_build)
+         do j = 1, merge(3, 20, tests%slow_build)
             settings%start = 0.1_dp*j
             settings%stop = 0.1_dp*j + 0.25_dp
             call response(rattling_pair(torque(i)), settings, branch, error)
             if (index(branch%ended, 'found to start from') > 0) failed = failed + 1
          end do
       end do
-      call cases%holds('a pair that rattles under 10 N m about 0.2, 1 and 5, Lambda from 0.1 to 2.25, harmonics by tolerance', &
+      call tests%holds('a pair that rattles under 10 N m about 0.2, 1 and 5, Lambda from 0.1 to 2.25, harmonics by tolerance', &
                        'a motion to start from at both ends, each time', failed == 0)
       settings%harmonics = 12
       settings%start = 0.1_dp
       settings%stop = 0.15_dp
       call response(rattling_pair(1.0_dp), settings, branch, error)
-      call cases%holds('the same with 12 harmonics at 0.1, too few for it', 'told, and how many do', &
+      call tests%holds('the same with 12 harmonics at 0.1, too few for it', 'told, and how many do', &
                        index(branch%ended, 'found to start from with 12 harmonics: there is one with') > 0)
    end subroutine rattling_starts
 

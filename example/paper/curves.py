@@ -9,10 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from .branch import Branch
-from .case import read_case
-from .errors import SolverError
-from .motion import Motion
+from geartrain import Branch, Motion, SolverError, Train, read_case
 
 __all__ = ["Curve", "Drawn", "compute", "natural_frequencies"]
 
@@ -97,10 +94,10 @@ def compute(curve: Curve, cases: Path, results: Path) -> Drawn | None:
     branches = [branch for branch in (response, *further) if branch.subharmonic == curve.period]
     if not branches:
         raise SolverError(f"{curve.case}: no motion of period {curve.period}")
-    return _integrated(branches)
+    return _integrated(case.train, branches)
 
 
-def _integrated(branches: list[Branch]) -> Drawn:
+def _integrated(train: Train, branches: list[Branch]) -> Drawn:
     """Integrate from stable motions of the branches; those that stay are the marks."""
     marks: list[Motion] = []
     tried, difference = 0, 0.0
@@ -112,9 +109,7 @@ def _integrated(branches: list[Branch]) -> Drawn:
             if twin or not motion.stable:
                 continue
             tried += 1
-            settled = branch.train.integrate(  # type: ignore[union-attr]
-                float(frequency), start=motion, stability=False, max_periods=_PATIENCE, tolerance=1e-7
-            )
+            settled = train.integrate(float(frequency), start=motion, stability=False, max_periods=_PATIENCE, tolerance=1e-7)
             change = float(np.max(np.abs(settled.rms - motion.rms)) / np.max(motion.rms))
             if settled.period == branch.subharmonic and change < _SAME:
                 marks.append(settled)
@@ -140,7 +135,7 @@ def natural_frequencies(cases: Path, results: Path) -> tuple[Array, Array]:
     case = read_case(cases / "fig05.nml")
     case.run().write(results / "fig05.h5")
     train = case.train
-    radius = [mesh.driving_radius for mesh in train.meshes] + [train.meshes[-1].driven_radius]
+    radius = np.array([*(mesh.driving_radius for mesh in train.meshes), train.meshes[-1].driven_radius], float)
     frequency, before = [], None
     for stiffness in _SHAFT_RANGE[::-1]:
         shafts = list(train.shafts)
@@ -148,16 +143,16 @@ def natural_frequencies(cases: Path, results: Path) -> tuple[Array, Array]:
         shafts[middle] = replace(shafts[middle], stiffness=float(stiffness))
         modes = replace(train, shafts=shafts).modes()
         # Times the root of the stiffness, shapes of different modes are perpendicular; a shaft's twist is an arc in them.
-        energy = [shaft.stiffness / r**2 for shaft, r in zip(shafts, radius)]
-        for place, mesh in enumerate(train.meshes):
-            energy.insert(2 * place + 1, mesh.stiffness)
+        energy = np.empty(modes.shape.shape[1])
+        energy[0::2] = np.array([shaft.stiffness for shaft in shafts]) / np.square(radius)
+        energy[1::2] = [mesh.stiffness for mesh in train.meshes]
         shape = modes.shape * np.sqrt(energy)
         shape /= np.linalg.norm(shape, axis=1, keepdims=True)
         if before is None:
             order = list(range(len(shape)))
         else:
             overlap = np.abs(before @ shape.T) ** 2
-            order = list(max(permutations(range(len(shape))), key=lambda chosen: overlap[range(len(shape)), chosen].sum()))
+            order = list(max(permutations(range(len(shape))), key=lambda chosen: overlap[range(len(shape)), list(chosen)].sum()))
         before = shape[order]
         frequency.append(modes.natural_frequency[order])
     return _SHAFT_RANGE, np.array(frequency[::-1])

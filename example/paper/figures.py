@@ -1,4 +1,4 @@
-"""Draws the paper's figures 3 to 13 from their case files: ``geartrain-figures [NUMBER ...] [--results FOLDER]``.
+"""Draws the paper's figures 3 to 13 from their case files: ``python example/paper/figures.py [NUMBER ...] [--results FOLDER]``.
 
 The table ``FIGURES`` says which case files make which figure. Each curve is computed in a process of its own and leaves its
 results file in the results folder; time integration, started on its stable motions, gives the marks.
@@ -10,7 +10,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
@@ -19,9 +19,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._curves import Curve, Drawn, compute, natural_frequencies
-from ._draw import STYLE, draw_curve
-from .errors import InputError, SolverError
+from curves import Curve, Drawn, compute, natural_frequencies
+from figure3 import STYLE, draw_figure
+from geartrain import InputError, SolverError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -133,6 +133,7 @@ def draw(figure: Figure, curves: Sequence[Drawn]) -> Picture:
     matplotlib.figure.Figure
     """
     plt = _pyplot()
+    picture: Picture
     by_mesh = figure.panels == "mesh"
     with plt.rc_context(STYLE):
         picture, axes = plt.subplots(len(figure.top), 1, figsize=(8.0, 7.6), sharex=True, layout="constrained")
@@ -148,6 +149,7 @@ def draw(figure: Figure, curves: Sequence[Drawn]) -> Picture:
             ax.set_xlim(figure.left, figure.right)
             ax.set_ylim(0.0, figure.top[place])
             ax.set_ylabel(ylabel)
+            ax.label_outer()
             ax.set_title(f"({'abc'[place]})  {title}", loc="left", fontsize=12, fontweight="bold")
         axes[-1].set_xlabel(r"mesh frequency  $\Lambda = \omega / \omega_c$")
         _legend(picture, axes[0], any(len(drawn.branches) > 1 and drawn.branches[1].subharmonic == 1 for drawn in curves))
@@ -161,9 +163,9 @@ def _palette(figure: Figure) -> tuple[str, ...]:
 
 def _draw_one(ax: Axes, drawn: Drawn, mesh: int, label: str, color: str) -> None:
     for place, branch in enumerate(drawn.branches):
-        name = None if place else label
-        style: dict[str, Any] = {"color": color, "lw": _THIN if place and branch.subharmonic == 1 else 1.5}
-        draw_curve(ax, branch.frequency, branch.rms[:, mesh], branch.stable, branch.part, name, **style)
+        name = "_nolegend_" if place else label
+        width = _THIN if place and branch.subharmonic == 1 else 1.5
+        replace(branch, branches=[]).plot(mesh + 1, ax, label=name, color=color, lw=width)
     marks = [(motion.frequency, motion.rms[mesh]) for motion in drawn.marks]
     if marks:
         ax.plot(*np.transpose(marks), ls="none", marker="s", ms=3.4, mfc="none", mec=color, mew=0.8)
@@ -185,6 +187,7 @@ def _legend(picture: Picture, ax: Axes, further: bool) -> None:
 
 def _draw_natural_frequencies(stiffness: Array, frequency: Array) -> Picture:
     plt = _pyplot()
+    picture: Picture
     with plt.rc_context(STYLE):
         picture, ax = plt.subplots(figsize=(8.0, 5.2), layout="constrained")
         order = "abdec"  # with the stiffest shaft
@@ -213,7 +216,7 @@ def _pyplot() -> Any:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; the exit status."""
-    parser = argparse.ArgumentParser(prog="geartrain-figures", description="Draw the paper's figures 3 to 13.")
+    parser = argparse.ArgumentParser(description="Draw the paper's figures 3 to 13.")
     parser.add_argument("numbers", metavar="NUMBER", nargs="*", type=_number, help="figures; all unless told")
     parser.add_argument("--results", metavar="FOLDER", type=Path, default=Path("results"), help="for what is made [results]")
     parser.add_argument("--cases", metavar="FOLDER", type=Path, default=Path("namelists"), help="of case files [namelists]")
@@ -228,10 +231,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(error, file=sys.stderr)
         return 2
     except SolverError as error:
-        print(f"geartrain-figures: {error}", file=sys.stderr)
+        print(f"figures: {error}", file=sys.stderr)
         return 3
     except OSError as error:
-        print(f"geartrain-figures: {error}", file=sys.stderr)
+        print(f"figures: {error}", file=sys.stderr)
         return 4
     return 0
 
@@ -255,8 +258,6 @@ def _finish(number: int, results: list[Any], folder: Path) -> str:
     path = folder / f"fig{number:02}.png"
     lines = [f"figure {number}: {figure.title}: {path}"]
     if number == 3:
-        from .demo import draw_figure
-
         draw_figure(folder, _DPI)
         return lines[0]
     picture = _draw_natural_frequencies(*results[0]) if number == 5 else draw(figure, results)

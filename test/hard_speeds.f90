@@ -4,28 +4,29 @@ module hard_speeds
    use fixtures, only: paper_train, settings_of, single_pair
    use geartrain, only: branch_type, dp, error_type, integrate, integration_settings_type, motion_type, refine, &
       response_settings_type, sweep, sweep_type, train_type
-   use hard_cases, only: cases_type, solution, solve
+   use readings, only: solution, solve
+   use testing, only: tests_type
    implicit none (type, external)
    private
    public :: speeds_cases
 
 contains
 
-   subroutine speeds_cases(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine speeds_cases(tests)
+      class(tests_type), intent(inout) :: tests
 
-      call cases%heading('Speeds, loads, stiffness, orders')
-      call quasi_static(cases)
-      call fast(cases)
-      call no_torque(cases)
-      call soft_mesh(cases)
-      call hunting_teeth(cases)
+      call tests%heading('Speeds, loads, stiffness, orders')
+      if (tests%runs('quasi_static')) call quasi_static(tests)
+      if (tests%runs('fast')) call fast(tests)
+      if (tests%runs('no_torque')) call no_torque(tests)
+      if (tests%runs('soft_mesh')) call soft_mesh(tests)
+      if (tests%runs('hunting_teeth')) call hunting_teeth(tests)
    end subroutine speeds_cases
 
    !> So slow that p - b = f/kappa(t) at every instant: with kappa = 1 + a cos, harmonic n has the amplitude
    !> 2 f/sqrt(1 - a^2) ((1 - sqrt(1 - a^2))/a)^n, up to the order of Lambda^2.
-   subroutine quasi_static(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine quasi_static(tests)
+      class(tests_type), intent(inout) :: tests
       type(train_type) :: train
       type(motion_type) :: motion
       type(integration_settings_type) :: settings
@@ -38,19 +39,19 @@ contains
       expected = 2*load/root*rho/sqrt(1 - rho**2)
       train = paper_train(a)
       motion = solution(train, settings_of(1e-3_dp, 1.001e-3_dp, 12))
-      call cases%measured('Lambda = 1e-3, balance', 'the quasi-static rms in closed form', &
+      call tests%measured('Lambda = 1e-3, balance', 'the quasi-static rms in closed form', &
                           maxval(abs(motion%rms/expected - 1)), 1e-5_dp)
-      call cases%holds('Lambda = 1e-3, balance', 'stable, though the multipliers are below the smallest number that counts', &
+      call tests%holds('Lambda = 1e-3, balance', 'stable, though the multipliers are below the smallest number that counts', &
                        motion%stable .and. .not. motion%undecided)
-      if (cases%slow_build) return
+      if (tests%slow_build) return
       call integrate(train, 1e-3_dp, settings, motion, error)
-      call cases%measured('Lambda = 1e-3, integration from rest (16000 periods of ringing in a mesh period)', &
+      call tests%measured('Lambda = 1e-3, integration from rest (16000 periods of ringing in a mesh period)', &
                           'the quasi-static rms in closed form', maxval(abs(motion%rms/expected - 1)) + abs(motion%period - 1), &
                           1e-5_dp)
    end subroutine quasi_static
 
-   subroutine fast(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine fast(tests)
+      class(tests_type), intent(inout) :: tests
       type(train_type) :: train
       type(motion_type) :: motion, exact
       type(integration_settings_type) :: settings
@@ -62,21 +63,21 @@ contains
       range = settings_of(100.0_dp, 20.0_dp, 6)
       range%step = 5
       branch = solve(train, range)
-      call cases%holds('Lambda from 100 down to 20', 'complete and stable throughout', branch%complete .and. all(branch%stable))
+      call tests%holds('Lambda from 100 down to 20', 'complete and stable throughout', branch%complete .and. all(branch%stable))
       motion = solution(train, settings_of(100.0_dp, 99.9_dp, 6))
       exact = motion
       call refine(train, exact, error)
       if (allocated(error)) exact%rms = huge(1.0_dp)
-      call cases%measured('Lambda = 100, balance', 'shooting, relative', maxval(abs(motion%rms/exact%rms - 1)), 1e-9_dp)
+      call tests%measured('Lambda = 100, balance', 'shooting, relative', maxval(abs(motion%rms/exact%rms - 1)), 1e-9_dp)
       settings%max_periods = 1000
       call integrate(train, 100.0_dp, settings, motion, error)
       if (motion%period /= 1) motion%rms = huge(1.0_dp)
-      call cases%measured('Lambda = 100, integration for 1000 mesh periods, not a tenth of what the slow modes take to decay', &
+      call tests%measured('Lambda = 100, integration for 1000 mesh periods, not a tenth of what the slow modes take to decay', &
                           'shooting, relative', maxval(abs(motion%rms/exact%rms - 1)), 1e-9_dp)
    end subroutine fast
 
-   subroutine no_torque(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine no_torque(tests)
+      class(tests_type), intent(inout) :: tests
       type(train_type) :: train
       type(branch_type) :: branch
       type(motion_type) :: motion, exact
@@ -85,23 +86,23 @@ contains
       train = paper_train()
       train%input_torque = 0
       branch = solve(train, settings_of(0.2_dp, 2.6_dp, 6))
-      call cases%holds('no torque', 'told: the train floats in its gaps, its mean position is not unique', &
+      call tests%holds('no torque', 'told: the train floats in its gaps, its mean position is not unique', &
                        .not. branch%complete .and. index(branch%ended, 'floats in its gaps') > 0)
       train%meshes(1)%error_cos = [5e-6_dp]
       train%meshes(2)%error_cos = [5e-6_dp]
-      call floating(cases, train)
+      call floating(tests, train)
       train%meshes%half_backlash = 0
       motion = solution(train, settings_of(0.9_dp, 0.91_dp, 12))
       exact = motion
       call refine(train, exact, error)
       if (allocated(error)) exact%rms = huge(1.0_dp)
-      call cases%measured('no torque, no gap, transmission error', 'shooting, relative', &
+      call tests%measured('no torque, no gap, transmission error', 'shooting, relative', &
                           maxval(abs(motion%rms/exact%rms - 1)), 1e-10_dp)
    end subroutine no_torque
 
    !> Time integration of a train without torque, with an error that keeps within the gaps and with one that does not.
-   subroutine floating(cases, train)
-      class(cases_type), intent(inout) :: cases
+   subroutine floating(tests, train)
+      class(tests_type), intent(inout) :: tests
       type(train_type), intent(in) :: train
       type(train_type) :: rough
       type(motion_type) :: motion, start, other
@@ -112,31 +113,31 @@ contains
       integer :: j
 
       call integrate(train, 0.9_dp, settings, motion, error)
-      call cases%holds('no torque, integration', 'told: settled, but floating', motion%period == 1 .and. motion%floating)
+      call tests%holds('no torque, integration', 'told: settled, but floating', motion%period == 1 .and. motion%floating)
       start = motion
       ! The meshes are elements 2 and 4 of 5; they do not touch, so that nothing brings them back.
       start%state([2, 4]) = start%state([2, 4]) + shift
       call integrate(train, 0.9_dp, settings, other, error, start)
-      call cases%measured('the same from 0.2 further back in the gap', 'the same motion 0.2 further back, all means and extremes', &
+      call tests%measured('the same from 0.2 further back in the gap', 'the same motion 0.2 further back, all means and extremes', &
                           maxval([(abs([other%mean(j) - motion%mean(j), other%maximum(j) - motion%maximum(j), &
                                         other%minimum(j) - motion%minimum(j)] - shift), j=1, 2)]), 1e-9_dp)
       settings%start = 0.9_dp
       settings%stop = 0.95_dp
       settings%points = 2
       call sweep(train, settings, swept, error)
-      call cases%holds('no torque, a sweep', 'told: the train floats in its gaps, its mean position is not unique', &
+      call tests%holds('no torque, a sweep', 'told: the train floats in its gaps, its mean position is not unique', &
                        swept%complete .and. index(swept%ended, 'floats in its gaps') > 0)
       rough = train
       rough%meshes(1)%error_cos = [200e-6_dp]
       rough%meshes(2)%error_cos = [200e-6_dp]
       call integrate(rough, 0.5_dp, settings, motion, error)
-      call cases%holds('no torque, both flanks of both meshes hit', 'not said to float', motion%period > 0 .and. &
+      call tests%holds('no torque, both flanks of both meshes hit', 'not said to float', motion%period > 0 .and. &
                        .not. motion%floating .and. all(motion%maximum > 1 .and. motion%minimum < -1))
    end subroutine floating
 
    !> Mean stiffness 1, in part of the period none or less; contact is lost, and at the last of these the back flanks collide.
-   subroutine soft_mesh(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine soft_mesh(tests)
+      class(tests_type), intent(inout) :: tests
       type(train_type) :: train
       type(motion_type) :: motion, exact
       type(error_type), allocatable :: error
@@ -151,17 +152,17 @@ contains
          call refine(train, exact, error)
          if (allocated(error)) exact%rms = huge(1.0_dp)
          write (text, '(f4.1)') 1 - kappa(i)
-         call cases%measured('stiffness down to '//trim(adjustl(text))//' of its mean', 'shooting: rms at R = 48', &
+         call tests%measured('stiffness down to '//trim(adjustl(text))//' of its mean', 'shooting: rms at R = 48', &
                              maxval(abs(motion%rms/exact%rms - 1)), 1e-8_dp)
          if (.not. allocated(motion%multipliers)) cycle
-         call cases%measured('the same', 'shooting: largest multiplier at R = 48, relative', &
+         call tests%measured('the same', 'shooting: largest multiplier at R = 48, relative', &
                              abs(abs(motion%multipliers(1)/exact%multipliers(1)) - 1), 1e-4_dp)
       end do
    end subroutine soft_mesh
 
    !> Orders 17 and 23: only sums of few of them are carried, and the error estimate covers the rest.
-   subroutine hunting_teeth(cases)
-      class(cases_type), intent(inout) :: cases
+   subroutine hunting_teeth(tests)
+      class(tests_type), intent(inout) :: tests
       type(train_type) :: train
       type(motion_type) :: motion, exact
       type(error_type), allocatable :: error
@@ -178,12 +179,12 @@ contains
       exact = motion
       call refine(train, exact, error)
       if (allocated(error)) exact%rms = huge(1.0_dp)
-      call cases%measured('orders 17 and 23, contact lost, R = 138', 'shooting: rms', maxval(abs(motion%rms - exact%rms)), 2e-5_dp)
+      call tests%measured('orders 17 and 23, contact lost, R = 138', 'shooting: rms', maxval(abs(motion%rms - exact%rms)), 2e-5_dp)
       n = min(size(motion%coefficients, 1), size(exact%coefficients, 1))
       difference = sqrt(sum((motion%coefficients(:n, :) - exact%coefficients(:n, :))**2)/sum(exact%coefficients(2:, :)**2))
-      call cases%measured('the same', 'shooting: error of the waveform over its estimate', difference/motion%error_estimate, &
+      call tests%measured('the same', 'shooting: error of the waveform over its estimate', difference/motion%error_estimate, &
                           2.0_dp)
-      call cases%holds('the same', 'fewer than 80 of the 138 harmonics are carried', carried < 80)
+      call tests%holds('the same', 'fewer than 80 of the 138 harmonics are carried', carried < 80)
       train%meshes%order = [17, 17]
       settings%harmonics = 102
       motion = solution(train, settings)
@@ -192,7 +193,7 @@ contains
       settings = settings_of(17*0.0541_dp, 17*0.0542_dp, 6)
       settings%stability = .false.
       exact = solution(train, settings)
-      call cases%measured('orders 17 and 17, R = 102', 'orders 1 and 1 at 17 times the speed, R = 6 (six harmonics carried)', &
+      call tests%measured('orders 17 and 17, R = 102', 'orders 1 and 1 at 17 times the speed, R = 6 (six harmonics carried)', &
                           maxval(abs(motion%rms - exact%rms)) + abs(carried - 6), 1e-12_dp)
    end subroutine hunting_teeth
 

@@ -1,0 +1,27 @@
+"""Packages that some calls need and the others do without."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+__all__ = ["extra", "missing"]
+
+#: The optional dependencies of pyproject.toml that bring them.
+_EXTRAS = {"matplotlib": "plot", "tqdm": "progress", "h5py": "data", "xarray": "data"}
+
+
+def extra(module: str) -> Any:
+    """Import an optional package; where it is missing the message names the extra that brings it."""
+    try:
+        return import_module(module)
+    except ModuleNotFoundError as error:
+        package = module.partition(".")[0]
+        if (error.name or "").partition(".")[0] != package:
+            raise
+        raise ModuleNotFoundError(f"this call needs {missing(package)}", name=package) from None
+
+
+def missing(package: str) -> str:
+    """What a message says of a package that is not there."""
+    return f"{package}, which is not installed: pip install 'geartrain[{_EXTRAS[package]}]'"

@@ -1,0 +1,69 @@
+"""The steady motions on which random starts settle."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+from ._box import ATTRACTORS, Box
+from .branch import Branch
+from .description import Description
+from .motion import Motion, table
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+__all__ = ["Attractors"]
+
+
+class Attractors(list[Motion]):
+    """The steady motions that random starts settled on at one frequency, largest share first: a list of `Motion`.
+
+    Attributes
+    ----------
+    frequency : float
+        Lambda.
+    starts, random_seed : int
+        Starts done, and what they were made from.
+    unsettled : float
+        Share of the starts that settled on none: not steady after ``max_periods``, or run away.
+    ended : str
+        Why it ended, in words, and that the train floats in its gaps where it does.
+    complete : bool
+        Whether all starts were done.
+    branches : list of Branch
+        Those through motions on no branch known before, where such motions were to be followed.
+    """
+
+    def __init__(
+        self,
+        motions: Iterable[Motion],
+        frequency: float = float("nan"),
+        starts: int = 0,
+        random_seed: int = 0,
+        unsettled: float = 0.0,
+        ended: str = "",
+        complete: bool = False,
+        branches: Iterable[Branch] = (),
+    ) -> None:
+        super().__init__(motions)
+        self.frequency = frequency
+        self.starts = starts
+        self.random_seed = random_seed
+        self.unsettled = unsettled
+        self.ended = ended
+        self.complete = complete
+        self.branches = list(branches)
+
+    def to_dataset(self) -> Dataset:
+        """The motions as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
+        names = ("ended", "complete", "starts", "random_seed", "unsettled")
+        return table("/attractors", self, (), {name: getattr(self, name) for name in names})
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} attractors from {self.starts} starts, {self.unsettled:.1%} unsettled: {self.ended}>"
+
+    @classmethod
+    def _from(cls, box: Box, train: Description, branches: Iterable[Branch] = ()) -> Attractors:
+        motions: list[dict[str, Any]] = box.motions(ATTRACTORS)
+        return cls([Motion(train=train, **fields) for fields in motions], **box.attractors(), branches=branches)

@@ -1,0 +1,99 @@
+"""A train as it is described, and that as the text of a case file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import zip_longest
+from numbers import Real
+from typing import TYPE_CHECKING, Any
+
+from ._box import Box
+from ._namelist import group, in_words_of_the_call
+from ._variable import Part
+from .errors import InputError, shown
+from .variables import PARTS, VARIABLES, TrainVariables
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from .variables import Analyses
+
+__all__ = ["Description"]
+
+
+class Description(TrainVariables):
+    """A train as it is described: what results know of their train, and `Train` is beside what can be asked of it."""
+
+    def __post_init__(self) -> None:
+        for name, kind in PARTS.values():
+            parts = getattr(self, name)
+            if not isinstance(parts, Sequence) or not all(isinstance(part, kind) for part in parts):
+                raise InputError(f"{name} = {shown(parts)}: must be a list of gt.{kind.__name__}")
+            object.__setattr__(self, name, tuple(parts))
+        super().__post_init__()
+        with Box(self.namelist()):
+            pass
+
+    def namelist(self, **analyses: Unpack[Analyses]) -> str:
+        """The train, and the analyses wanted, as a case file's text.
+
+        Parameters
+        ----------
+        modes : bool
+        response, integration, attractors, stability_map : mapping, optional
+            The variables of the group by their names or by their keywords, hence ``start`` as well as ``from``.
+        """
+        problems: dict[str, str] = {}
+        text = group("train", VARIABLES["train"], self._values(self), problems)
+        for name, number, part in self._parts():
+            text += group(name, VARIABLES[name], self._values(part), problems, f"&{name} {number}")
+        for name, settings in analyses.items():
+            if name not in VARIABLES:
+                raise TypeError(f"namelist() got an unexpected keyword argument {name!r}")
+            if settings is not None and settings is not False:
+                text += group(name, VARIABLES[name], settings if isinstance(settings, Mapping) else {}, problems)
+        if problems:
+            raise InputError("\n".join([*problems.values(), *_further_problems(text, problems)]))
+        return text
+
+    def _parts(self) -> Iterator[tuple[str, int, Part]]:
+        """The parts with their groups and numbers: shafts and meshes by turns, as they stand in a chain, after all others."""
+        lists = {name: [(name, number, part) for number, part in enumerate(getattr(self, parts), 1)]
+                 for name, (parts, _) in PARTS.items()}
+        chain = zip_longest(lists.pop("shaft"), lists.pop("mesh"))
+        for parts in (*lists.values(), *chain):
+            yield from (item for item in parts if item is not None)
+
+    @staticmethod
+    def _values(part: Part) -> dict[str, Any]:
+        return {name: getattr(part, name) for name in part.variables}
+
+    def _text_at(self, frequency: float, settings: Mapping[str, Any]) -> str:
+        """The case's text for integration at one frequency, which is both ends of the range."""
+        if isinstance(frequency, bool) or not isinstance(frequency, Real):
+            raise InputError(f"frequency = {shown(frequency)}: must be a number")
+        try:
+            text = self.namelist(integration={"start": frequency, "stop": frequency, "points": 1, **settings})
+            with Box(text):
+                return text
+        except InputError as error:
+            told = in_words_of_the_call(str(error), {"start": "frequency", "stop": "frequency"})
+            raise InputError("\n".join(dict.fromkeys(told.splitlines()))) from None
+
+
+def _further_problems(text: str, known: Mapping[str, str]) -> list[str]:
+    """What Fortran says of the other values; not what follows from the lack of those whose problems are known."""
+    try:
+        with Box(text):
+            return []
+    except InputError as error:
+        return [line for line in str(error).splitlines() if not any(_follows(line, name) for name in known)]
+
+
+def _follows(line: str, name: str) -> bool:
+    """Whether the problem comes of the lack of a variable, ``&mesh 2: stiffness``, and is not one of its namesake elsewhere."""
+    place, _, variable = name.rpartition(": ")
+    if not re.search(rf"\b{variable}\b", line):
+        return False
+    return line.startswith(f"{place}:") or f": {variable} = " not in line

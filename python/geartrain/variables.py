@@ -1,0 +1,230 @@
+"""The variables of a case as keywords, with their types: made by scripts/signatures from the table of variables."""
+
+# ruff: noqa: E501 (each variable has a line)
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal, TypedDict
+
+from ._variable import Part, Series, Variable
+
+if TYPE_CHECKING:
+    from typing_extensions import Required
+
+#: Groups of a case file, in its order, and their variables by their keywords.
+VARIABLES: dict[str, dict[str, Variable]] = {
+    "train": {
+        "title": Variable("title", "text", "str", "", False, "A line of text that goes with the results"),
+        "input_torque": Variable("input_torque", "real", "float", None, True, "Mean torque on the driving end; the load torque balances it by itself; [N m]"),
+        "torque_cos": Variable("torque_cos", "reals", "Series", None, False, "Cosine amplitudes of the input torque, orders 1, 2, ... of Lambda; [N m]"),
+        "torque_sin": Variable("torque_sin", "reals", "Series", None, False, "Sine amplitudes, likewise; [N m]"),
+        "prime_mover_inertia": Variable("prime_mover_inertia", "real", "float", None, True, "Polar moment of inertia at the driving end; 0 only if the first shaft is rigid; [kg m^2]; >= 0"),
+        "load_inertia": Variable("load_inertia", "real", "float", None, True, "Polar moment of inertia at the driven end; 0 only if the last shaft is rigid; [kg m^2]; >= 0"),
+        "characteristic_length": Variable("characteristic_length", "real", "float", None, True, "Unit in which mesh displacements are reported, b_c; [m]; > 0"),
+        "characteristic_frequency": Variable("characteristic_frequency", "real", "float", None, True, "Unit in which frequencies are reported, omega_c; Lambda is the fundamental mesh frequency over it; [rad/s]; > 0"),
+    },
+    "shaft": {
+        "rigid": Variable("rigid", "logical", "bool", False, False, "The inertias at the ends of the shaft move as one; it then has neither stiffness nor damping"),
+        "stiffness": Variable("stiffness", "real", "float", None, False, "Torsional stiffness; required unless rigid; [N m/rad]; > 0"),
+        "damping_ratio": Variable("damping_ratio", "real", "float", 0.0, False, "c/(2 sqrt(k m)) with 1/m = 1/I_a + 1/I_b of the inertias at the ends; >= 0"),
+        "damping": Variable("damping", "real", "float", None, False, "Damping coefficient, instead of damping_ratio; [N m s/rad]; >= 0"),
+    },
+    "mesh": {
+        "driving_radius": Variable("driving_radius", "real", "float", None, True, "Base circle radius of the driving gear; [m]; > 0"),
+        "driven_radius": Variable("driven_radius", "real", "float", None, True, "Base circle radius of the driven gear; [m]; > 0"),
+        "driving_inertia": Variable("driving_inertia", "real", "float", None, True, "Polar moment of inertia of the driving gear; [kg m^2]; > 0"),
+        "driven_inertia": Variable("driven_inertia", "real", "float", None, True, "Polar moment of inertia of the driven gear; [kg m^2]; > 0"),
+        "stiffness": Variable("stiffness", "real", "float", None, True, "Mean mesh stiffness along the line of action; [N/m]; > 0"),
+        "damping_ratio": Variable("damping_ratio", "real", "float", 0.0, False, "c/(2 sqrt(k m)) with m = I_a I_b/(r_a^2 I_b + r_b^2 I_a); >= 0"),
+        "damping": Variable("damping", "real", "float", None, False, "Damping coefficient, instead of damping_ratio; [N s/m]; >= 0"),
+        "half_backlash": Variable("half_backlash", "real", "float", 0.0, False, "Half of the backlash, b; 0: no backlash, a linear mesh; [m]; >= 0"),
+        "stiffness_cos": Variable("stiffness_cos", "reals", "Series", None, False, "Cosine amplitudes, harmonics 1, 2, ... of kappa(t) = 1 + ..., the mesh stiffness over its mean"),
+        "stiffness_sin": Variable("stiffness_sin", "reals", "Series", None, False, "Sine amplitudes, likewise"),
+        "error_cos": Variable("error_cos", "reals", "Series", None, False, "Cosine amplitudes of the static transmission error, harmonics 1, 2, ...; it adds to the mesh displacement; [m]"),
+        "error_sin": Variable("error_sin", "reals", "Series", None, False, "Sine amplitudes, likewise; [m]"),
+        "order": Variable("order", "integer", "int", 1, False, "Mesh frequency as a multiple of the fundamental, m_n; >= 1 and <= 10000"),
+    },
+    "modes": {},
+    "response": {
+        "start": Variable("from", "real", "float", None, True, "Lambda at which the branch begins; > 0"),
+        "stop": Variable("to", "real", "float", None, True, "Lambda at which it ends, above or below; > 0"),
+        "harmonics": Variable("harmonics", "integer", "int", 6, False, "Harmonics R of Lambda/subharmonic; 0: as many as tolerance needs; >= 1 and <= 1000, or 0"),
+        "subharmonic": Variable("subharmonic", "integer", "int", 1, False, "Period of the motion in fundamental mesh periods, eta; >= 1 and <= 1000"),
+        "stability": Variable("stability", "logical", "bool", True, False, "Floquet multipliers of every point"),
+        "amplitude_limit": Variable("amplitude_limit", "real", "float", -1.0, False, "Rms over characteristic length beyond which the branch is followed but not recorded; -1: 12 with backlash, 10000 for a linear train, where it counts as infinite (both times the power of ten nearest to the larger of the gap and the static deflection); > 0, or -1"),
+        "coefficients": Variable("coefficients", "text", "Literal['exact', 'sampled']", "exact", False, "Fourier coefficients of the mesh force: exact from the contact events, or sampled (the discrete transform of the paper); 'exact' or 'sampled'"),
+        "samples": Variable("samples", "integer", "int", 0, False, "Points a period for sampled coefficients; 0: chosen by the program; >= 1 and <= 1.048576e6, or 0"),
+        "control": Variable("control", "text", "Literal['arclength', 'local']", "arclength", False, "pseudo-arclength, or the local switching of the control parameter of the paper, equation (11); 'arclength' or 'local'"),
+        "tolerance": Variable("tolerance", "real", "float", 0.0001, False, "Relative error of the waveform aimed at where harmonics = 0; > 0 and <= 1"),
+        "step": Variable("step", "real", "float", 0.05, False, "Largest step along the branch, in Lambda and mesh displacement together, each over the power of ten nearest to the own scale of the train (see docs/numerics.md); > 0"),
+        "max_points": Variable("max_points", "integer", "int", 20000, False, "Points after which the branch is given up; >= 2 and <= 1.0e7"),
+        "period_doublings": Variable("period_doublings", "integer", "int", 0, False, "How often a period doubling is followed: 1: the branches of twice the period, 2: those of four times as well, ...; >= 0 and <= 6"),
+        "branch_points": Variable("branch_points", "logical", "bool", False, False, "The branches of the same period that cross at branch points are followed too: where a multiplier passes +1 without a fold, as where equal stages begin to move differently"),
+        "refine": Variable("refine", "logical", "bool", False, False, "Every point polished by shooting to about 1e-11, multipliers included; in the end, further branches as well"),
+    },
+    "integration": {
+        "start": Variable("from", "real", "float", None, True, "One end of the range of Lambda; > 0"),
+        "stop": Variable("to", "real", "float", None, True, "Its other end; > 0"),
+        "points": Variable("points", "integer", "int", 121, False, "Frequencies in the range, both ends included; >= 1 and <= 100000"),
+        "direction": Variable("direction", "text", "Literal['up', 'down', 'both']", "up", False, "Order in which the frequencies are visited, each starting from the motion before; 'up', 'down' or 'both'"),
+        "harmonics": Variable("harmonics", "integer", "int", 0, False, "Harmonics of Lambda that are stored of the motion; 0: 16 of the highest mesh order; >= 1 and <= 20000, or 0"),
+        "max_periods": Variable("max_periods", "integer", "int", 2000, False, "Mesh periods after which an unsettled motion is given up; >= 1"),
+        "tolerance": Variable("tolerance", "real", "float", 1.0e-9, False, "Relative change over a period of the motion at which it counts as settled; > 0 and <= 1"),
+        "stability": Variable("stability", "logical", "bool", False, False, "Floquet multipliers of every settled motion"),
+    },
+    "attractors": {
+        "frequency": Variable("frequency", "real", "float", None, True, "Lambda; > 0"),
+        "starts": Variable("starts", "integer", "int", 200, False, "Random starts: mesh displacements and velocities within three times the resting displacement; >= 1 and <= 1.0e6"),
+        "random_seed": Variable("random_seed", "integer", "int", 0, False, "The same seed gives the same starts"),
+        "follow": Variable("follow", "logical", "bool", False, False, "Each motion found that lies on no branch of the case yet is followed as one, over the range of &response and with its settings"),
+        "harmonics": Variable("harmonics", "integer", "int", 0, False, "Harmonics of Lambda that are stored of each motion; 0: 16 of the highest mesh order; >= 1 and <= 20000, or 0"),
+        "max_periods": Variable("max_periods", "integer", "int", 2000, False, "Mesh periods after which an unsettled start is given up; >= 1"),
+        "tolerance": Variable("tolerance", "real", "float", 1.0e-9, False, "Relative change over a period of the motion at which it counts as settled; > 0 and <= 1"),
+        "stability": Variable("stability", "logical", "bool", True, False, "Floquet multipliers of every motion"),
+    },
+    "stability_map": {
+        "start": Variable("from", "real", "float", None, True, "One end of the range of Lambda; > 0"),
+        "stop": Variable("to", "real", "float", None, True, "Its other end; > 0"),
+        "points": Variable("points", "integer", "int", 200, False, "Frequencies in the range, both ends included; >= 1 and <= 10000"),
+        "parameter": Variable("parameter", "text", "Literal['stiffness_variation', 'mesh_damping_ratio', 'input_torque', 'half_backlash']", "stiffness_variation", False, "What varies from row to row. stiffness_variation: largest amplitude of any harmonic of kappa, all scaled alike; input_torque [N m]; mesh_damping_ratio and half_backlash [m]: of every mesh; 'stiffness_variation', 'mesh_damping_ratio', 'input_torque' or 'half_backlash'"),
+        "parameter_start": Variable("parameter_from", "real", "float", None, True, "One end of the range of the parameter; >= 0"),
+        "parameter_stop": Variable("parameter_to", "real", "float", None, True, "Its other end; >= 0"),
+        "parameter_points": Variable("parameter_points", "integer", "int", 200, False, "Values of the parameter in the range, both ends included; >= 1 and <= 10000"),
+        "linear": Variable("linear", "logical", "bool", False, False, "The train without backlash, all teeth in contact: where its parametric resonances are; else the motions on the branch of every row"),
+        "harmonics": Variable("harmonics", "integer", "int", 6, False, "Harmonics R of Lambda of the motions; not used by a linear map; >= 1 and <= 1000"),
+    },
+    "output": {
+        "file": Variable("file", "text", "str", "", False, "Name of the HDF5 file, relative to the working directory; empty: the name of the case file with .h5, in the working directory"),
+    },
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shaft(Part, variables=VARIABLES["shaft"]):
+    """A shaft."""
+
+    rigid: bool | None = None
+    stiffness: float | None = None
+    damping_ratio: float | None = None
+    damping: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mesh(Part, variables=VARIABLES["mesh"]):
+    """A gear pair."""
+
+    driving_radius: float | None = None
+    driven_radius: float | None = None
+    driving_inertia: float | None = None
+    driven_inertia: float | None = None
+    stiffness: float | None = None
+    damping_ratio: float | None = None
+    damping: float | None = None
+    half_backlash: float | None = None
+    stiffness_cos: Series | None = None
+    stiffness_sin: Series | None = None
+    error_cos: Series | None = None
+    error_sin: Series | None = None
+    order: int | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrainVariables(Part, variables=VARIABLES["train"]):
+    """What a train is given by."""
+
+    title: str | None = None
+    input_torque: float | None = None
+    torque_cos: Series | None = None
+    torque_sin: Series | None = None
+    prime_mover_inertia: float | None = None
+    load_inertia: float | None = None
+    characteristic_length: float | None = None
+    characteristic_frequency: float | None = None
+    shafts: Sequence[Shaft] = ()
+    meshes: Sequence[Mesh] = ()
+
+
+#: Groups that are parts of the train: the keyword of their list, and their class.
+PARTS: dict[str, tuple[str, type[Part]]] = {
+    "shaft": ("shafts", Shaft),
+    "mesh": ("meshes", Mesh),
+}
+
+
+class Analyses(TypedDict, total=False):
+    """Analyses that a case may ask for, each by its variables."""
+
+    modes: bool
+    response: Mapping[str, Any] | None
+    integration: Mapping[str, Any] | None
+    attractors: Mapping[str, Any] | None
+    stability_map: Mapping[str, Any] | None
+
+
+class ResponseKeywords(TypedDict, total=False):
+    """Variables of ``&response`` that a call takes."""
+
+    start: Required[float]
+    stop: Required[float]
+    harmonics: int
+    subharmonic: int
+    stability: bool
+    amplitude_limit: float
+    coefficients: Literal["exact", "sampled"]
+    samples: int
+    control: Literal["arclength", "local"]
+    tolerance: float
+    step: float
+    max_points: int
+    period_doublings: int
+    branch_points: bool
+    refine: bool
+
+
+class IntegrationKeywords(TypedDict, total=False):
+    """Variables of ``&integration`` that a call takes."""
+
+    start: Required[float]
+    stop: Required[float]
+    points: int
+    direction: Literal["up", "down", "both"]
+    harmonics: int
+    max_periods: int
+    tolerance: float
+    stability: bool
+
+
+class AttractorsKeywords(TypedDict, total=False):
+    """Variables of ``&attractors`` that a call takes."""
+
+    starts: int
+    random_seed: int
+    harmonics: int
+    max_periods: int
+    tolerance: float
+    stability: bool
+
+
+class StabilityMapKeywords(TypedDict, total=False):
+    """Variables of ``&stability_map`` that a call takes."""
+
+    start: Required[float]
+    stop: Required[float]
+    points: int
+    parameter: Literal["stiffness_variation", "mesh_damping_ratio", "input_torque", "half_backlash"]
+    parameter_start: Required[float]
+    parameter_stop: Required[float]
+    parameter_points: int
+    linear: bool
+    harmonics: int
+
+
+class IntegrateKeywords(TypedDict, total=False):
+    """Variables of ``&integration`` that a call takes."""
+
+    harmonics: int
+    max_periods: int
+    tolerance: float
+    stability: bool
