@@ -9,7 +9,7 @@ module arguments
    end type file_name_type
 
    type :: arguments_type
-      !> 'run', 'check', 'audit', 'template', 'reference', 'version' or 'help'.
+      !> 'run', 'check', 'audit', 'template', 'reference', 'output-reference', 'version' or 'help'.
       character(:), allocatable :: action
       type(file_name_type), allocatable :: case_files(:)
       !> As given by --output; '' where it was not.
@@ -33,6 +33,7 @@ module arguments
       '   geartrain --audit CASE.nml ...          check points of its branches, and all special points, by shooting'//newline// &
       '   geartrain --template > CASE.nml         a complete case, every variable explained'//newline// &
       '   geartrain --reference                   the tables of input variables, as Markdown'//newline// &
+      '   geartrain --output-reference            the tables of what a results file holds, likewise'//newline// &
       '   geartrain --version'//newline// &
       '   geartrain --help'//newline// &
       newline// &
@@ -62,7 +63,7 @@ contains
          i = i + 1
          word = argument(i)
          select case (word)
-         case ('--help', '-h', '--version', '--template', '--reference')
+         case ('--help', '-h', '--version', '--template', '--reference', '--output-reference')
             arguments%action = word(3:)
             if (word == '-h') arguments%action = 'help'
             return

@@ -5,6 +5,7 @@ program main
    use cases, only: check_cases, run_cases
    use geartrain, only: status_file, status_input, template_text, version
    use geartrain_case_text, only: reference_text
+   use geartrain_results_reference, only: output_reference
    use terminal, only: complain, has_memory, leave_at_once, output_lost, say, stand_firm
    implicit none (type, external)
    type(arguments_type) :: asked
@@ -33,6 +34,9 @@ program main
       call say(text)
    case ('reference')
       call reference_text(text)
+      call say(text)
+   case ('output-reference')
+      call output_reference(text)
       call say(text)
    case ('check')
       call check_cases(asked%case_files, status)

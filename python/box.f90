@@ -1,20 +1,24 @@
-!> What a Python call carries over the border: a case and motions in, results out, and the watch on long work.
+!> What a Python call carries over the border: a case and fields in, fields out, and the watch on long work.
 module geartrain_python_box
-   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_ptr
+   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_char, c_null_ptr
    use, intrinsic :: iso_fortran_env, only: int64, real64
-   use geartrain, only: audit_text, audit_type, band_type, back_collision_ranges, bands_without_stability, branch_type, &
-                        case_text, case_type, error_type, interrupt_by, jump_type, jumps, locate_contact_edges, &
-                        mesh_load_type, motion_type, observer_type, &
-                        peak_type, peaks, results_type, separation_ranges, version
+   use geartrain, only: audit_text, audit_type, case_text, case_type, error_type, interrupt_by, locate_contact_edges, &
+                        motion_type, observer_type, results_type, status_input, version
+   use geartrain_base_error, only: fatal
+   use geartrain_base_field, only: field_type, text_type, values_type
+   use geartrain_base_fields, only: fields_type, reading
+   use geartrain_base_numbers, only: integer_text
+   use geartrain_branch_audit_fields, only: visit_audit
+   use geartrain_branch_summary_fields, only: visit_bands, visit_jumps, visit_peaks, visit_ranges
+   use geartrain_motion_fields, only: visit_motions
+   use geartrain_results_reference, only: list_results
+   use geartrain_results_results, only: take_results, visit_results
    implicit none (type, external)
    private
-   public :: box_type, watch_type, begin_watch, handle_of, box_of, box_text, branch_at, close_with, motion_list
-   public :: loose, of_integration, of_attractors, summarize, as_values, as_loads
+   public :: box_type, watch_type, begin_watch, close_with, box_of, handle_of
+   public :: field_at, get_text, joined, new_field, parted, show, take
 
-   !> Which motions of a box: those on their own, of the sweep, of the search for attractors.
-   integer, parameter :: loose = 0, of_integration = 1, of_attractors = 2
-
-   !> One call's data; Python knows it by a handle and frees it before the call returns.
+   !> One call's data; Python knows it by a handle.
    type :: box_type
       type(case_type) :: case
       !> What was computed, or what is to be written; `results%response` is also the branch of `solve_at`.
@@ -23,8 +27,8 @@ module geartrain_python_box
       type(motion_type), allocatable :: motions(:)
       !> The audit of the branch.
       type(audit_type), allocatable :: audit
-      !> What was last read off the branch, see `summarize`, (column, row).
-      real(real64), allocatable :: table(:, :)
+      !> Fields on their way: shown by the box, or put into it.
+      type(fields_type) :: fields
       !> Message of the last error.
       character(:), allocatable :: message
    end type box_type
@@ -94,53 +98,13 @@ contains
       box%message = error%message
    end function close_with
 
-   !> The motions of one kind that the box holds; null where none were computed.
-   function motion_list(box, kind) result(motions)
-      type(box_type), target, intent(in) :: box
-      integer, intent(in) :: kind
-      type(motion_type), pointer :: motions(:)
-
-      nullify (motions)
-      select case (kind)
-      case (loose)
-         if (allocated(box%motions)) motions => box%motions
-      case (of_integration)
-         if (.not. allocated(box%results%integration)) return
-         if (allocated(box%results%integration%motions)) motions => box%results%integration%motions
-      case (of_attractors)
-         if (.not. allocated(box%results%attractors)) return
-         if (allocated(box%results%attractors%motions)) motions => box%results%attractors%motions
-      end select
-   end function motion_list
-
-   !> The response (place 0) or a further branch; null where there is none.
-   function branch_at(box, place) result(branch)
-      type(box_type), target, intent(in) :: box
-      integer, intent(in) :: place
-      type(branch_type), pointer :: branch
-
-      nullify (branch)
-      if (place == 0) then
-         if (allocated(box%results%response)) branch => box%results%response
-      else if (allocated(box%results%branches)) then
-         if (place <= size(box%results%branches)) branch => box%results%branches(place)
-      end if
-   end function branch_at
-
-   !> A text of the box by its name, see `text_size`; lists have one item a line.
-   subroutine box_text(box, name, place, text)
+   !> A text of the box by its name, see `text_size`.
+   subroutine get_text(box, name, text)
       type(box_type), intent(in) :: box
       character(*), intent(in) :: name
-      !> Which branch, see `branch_at`.
-      integer, intent(in) :: place
       character(:), allocatable, intent(out) :: text
-      type(branch_type), pointer :: branch
-      type(motion_type), pointer :: motions(:)
-      type(jump_type), allocatable :: found(:)
-      integer :: i
 
       text = ''
-      branch => branch_at(box, place)
       select case (name)
       case ('version')
          text = version
@@ -148,135 +112,165 @@ contains
          if (allocated(box%message)) text = box%message
       case ('case')
          call case_text(box%case, text)
-      case ('elements')
-         text = lines(box%results%modes%element)
-      case ('kinds')
-         motions => motion_list(box, place)
-         text = lines(motions%kind)
-      case ('directions')
-         text = lines(box%results%integration%direction)
-      case ('integration')
-         if (allocated(box%results%integration%ended)) text = box%results%integration%ended
-      case ('attractors')
-         if (allocated(box%results%attractors%ended)) text = box%results%attractors%ended
-      case ('map')
-         if (allocated(box%results%stability_map%ended)) text = box%results%stability_map%ended
-      case ('map name')
-         text = box%results%stability_map%name
-      case ('map unit')
-         text = box%results%stability_map%unit
-      case ('branch')
-         if (allocated(branch%ended)) text = branch%ended
-      case ('origin')
-         if (allocated(branch%origin)) text = branch%origin
       case ('audit')
          call audit_text(box%audit, text)
-      case ('audit kinds')
-         text = lines(box%audit%rows%kind)
-      case ('audit verdicts')
-         text = lines(box%audit%rows%verdict)
-      case ('exact verdicts')
-         text = lines(box%audit%rows%exact_verdict)
-      case ('findings')
-         text = lines(box%audit%rows%finding)
-      case ('jump kinds')
-         found = jumps(branch)
-         text = lines(found%kind)
-      case ('jump causes')
-         found = jumps(branch)
-         text = lines(found%cause)
-      case ('special points')
-         text = lines([(branch%special_points(i)%kind, i=1, size(branch%special_points))])
+      case ('fields')
+         call list_fields(box%fields, text)
       end select
-   end subroutine box_text
+   end subroutine get_text
 
-   !> Reads a list off the box's branch into its table; the columns are
-   !> 'peaks' (of a mesh): Lambda, rms, point, stable;
-   !> 'jumps': Lambda, rising, then the rms before and after, mesh by mesh (after is negative where the jump leaves the
-   !> branch), candidates;
-   !> 'bands', 'separation', 'back collision' (the last two of a mesh, at any or at stable motions): from, to.
-   subroutine summarize(box, what, mesh, stable_only)
+   subroutine list_fields(fields, text)
+      type(fields_type), intent(in) :: fields
+      character(:), allocatable, intent(out) :: text
+      character, parameter :: tab = achar(9)
+      character(:), allocatable :: values, extents
+      integer :: i, j, k
+
+      text = ''
+      do i = 1, fields%count
+         do j = 1, fields%groups(i)%count
+            associate (field => fields%groups(i)%fields(j))
+               values = ''
+               if (allocated(field%texts)) call joined(field%texts, values)
+               extents = ''
+               do k = 1, size(field%extents)
+                  extents = extents//' '//integer_text(field%extents(k))
+               end do
+               text = text//fields%groups(i)%path//tab//trim(field%about%name)//tab//field%kind//tab//integer_text(len(values))// &
+                      tab//extents//tab//trim(field%about%dimensions)//tab//trim(field%about%unit)//tab// &
+                      trim(field%about%description)//new_line('a')
+            end associate
+         end do
+      end do
+   end subroutine list_fields
+
+   !> Makes fields of what the box holds, see `show_fields`.
+   subroutine show(box, what)
       type(box_type), intent(inout) :: box
       character(*), intent(in) :: what
-      integer, intent(in) :: mesh
-      logical, intent(in) :: stable_only
-      type(peak_type), allocatable :: at_peak(:)
-      type(jump_type), allocatable :: at_jump(:)
-      type(band_type), allocatable :: ranges(:)
-      integer :: i, n
+      type(fields_type) :: none
+      integer :: n
 
-      if (allocated(box%table)) deallocate (box%table)
-      associate (branch => box%results%response)
+      box%fields = none
+      associate (fields => box%fields, branch => box%results%response)
          select case (what)
+         case ('results')
+            call visit_results(box%results, box%case, fields, summary=.false.)
+         case ('listing')
+            call list_results(fields)
+         case ('motions')
+            if (.not. allocated(box%motions)) return
+            if (.not. fields%enter('/motions', '', .true.)) return
+            n = size(box%motions)
+            call fields%expect('mesh', size(box%case%train%meshes))
+            call fields%index_axis('motion', n, '')
+            call visit_motions(box%motions, 'motion', fields)
+         case ('audit')
+            call visit_audit(box%audit, fields)
          case ('peaks')
-            at_peak = peaks(branch, mesh)
-            n = size(at_peak)
-            allocate (box%table(5, n))
-            do i = 1, n
-               box%table(:, i) = [at_peak(i)%frequency, at_peak(i)%rms, real(at_peak(i)%point, real64), &
-                                  merge(1.0_real64, 0.0_real64, [at_peak(i)%stable, at_peak(i)%undecided])]
-            end do
-            return
+            call visit_peaks(branch, '', fields)
          case ('jumps')
-            at_jump = jumps(branch)
-            n = size(at_jump)
-            allocate (box%table(4 + 2*branch%meshes, n))
-            do i = 1, n
-               box%table(:, i) = [at_jump(i)%frequency, merge(1.0_real64, 0.0_real64, at_jump(i)%rising), &
-                                  at_jump(i)%before, at_jump(i)%after, real(at_jump(i)%candidates, real64), &
-                                  merge(1.0_real64, 0.0_real64, at_jump(i)%undecided)]
-            end do
-            return
+            call visit_jumps(branch, '', fields)
          case ('bands')
-            ranges = bands_without_stability(branch)
-         case ('separation')
-            call locate_contact_edges(box%case%train, box%case%response, branch)
-            ranges = separation_ranges(branch, mesh, stable_only)
+            call visit_bands(branch, '', fields)
          case default
             call locate_contact_edges(box%case%train, box%case%response, branch)
-            ranges = back_collision_ranges(branch, mesh, stable_only)
+            call visit_ranges(branch, '', what == 'back collision', fields)
          end select
       end associate
-      n = size(ranges)
-      allocate (box%table(3, n))
-      box%table(1, :) = ranges%from
-      box%table(2, :) = ranges%to
-      box%table(3, :) = merge(1.0_real64, 0.0_real64, ranges%undecided)
-   end subroutine summarize
+   end subroutine show
 
-   !> Largest force, dynamic factor, shares of separation and of back contact, (mesh, 4).
-   pure function as_values(loads) result(values)
-      type(mesh_load_type), intent(in) :: loads(:)
-      real(real64) :: values(size(loads), 4)
+   !> Makes of the fields put what they are of, see `take_fields`.
+   subroutine take(box, what, error)
+      type(box_type), intent(inout) :: box
+      character(*), intent(in) :: what
+      type(error_type), allocatable, intent(out) :: error
+      type(fields_type) :: none
+      character(:), allocatable :: wrong
+      integer :: n
 
-      values(:, 1) = loads%force_maximum
-      values(:, 2) = loads%dynamic_factor
-      values(:, 3) = loads%separation
-      values(:, 4) = loads%back_contact
-   end function as_values
+      wrong = ''
+      if (what == 'results') then
+         call take_results(box%fields, box%case, box%results, wrong)
+      else
+         associate (fields => box%fields)
+            fields%way = reading
+            call fields%expect('mesh', size(box%case%train%meshes))
+            n = 0
+            if (fields%enter('/motions', '', .true.)) call fields%index_axis('motion', n, '')
+            allocate (box%motions(n))
+            if (n > 0) call visit_motions(box%motions, 'motion', fields)
+            if (allocated(fields%wrong)) wrong = fields%wrong
+         end associate
+      end if
+      box%fields = none
+      if (wrong /= '') call fatal(error, wrong//': does not agree with the rest, or with the train', status_input)
+   end subroutine take
 
-   !> The inverse of `as_values`.
-   pure function as_loads(values) result(loads)
-      real(real64), intent(in) :: values(:, :)
-      type(mesh_load_type) :: loads(size(values, 1))
+   !> The field shown by its number through all groups; null where there is none.
+   function field_at(box, number) result(field)
+      type(box_type), target, intent(in) :: box
+      integer, intent(in) :: number
+      type(values_type), pointer :: field
+      integer :: i, before
 
-      loads%force_maximum = values(:, 1)
-      loads%dynamic_factor = values(:, 2)
-      loads%separation = values(:, 3)
-      loads%back_contact = values(:, 4)
-   end function as_loads
+      nullify (field)
+      before = 0
+      do i = 1, box%fields%count
+         if (number <= before + box%fields%groups(i)%count) then
+            field => box%fields%groups(i)%fields(number - before)
+            return
+         end if
+         before = before + box%fields%groups(i)%count
+      end do
+   end function field_at
 
-   !> The items, one a line.
-   pure function lines(items) result(text)
-      character(*), intent(in) :: items(:)
-      character(sum(len_trim(items)) + size(items)) :: text
+   !> A field more, in a group that may be new.
+   function new_field(box, path, name, kind, extents) result(field)
+      type(box_type), target, intent(inout) :: box
+      character(*), intent(in) :: path, name
+      character, intent(in) :: kind
+      integer, intent(in) :: extents(:)
+      type(values_type), pointer :: field
+      integer :: i
+
+      i = box%fields%find_group(path)
+      if (i == 0) then
+         call box%fields%add_group(path, '')
+         i = box%fields%count
+      end if
+      ! What the dimensions are called, the reader of the fields knows.
+      call box%fields%groups(i)%add(field_type(name, merge('of Python', '         ', size(extents) > 0)), kind, extents)
+      field => box%fields%groups(i)%fields(box%fields%groups(i)%count)
+   end function new_field
+
+   !> Texts one after another, each closed by a null.
+   subroutine joined(texts, text)
+      type(text_type), intent(in) :: texts(:)
+      character(:), allocatable, intent(out) :: text
       integer :: i, at
 
+      allocate (character(sum([(len(texts(i)%text) + 1, i=1, size(texts))])) :: text)
       at = 0
-      do i = 1, size(items)
-         text(at + 1:) = trim(items(i))//new_line('a')
-         at = at + len_trim(items(i)) + 1
+      do i = 1, size(texts)
+         text(at + 1:at + len(texts(i)%text) + 1) = texts(i)%text//c_null_char
+         at = at + len(texts(i)%text) + 1
       end do
-   end function lines
+   end subroutine joined
+
+   !> The inverse of `joined`.
+   subroutine parted(text, texts)
+      character(*), intent(in) :: text
+      type(text_type), intent(inout) :: texts(:)
+      integer :: i, first, length
+
+      first = 1
+      do i = 1, size(texts)
+         length = index(text(first:), c_null_char) - 1
+         if (length < 0) length = len(text) - first + 1
+         texts(i)%text = text(first:first + length - 1)
+         first = min(len(text) + 1, first + length + 1)
+      end do
+   end subroutine parted
 
 end module geartrain_python_box

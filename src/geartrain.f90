@@ -23,6 +23,7 @@ module geartrain
    use geartrain_case_case, only: case_type
    use geartrain_case_edges, only: locate_edges
    use geartrain_case_reader, only: read_case, read_case_text
+   use geartrain_case_results, only: read_results
    use geartrain_case_run, only: run_case
    use geartrain_case_template, only: template_text
    use geartrain_case_text, only: case_text

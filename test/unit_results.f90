@@ -7,6 +7,7 @@ module unit_results
    use geartrain_base_kinds, only: dp
    use geartrain_case_case, only: case_type
    use geartrain_results_file, only: check_place
+   use geartrain_results_reference, only: output_reference
    use geartrain_results_results, only: results_type, write_results
    use testing, only: tests_type
    implicit none (type, external)
@@ -25,6 +26,7 @@ contains
       if (tests%runs('integration_as_written')) call integration_as_written(tests)
       if (tests%runs('attractors_and_branches_as_written')) call attractors_and_branches_as_written(tests)
       if (tests%runs('failures')) call failures(tests)
+      if (tests%runs('reference_page')) call reference_page(tests)
       call clean()
    end subroutine results_tests
 
@@ -41,7 +43,7 @@ contains
       call tests%is_true(.not. allocated(error), 'is written')
       call h5fopen_f(path, h5f_acc_rdonly_f, file, status)
       call tests%is_true(status == 0, 'opens')
-      call tests%is_true(integer_attribute(file, '/', 'format_version') == 1, 'format_version is 1')
+      call tests%is_true(integer_attribute(file, '/', 'format_version') == 2, 'format_version is 2')
       call tests%is_true(.not. exists(file, '/modes'), 'no modes asked for, no /modes')
       call tests%is_true(.not. exists(file, '/response'), 'no response asked for, no /response')
       call tests%is_true(.not. exists(file, '/integration'), 'no integration asked for, no /integration')
@@ -216,6 +218,20 @@ contains
       call check_place(path, error)
       call tests%is_true(there(path) .and. no_temporary(path), 'asking whether it can be written leaves all as it was')
    end subroutine failures
+
+   subroutine reference_page(tests)
+      class(tests_type), intent(inout) :: tests
+      character(:), allocatable :: page, text
+      integer :: unit, bytes, status
+
+      open (newunit=unit, file='docs/output.md', access='stream', form='unformatted', status='old', action='read')
+      inquire (unit=unit, size=bytes)
+      allocate (character(bytes) :: page)
+      read (unit, iostat=status) page
+      close (unit)
+      call output_reference(text)
+      call tests%is_true(index(page, text) > 0, 'docs/output.md holds what geartrain --output-reference prints')
+   end subroutine reference_page
 
    subroutine expect(tests, error, message, name)
       class(tests_type), intent(inout) :: tests

@@ -1,6 +1,5 @@
 !> Running a case: what is computed, cancelled, kept while it runs and left at the end.
 module unit_results_run
-   use, intrinsic :: iso_fortran_env, only: int8
    use geartrain_base_error, only: error_type, status_ended_early, status_file
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
@@ -8,9 +7,7 @@ module unit_results_run
    use geartrain_case_checkpoint, only: checkpoint_type
    use geartrain_case_reader, only: read_case_text
    use geartrain_case_run, only: run_case
-   use geartrain_case_text, only: case_text
    use geartrain_results_results, only: results_type, write_results
-   use geartrain_results_state, only: pack_state
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -29,10 +26,9 @@ module unit_results_run
    type, extends(observer_type) :: counter_type
       integer :: steps = 0, no_at = -1
       logical :: response = .false., branch = .false., integration = .false., attractors = .false.
-      !> Given these, keeps what another run goes on from when it says no.
+      !> Given these, writes what another run goes on from when it says no.
       type(case_type), pointer :: case => null()
       type(results_type), pointer :: results => null()
-      integer(int8), allocatable :: state(:)
    contains
       procedure :: on_step
    end type counter_type
@@ -204,7 +200,6 @@ contains
          call tests%is_true(all(shape(map%multiplier) == [5, size(map%done)]) .and. size(map%parameter) == size(map%done), &
                             'and no others')
       end associate
-      call write_results(path//'.partial', case, results, error, told%state)
       call run_case(case, path, results, error, counter, path//'.partial')
       call tests%is_true(.not. allocated(error), 'no error')
       known = 40 - counter%steps
@@ -231,7 +226,7 @@ contains
       integer, intent(in) :: done
       real(dp), intent(in) :: frequency
       logical, intent(inout) :: keep_going
-      character(:), allocatable :: input
+      type(error_type), allocatable :: error
 
       self%steps = self%steps + 1
       if (analysis == 'response') self%response = done > 0 .and. frequency > 0
@@ -240,9 +235,7 @@ contains
       if (analysis == 'integration') self%integration = done > 0 .and. frequency > 0
       if (self%steps /= self%no_at) return
       keep_going = .false.
-      if (.not. associated(self%results)) return
-      call case_text(self%case, input)
-      call pack_state(input, self%results, self%state)
+      if (associated(self%results)) call write_results(path//'.partial', self%case, self%results, error)
    end subroutine on_step
 
    logical function there(name)

@@ -1,13 +1,14 @@
-!> What keeps a run from harm: checksums, states that do not agree with themselves, work that is interrupted in its midst.
+!> What keeps a run from harm: checksums, fields that do not agree with themselves, work that is interrupted in its midst.
 module unit_robust
    use, intrinsic :: iso_fortran_env, only: int64, int8
-   use geartrain, only: attractors, attractors_type, branch_type, case_text, case_type, dp, error_type, interrupt_by, &
+   use geartrain, only: attractors, attractors_type, branch_type, case_type, dp, error_type, interrupt_by, &
       read_case_text, response, results_type, run_case, stability_map, stability_map_type, status_file, status_input, sweep, &
-      sweep_type, write_results
+      sweep_type
    use geartrain_base_checksum, only: crc64
-   use geartrain_results_agreement, only: disagreement
+   use geartrain_base_field, only: values_type
+   use geartrain_base_fields, only: fields_type
+   use geartrain_results_results, only: take_results, visit_results
    use geartrain_results_seal, only: add_seal, is_whole
-   use geartrain_results_state, only: pack_state, unpack_state
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -31,7 +32,7 @@ contains
       class(tests_type), intent(inout) :: tests
 
       if (tests%runs('checksums')) call checksums(tests)
-      if (tests%runs('damaged_states')) call damaged_states(tests)
+      if (tests%runs('damaged_fields')) call damaged_fields(tests)
       if (tests%runs('interrupted')) call interrupted(tests)
       if (tests%runs('others_checkpoint')) call others_checkpoint(tests)
    end subroutine robust_tests
@@ -61,57 +62,98 @@ contains
       call tests%is_true(seen, 'every flip of a bit and every loss of its end is seen')
    end subroutine checksums
 
-   !> Without the checksum, as if another program had written them: states with changed bytes are told apart or can be used, never a
+   !> Without the checksum, as if another program had written them: fields that are changed are told apart or can be used, never a
    !> crash (and never memory that is not theirs, in the debug profile).
-   subroutine damaged_states(tests)
+   subroutine damaged_fields(tests)
       class(tests_type), intent(inout) :: tests
       type(case_type) :: case
       type(results_type) :: results, again
       type(error_type), allocatable :: error
-      integer(int8), allocatable :: state(:), damaged(:)
-      character(:), allocatable :: input, wrong
+      type(fields_type) :: fields, damaged
+      character(:), allocatable :: wrong
       integer(int64) :: generator
-      integer :: i, told, at
+      integer :: i, told
 
       call read_pair(tests, analyses, case)
       call run_case(case, '', results, error)
       call tests%is_true(.not. allocated(error), 'the case runs')
-      call tests%is_text(trim(disagreement(case, results)), '', 'results agree with their case')
-      call case_text(case, input)
-      call pack_state(input, results, state)
-      damaged = state
-      call unpack_state(damaged, input, again, wrong)
-      call tests%is_text(wrong//trim(disagreement(case, again)), '', 'what is read back agrees with it')
+      call visit_results(results, case, fields, summary=.true.)
+      damaged = fields
+      call take_results(damaged, case, again, wrong)
+      call tests%is_text(wrong, '', 'what is read back agrees with its case')
       generator = 1
       told = 0
       do i = 1, 3000
-         generator = mod(48271_int64*generator, 2147483647_int64)
-         at = 1 + int(mod(generator, size(state, kind=int64)))
-         damaged = state
-         damaged(at) = ieor(damaged(at), int(mod(generator/7, 127_int64) + 1, int8))
-         call reset(again)
-         call unpack_state(damaged, input, again, wrong)
-         if (wrong == '') wrong = trim(disagreement(case, again))
+         damaged = fields
+         call damage(damaged, generator)
+         call take_results(damaged, case, again, wrong)
          if (wrong /= '') told = told + 1
       end do
-      call tests%is_true(told > 0, 'some are told by their counts')
-      do i = 1, 100
-         damaged = state(:i*(size(state)/100) - 1)
-         call reset(again)
-         call unpack_state(damaged, input, again, wrong)
-         call tests%is_true(wrong /= '', 'one that is cut short is told')
+      call tests%is_true(told > 300, 'what does not fit is told')
+      do i = 1, fields%count
+         damaged = fields
+         damaged%groups(i)%count = 0
+         call take_results(damaged, case, again, wrong)
+         call tests%is_true((wrong == '') .eqv. is_computed(fields%groups(i)%path), 'an empty group: '//fields%groups(i)%path)
       end do
-      deallocate (results%attractors%motions)
-      call tests%is_text(trim(disagreement(case, results)), 'attractors', 'attractors without motions')
       deallocate (case%attractors)
-      call tests%is_text(trim(disagreement(case, results)), 'attractors', 'attractors that nobody asked for')
-   end subroutine damaged_states
+      damaged = fields
+      call take_results(damaged, case, again, wrong)
+      call tests%is_text(wrong, 'attractors', 'attractors that nobody asked for')
+   end subroutine damaged_fields
 
-   subroutine reset(results)
-      type(results_type), intent(out) :: results
+   !> Whether a group is read off a branch anew, so that nobody misses it.
+   pure logical function is_computed(path)
+      character(*), intent(in) :: path
 
-      if (allocated(results%modes)) deallocate (results%modes)
-   end subroutine reset
+      is_computed = index(path, 'peaks') + index(path, 'jumps') + index(path, 'bands') + index(path, 'ranges') > 0
+   end function is_computed
+
+   !> Changes a field: its name, an extent, its kind, a value, or how many values there are.
+   subroutine damage(fields, generator)
+      type(fields_type), intent(inout) :: fields
+      integer(int64), intent(inout) :: generator
+      integer :: i
+
+      i = 1 + below(generator, fields%count)
+      call damage_field(fields%groups(i)%fields(1 + below(generator, fields%groups(i)%count)), generator)
+   end subroutine damage
+
+   subroutine damage_field(field, generator)
+      type(values_type), intent(inout) :: field
+      integer(int64), intent(inout) :: generator
+      integer :: n, at
+
+      n = product(field%extents)
+      at = below(generator, n)
+      select case (below(generator, 5))
+      case (0)
+         field%about%name = 'another'
+      case (1)
+         if (size(field%extents) == 0) return
+         at = 1 + below(generator, size(field%extents))
+         field%extents(at) = field%extents(at) + below(generator, 3) - 1
+      case (2)
+         field%kind = 'r'
+         if (.not. allocated(field%reals)) allocate (field%reals(0))
+      case (3)
+         if (n == 0) return
+         if (allocated(field%integers)) field%integers(1 + at) = below(generator, 1000) - 500
+         if (allocated(field%texts)) field%texts(1 + at)%text = 'another'
+      case default
+         if (allocated(field%reals)) field%reals = field%reals(:at)
+         if (allocated(field%integers)) field%integers = field%integers(:at)
+      end select
+   end subroutine damage_field
+
+   !> 0 .. n - 1.
+   integer function below(generator, n)
+      integer(int64), intent(inout) :: generator
+      integer, intent(in) :: n
+
+      generator = mod(48271_int64*generator, 2147483647_int64)
+      below = int(mod(generator/7, int(max(1, n), int64)))
+   end function below
 
    !> The flag is up from the beginning: every analysis ends at once, says that it is not complete and keeps nothing half done.
    subroutine interrupted(tests)

@@ -1,5 +1,5 @@
 ! The border between Fortran and Python: flat subroutines with explicit shapes, from which f2py makes the extension. Here those
-! that open and close a box, read a case, run an analysis and write a file; beside this file those that copy results, a file a kind.
+! that open and close a box, read a case or results, run an analysis and write a file; fields.f90 has those that carry results.
 !
 ! Every call works on a box (python/box.f90) by its handle; `status` is 0 or the exit status of the error whose message
 ! the box then holds. Nothing here computes: it calls the library and copies. Complex numbers travel as pairs
@@ -14,6 +14,21 @@ subroutine open_box(handle)
    allocate (box)
    handle = handle_of(box)
 end subroutine open_box
+
+! A box with the case and the response of another one, which stays as it is.
+subroutine open_copy(other, handle)
+   use geartrain_python_box, only: box_type, box_of, handle_of
+   implicit none
+   integer(8), intent(in) :: other
+   integer(8), intent(out) :: handle
+   type(box_type), pointer :: box, from
+
+   allocate (box)
+   from => box_of(other)
+   box%case = from%case
+   if (allocated(from%results%response)) box%results%response = from%results%response
+   handle = handle_of(box)
+end subroutine open_copy
 
 subroutine close_box(handle)
    use geartrain_python_box, only: box_type, box_of
@@ -94,23 +109,22 @@ end subroutine find_modes
 ! The seed is the box's first motion, if it has one. The branches that bifurcate from it are the box's further ones.
 subroutine follow_response(handle, progress, status)
    use geartrain, only: error_type, follow_bifurcations, motion_type, refine_branch, response
-   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, loose, motion_list, watch_type
+   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type
    implicit none
    integer(8), intent(in) :: handle
    double precision, intent(inout), target :: progress(3)
    integer, intent(out) :: status
    type(box_type), pointer :: box
    type(error_type), allocatable :: error
-   type(motion_type), pointer :: motions(:), seed
+   type(motion_type), pointer :: seed
    type(watch_type) :: watch
    integer :: i
    !f2py threadsafe
 
    box => box_of(handle)
    call begin_watch(watch, box, progress)
-   motions => motion_list(box, loose)
    nullify (seed)
-   if (associated(motions)) seed => motions(1)
+   if (allocated(box%motions)) seed => box%motions(1)
    allocate (box%results%response)
    call response(box%case%train, box%case%response, box%results%response, error, seed, watch)
    if (.not. (allocated(error) .or. box%results%response%cancelled)) &
@@ -219,7 +233,7 @@ end subroutine solve_at
 ! Starts from the box's first motion, if it has one; the result takes its place.
 subroutine integrate_at(handle, frequency, progress, status)
    use geartrain, only: error_type, integrate, motion_type
-   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, loose, motion_list, watch_type
+   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type
    implicit none
    integer(8), intent(in) :: handle
    double precision, intent(in) :: frequency
@@ -227,16 +241,15 @@ subroutine integrate_at(handle, frequency, progress, status)
    integer, intent(out) :: status
    type(box_type), pointer :: box
    type(error_type), allocatable :: error
-   type(motion_type), pointer :: motions(:), start
+   type(motion_type), pointer :: start
    type(motion_type) :: motion
    type(watch_type) :: watch
    !f2py threadsafe
 
    box => box_of(handle)
    call begin_watch(watch, box, progress)
-   motions => motion_list(box, loose)
    nullify (start)
-   if (associated(motions)) start => motions(1)
+   if (allocated(box%motions)) start => box%motions(1)
    call integrate(box%case%train, frequency, box%case%integration, motion, error, start, watch)
    if (.not. allocated(error)) box%motions = [motion]
    status = close_with(box, error)
@@ -303,6 +316,27 @@ subroutine refine_motion(handle, progress, status)
    status = close_with(box, error)
 end subroutine refine_motion
 
+! Audits the box's branch: `points` of its points, which `random_seed` draws, and all special points.
+subroutine audit_points(handle, points, random_seed, progress, status)
+   use geartrain, only: audit_branch, error_type
+   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type
+   implicit none
+   integer(8), intent(in) :: handle
+   integer, intent(in) :: points, random_seed
+   double precision, intent(inout), target :: progress(3)
+   integer, intent(out) :: status
+   type(box_type), pointer :: box
+   type(error_type), allocatable :: error
+   type(watch_type) :: watch
+   !f2py threadsafe
+
+   box => box_of(handle)
+   call begin_watch(watch, box, progress)
+   allocate (box%audit)
+   call audit_branch(box%case%train, box%results%response, points, random_seed, box%audit, error, watch)
+   status = close_with(box, error)
+end subroutine audit_points
+
 ! One period of the box's first motion; force in N.
 subroutine sample_waveform(handle, samples, meshes, time, displacement, force)
    use geartrain, only: waveform
@@ -336,6 +370,22 @@ subroutine run_all(handle, path, checkpoint, progress, status)
    call run_case(box%case, path, box%results, error, watch, checkpoint)
    status = close_with(box, error)
 end subroutine run_all
+
+! Reads results and the case that they are of.
+subroutine read_file(handle, path, status)
+   use geartrain, only: error_type, read_results
+   use geartrain_python_box, only: box_type, box_of, close_with
+   implicit none
+   integer(8), intent(in) :: handle
+   character(*), intent(in) :: path
+   integer, intent(out) :: status
+   type(box_type), pointer :: box
+   type(error_type), allocatable :: error
+
+   box => box_of(handle)
+   call read_results(path, box%case, box%results, error)
+   status = close_with(box, error)
+end subroutine read_file
 
 ! Writes the box's results.
 subroutine write_path(handle, path, status)

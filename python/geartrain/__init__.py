@@ -35,7 +35,7 @@ from . import _box
 from .attractors import Attractors
 from .audit import Audit
 from .branch import Branch, SpecialPoint
-from .case import Case, Results, read_case
+from .case import Case, Results, read_case, read_results
 from .errors import InputError, Interrupted, SolverError
 from .modes import Modes
 from .motion import Motion, Sweep
@@ -65,6 +65,7 @@ __all__ = [
     "Sweep",
     "Train",
     "read_case",
+    "read_results",
 ]
 
 with _box.Box() as _opened:

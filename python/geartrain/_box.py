@@ -1,10 +1,12 @@
-"""Calls into Fortran: a box holds a case and motions in, results out, and is freed before the call returns."""
+"""Calls into Fortran: a box holds a case and fields in, fields out, and is freed before the call returns."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,16 +17,41 @@ from ._motion_check import VALUES, check_motion
 from ._namelist import in_words_of_the_call
 from .errors import InputError, SolverError
 
-if TYPE_CHECKING:
-    from .modes import Modes
+__all__ = ["ATTRACTORS", "INTEGRATION", "LOOSE", "Box", "Group", "as_columns", "file_name", "fortran"]
 
-__all__ = ["ATTRACTORS", "INTEGRATION", "LOOSE", "Box", "file_name", "fortran"]
+Array = NDArray[Any]
 
-Array = NDArray[np.float64]
-
-LOOSE, INTEGRATION, ATTRACTORS = 0, 1, 2  # which motions of a box
+LOOSE, INTEGRATION, ATTRACTORS = "/motions", "/integration", "/attractors"  # which motions of a box
 
 _INPUT, _ENDED_EARLY, _FILE = 2, 3, 4
+
+
+@dataclass
+class Group:
+    """Fields by name, as a group of the results file has them.
+
+    Attributes
+    ----------
+    attributes : dict
+    arrays : dict of ndarray
+        Those along dimensions, axes included.
+    about : dict of tuple
+        Of each array its dimensions, its unit and what it is.
+    """
+
+    attributes: dict[str, Any] = field(default_factory=dict)
+    arrays: dict[str, Array] = field(default_factory=dict)
+    about: dict[str, tuple[tuple[str, ...], str, str]] = field(default_factory=dict)
+
+    def column(self, name: str, *shape: int) -> Array:
+        """An array of a list; none of an empty one."""
+        return self.arrays.get(name, np.zeros((0, *shape)))
+
+    def rows(self, *names: str) -> list[tuple[Any, ...]]:
+        """The items of a list, of each the fields of these names; False for one that is not there."""
+        columns = [self.arrays.get(name) for name in names]
+        number = max((len(column) for column in columns if column is not None), default=0)
+        return [tuple(False if column is None else column[place] for column in columns) for place in range(number)]
 
 
 class Box:
@@ -34,17 +61,21 @@ class Box:
     ----------
     text : str, optional
         Namelist text of the case, made from the keywords of a call: errors are then in its words.
+    copy : Box, optional
+        One whose case and response it begins with.
     """
 
-    def __init__(self, text: str | None = None) -> None:
-        self.handle: int = fortran.open_box()
-        self._of_call = text is not None
+    def __init__(self, text: str | None = None, copy: Box | None = None) -> None:
+        self._handle: int = fortran.open_box() if copy is None else fortran.open_copy(copy.handle)
+        self._of_call = text is not None or copy is not None
+        self._put = ""
+        self._results: dict[str, Group] | None = None
         if text is None:
             return
         try:
-            self.check(fortran.read_text(self.handle, text.encode()))
+            self.check(fortran.read_text(self._handle, text.encode()))
         except BaseException:
-            fortran.close_box(self.handle)
+            self.close()
             raise
 
     def __enter__(self) -> Box:  # noqa: PYI034 typing.Self is younger than Python 3.10  # noqa: PYI034 (typing.Self needs Python 3.11)
@@ -55,9 +86,27 @@ class Box:
     ) -> None:
         self.close()
 
+    def __del__(self) -> None:
+        if fortran is not None:  # as at the end of the interpreter
+            self.close()
+
     def close(self) -> None:
         """Free what it holds; it is of no use then."""
-        fortran.close_box(self.handle)
+        handle, self._handle = getattr(self, "_handle", 0), 0
+        if handle:
+            fortran.close_box(handle)
+
+    @property
+    def handle(self) -> int:
+        """What Fortran knows the box by; what was put into it has been taken over."""
+        self.take()
+        return self._handle
+
+    def take(self) -> None:
+        """Let Fortran take over what was put into the box."""
+        if self._put:
+            what, self._put = self._put, ""
+            self.check(fortran.take_fields(self._handle, what))
 
     def check(self, status: int, whole: bool = True) -> None:
         """Raise the error that the status stands for; work that ended early passes unless the whole is needed."""
@@ -67,260 +116,231 @@ class Box:
         message = self.text("message")
         raise kinds.get(status, RuntimeError)(in_words_of_the_call(message) if self._of_call else message)
 
-    def text(self, name: str, place: int = 0) -> str:
-        """A text of the box, see ``text_size`` in border/text.f90."""
-        size = fortran.text_size(self.handle, name, place)
-        return fortran.copy_text(self.handle, name, place, size).tobytes().decode(errors="replace") if size else ""
+    def text(self, name: str) -> str:
+        """A text of the box, see ``text_size`` in border/fields.f90."""
+        size = fortran.text_size(self.handle, name)
+        return fortran.copy_text(self.handle, name, size).tobytes().decode(errors="replace") if size else ""
 
     # ------------------------------------------------------------------------------------------------- out
 
+    def show(self, what: str = "results") -> dict[str, Group]:
+        """What the box holds as fields, by the paths of their groups; see ``show_fields`` in border/fields.f90."""
+        fortran.show_fields(self.handle, what)
+        groups: dict[str, Group] = {}
+        for line, row in enumerate(self.text("fields").split("\n")[:-1], 1):
+            path, name, kind, size, extents, dimensions, unit, description = row.split("\t")
+            group = groups.setdefault(path, Group())
+            names = tuple(dimensions.split())
+            values = self._values(line, kind, int(size), tuple(map(int, extents.split()))[::-1])
+            if not names:
+                group.attributes[name] = values.item()
+                continue
+            if names[-1] == "complex" and name != "complex":
+                pairs, names = np.ascontiguousarray(values), names[:-1]
+                values = pairs.view(np.complex128)[..., 0] if pairs.size else np.zeros(pairs.shape[:-1], complex)
+            group.arrays[name] = values
+            group.about[name] = names, unit, description
+        return groups
+
+    def _values(self, line: int, kind: str, size: int, shape: tuple[int, ...]) -> Array:
+        items = int(np.prod(shape))
+        if kind == "t":
+            text = fortran.copy_texts(self.handle, line, size).tobytes().decode(errors="replace") if size else ""
+            return np.array(text.split("\0")[:items], object).reshape(shape)
+        if kind == "r":
+            return (fortran.copy_reals(self.handle, line, items) if items else np.zeros(0)).reshape(shape)
+        whole = (fortran.copy_integers(self.handle, line, items) if items else np.zeros(0, np.intc)).reshape(shape)
+        return whole == 1 if kind == "l" else whole
+
+    def results(self) -> dict[str, Group]:
+        """The groups of the results; they are shown once, after the work is done."""
+        if self._results is None:
+            self._results = self.show()
+        return self._results
+
     def modes(self) -> dict[str, Any] | None:
-        elements, modes = map(int, fortran.modes_sizes(self.handle))
-        if not modes:
+        group = self.results().get("/modes")
+        if group is None or not len(group.arrays["mode"]):
             return None
-        values, shapes = fortran.copy_modes(self.handle, elements, modes)
-        return {
-            "natural_frequency": values[:, 0],
-            "damped_frequency": values[:, 1],
-            "damping_ratio": values[:, 2],
-            "shape": shapes.T,
-            "element": tuple(self.text("elements").splitlines()),
-        }
+        names = ("natural_frequency", "damped_frequency", "damping_ratio", "shape")
+        return {"element": tuple(group.arrays["element"]), **{name: group.arrays[name] for name in names}}
 
-    def has(self, kind: int) -> bool:
+    def has(self, path: str) -> bool:
         """Whether motions of this kind were computed, be it none in the end."""
-        return bool(fortran.motions_sizes(self.handle, kind)[0] >= 0)
+        return path in self.results()
 
-    def motions(self, kind: int = LOOSE) -> list[dict[str, Any]]:
-        kinds = self.text("kinds", kind).splitlines() if self.has(kind) else []
-        return [{**self._motion(kind, place), "kind": name} for place, name in enumerate(kinds, 1)]
-
-    def _motion(self, kind: int, place: int) -> dict[str, Any]:
-        terms, meshes, states, roots, period, *marks = map(int, fortran.motion_sizes(self.handle, kind, place))
-        stable, undecided, floating = map(bool, marks)
-        numbers, coefficients, values, state, multipliers = fortran.copy_motion(
-            self.handle, kind, place, terms, meshes, states, roots
-        )
-        return {
-            "frequency": float(numbers[0]),
-            "period": period,
-            "coefficients": coefficients.T,
-            **_by_name(values.T),
-            "stable": stable if roots else None,
-            "undecided": undecided,
-            "floating": floating,
-            "multipliers": _complex(multipliers.T) if roots else None,
-            "state": state if states else None,
-            "error_estimate": _known(numbers[1]),
-            "share": _known(numbers[2]),
-            "lyapunov_exponent": float(numbers[3]),
-            "lyapunov_error": float(numbers[4]),
-        }
+    def motions(self, path: str = LOOSE) -> list[dict[str, Any]]:
+        """The motions of a group, each as keywords of `Motion`."""
+        group = (self.show("motions") if path == LOOSE else self.results()).get(path, Group())
+        return [_motion(group, place) for place in range(len(group.arrays.get("frequency", ())))]
 
     def sweep(self) -> dict[str, Any]:
+        group = self.results()[INTEGRATION]
         return {
-            "direction": tuple(self.text("directions").splitlines()),
-            "ended": self.text("integration"),
-            "complete": bool(fortran.motions_sizes(self.handle, INTEGRATION)[1]),
+            "direction": tuple(group.arrays.get("direction", ())),
+            **{name: group.attributes[name] for name in ("ended", "complete")},
         }
 
     def attractors(self) -> dict[str, Any]:
-        (frequency, unsettled), (random_seed, starts, complete) = fortran.copy_attractors(self.handle)
-        return {
-            "frequency": float(frequency),
-            "starts": int(starts),
-            "random_seed": int(random_seed),
-            "unsettled": float(unsettled),
-            "ended": self.text("attractors"),
-            "complete": bool(complete),
-        }
+        return self.results()[ATTRACTORS].attributes
 
     def branch(self, place: int = 0) -> dict[str, Any] | None:
-        """The response (place 0), None where it has no point; or a further branch."""
-        sizes = map(int, fortran.branch_sizes(self.handle, place))
-        points, meshes, states, terms, _specials, subharmonic, complete, closed = sizes
-        if not points and place == 0:
+        """The response (place 0) or a further branch as fields by name; None where it has no point."""
+        path = f"/branch_{place}" if place else "/response"
+        group = self.results().get(path, Group())
+        if "frequency" not in group.arrays or not (place or len(group.arrays["frequency"])):
             return None
-        numbers, coefficients, values, marks, multipliers = fortran.copy_branch(
-            self.handle, place, points, meshes, states, terms
-        )
-        kinds = self.text("special points", place).splitlines()
+        specials = self.results().get(f"{path}/special_points")
+        attributes = {name: value for name, value in group.attributes.items() if name not in ("coordinates", "harmonics")}
         return {
-            "frequency": numbers[:, 0],
-            **_by_name(values.T),
-            "stable": marks[:, 1] == 1 if states else None,
-            "undecided": marks[:, 4] == 1 if states else None,
-            "count_undecided": marks[:, 6] == 1 if states else None,
-            "second_estimate": np.where(numbers[:, 2] < 0, np.nan, numbers[:, 2]) if states else None,
-            "multipliers": _complex(multipliers.T) if states else None,
-            "coefficients": coefficients.T,
-            "error_estimate": np.where(numbers[:, 1] < 0, np.nan, numbers[:, 1]),
-            "estimate_doubtful": marks[:, 2] == 1,
-            "harmonics": marks[:, 3],
-            "part": marks[:, 0],
-            "correction": np.where(numbers[:, 3] < 0, np.nan, numbers[:, 3]) if marks[:, 5].all() else None,
-            "special_points": [
-                (kind, *fortran.copy_special(self.handle, place, special, meshes)) for special, kind in enumerate(kinds, 1)
-            ],
-            "subharmonic": subharmonic,
-            "ended": self.text("branch", place),
-            "origin": self.text("origin", place),
-            "complete": bool(complete),
-            "closed": bool(closed),
+            **{name: values for name, values in group.arrays.items() if name not in _DERIVED},
+            **attributes,
+            "special_points": [] if specials is None else specials.rows("kind", "frequency", "after_point", "undecided", "rms"),
         }
 
+    def ended(self) -> str:
+        """Why the response ended."""
+        return str(self.results().get("/response", Group()).attributes.get("ended", ""))
+
     def stability_map(self) -> dict[str, Any] | None:
-        points, rows, meshes, linear, complete = map(int, fortran.map_sizes(self.handle))
-        if not points:
+        group = self.results().get("/stability_map")
+        if group is None or "parameter" not in group.arrays:
             return None
-        frequency, parameter, counts, multiplier, rms, marks = fortran.copy_map(self.handle, points, rows, meshes)
+        names = ("frequency", "parameter", "motions", "stable_motions", "multiplier", "rms", "row_done", "row_whole")
+        attributes = group.attributes
         return {
-            "name": self.text("map name"),
-            "unit": self.text("map unit"),
-            "linear": bool(linear),
-            "frequency": frequency,
-            "parameter": parameter,
-            "motions": counts[:, :, 0].T,
-            "stable_motions": counts[:, :, 1].T,
-            "multiplier": _complex(multiplier.T),
-            "rms": rms.T if meshes else None,
-            "row_done": marks[:, 0] == 1,
-            "row_whole": marks[:, 1] == 1,
-            "ended": self.text("map"),
-            "complete": bool(complete),
+            **{name: group.arrays.get(name) for name in names},
+            **{name: attributes[name] for name in ("linear", "ended", "complete")},
+            "name": attributes["parameter_name"],
+            "unit": attributes["parameter_unit"],
         }
 
     def audit(self) -> dict[str, Any]:
-        rows, (points, as_estimated, doubtful, special_points, confirmed, wrong_verdicts, ok) = fortran.audit_sizes(self.handle)
-        numbers, marks = fortran.copy_audit(self.handle, rows)
-        return {
-            "kind": tuple(self.text("audit kinds").splitlines()),
-            "frequency": numbers[:, 0],
-            **dict(zip(("exact_frequency", "error_estimate", "error", "ratio"), np.where(numbers < 0, np.nan, numbers).T[1:])),
-            "point": marks[:, 0] - 1,
-            **dict(zip(("estimate_doubtful", "estimate_wrong", "verdict_wrong"), marks.T[1:] == 1)),
-            "verdict": tuple(self.text("audit verdicts").splitlines()),
-            "exact_verdict": tuple(self.text("exact verdicts").splitlines()),
-            "finding": tuple(self.text("findings").splitlines()),
-            "points": int(points),
-            "as_estimated": int(as_estimated),
-            "doubtful": int(doubtful),
-            "special_points": int(special_points),
-            "confirmed": int(confirmed),
-            "wrong_verdicts": int(wrong_verdicts),
-            "ok": bool(ok),
-            "table": self.text("audit"),
-        }
+        group = self.show("audit")["/audit"]
+        texts = {name: tuple(values) for name, values in group.arrays.items() if values.dtype.kind == "O"}
+        point = group.arrays["point"] - 1
+        arrays = {name: values for name, values in group.arrays.items() if name != "row"}
+        return {**arrays, **texts, "point": point, **group.attributes, "table": self.text("audit")}
 
-    def read_off(self, what: str, mesh: int = 1, stable: bool = False) -> Array:
-        """A list read off the box's branch, one row an entry, see ``summarize`` in box.f90."""
-        columns, rows = map(int, fortran.read_off(self.handle, what, mesh, int(stable)))
-        table: Array = fortran.copy_table(self.handle, columns, rows).T
-        return table
+    def read_off(self, what: str) -> Group:
+        """A list read off the box's branch, see ``show_fields``."""
+        return next(iter(self.show(what).values()), Group())
 
     # -------------------------------------------------------------------------------------------------- in
 
-    def put_modes(self, modes: Modes) -> None:
-        values = np.stack([modes.natural_frequency, modes.damped_frequency, modes.damping_ratio], axis=1)
-        fortran.put_modes(self.handle, _columns(modes.element, 16), values, modes.shape.T)
+    def put(self, path: str, attributes: Mapping[str, Any], arrays: Mapping[str, Any], what: str = "results", **axes: int) -> None:
+        """Put a group, whose fields Fortran takes by their names; what is None is not there."""
+        if self._put != what:
+            self.take()
+        self._put = what
+        self._results = None
+        for name, length in axes.items():
+            self._put_field(path, name, np.arange(1, length + 1, dtype=np.intc))
+        for fields in (attributes, arrays):
+            for name, value in fields.items():
+                if value is not None:
+                    self._put_field(path, name, np.asarray(value))
+
+    def _put_field(self, path: str, name: str, values: Array) -> None:
+        if values.dtype.kind == "c":
+            values = np.ascontiguousarray(values, complex)[..., np.newaxis].view(np.float64)
+        rank, extents = values.ndim, [*values.shape[::-1], 0, 0, 0, 0][:4]
+        flat = values.ravel() if values.size else np.zeros(1, values.dtype)  # f2py passes no empty array
+        place = (self._handle, path.encode(), name.encode(), rank, extents)
+        if values.dtype.kind in "UO":
+            text = "".join(f"{item}\0" for item in values.ravel()) or "\0"
+            fortran.put_texts(*place, np.frombuffer(text.encode(), np.int8))
+        elif values.dtype.kind in "biu":
+            fortran.put_integers(*place, int(values.dtype.kind == "b"), flat.astype(np.intc))
+        else:
+            fortran.put_reals(*place, flat.astype(float))
 
     def sizes(self) -> tuple[int, int]:
         """Meshes of the case's train, and the size of its states."""
-        meshes, states = map(int, fortran.train_sizes(self.handle))
+        meshes, states = map(int, fortran.train_sizes(self._handle))
         return meshes, states
+
+    def put_modes(self, modes: Any) -> None:
+        names = ("element", "natural_frequency", "damped_frequency", "damping_ratio", "shape")
+        arrays = {name: getattr(modes, name) for name in names}
+        self.put("/modes", {}, arrays, mode=len(modes.natural_frequency))
 
     def put_motions(self, *motions: Any, what: str = "motion", only_state: bool = False) -> None:
         """Put motions of the case's train; ``what`` is what messages call them, ``only_state`` as in `check_motion`."""
-        for motion in motions:
-            check_motion(motion, what, *self.sizes(), only_state=only_state)
-        fortran.reserve_motions(self.handle, len(motions))
-        for place, motion in enumerate(motions, 1):
-            fortran.put_motion(
-                self.handle,
-                place,
-                motion.kind.encode(),
-                motion.period,
-                int(bool(motion.stable)),
-                int(motion.undecided),
-                int(motion.floating),
-                [
-                    *(motion.frequency, *np.nan_to_num([motion.error_estimate, motion.share], nan=-1.0)),
-                    *(motion.lyapunov_exponent, motion.lyapunov_error),
-                ],
-                motion.coefficients.T,
-                _in_columns(motion),
-                np.zeros(0) if motion.state is None else motion.state,
-                np.zeros((2, 0)) if motion.multipliers is None else _pairs(motion.multipliers),
-            )
+        self._put_list(LOOSE, "motion", what, motions, {}, {}, only_state)
 
     def put_sweep(self, sweep: Any) -> None:
         if len(sweep.direction) != len(sweep) or not {*sweep.direction} <= {"up", "down"}:
             raise InputError(f"integration: direction: must be 'up' or 'down' of each of the {len(sweep)} motions")
-        self._put_alike("integration", sweep)
-        fortran.put_sweep(self.handle, _columns(sweep.direction, 4), sweep.ended.encode(), int(sweep.complete))
+        attributes = {"ended": sweep.ended, "complete": sweep.complete}
+        self._put_list(INTEGRATION, "point", "integration", sweep, attributes, {"direction": list(sweep.direction)})
 
     def put_attractors(self, found: Any) -> None:
-        self._put_alike("attractors", found)
-        fortran.put_attractors(
-            self.handle, found.ended.encode(), [found.frequency, found.unsettled],
-            [found.random_seed, found.starts, found.complete],
-        )
+        names = ("ended", "complete", "frequency", "starts", "random_seed", "unsettled")
+        self._put_list(ATTRACTORS, "motion", "attractors", found, {name: getattr(found, name) for name in names}, {})
 
-    def _put_alike(self, what: str, motions: Any) -> None:
-        """Put motions that are written as one table."""
-        self.put_motions(*motions, what=what)
+    def _put_list(
+        self, path: str, along: str, what: str, motions: Iterable[Any], attributes: Mapping[str, Any],
+        arrays: Mapping[str, Any], only_state: bool = False,
+    ) -> None:
+        """Put motions as one table."""
+        motions = list(motions)
+        for motion in motions:
+            check_motion(motion, what, *self.sizes(), only_state=only_state)
         if len({len(motion.multipliers) for motion in motions if motion.multipliers is not None}) > 1:
             raise InputError(f"{what}: multipliers: must be as many of one motion as of another")
+        columns = as_columns(motions)
+        del columns["true_ac_rms"]
+        if only_state:
+            columns.update({name: np.full((len(motions), self.sizes()[0]), np.nan) for name in VALUES})
+        axes = {along: len(motions), "mesh": self.sizes()[0]}
+        if columns["initial_state"] is not None:
+            axes["coordinate"] = columns["initial_state"].shape[1]
+        if columns["multipliers"] is not None:
+            axes["state"] = columns["multipliers"].shape[1]
+        self.put(path, attributes, {**columns, **arrays} if motions else {}, "motions" if path == LOOSE else "results", **axes)
 
     def put_stability_map(self, chart: Any) -> None:
-        shape = (0, len(chart.frequency), len(chart.parameter))
-        fortran.put_map(
-            self.handle,
-            chart.name.encode(),
-            chart.unit.encode(),
-            chart.ended.encode(),
-            [chart.linear, chart.complete],
-            chart.frequency,
-            chart.parameter,
-            np.stack([chart.motions.T, chart.stable_motions.T], axis=2),
-            _pairs(chart.multiplier),
-            np.zeros(shape) if chart.rms is None else chart.rms.T,
-            np.stack([chart.row_done, chart.row_whole], axis=1),
-        )
+        names = ("frequency", "parameter", "motions", "stable_motions", "multiplier", "rms", "row_done", "row_whole")
+        attributes = {
+            "parameter_name": chart.name, "parameter_unit": chart.unit, "linear": chart.linear,
+            "ended": chart.ended, "complete": chart.complete,
+        }
+        axes = {} if chart.rms is None else {"mesh": chart.rms.shape[-1]}
+        self.put("/stability_map", attributes, {name: getattr(chart, name) for name in names}, **axes)
 
     def put_branches(self, branches: list[Any]) -> None:
         """Put further branches."""
-        fortran.reserve_branches(self.handle, len(branches))
         for place, branch in enumerate(branches, 1):
             self.put_branch(branch, place)
 
     def put_branch(self, branch: Any, place: int = 0) -> None:
-        stable = np.zeros(len(branch), bool) if branch.stable is None else branch.stable
-        roots = np.zeros((len(branch), 0)) if branch.multipliers is None else branch.multipliers
-        correction = np.full(len(branch), np.nan) if branch.correction is None else branch.correction
-        refined = np.full(len(branch), branch.correction is not None)
-        undecided = np.zeros(len(branch), bool) if branch.undecided is None else branch.undecided
-        counts = undecided if branch.count_undecided is None else branch.count_undecided
-        second = np.full(len(branch), np.nan) if branch.second_estimate is None else branch.second_estimate
-        # A point without a correction is tried (again) where the branch is refined (refinement.f90).
-        estimates = np.nan_to_num([branch.error_estimate, second, np.nan_to_num(correction, nan=-2.0)], nan=-1.0)
-        marks = [branch.part, stable, branch.estimate_doubtful, branch.harmonics, undecided, refined, counts]
-        fortran.put_branch(
-            self.handle,
-            place,
-            branch.ended.encode(),
-            branch.origin.encode(),
-            [branch.subharmonic, branch.complete, branch.closed, len(branch.special_points), len(branch)],
-            _some(np.stack([branch.frequency, *estimates], axis=1)),
-            _some(branch.coefficients).T,
-            _some(_in_columns(branch).swapaxes(0, 1)).swapaxes(0, 1),
-            _some(np.stack(marks, axis=1)),
-            _pairs(_some(roots).astype(complex)),
-        )
-        for number, special in enumerate(branch.special_points, 1):
-            fortran.put_special(
-                self.handle, place, number, special.kind.encode(), special.frequency, special.point + 1, special.rms
-            )
+        """Put the response (place 0) or a further branch."""
+        path = f"/branch_{place}" if place else "/response"
+        attributes = {
+            "ended": branch.ended, "origin": branch.origin or None, "complete": branch.complete, "closed": branch.closed,
+            "subharmonic": branch.subharmonic, "harmonics": (branch.coefficients.shape[-1] - 1) // 2,
+        }
+        arrays = branch.arrays()
+        axes = {"point": len(branch), "mesh": branch.rms.shape[-1]}
+        if branch.multipliers is not None:
+            axes["state"] = branch.multipliers.shape[-1]
+        self.put(path, attributes, arrays, **axes)
+        specials = branch.special_points
+        if specials:
+            columns = {
+                "kind": [special.kind for special in specials],
+                "frequency": [float(special.frequency) for special in specials],
+                "after_point": [special.point + 1 for special in specials],
+                "rms": np.stack([special.rms for special in specials]),
+            }
+            self.put(f"{path}/special_points", {}, columns, special_point=len(specials))
+
+
+#: Numbers of a motion, one each.
+_NUMBERS = ("error_estimate", "share", "lyapunov_exponent", "lyapunov_error")
+#: Fields of a branch that follow from others, and axes.
+_DERIVED = {"point", "mesh", "state", "coefficient", "complex", "true_ac_rms"}
 
 
 def file_name(path: str | os.PathLike[str]) -> bytes:
@@ -328,40 +348,67 @@ def file_name(path: str | os.PathLike[str]) -> bytes:
     return os.fsencode(path)
 
 
-def _by_name(values: Array) -> dict[str, Array]:
-    """The values of every mesh by their names; no dynamic factor (negative in Fortran) is NaN."""
-    named = dict(zip(VALUES, values))
-    factor = named["dynamic_factor"]
-    named["dynamic_factor"] = np.where(factor < 0, np.nan, factor)
-    return named
+def _motion(group: Group, place: int) -> dict[str, Any]:
+    """One motion of a group, as keywords of `Motion`; what is NaN throughout it does not have."""
+    meshes = len(group.arrays["mesh"])
+    row = {name: values[place] for name, values in group.arrays.items() if len(group.about[name][0]) and name in _OF_MOTION}
+    nothing = np.full(meshes, np.nan)
+    coefficients = row.get("coefficients", nothing[:, np.newaxis])
+    there = ~np.isnan(coefficients).all(axis=0)
+    multipliers, state = (None if row.get(name) is None or np.isnan(row[name]).all() else row[name]
+                          for name in ("multipliers", "initial_state"))
+    return {
+        **{name: row.get(name, nothing) for name in VALUES},
+        **{name: float(row.get(name, np.nan)) for name in ("frequency", *_NUMBERS)},
+        "lyapunov_error": float(np.nan_to_num(row.get("lyapunov_error", 0.0))),
+        "period": int(row["period"]),
+        "kind": row["kind"],
+        "coefficients": coefficients[:, there] if there.any() else nothing[:, np.newaxis],
+        "stable": None if multipliers is None else bool(row["stable"]),
+        "undecided": bool(row.get("undecided", False)),
+        "floating": bool(row.get("floating", False)),
+        "multipliers": multipliers,
+        "state": state,
+    }
 
 
-def _in_columns(owner: Any) -> Array:
-    """The inverse of ``_by_name``."""
-    values = {name: getattr(owner, name) for name in VALUES}
-    values["dynamic_factor"] = np.nan_to_num(values["dynamic_factor"], nan=-1.0)
-    return np.stack(list(values.values())).T
+_OF_MOTION = {
+    *VALUES, *_NUMBERS,
+    *("frequency", "period", "kind", "coefficients", "stable", "undecided", "floating", "multipliers", "initial_state"),
+}
 
 
-def _complex(pairs: Array) -> NDArray[np.complex128]:
-    """From (..., 2), real and imaginary part."""
-    return np.ascontiguousarray(pairs).view(np.complex128)[..., 0]
+def as_columns(motions: Sequence[Any]) -> dict[str, Any]:
+    """Motions as fields by their names in a results file; None for what none of them has."""
+    multipliers = _padded([motion.multipliers for motion in motions])
+    numbers = {name: np.array([float(getattr(motion, name)) for motion in motions]) for name in _NUMBERS}
+    if np.isnan(numbers["lyapunov_exponent"]).all():
+        numbers["lyapunov_error"] = numbers["lyapunov_exponent"]
+    known = multipliers is not None
+    return {
+        "frequency": np.array([float(motion.frequency) for motion in motions]),
+        "period": np.array([motion.period for motion in motions], np.intc),
+        "kind": np.array([motion.kind for motion in motions], object),
+        **{name: np.array([getattr(motion, name) for motion in motions], float) for name in VALUES},
+        "true_ac_rms": np.array([motion.rms for motion in motions], float) / np.sqrt(2),
+        "coefficients": _padded([motion.coefficients for motion in motions]),
+        **{name: None if np.isnan(values).all() else values for name, values in numbers.items()},
+        "floating": np.array([bool(motion.floating) for motion in motions]) if any(m.floating for m in motions) else None,
+        "initial_state": _padded([motion.state for motion in motions]),
+        "multipliers": multipliers,
+        "stable": np.array([bool(motion.stable) for motion in motions]) if known else None,
+        "undecided": np.array([bool(motion.undecided) for motion in motions]) if known else None,
+    }
 
 
-def _pairs(values: NDArray[np.complex128]) -> Array:
-    """The inverse of ``_complex``, in Fortran's order of dimensions."""
-    return np.ascontiguousarray(values)[..., np.newaxis].view(np.float64).T
-
-
-def _some(rows: NDArray[Any]) -> NDArray[Any]:
-    """One row of zeros for none: f2py passes no empty array."""
-    return rows if len(rows) else np.zeros((1, *rows.shape[1:]), rows.dtype)
-
-
-def _known(value: float) -> float:
-    """NaN for the negative number that stands for "not known" in Fortran."""
-    return float(value) if value >= 0 else float("nan")
-
-
-def _columns(items: tuple[str, ...], width: int) -> bytes:
-    return "".join(item.ljust(width) for item in items).encode()
+def _padded(rows: list[Any]) -> Array | None:
+    """Arrays of one shape but for the last dimension, filled up with NaN; None where there is none."""
+    known = [row for row in rows if row is not None]
+    if not known:
+        return None
+    length = max(row.shape[-1] for row in known)
+    table = np.full((len(rows), *known[0].shape[:-1], length), np.nan, complex if known[0].dtype.kind == "c" else float)
+    for place, row in enumerate(rows):
+        if row is not None:
+            table[place, ..., : row.shape[-1]] = row
+    return table

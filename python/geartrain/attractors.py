@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ._box import ATTRACTORS, Box
 from .branch import Branch
 from .description import Description
-from .motion import Motion
+from .motion import Motion, table
+
+if TYPE_CHECKING:
+    from xarray import Dataset
 
 __all__ = ["Attractors"]
 
@@ -51,6 +54,11 @@ class Attractors(list[Motion]):
         self.ended = ended
         self.complete = complete
         self.branches = list(branches)
+
+    def to_dataset(self) -> Dataset:
+        """The motions as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
+        names = ("ended", "complete", "starts", "random_seed", "unsettled")
+        return table("/attractors", self, (), {name: getattr(self, name) for name in names})
 
     def __repr__(self) -> str:
         return f"<{len(self)} attractors from {self.starts} starts, {self.unsettled:.1%} unsettled: {self.ended}>"

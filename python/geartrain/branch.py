@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from numbers import Integral, Real
 from typing import TYPE_CHECKING, Any
@@ -11,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._box import Box, fortran
+from ._box import Box, Group, file_name, fortran
+from ._dataset import dataset
 from ._draw import check_mesh, draw_curve, label_axes
 from ._extras import extra
 from ._watch import watched
@@ -23,10 +25,19 @@ from .summary import Jump, Peak
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from xarray import Dataset
 
 __all__ = ["Branch", "SpecialPoint"]
 
 Array = NDArray[np.float64]
+
+#: What a branch has of each point.
+_OF_POINTS = (
+    *("frequency", "rms", "mean", "minimum", "maximum"),
+    *("mesh_force_maximum", "dynamic_factor", "separation_fraction", "back_contact_fraction"),
+    *("stable", "undecided", "count_undecided", "second_estimate", "multipliers", "coefficients"),
+    *("error_estimate", "estimate_doubtful", "harmonics", "part", "correction"),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,6 +118,8 @@ class Branch:
     settings : mapping
         What it was asked for, the names of ``&response``.
     train : Train
+    others : mapping
+        Further fields of the points, by their names in the results file; they are attributes as well.
     """
 
     frequency: Array
@@ -138,6 +151,7 @@ class Branch:
     branches: list[Branch] = field(default_factory=list)
     settings: Mapping[str, Any] = field(default_factory=dict)
     train: Description | None = None
+    others: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.frequency)
@@ -166,7 +180,7 @@ class Branch:
         def work(progress: NDArray[np.float64]) -> list[Motion]:
             with self._box() as box:
                 box.check(fortran.solve_at(box.handle, frequency, progress))
-                return [Motion(train=self.train, **fields) for fields in box.motions()]
+                return [Motion(train=self.train, **found) for found in box.motions()]
 
         return watched(work, "at")
 
@@ -243,16 +257,14 @@ class Branch:
         if not places:
             raise InputError(f"special = {shown(special)}: must be one of this branch's special_points")
         train = self.train
-        text = train.namelist(response=self.settings)
 
         def work(progress: NDArray[np.float64]) -> Branch:
-            with Box(text) as box:
-                box.put_branch(self)
+            with self._box() as box:
                 status = fortran.follow_doubled(box.handle, places[0], progress)
                 doubled = Branch._from(box, train, self.settings)
                 box.check(status, whole=doubled is None)
                 if doubled is None:
-                    raise SolverError(box.text("branch") or "no point found")
+                    raise SolverError(box.ended() or "no point found")
                 return doubled
 
         return watched(work, "period doubling")
@@ -267,10 +279,11 @@ class Branch:
         (0.731, 3.046, True)
         """
         known = self.stable is not None
-        rows = self._read_off("peaks", mesh)
+        rows = self._read_off("peaks", mesh).rows("frequency", "rms", "point", "stable", "undecided", "mesh")
         return [
             Peak(float(f), float(rms), int(point) - 1, bool(stable) if known else None, bool(undecided))
-            for f, rms, point, stable, undecided in rows
+            for f, rms, point, stable, undecided, number in rows
+            if number == mesh
         ]
 
     @cached_property
@@ -284,15 +297,10 @@ class Branch:
         falling, 1.5473: jump down, [0.85 0.17] -> [0.28 0.11]
         rising, 1.6645: jump up, [0.47 0.12] -> [0.73 0.11]
         """
-        meshes = self.rms.shape[1]
-        with self._box() as box:
-            rows = box.read_off("jumps")
-            kinds, causes = box.text("jump kinds").splitlines(), box.text("jump causes").splitlines()
-        after = np.where(rows[:, 2 + meshes : -2] < 0, np.nan, rows[:, 2 + meshes : -2])
-        speed = ("falling", "rising")
+        names = ("frequency", "kind", "speed", "cause", "rms_before", "rms_after", "candidates", "undecided")
         return [
-            Jump(float(row[0]), kind, speed[int(row[1])], cause, row[2 : 2 + meshes], reached, int(row[-2]), bool(row[-1]))
-            for row, kind, cause, reached in zip(rows, kinds, causes, after)
+            Jump(float(frequency), kind, speed, cause, before, after, int(candidates), bool(undecided))
+            for frequency, kind, speed, cause, before, after, candidates, undecided in self._read_off("jumps").rows(*names)
         ]
 
     @property
@@ -304,12 +312,12 @@ class Branch:
         >>> branch.bands_without_stability.round(4)
         array([[1.7492, 2.0439]])
         """
-        return self._read_off("bands")[:, :2]
+        return _ends(self._read_off("bands"))
 
     @property
     def undecided_bands(self) -> NDArray[np.bool_]:
         """Which of ``bands_without_stability`` are there by the guess of undecided points alone, (bands,)."""
-        guessed: NDArray[np.bool_] = self._read_off("bands")[:, 2] == 1
+        guessed: NDArray[np.bool_] = self._read_off("bands").column("undecided") == 1
         return guessed
 
     def separation_ranges(self, mesh: int, stable: bool = False) -> Array:
@@ -323,7 +331,7 @@ class Branch:
         array([[0.459, 0.495],
                [0.566, 1.103]])
         """
-        return self._read_off("separation", mesh, stable)[:, :2]
+        return self._ranges("separation", mesh, stable)
 
     def back_collision_ranges(self, mesh: int, stable: bool = False) -> Array:
         """Ranges of Lambda in which the back flanks of a mesh collide at some instant, as in `separation_ranges`.
@@ -333,7 +341,7 @@ class Branch:
         >>> branch.back_collision_ranges(mesh=2).round(3)
         array([[0.566, 0.732]])
         """
-        return self._read_off("back collision", mesh, stable)[:, :2]
+        return self._ranges("back collision", mesh, stable)
 
     def plot(self, mesh: int | None = None, ax: Axes | None = None, **style: Any) -> Axes:
         """Draw rms over Lambda: stable solid, unstable dashed; ``branches`` thinner. Special points are left to the caller.
@@ -368,19 +376,81 @@ class Branch:
             ax.legend()
         return ax
 
-    def _read_off(self, what: str, mesh: int = 1, stable: bool = False) -> Array:
+    @property
+    def true_ac_rms(self) -> Array:
+        """Root mean square over time of the displacement less its mean, (points, meshes): ``rms`` over sqrt(2)."""
+        rms: Array = self.rms / np.sqrt(2)
+        return rms
+
+    def to_dataset(self) -> Dataset:
+        """The points as an xarray Dataset with the names, units and coordinates of the results file; needs xarray.
+
+        Examples
+        --------
+        >>> float(branch.to_dataset().rms.sel(mesh=1).max().round(2))
+        0.86
+        """
+        names = ("ended", "complete", "closed", "subharmonic")
+        attributes = {name: getattr(self, name) for name in names} | ({"origin": self.origin} if self.origin else {})
+        values = {**self.arrays(), "true_ac_rms": self.true_ac_rms}
+        return dataset("/response", values, attributes, ("frequency",))
+
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Write the branch and its ``branches`` as a results file, which `read_results` gives back as the response of its case.
+
+        Parameters
+        ----------
+        path : path-like
+
+        Raises
+        ------
+        OSError
+        """
+        with self._box() as box:
+            box.put_branch(self)
+            box.put_branches(self.branches)
+            box.check(fortran.write_path(box.handle, file_name(path)))
+
+    def arrays(self) -> dict[str, NDArray[Any] | None]:
+        """The fields of the points by their names in the results file; None for what there is not."""
+        return {name: getattr(self, name) for name in (*_OF_POINTS, *self.others)}
+
+    def _read_off(self, what: str, mesh: int = 1) -> Group:
+        check_mesh(mesh, self.rms.shape[1])
+        with self._box() as box:
+            return box.read_off(what)
+
+    def _ranges(self, what: str, mesh: int, stable: bool) -> Array:
         check_mesh(mesh, self.rms.shape[1])
         if stable and self.stable is None:
             raise InputError("stable = True: the stability of this branch was not asked for")
-        with self._box() as box:
-            return box.read_off(what, mesh, stable)
+        found = self._read_off(what)
+        ends: Array = _ends(found)[(found.column("mesh") == mesh) & (found.column("stable") == stable)]
+        return ends
 
     def _box(self) -> Box:
+        """A box of the branch, which may be changed; the case is read and the fields are put but once."""
         if self.train is None:
             raise ValueError("this branch has no train")
+        return Box(copy=self._kept)
+
+    @cached_property
+    def _kept(self) -> Box:
+        assert self.train is not None
         box = Box(self.train.namelist(response=self.settings))
         box.put_branch(self)
+        box.take()
         return box
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "_kept"}
+
+    def __getattr__(self, name: str) -> Any:
+        # Only what is no attribute comes here; `others` itself is not there yet while a branch is copied.
+        try:
+            return self.__dict__["others"][name]
+        except KeyError:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}") from None
 
     @classmethod
     def _from(cls, box: Box, train: Description, settings: Mapping[str, Any], place: int = 0) -> Branch | None:
@@ -393,13 +463,21 @@ class Branch:
             for kind, frequency, point, undecided, rms in found.pop("special_points")
         ]
         settings = _settings_for(settings, found["subharmonic"], (found["coefficients"].shape[-1] - 1) // 2)
-        return cls(**found, special_points=specials, settings=settings, train=train)
+        known = {item.name for item in fields(cls)}
+        others = {name: found.pop(name) for name in [*found] if name not in known}
+        absent: dict[str, Any] = dict.fromkeys({*_OF_POINTS} - {*found})
+        return cls(**found, **absent, special_points=specials, settings=settings, train=train, others=others)
 
     @classmethod
     def _all_from(cls, box: Box, train: Description, settings: Mapping[str, Any], first: int = 1) -> list[Branch]:
         """The further branches of the box."""
-        places = range(first, fortran.count_branches(box.handle) + 1)
+        places = range(first, 1 + sum(path.startswith("/branch_") and path.count("/") == 1 for path in box.results()))
         return [branch for place in places if (branch := cls._from(box, train, settings, place)) is not None]
+
+
+def _ends(ranges: Group) -> Array:
+    """From, to; (ranges, 2)."""
+    return np.stack([ranges.column("from"), ranges.column("to")], axis=1)
 
 
 def _settings_for(settings: Mapping[str, Any], period: int, harmonics: int) -> dict[str, Any]:

@@ -21,7 +21,7 @@ from .stability_map import StabilityMap
 from .train import Train
 from .variables import PARTS
 
-__all__ = ["Case", "Results", "read_case"]
+__all__ = ["Case", "Results", "read_case", "read_results"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,7 @@ class Results:
     text: str = field(default="", repr=False)
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Write the HDF5 file that the executable writes.
+        """Write the HDF5 file that the executable writes; `read_results` gives the results back.
 
         Parameters
         ----------
@@ -133,27 +133,51 @@ class Case:
         def work(progress: NDArray[np.float64]) -> Results:
             with Box(self.text) as box:
                 status = fortran.run_all(box.handle, b"", checkpoint, progress)
-                modes = box.modes()
-                settings = self.response or {}
-                branches = Branch._all_from(box, self.train, settings)
-                doubled = [branch for branch in branches if not branch.origin.startswith("attractor")]
-                response = Branch._from(box, self.train, settings)
-                if response is not None:
-                    response.branches.extend(doubled)
-                results = Results(
-                    modes=Modes(**modes) if modes else None,
-                    response=response,
-                    integration=Sweep._from(box, self.train) if box.has(INTEGRATION) else None,
-                    attractors=Attractors._from(box, self.train, branches[len(doubled):]) if box.has(ATTRACTORS) else None,
-                    stability_map=StabilityMap._from(box),
-                    branches=branches,
-                    ended=box.text("message"),
-                    text=self.text,
-                )
+                results = self._results(box, box.text("message"))
                 box.check(status, whole=False)
                 return results
 
         return watched(work, "run")
+
+    def _results(self, box: Box, ended: str) -> Results:
+        """The results that the box holds."""
+        modes = box.modes()
+        settings = self.response or {}
+        branches = Branch._all_from(box, self.train, settings)
+        bifurcated = [branch for branch in branches if not branch.origin.startswith("attractor")]
+        response = Branch._from(box, self.train, settings)
+        if response is not None:
+            response.branches.extend(bifurcated)
+        return Results(
+            modes=Modes(**modes) if modes else None,
+            response=response,
+            integration=Sweep._from(box, self.train) if box.has(INTEGRATION) else None,
+            attractors=Attractors._from(box, self.train, branches[len(bifurcated):]) if box.has(ATTRACTORS) else None,
+            stability_map=StabilityMap._from(box),
+            branches=branches,
+            ended=ended,
+            text=self.text,
+        )
+
+    @classmethod
+    def _from(cls, box: Box) -> Case:
+        """The case that the box holds."""
+        text = box.text("case")
+        groups = parse(text)
+        one = dict(groups)
+        lists: dict[str, Any] = {
+            parts: [kind(**values) for name, values in groups if name == group] for group, (parts, kind) in PARTS.items()
+        }
+        return cls(
+            train=Train(**one["train"], **lists),
+            modes="modes" in one,
+            response=one.get("response"),
+            integration=one.get("integration"),
+            attractors=one.get("attractors"),
+            stability_map=one.get("stability_map"),
+            output=one.get("output", {}).get("file"),
+            text=text,
+        )
 
 
 def read_case(path: str | os.PathLike[str]) -> Case:
@@ -174,19 +198,41 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     """
     with Box() as box:
         box.check(fortran.read_path(box.handle, file_name(path)))
-        text = box.text("case")
-    groups = parse(text)
-    one = dict(groups)
-    lists: dict[str, Any] = {
-        parts: [kind(**values) for name, values in groups if name == group] for group, (parts, kind) in PARTS.items()
-    }
-    return Case(
-        train=Train(**one["train"], **lists),
-        modes="modes" in one,
-        response=one.get("response"),
-        integration=one.get("integration"),
-        attractors=one.get("attractors"),
-        stability_map=one.get("stability_map"),
-        output=one.get("output", {}).get("file"),
-        text=text,
-    )
+        return Case._from(box)
+
+
+def read_results(path: str | os.PathLike[str]) -> Results:
+    """Read a results file, whichever of the executable and `Results.write` wrote it, or the checkpoint of a run under way.
+
+    Parameters
+    ----------
+    path : path-like
+
+    Returns
+    -------
+    Results
+        As `Case.run` gives them: branches know their train, and go on from there (`Branch.at`, `Branch.refine`, ...).
+
+    Raises
+    ------
+    OSError
+        Where it cannot be read, or any bit of it is not what this version of geartrain wrote.
+
+    Examples
+    --------
+    >>> results = gt.read_results("results/fig03.h5")  # doctest: +SKIP
+    >>> results.response.at(0.9)[0].rms  # doctest: +SKIP
+    array([0.41033627, 0.71441951])
+    """
+    with Box() as box:
+        box.check(fortran.read_file(box.handle, file_name(path)))
+        case = Case._from(box)
+        parts = {
+            "response": "response", "integration": "integration", "attractors": "attractors", "stability_map": "stability map"
+        }
+        told = [
+            f"{name} ended early: {group.attributes['ended']}"
+            for path, name in parts.items()
+            if (group := box.results().get(f"/{path}")) is not None and not group.attributes["complete"]
+        ]
+        return case._results(box, "\n".join(told))

@@ -3,9 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ._dataset import dataset
+
+if TYPE_CHECKING:
+    from xarray import Dataset
 
 __all__ = ["Modes"]
 
@@ -32,3 +38,7 @@ class Modes:
     damping_ratio: NDArray[np.float64]
     shape: NDArray[np.float64]
     element: tuple[str, ...]
+
+    def to_dataset(self) -> Dataset:
+        """The modes as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
+        return dataset("/modes", {**vars(self), "element": list(self.element)}, {})

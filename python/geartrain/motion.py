@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Sequence, Sized
+from collections.abc import Iterable, Mapping, Sequence, Sized
 from dataclasses import dataclass, field
 from functools import cached_property
 from numbers import Integral
@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._box import INTEGRATION, Box, fortran
+from ._box import INTEGRATION, Box, as_columns, fortran
+from ._dataset import dataset
 from ._draw import check_mesh
 from ._extras import extra
 from ._motion_check import check_motion, check_states
@@ -22,8 +23,9 @@ from .errors import InputError, SolverError, shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from xarray import Dataset
 
-__all__ = ["Motion", "Sweep", "from_state"]
+__all__ = ["Motion", "Sweep", "from_state", "table"]
 
 Array = NDArray[np.float64]
 
@@ -272,6 +274,10 @@ class Motion:
             )
         return refined
 
+    def to_dataset(self) -> Dataset:
+        """The motion as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
+        return table("/integration", [self]).isel(point=0, drop=True)
+
     def _box(self, what: str = "motion") -> Box:
         """A box of the motion; ``what`` is what messages call it."""
         if self.train is None:
@@ -330,6 +336,11 @@ class Sweep(list[Motion]):
         """(motions, meshes)."""
         return np.array([motion.dynamic_factor for motion in self])
 
+    def to_dataset(self) -> Dataset:
+        """The motions as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
+        attributes = {"ended": self.ended, "complete": self.complete}
+        return table("/integration", self, ("frequency", "direction"), attributes, direction=list(self.direction))
+
     def __repr__(self) -> str:
         return f"<Sweep of {len(self)} motions: {self.ended}>"
 
@@ -337,6 +348,14 @@ class Sweep(list[Motion]):
     def _from(cls, box: Box, train: Description) -> Sweep:
         motions: list[dict[str, Any]] = box.motions(INTEGRATION)
         return cls([Motion(train=train, **fields) for fields in motions], **box.sweep())
+
+
+def table(
+    path: str, motions: Sequence[Motion], coordinates: tuple[str, ...] = (), attributes: Mapping[str, Any] | None = None,
+    **columns: Any,
+) -> Dataset:
+    """Motions as the table of a group of the results file."""
+    return dataset(path, {**as_columns(motions), **columns}, dict(attributes or {}), coordinates)
 
 
 def from_state(state: ArrayLike, meshes: int, states: int) -> Motion:

@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._box import Box
+from ._dataset import dataset
 from ._extras import extra
 from .errors import InputError, shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from xarray import Dataset
 
 __all__ = ["StabilityMap"]
 
@@ -130,6 +132,16 @@ class StabilityMap:
         ax.set_xlabel(r"mesh frequency  $\Lambda$")
         ax.set_ylabel(_NAMES[self.name] + (f"  [{self.unit}]" if self.unit != "1" else ""))
         return ax
+
+    def to_dataset(self) -> Dataset:
+        """The map as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
+        attributes = {
+            "ended": self.ended, "complete": self.complete, "linear": self.linear,
+            "parameter_name": self.name, "parameter_unit": self.unit,
+        }
+        found = dataset("/stability_map", {**vars(self), "spectral_radius": self.spectral_radius}, attributes)
+        found["parameter"].attrs["units"] = self.unit
+        return found
 
     @classmethod
     def _from(cls, box: Box) -> StabilityMap | None:

@@ -139,7 +139,7 @@ class Train(Description):
                 branch = Branch._from(box, self, settings)
                 box.check(status, whole=branch is None)
                 if branch is None:
-                    raise SolverError(box.text("branch") or "no point found")
+                    raise SolverError(box.ended() or "no point found")
                 branch.branches.extend(Branch._all_from(box, self, settings))
                 return branch
 

@@ -289,8 +289,17 @@ def test_a_checkpoint_of_another_case_is_refused(executable, tmp_path):
         assert done.returncode == 4 and "no readable checkpoint" in done.stderr
         with pytest.raises(OSError, match="no readable checkpoint"):
             gt.read_case(case).run(resume=partial)
-    shutil.copy(output, partial)  # a results file holds no state
-    assert run(executable, case, "--output", output, "--resume").returncode == 4
+    shutil.copy(output, partial)  # the results of the case as it was
+    assert run(executable, case, "--output", output, "--resume").returncode == 2
+
+
+def test_a_finished_file_is_a_checkpoint(executable, tmp_path):
+    """Nothing is left to be done: the results are taken over."""
+    case, output, plain = write_case(tmp_path, QUICK), tmp_path / "out.h5", tmp_path / "plain.h5"
+    assert run(executable, case, "--output", plain).returncode == 0
+    shutil.copy(plain, output.with_name("out.h5.partial"))
+    assert run(executable, case, "--output", output, "--resume").returncode == 0
+    assert_equal_files(plain, output)
 
 
 def test_ten_thousand_solves_leak_nothing():

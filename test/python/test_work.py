@@ -146,6 +146,11 @@ def test_every_box_is_closed(train, monkeypatch):
             open_boxes.add(handle)
             return handle
 
+        def open_copy(self, other):
+            handle = _fortran.open_copy(other)
+            open_boxes.add(handle)
+            return handle
+
         def close_box(self, handle):
             open_boxes.remove(handle)
             _fortran.close_box(handle)

@@ -1,12 +1,17 @@
 !> A branch of periodic motions over frequency: what continuation gives, point by point, through the folds.
 module geartrain_branch_branch
+   use geartrain_base_carry, only: carry
+   use geartrain_base_field, only: row => field_type
+   use geartrain_base_fields, only: arranging, fields_type, listing, reading
    use geartrain_base_kinds, only: dp
    use geartrain_branch_path, only: place_type
+   use geartrain_motion_fields, only: about_coefficients, about_frequency, about_maximum, about_mean, about_mesh, about_minimum, &
+      about_multipliers, about_rms, about_stable, about_true_ac_rms, about_undecided, carry_loads, coefficient_axis, on_stability
    use geartrain_motion_mesh_load, only: mesh_load_type
-   use geartrain_motion_motion, only: motion_type
    implicit none (type, external)
    private
-   public :: branch_type, contact_edge_type, response_settings_type, special_point_type, trace_state_type
+   public :: arrange_points, branch_type, contact_edge_type, response_settings_type, special_point_type, trace_state_type, &
+      visit_points
 
    !> The variables of &response; from and to are `start` and `stop`.
    type :: response_settings_type
@@ -128,5 +133,102 @@ module geartrain_branch_branch
       !> Allocated while the response is under way.
       type(trace_state_type), allocatable :: trace
    end type branch_type
+
+contains
+
+   !> Gives the arrays of the points room for `room` points with up to `highest` harmonics and puts the points of these numbers into
+   !> them, in this order.
+   subroutine arrange_points(branch, order, room, highest)
+      type(branch_type), intent(inout), target :: branch
+      integer, intent(in) :: order(:), room, highest
+      type(fields_type) :: fields
+
+      fields%way = arranging
+      fields%order = order
+      call fields%expect('point', room)
+      call fields%expect('coefficient', 1 + 2*highest)
+      call visit_points(branch, fields)
+      branch%harmonics = highest
+   end subroutine arrange_points
+
+   !> The fields of the points, in the order along the branch: what is written, taken back, moved to larger arrays and put into
+   !> another order.
+   subroutine visit_points(branch, fields)
+      type(branch_type), intent(inout) :: branch
+      class(fields_type), intent(inout) :: fields
+      real(dp), allocatable :: ac(:, :)
+      logical, allocatable :: untried(:)
+      integer :: terms
+      logical :: none
+
+      call fields%index_axis('point', branch%points, 'point, in the order along the branch')
+      call fields%index_axis('mesh', branch%meshes, about_mesh)
+      terms = 0
+      if (allocated(branch%coefficients)) terms = size(branch%coefficients, 1)
+      if (terms > 0 .or. fields%way == listing) call coefficient_axis(terms, 'subharmonic', fields)
+      ! A branch of which only the origin is known so far has no points and nothing else.
+      none = branch%points == 0
+      call carry(fields, row('frequency', 'point', '1', about_frequency, optional=none), branch%frequency)
+      call carry(fields, row('rms', 'point mesh', '1', about_rms, optional=none), branch%rms)
+      if (fields%derives()) then
+         if (allocated(branch%rms)) ac = branch%rms(:, :branch%points)/sqrt(2.0_dp)
+         call carry(fields, row('true_ac_rms', 'point mesh', '1', about_true_ac_rms), ac)
+      end if
+      call carry(fields, row('mean', 'point mesh', '1', about_mean, optional=none), branch%mean)
+      call carry(fields, row('minimum', 'point mesh', '1', about_minimum, optional=none), branch%minimum)
+      call carry(fields, row('maximum', 'point mesh', '1', about_maximum, optional=none), branch%maximum)
+      call carry_loads(fields, branch%mesh_load, branch%points)
+      call carry(fields, row('coefficients', 'point mesh coefficient', '1', about_coefficients, optional=none), &
+                 branch%coefficients)
+      call carry(fields, row('error_estimate', 'point', '1', 'estimated relative error of the waveform, against the motion at the &
+                             &same Lambda or, where the branch turns before it, that of its fold; rounding, some 1e-14, is not in &
+                             &it', optional=none), branch%error_estimate)
+      call carry(fields, row('estimate_doubtful', 'point', '1', '1 = error_estimate may be off by more than a small factor: a &
+                             &fold as near as it is itself misplaced, a contact that begins or ends within the error, or an error &
+                             &beyond 0.1; 0 = not', optional=none), branch%estimate_doubtful)
+      call carry(fields, row('harmonics', 'point', '1', 'harmonics of Lambda/subharmonic that the point was solved with', &
+                             optional=none, most=branch%harmonics), branch%point_harmonics)
+      call carry(fields, row('part', 'point', '1', 'number of the part: a new one begins where the branch comes back from beyond &
+                             &the amplitude limit, or with the points traced from `to`: where those from `from` do not get there, &
+                             &or get there at another motion than the one from rest', optional=none, least=1), branch%part)
+      if (fields%has('correction', allocated(branch%correction))) then
+         if (allocated(branch%correction)) untried = branch%correction(:branch%points) < -1
+         call carry(fields, row('correction', 'point', '1', 'relative change of the waveform by refinement, which is the error &
+                                &that the point had; NaN: not refined, shooting finds no orbit near it, as next to a fold', &
+                                'with `refine`', none_is_negative=.true.), branch%correction)
+         if (fields%has('untried', count_of(untried) > 0)) &
+            call carry(fields, row('untried', 'point', '1', '1 = refinement has not come to the point', &
+                                   'of a branch refined in part'), untried)
+         if (fields%way == reading .and. allocated(untried) .and. .not. allocated(fields%wrong)) &
+            where (untried) branch%correction = -2
+      end if
+      if (fields%has('stable', allocated(branch%stable))) call visit_stability(branch, fields)
+      if (fields%way /= reading .or. allocated(fields%wrong) .or. .not. allocated(branch%coefficients)) return
+      call fields%check(size(branch%coefficients, 1) == 1 + 2*branch%harmonics, 'coefficients')
+   end subroutine visit_points
+
+   pure integer function count_of(flags)
+      logical, allocatable, intent(in) :: flags(:)
+
+      count_of = 0
+      if (allocated(flags)) count_of = count(flags)
+   end function count_of
+
+   subroutine visit_stability(branch, fields)
+      type(branch_type), intent(inout) :: branch
+      class(fields_type), intent(inout) :: fields
+
+      call fields%index_axis('state', branch%states, 'number of the multiplier, in no order that holds between points')
+      call carry(fields, row('stable', 'point', '1', about_stable, on_stability), branch%stable)
+      call carry(fields, row('undecided', 'point', '1', about_undecided, on_stability), branch%undecided)
+      call carry(fields, row('count_undecided', 'point', '1', '1 = how many multipliers are outside the unit circle is a guess: &
+                             &one is as near to it as it is uncertain', on_stability), branch%count_undecided)
+      call carry(fields, row('second_estimate', 'point', '1', 'second estimate of the largest magnitude of a multiplier: of the &
+                             &motion corrected by its estimated error; NaN where it was not needed: no contact event, none that &
+                             &can move it across the unit circle, or undecided anyway', on_stability, none_is_negative=.true.), &
+                 branch%second_estimate)
+      call carry(fields, row('multipliers', 'point state complex', '1', about_multipliers//'; of a train of 160 states &
+                             &(41 flexible shafts) or more the 16 of largest magnitude', on_stability), branch%multipliers)
+   end subroutine visit_stability
 
 end module geartrain_branch_branch

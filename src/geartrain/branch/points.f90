@@ -1,7 +1,7 @@
 !> The points of a branch as a list: turned round, shortened, compared.
 module geartrain_branch_points
    use geartrain_base_kinds, only: dp
-   use geartrain_branch_branch, only: branch_type, special_point_type
+   use geartrain_branch_branch, only: arrange_points, branch_type, special_point_type
    implicit none (type, external)
    private
    public :: drop_first, is_same_point, put_in_front, same_motion
@@ -82,28 +82,9 @@ contains
    subroutine take_points(branch, order)
       type(branch_type), intent(inout), target :: branch
       integer, intent(in) :: order(:)
-      integer :: n
 
-      n = size(order)
-      branch%frequency(:n) = branch%frequency(order)
-      branch%coefficients(:, :, :n) = branch%coefficients(:, :, order)
-      branch%rms(:, :n) = branch%rms(:, order)
-      branch%mean(:, :n) = branch%mean(:, order)
-      branch%minimum(:, :n) = branch%minimum(:, order)
-      branch%maximum(:, :n) = branch%maximum(:, order)
-      branch%mesh_load(:, :n) = branch%mesh_load(:, order)
-      branch%error_estimate(:n) = branch%error_estimate(order)
-      branch%estimate_doubtful(:n) = branch%estimate_doubtful(order)
-      branch%point_harmonics(:n) = branch%point_harmonics(order)
-      branch%part(:n) = branch%part(order)
-      if (allocated(branch%stable)) then
-         branch%multipliers(:, :n) = branch%multipliers(:, order)
-         branch%stable(:n) = branch%stable(order)
-         branch%undecided(:n) = branch%undecided(order)
-         branch%second_estimate(:n) = branch%second_estimate(order)
-         branch%count_undecided(:n) = branch%count_undecided(order)
-      end if
-      branch%points = n
+      call arrange_points(branch, order, size(branch%frequency), branch%harmonics)
+      branch%points = size(order)
    end subroutine take_points
 
 end module geartrain_branch_points

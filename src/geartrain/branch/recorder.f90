@@ -2,7 +2,7 @@
 module geartrain_branch_recorder
    use geartrain_base_fftw, only: transform_type
    use geartrain_base_kinds, only: dp
-   use geartrain_branch_branch, only: branch_type
+   use geartrain_branch_branch, only: arrange_points, branch_type
    use geartrain_branch_path, only: place_type
    use geartrain_branch_verdict, only: judge, verdict_type
    use geartrain_motion_balance, only: balance_type
@@ -46,9 +46,9 @@ contains
       if (stability) then
          call self%monodromy%setup(balance%system)
          branch%states = self%monodromy%given
-         allocate (self%multipliers(branch%states))
+         allocate (self%multipliers(branch%states), branch%stable(0))
       end if
-      call resize(branch, 16, balance%highest, stability)
+      call arrange_points(branch, [integer ::], 16, balance%highest)
    end subroutine setup
 
    !> Adds the place at which the balance was last evaluated.
@@ -66,7 +66,7 @@ contains
       if (branch%points == size(branch%frequency) .or. balance%highest > branch%harmonics) then
          n = size(branch%frequency)
          if (branch%points == n) n = 2*n
-         call resize(branch, n, max(balance%highest, branch%harmonics), self%stability)
+         call arrange_points(branch, [(k, k=1, branch%points)], n, max(balance%highest, branch%harmonics))
       end if
       call balance%full_coefficients(place%u, place%frequency, coefficients)
       n = branch%points + 1
@@ -112,64 +112,9 @@ contains
    subroutine finish(self, branch)
       class(recorder_type), intent(in) :: self
       type(branch_type), intent(inout), target :: branch
+      integer :: i
 
-      call resize(branch, branch%points, branch%harmonics, self%stability)
+      call arrange_points(branch, [(i, i=1, branch%points)], branch%points, branch%harmonics)
    end subroutine finish
-
-   !> Room for `points` points with `harmonics` harmonics, keeping those that are there.
-   subroutine resize(branch, points, harmonics, stability)
-      type(branch_type), intent(inout), target :: branch
-      integer, intent(in) :: points, harmonics
-      logical, intent(in) :: stability
-      type(branch_type) :: old
-      integer :: n, c
-
-      n = branch%points
-      call move_alloc(branch%frequency, old%frequency)
-      call move_alloc(branch%coefficients, old%coefficients)
-      call move_alloc(branch%rms, old%rms)
-      call move_alloc(branch%mean, old%mean)
-      call move_alloc(branch%minimum, old%minimum)
-      call move_alloc(branch%maximum, old%maximum)
-      call move_alloc(branch%mesh_load, old%mesh_load)
-      call move_alloc(branch%multipliers, old%multipliers)
-      call move_alloc(branch%stable, old%stable)
-      call move_alloc(branch%undecided, old%undecided)
-      call move_alloc(branch%second_estimate, old%second_estimate)
-      call move_alloc(branch%count_undecided, old%count_undecided)
-      call move_alloc(branch%error_estimate, old%error_estimate)
-      call move_alloc(branch%estimate_doubtful, old%estimate_doubtful)
-      call move_alloc(branch%point_harmonics, old%point_harmonics)
-      call move_alloc(branch%part, old%part)
-      associate (m => branch%meshes)
-         allocate (branch%frequency(points), branch%coefficients(1 + 2*harmonics, m, points), branch%rms(m, points), &
-                   branch%mean(m, points), branch%minimum(m, points), branch%maximum(m, points), &
-                   branch%mesh_load(m, points), branch%error_estimate(points), branch%estimate_doubtful(points), &
-                   branch%point_harmonics(points), branch%part(points))
-         if (stability) allocate (branch%multipliers(branch%states, points), branch%stable(points), branch%undecided(points), &
-                                  branch%second_estimate(points), branch%count_undecided(points))
-      end associate
-      branch%harmonics = harmonics
-      if (.not. allocated(old%frequency)) return
-      c = size(old%coefficients, 1)
-      branch%frequency(:n) = old%frequency(:n)
-      branch%coefficients(:, :, :n) = 0
-      branch%coefficients(:c, :, :n) = old%coefficients(:, :, :n)
-      branch%rms(:, :n) = old%rms(:, :n)
-      branch%mean(:, :n) = old%mean(:, :n)
-      branch%minimum(:, :n) = old%minimum(:, :n)
-      branch%maximum(:, :n) = old%maximum(:, :n)
-      branch%mesh_load(:, :n) = old%mesh_load(:, :n)
-      branch%error_estimate(:n) = old%error_estimate(:n)
-      branch%estimate_doubtful(:n) = old%estimate_doubtful(:n)
-      branch%point_harmonics(:n) = old%point_harmonics(:n)
-      branch%part(:n) = old%part(:n)
-      if (.not. stability) return
-      branch%multipliers(:, :n) = old%multipliers(:, :n)
-      branch%stable(:n) = old%stable(:n)
-      branch%undecided(:n) = old%undecided(:n)
-      branch%second_estimate(:n) = old%second_estimate(:n)
-      branch%count_undecided(:n) = old%count_undecided(:n)
-   end subroutine resize
 
 end module geartrain_branch_recorder

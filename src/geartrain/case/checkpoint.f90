@@ -2,16 +2,14 @@
 module geartrain_case_checkpoint
    use, intrinsic :: iso_fortran_env, only: int64, int8
    use geartrain_base_error, only: error_type, fatal, status_file
-   use geartrain_base_kinds, only: dp
+   use geartrain_base_fields, only: fields_type
+   use geartrain_base_kinds, only: dp, version
    use geartrain_base_observer, only: observer_type
    use geartrain_case_case, only: case_type
    use geartrain_case_text, only: case_text
-   use geartrain_results_agreement, only: disagreement
    use geartrain_results_file, only: exists, remove_file
-   use geartrain_results_reading, only: read_state
-   use geartrain_results_results, only: results_type, write_results
+   use geartrain_results_results, only: open_results, results_type, take_results, write_results
    use geartrain_results_seal, only: read_seal
-   use geartrain_results_state, only: pack_state, unpack_state
    implicit none (type, external)
    private
    public :: checkpoint_type, take_up_checkpoint, check_partial
@@ -91,18 +89,12 @@ contains
    subroutine write_now(self)
       class(checkpoint_type), intent(inout) :: self
       type(error_type), allocatable :: error
-      character(:), allocatable :: input
-      integer(int8), allocatable :: state(:)
       integer(int64) :: begin, rate
 
       if (self%path == '' .or. .not. self%news) return
       self%news = .false.
       call system_clock(begin, rate)
-      if (self%owns_place()) then
-         call case_text(self%case, input)
-         call pack_state(input, self%results, state)
-         call write_results(self%path, self%case, self%results, error, state, self%seal)
-      end if
+      if (self%owns_place()) call write_results(self%path, self%case, self%results, error, self%seal)
       call system_clock(self%last)
       self%cost = real(self%last - begin, dp)/real(rate, dp)
    end subroutine write_now
@@ -141,37 +133,29 @@ contains
    subroutine take_up_checkpoint(path, case, results, error)
       character(*), intent(in) :: path
       type(case_type), intent(in) :: case
-      type(results_type), intent(inout) :: results
+      type(results_type), intent(out) :: results
       type(error_type), allocatable, intent(inout) :: error
-      character(:), allocatable :: input, asked, wrong
-      integer(int8), allocatable :: bytes(:)
-      type(results_type) :: found
+      character(:), allocatable :: input, asked, written_by, wrong
+      type(fields_type) :: fields
 
-      call read_state(path, bytes)
-      if (.not. allocated(bytes)) then
-         call fatal(error, path//': error: cannot be resumed: it is no readable checkpoint of geartrain (its checksum does not &
-                    &fit: damaged, cut short or something else); it stays as it is', status_file)
-         return
-      end if
-      call unpack_state(bytes, input, found, wrong)
-      if (wrong == '') then
-         call case_text(case, asked)
-         if (without_output(input) /= without_output(asked)) then
-            call fatal(error, path//': error: cannot be resumed: it is the checkpoint of another case or of other settings; '// &
-                       'begin anew, or name another file with --output')
-            return
-         end if
-      else
+      call case_text(case, asked)
+      call open_results(path, fields, input, written_by, wrong)
+      if (wrong == '' .and. written_by /= version) wrong = 'it was written by another version of geartrain, '//written_by
+      if (fields%count == 0) then
+         call fatal(error, path//': error: cannot be resumed: it is no readable checkpoint of geartrain ('//wrong// &
+                    '); it stays as it is', status_file)
+      else if (wrong /= '') then
          call fatal(error, path//': error: cannot be resumed: '//wrong, status_file)
-         return
+      else if (without_output(input) /= without_output(asked)) then
+         call fatal(error, path//': error: cannot be resumed: it is the checkpoint of another case or of other settings; '// &
+                    'begin anew, or name another file with --output')
+      else
+         call take_results(fields, case, results, wrong)
+         ! Modes are found again at once.
+         if (allocated(results%modes)) deallocate (results%modes)
+         if (wrong /= '') call fatal(error, path//': error: cannot be resumed: '//wrong//' in it does not agree with the rest', &
+                                     status_file)
       end if
-      wrong = trim(disagreement(case, found))
-      if (wrong /= '') then
-         call fatal(error, path//': error: cannot be resumed: what it holds of the '//wrong//' does not agree with itself', &
-                    status_file)
-         return
-      end if
-      results = found
    end subroutine take_up_checkpoint
 
    pure integer function kept_length(text) result(length)

@@ -20,7 +20,7 @@ contains
    subroutine check_network(train, checker)
       type(train_type), intent(in) :: train
       class(checker_type), intent(inout) :: checker
-      integer :: before
+      integer :: before, i
 
       before = checker%problems%count
       call check_chain_values(train, checker)
@@ -28,8 +28,11 @@ contains
       call check_balance(train, checker)
       if (size(train%meshes) == 0) call checker%problems%add('the train has no &mesh', 'train', 1, names_group=.true.)
       if (checker%problems%count > before) return
+      ! A problem that has been told already, with its value, is not counted here.
+      if (any([(ends_of(train, i, mesh=.false.) == 0, i=1, size(train%shafts))])) return
+      if (any([(ends_of(train, i, mesh=.true.) == 0, i=1, size(train%meshes))])) return
       call check_inertias(train, checker)
-      call check_joints(train, checker)
+      if (all(train%meshes%driving_radius > 0 .and. train%meshes%driven_radius > 0)) call check_joints(train, checker)
    end subroutine check_network
 
    !> What belongs to the chain of shafts and meshes stands in no network.

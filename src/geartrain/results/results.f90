@@ -1,31 +1,35 @@
-!> What a run gives, and the HDF5 file of it: self-describing, one group an analysis, only what was computed.
+!> The results of a case, their file, and back: what is written is what is read, by a run that goes on as by whoever asks for it.
 module geartrain_results_results
    use, intrinsic :: iso_fortran_env, only: int8
-   use geartrain_base_error, only: error_type
+   use geartrain_base_carry, only: carry, carry_text
+   use geartrain_base_error, only: error_type, fatal, status_file
+   use geartrain_base_field, only: row => field_type
+   use geartrain_base_fields, only: fields_type, listing, reading
    use geartrain_base_kinds, only: version
    use geartrain_base_numbers, only: text
    use geartrain_branch_branch, only: branch_type
+   use geartrain_branch_fields, only: visit_branch
+   use geartrain_branch_stability_map_fields, only: visit_stability_map
    use geartrain_branch_stability_map_settings, only: stability_map_type
+   use geartrain_branch_summary_fields, only: visit_summary
    use geartrain_case_case, only: case_type
    use geartrain_case_text, only: case_text
+   use geartrain_model_fields, only: visit_modes
    use geartrain_model_modes, only: modes_type
+   use geartrain_model_network, only: coordinate_count
    use geartrain_motion_attractors_settings, only: attractors_type
+   use geartrain_motion_fields, only: visit_attractors, visit_sweep
    use geartrain_motion_integration_settings, only: sweep_type
-   use geartrain_results_attractors, only: write_attractors
    use geartrain_results_file, only: replace_file
-   use geartrain_results_integration, only: write_integration
-   use geartrain_results_modes, only: write_modes
-   use geartrain_results_reading, only: state_path
-   use geartrain_results_response, only: write_response
+   use geartrain_results_hdf5_reader, only: read_groups
+   use geartrain_results_hdf5_writer, only: hdf5_content
    use geartrain_results_seal, only: add_seal, seal_bytes
-   use geartrain_results_stability_map, only: write_stability_map
-   use geartrain_results_store, only: store_type
    implicit none (type, external)
    private
-   public :: results_type, write_results
+   public :: open_results, results_type, take_results, visit_results, visit_root, write_results
 
-   !> Raised when a name or a shape in the file changes its meaning.
-   integer, parameter :: format_version = 1
+   !> Raised when a name or a shape in the file changes its meaning. 2: a file is sealed and holds all that is to be read back.
+   integer, parameter :: format_version = 2
 
    !> Allocated where it was computed.
    type :: results_type
@@ -40,61 +44,148 @@ module geartrain_results_results
 
 contains
 
-   !> Writes an HDF5 file; a file of that name is replaced once the new one is whole, and kept where writing fails.
-   subroutine write_results(path, case, results, error, state, seal)
+   !> Writes an HDF5 file; a file of that name is replaced once the new one is whole, and kept where writing fails. Of work under
+   !> way it holds what another run needs to go on.
+   subroutine write_results(path, case, results, error, seal)
       character(*), intent(in) :: path
       type(case_type), intent(in) :: case
-      type(results_type), intent(in) :: results
+      !> They stay as they are.
+      type(results_type), intent(inout) :: results
       type(error_type), allocatable, intent(out) :: error
-      !> What another run needs to go on from here; the file is then sealed, see read_state.
-      integer(int8), intent(in), contiguous, optional :: state(:)
       !> The seal of what was written; allocated where that was done.
       integer(int8), allocatable, intent(inout), optional :: seal(:)
       integer(int8), allocatable :: content(:)
-      type(store_type) :: store
-      integer :: i
+      type(fields_type) :: fields
 
-      !$omp critical (geartrain_hdf5)
-      call store%open()
-      call write_root(store, case)
-      if (allocated(results%modes)) call write_modes(store, results%modes)
-      if (allocated(results%response)) call write_response(store, '/response', results%response)
-      if (allocated(results%integration)) call write_integration(store, results%integration)
-      if (allocated(results%attractors)) call write_attractors(store, results%attractors)
-      if (allocated(results%stability_map)) call write_stability_map(store, results%stability_map)
-      if (allocated(results%branches)) then
-         do i = 1, size(results%branches)
-            call write_response(store, '/branch_'//text(i), results%branches(i))
-         end do
-      end if
-      if (present(state)) call store%put_bytes(state_path, state, 'what geartrain --resume goes on from')
-      call store%close(content, error)
-      !$omp end critical (geartrain_hdf5)
-      if (present(state)) call add_seal(content)
+      call visit_root(case, fields)
+      call visit_results(results, case, fields, summary=.true.)
+      call hdf5_content(fields, content, error)
       if (allocated(error)) then
          error%message = path//': error: '//error%message
-      else
-         call replace_file(path, content, error)
-         if (present(seal) .and. .not. allocated(error)) seal = content(size(content) - seal_bytes + 1:)
+         return
       end if
+      call add_seal(content)
+      call replace_file(path, content, error)
+      if (present(seal) .and. .not. allocated(error)) seal = content(size(content) - seal_bytes + 1:)
    end subroutine write_results
 
-   subroutine write_root(store, case)
-      type(store_type), intent(inout) :: store
+   !> The attributes of the file itself.
+   subroutine visit_root(case, fields)
       type(case_type), intent(in) :: case
-      character(:), allocatable :: input
+      class(fields_type), intent(inout) :: fields
+      character(:), allocatable :: title, input
+      real(kind(case%train%characteristic_length)) :: value
+      integer :: number
 
-      call store%attribute('/', 'format_version', format_version)
-      call store%attribute('/', 'program_version', version)
-      if (allocated(case%train%title)) then
-         call store%attribute('/', 'title', case%train%title)
-      else
-         call store%attribute('/', 'title', '')
+      if (.not. fields%enter('/', '', .true.)) return
+      number = format_version
+      call carry(fields, row('format_version', '', '', 'it rises when a name or a shape changes its meaning'), number)
+      title = version
+      call carry_text(fields, row('program_version', '', '', 'version of geartrain that wrote the file'), title)
+      title = ''
+      if (allocated(case%train%title)) title = case%train%title
+      call carry_text(fields, row('title', '', '', 'as in `&train`'), title)
+      if (fields%way /= listing) call case_text(case, input)
+      call carry_text(fields, row('input', '', '', 'the case, all defaults included: written to a file it runs again'), input)
+      value = case%train%characteristic_length
+      call carry(fields, row('characteristic_length', '', '', 'm'), value)
+      value = case%train%characteristic_frequency
+      call carry(fields, row('characteristic_frequency', '', '', 'rad/s'), value)
+   end subroutine visit_root
+
+   !> The groups of a results file, the text of the case that they are results of, and the version of geartrain that wrote them;
+   !> `wrong` says why they cannot be used, '' where all is well so far.
+   subroutine open_results(path, fields, input, written_by, wrong)
+      character(*), intent(in) :: path
+      type(fields_type), intent(inout) :: fields
+      character(:), allocatable, intent(out) :: input, written_by, wrong
+      integer :: number
+
+      call read_groups(path, fields)
+      fields%way = reading
+      wrong = 'its checksum does not fit: damaged, cut short or something else'
+      input = ''
+      written_by = ''
+      if (.not. fields%enter('/', '', .true.)) return
+      number = 0
+      call carry(fields, row('format_version'), number)
+      call carry_text(fields, row('program_version'), written_by)
+      call carry_text(fields, row('input'), input)
+      wrong = ''
+      if (allocated(fields%wrong) .or. number /= format_version) wrong = 'it was written by another version of geartrain'
+   end subroutine open_results
+
+   !> The results of the case among the groups read; `wrong` says what does not agree with the rest or with the case, '' where all
+   !> does.
+   subroutine take_results(fields, case, results, wrong)
+      type(fields_type), intent(inout) :: fields
+      type(case_type), intent(in) :: case
+      type(results_type), intent(out) :: results
+      character(:), allocatable, intent(out) :: wrong
+
+      fields%way = reading
+      wrong = ''
+      call visit_results(results, case, fields, summary=.false.)
+      if (allocated(fields%wrong)) wrong = fields%wrong
+   end subroutine take_results
+
+   !> All that a case can give, in the order of the file.
+   subroutine visit_results(results, case, fields, summary)
+      type(results_type), intent(inout) :: results
+      type(case_type), intent(in) :: case
+      class(fields_type), intent(inout) :: fields
+      !> Whether what one reads off a branch is computed as well.
+      logical, intent(in) :: summary
+      integer :: i, n, points, starts, states
+
+      states = 2*coordinate_count(case%train)
+      call fields%expect('mesh', size(case%train%meshes))
+      call fields%expect('coordinate', states)
+      call fields%check(allocated(case%response) .or. fields%find_group('/response') == 0, 'response')
+      call fields%check(allocated(case%integration) .or. fields%find_group('/integration') == 0, 'integration')
+      call fields%check(allocated(case%attractors) .or. fields%find_group('/attractors') == 0, 'attractors')
+      call fields%check(allocated(case%stability_map) .or. fields%find_group('/stability_map') == 0, 'stability_map')
+      call visit_modes(results%modes, fields)
+      if (allocated(results%response) .or. fields%find_group('/response') > 0 .or. fields%way == listing) then
+         if (.not. allocated(results%response)) allocate (results%response)
+         call visit_whole_branch(results%response, '/response')
       end if
-      call case_text(case, input)
-      call store%attribute('/', 'input', input)
-      call store%attribute('/', 'characteristic_length', case%train%characteristic_length)
-      call store%attribute('/', 'characteristic_frequency', case%train%characteristic_frequency)
-   end subroutine write_root
+      points = 0
+      if (allocated(case%integration)) &
+         points = case%integration%points*merge(2, 1, case%integration%direction == 'both')
+      call visit_sweep(results%integration, points, fields)
+      starts = 0
+      if (allocated(case%attractors)) starts = case%attractors%starts
+      call visit_attractors(results%attractors, starts, fields)
+      call visit_stability_map(results%stability_map, case%stability_map, fields)
+      if (fields%way == reading) then
+         n = 0
+         do while (fields%find_group('/branch_'//text(n + 1)) > 0)
+            n = n + 1
+         end do
+         if (n > 0) allocate (results%branches(n))
+      end if
+      if (.not. allocated(results%branches)) return
+      do i = 1, size(results%branches)
+         call visit_whole_branch(results%branches(i), '/branch_'//text(i))
+      end do
+
+   contains
+
+      !> A branch and what one reads off it.
+      subroutine visit_whole_branch(branch, home)
+         type(branch_type), intent(inout) :: branch
+         character(*), intent(in) :: home
+
+         call visit_branch(branch, home, fields)
+         if (fields%way == reading) then
+            call fields%check(branch%states <= states, home)
+            branch%backlash = case%train%meshes%half_backlash/case%train%characteristic_length
+         else if (summary .and. (branch%points > 0 .or. fields%way == listing)) then
+            call visit_summary(branch, home, fields)
+         end if
+      end subroutine visit_whole_branch
+
+   end subroutine visit_results
 
 end module geartrain_results_results

@@ -1,0 +1,66 @@
+"""Results as xarray Datasets, with the names, units and coordinates that they have in the results file."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._box import Box, Group
+from ._extras import extra
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+__all__ = ["dataset"]
+
+
+@cache
+def _described() -> dict[str, Group]:
+    """All fields of a results file, without values."""
+    with Box() as box:
+        return box.show("listing")
+
+
+def dataset(path: str, values: dict[str, Any], attributes: dict[str, Any], coordinates: tuple[str, ...] = ()) -> Dataset:
+    """The fields of a group that there are values of.
+
+    Parameters
+    ----------
+    path : str
+        Of the group in a results file.
+    values : dict
+        Arrays by their names there; None for what there is not.
+    coordinates : tuple of str
+        Those that are coordinates beside the axes.
+    attributes : dict
+        Those of the group.
+    """
+    variables: dict[str, Any] = {}
+    axes: dict[str, Any] = {}
+    about = _described()[path].about
+    for name, (dimensions, unit, description) in about.items():
+        value = values.get(name)
+        if value is None:
+            continue
+        array = np.asarray(value)
+        if array.dtype.kind == "c":
+            array, dimensions = np.stack([array.real, array.imag], axis=-1), (*dimensions, "complex")
+        variables[name] = dimensions, array, {"units": unit, "description": description}
+        for dimension, length in zip(dimensions, array.shape):
+            axes.setdefault(dimension, (dimension, _labels(dimension, length)))
+    told = {name: int(value) if isinstance(value, bool) else value for name, value in attributes.items()}
+    found: Dataset = extra("xarray").Dataset(variables, {name: axis for name, axis in axes.items() if name not in variables}, told)
+    for axis in found.coords.values():
+        if axis.name in about:
+            _, unit, description = about[str(axis.name)]
+            axis.attrs.update(units=unit, description=description)
+    return found.set_coords([name for name in coordinates if name in variables])
+
+
+def _labels(dimension: str, length: int) -> Any:
+    """The places along a dimension, as a results file has them."""
+    if dimension == "coefficient":
+        return ["mean", *(f"{'cos' if place % 2 else 'sin'} {(place + 1) // 2}" for place in range(1, length))]
+    return ["real", "imaginary"] if dimension == "complex" else np.arange(1, length + 1, dtype=np.intc)

@@ -1,0 +1,251 @@
+!> A results file as groups of fields. It is read only where its seal says that it is, bit by bit, what was written.
+module geartrain_results_hdf5_reader
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_int64_t, c_loc, c_null_char, c_ptr, c_size_t
+   use, intrinsic :: iso_fortran_env, only: int8, int64
+   use hdf5, only: h5aclose_f, h5aget_name_f, h5aget_num_attrs_f, h5aget_space_f, h5aget_type_f, h5aopen_by_idx_f, h5aread_f, &
+      h5dclose_f, h5dget_space_f, h5dget_type_f, h5dread_f, h5f_acc_rdonly_f, h5fclose_f, h5fopen_f, h5gget_info_f, &
+      h5i_group_f, h5iget_type_f, h5lget_name_by_idx_f, h5oclose_f, h5oopen_f, h5p_file_access_f, h5pclose_f, h5pcreate_f, &
+      h5pset_fapl_core_f, h5pset_file_image_f, h5sclose_f, h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, &
+      h5tclose_f, h5tget_class_f, h5tget_size_f, h5tis_variable_str_f, h5_index_name_f, h5_iter_inc_f, h5t_float_f, &
+      h5t_integer_f, h5t_native_double, h5t_native_integer, h5t_string_f, hid_t, hsize_t, size_t
+   use geartrain_base_field, only: field_type, groups_type, kind_integer, kind_logical, kind_real, kind_text, values_type
+   use geartrain_base_regular_file, only: is_regular_file
+   use geartrain_results_hdf5_writer, only: begin_hdf5
+   use geartrain_results_seal, only: is_whole, seal_bytes
+   implicit none (type, external)
+   private
+   public :: read_groups
+
+   integer, parameter :: most_dimensions = 7
+
+   interface
+      integer(c_int) function h5dvlen_reclaim(kind, space, transfer, buffer) bind(c, name='H5Dvlen_reclaim')
+         import :: c_int, c_int64_t, c_ptr
+         implicit none (type, external)
+         integer(c_int64_t), value :: kind, space, transfer
+         type(c_ptr), value :: buffer
+      end function h5dvlen_reclaim
+
+      integer(c_size_t) function c_strlen(text) bind(c, name='strlen')
+         import :: c_ptr, c_size_t
+         implicit none (type, external)
+         type(c_ptr), value :: text
+      end function c_strlen
+   end interface
+
+contains
+
+   !> The groups of a file; none where it cannot be read or is not, bit by bit, what was written.
+   subroutine read_groups(path, groups)
+      character(*), intent(in) :: path
+      class(groups_type), intent(inout) :: groups
+      integer(int8), allocatable, target :: content(:)
+      integer(hid_t) :: access, file
+      type(c_ptr) :: address
+      integer :: status, ignored
+
+      call load(path, content)
+      if (.not. allocated(content)) return
+      if (.not. is_whole(content)) return
+      !$omp critical (geartrain_hdf5)
+      call begin_hdf5(status)
+      ! From memory: what is read is what was checked.
+      call h5pcreate_f(h5p_file_access_f, access, status)
+      call h5pset_fapl_core_f(access, 1048576_size_t, .false., status)
+      address = c_loc(content)
+      call h5pset_file_image_f(access, address, size(content, kind=size_t) - seal_bytes, status)
+      if (status >= 0) call h5fopen_f('geartrain results, in memory', h5f_acc_rdonly_f, file, status, access_prp=access)
+      if (status >= 0) then
+         call read_group(file, '/', groups)
+         call h5fclose_f(file, ignored)
+      end if
+      call h5pclose_f(access, ignored)
+      !$omp end critical (geartrain_hdf5)
+   end subroutine read_groups
+
+   !> Reads the attributes and the datasets of a group, then the groups in it.
+   recursive subroutine read_group(file, path, groups)
+      integer(hid_t), intent(in) :: file
+      character(*), intent(in) :: path
+      class(groups_type), intent(inout) :: groups
+      integer(hid_t) :: home, object
+      integer :: status, storage, links, order, number, kind, i, last
+      integer(size_t) :: length
+      character(64) :: name
+      character(:), allocatable :: inside, within
+
+      call h5oopen_f(file, path, home, status)
+      if (status < 0) return
+      call groups%add_group(path, '')
+      number = groups%count
+      call read_attributes(home, groups, number)
+      call h5gget_info_f(home, storage, links, order, status)
+      if (status < 0) links = 0
+      inside = path
+      if (path /= '/') inside = path//'/'
+      do last = 1, 2
+         do i = 0, links - 1
+            call h5lget_name_by_idx_f(home, '.', h5_index_name_f, h5_iter_inc_f, int(i, hsize_t), name, status, length)
+            if (status < 0 .or. length > len(name)) cycle
+            within = inside//trim(name)
+            call h5oopen_f(home, trim(name), object, status)
+            if (status < 0) cycle
+            call h5iget_type_f(object, kind, status)
+            if (kind /= h5i_group_f .and. last == 1) call read_dataset(object, trim(name), groups, number)
+            call h5oclose_f(object, status)
+            if (kind == h5i_group_f .and. last == 2) call read_group(file, within, groups)
+         end do
+      end do
+      call h5oclose_f(home, status)
+   end subroutine read_group
+
+   subroutine read_attributes(home, groups, number)
+      integer(hid_t), intent(in) :: home
+      class(groups_type), intent(inout) :: groups
+      integer, intent(in) :: number
+      integer(hid_t) :: id, kind, space
+      integer :: status, attributes, i
+      character(64) :: name
+
+      call h5aget_num_attrs_f(home, attributes, status)
+      if (status < 0) return
+      do i = 0, attributes - 1
+         call h5aopen_by_idx_f(home, '.', h5_index_name_f, h5_iter_inc_f, int(i, hsize_t), id, status)
+         if (status < 0) cycle
+         call h5aget_name_f(id, int(len(name), size_t), name, status)
+         call h5aget_type_f(id, kind, status)
+         call h5aget_space_f(id, space, status)
+         call read_values(id, .true., kind, space, field_type(name), groups, number)
+         call h5sclose_f(space, status)
+         call h5tclose_f(kind, status)
+         call h5aclose_f(id, status)
+      end do
+   end subroutine read_attributes
+
+   subroutine read_dataset(id, name, groups, number)
+      integer(hid_t), intent(in) :: id
+      character(*), intent(in) :: name
+      class(groups_type), intent(inout) :: groups
+      integer, intent(in) :: number
+      integer(hid_t) :: kind, space
+      integer :: status
+
+      call h5dget_type_f(id, kind, status)
+      call h5dget_space_f(id, space, status)
+      ! What the dimensions are called, the reader of the fields knows.
+      call read_values(id, .false., kind, space, field_type(name, 'of the file'), groups, number)
+      call h5sclose_f(space, status)
+      call h5tclose_f(kind, status)
+   end subroutine read_dataset
+
+   !> Numbers and texts; nothing else is written.
+   subroutine read_values(id, attribute, kind, space, about, groups, number)
+      integer(hid_t), intent(in) :: id, kind, space
+      logical, intent(in) :: attribute
+      type(field_type), intent(in) :: about
+      class(groups_type), intent(inout) :: groups
+      integer, intent(in) :: number
+      integer(hsize_t) :: extents(most_dimensions), most(most_dimensions)
+      integer(size_t) :: bytes
+      integer :: status, dimensions, sort
+      logical :: variable
+
+      call h5sget_simple_extent_ndims_f(space, dimensions, status)
+      if (status < 0 .or. dimensions > most_dimensions) return
+      if (dimensions > 0) call h5sget_simple_extent_dims_f(space, extents, most, status)
+      if (status < 0) return
+      call h5tget_class_f(kind, sort, status)
+      call h5tget_size_f(kind, bytes, status)
+      variable = .false.
+      if (sort == h5t_string_f) call h5tis_variable_str_f(kind, variable, status)
+      associate (group => groups%groups(number), n => int(extents(:dimensions)))
+         if (sort == h5t_float_f) then
+            call group%add(about, kind_real, n)
+            call fetch_reals(id, attribute, group%fields(group%count), status)
+         else if (sort == h5t_integer_f) then
+            call group%add(about, merge(kind_logical, kind_integer, bytes == 1), n)
+            call fetch_integers(id, attribute, group%fields(group%count), status)
+         else if (variable) then
+            call group%add(about, kind_text, n)
+            call fetch_texts(id, attribute, kind, space, group%fields(group%count), status)
+         end if
+         ! What cannot be read is missed where it is needed.
+         if (status < 0) group%count = group%count - 1
+      end associate
+   end subroutine read_values
+
+   subroutine fetch_reals(id, attribute, field, status)
+      integer(hid_t), intent(in) :: id
+      logical, intent(in) :: attribute
+      type(values_type), intent(inout), target :: field
+      integer, intent(out) :: status
+      type(c_ptr) :: address
+
+      status = 0
+      if (size(field%reals) == 0) return
+      address = c_loc(field%reals)
+      if (attribute) call h5aread_f(id, h5t_native_double, address, status)
+      if (.not. attribute) call h5dread_f(id, h5t_native_double, address, status)
+   end subroutine fetch_reals
+
+   subroutine fetch_integers(id, attribute, field, status)
+      integer(hid_t), intent(in) :: id
+      logical, intent(in) :: attribute
+      type(values_type), intent(inout), target :: field
+      integer, intent(out) :: status
+      type(c_ptr) :: address
+
+      status = 0
+      if (size(field%integers) == 0) return
+      address = c_loc(field%integers)
+      if (attribute) call h5aread_f(id, h5t_native_integer, address, status)
+      if (.not. attribute) call h5dread_f(id, h5t_native_integer, address, status)
+   end subroutine fetch_integers
+
+   subroutine fetch_texts(id, attribute, kind, space, field, status)
+      integer(hid_t), intent(in) :: id, kind, space
+      logical, intent(in) :: attribute
+      type(values_type), intent(inout) :: field
+      integer, intent(out) :: status
+      type(c_ptr), target :: items(size(field%texts))
+      character(kind=c_char), pointer :: bytes(:)
+      type(c_ptr) :: address
+      integer :: i, k, ignored
+
+      status = 0
+      if (size(items) == 0) return
+      address = c_loc(items)
+      if (attribute) call h5aread_f(id, kind, address, status)
+      if (.not. attribute) call h5dread_f(id, kind, address, status)
+      if (status < 0) return
+      do i = 1, size(items)
+         field%texts(i)%text = ''
+         if (.not. c_associated(items(i))) cycle
+         call c_f_pointer(items(i), bytes, [c_strlen(items(i))])
+         deallocate (field%texts(i)%text)
+         allocate (character(size(bytes)) :: field%texts(i)%text)
+         do k = 1, size(bytes)
+            field%texts(i)%text(k:k) = bytes(k)
+         end do
+      end do
+      ignored = h5dvlen_reclaim(int(kind, c_int64_t), int(space, c_int64_t), 0_c_int64_t, c_loc(items))
+   end subroutine fetch_texts
+
+   !> All bytes of a file; not allocated where they cannot be read.
+   subroutine load(path, content)
+      character(*), intent(in) :: path
+      integer(int8), allocatable, intent(out) :: content(:)
+      integer(int64) :: bytes
+      integer :: unit, status
+
+      if (.not. is_regular_file(path)) return
+      open (newunit=unit, file=path, access='stream', form='unformatted', status='old', action='read', iostat=status)
+      if (status /= 0) return
+      inquire (unit=unit, size=bytes)
+      allocate (content(max(0_int64, bytes)), stat=status)
+      if (status == 0) read (unit, iostat=status) content
+      if (status /= 0 .and. allocated(content)) deallocate (content)
+      close (unit, iostat=status)
+   end subroutine load
+
+end module geartrain_results_hdf5_reader
