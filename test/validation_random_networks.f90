@@ -208,20 +208,20 @@ contains
       allocate (train%bodies(bodies), train%shafts(0), train%meshes(0))
       do i = 1, bodies
          write (name(i), '(a, i0)') 'b', i
-         train%bodies(i) = body(name(i), 1e-3_dp*(1 + 4*fraction()), balances=i == bodies)
-         radius(i) = 0.03_dp + 0.05_dp*fraction()
+         train%bodies(i) = body(name(i), 1e-3_dp*(1 + 4*share()), balances=i == bodies)
+         radius(i) = 0.03_dp + 0.05_dp*share()
       end do
-      train%bodies(1)%torque = 60 + 60*fraction()
-      train%bodies(1)%torque_cos = [5*fraction()]
-      train%bodies(2)%torque = -10*fraction()
+      train%bodies(1)%torque = 60 + 60*share()
+      train%bodies(1)%torque_cos = [5*share()]
+      train%bodies(2)%torque = -10*share()
       sense(1) = 1
       do i = 2, bodies
-         parent = 1 + int((i - 1)*fraction()*0.999_dp)
-         dice = fraction()
+         parent = 1 + int((i - 1)*share()*0.999_dp)
+         dice = share()
          if (i > 2 .and. dice < 0.3_dp) then
             radius(i) = radius(parent)
             sense(i) = sense(parent)
-            shaft = shaft_type(between=[character(64) :: name(parent), name(i)], stiffness=1e5_dp*(1 + 9*fraction()), &
+            shaft = shaft_type(between=[character(64) :: name(parent), name(i)], stiffness=1e5_dp*(1 + 9*share()), &
                                damping_ratio=0.05_dp)
             train%shafts = [train%shafts, shaft]
          else
@@ -235,24 +235,24 @@ contains
 
    contains
 
-      real(dp) function fraction()
-         fraction = uniform(generator, 0.0_dp, 1.0_dp)
-      end function fraction
+      real(dp) function share()
+         share = uniform(generator, 0.0_dp, 1.0_dp)
+      end function share
 
       subroutine add_mesh(a, b)
          integer, intent(in) :: a, b
          real(dp) :: size_
 
-         size_ = 0.5_dp + fraction()
+         size_ = 0.5_dp + share()
          mesh = mesh_type(between=[character(64) :: name(a), name(b)], driving_radius=size_*radius(a), &
-                          driven_radius=size_*radius(b), stiffness=1e8_dp*(1 + 2*fraction()), damping_ratio=0.1_dp)
+                          driven_radius=size_*radius(b), stiffness=1e8_dp*(1 + 2*share()), damping_ratio=0.1_dp)
          mesh%internal = sense(a) == sense(b)
-         if (fraction() < 0.85_dp) then
-            mesh%half_backlash = 1e-5_dp*(1 + fraction())
-            mesh%stiffness_cos = [0.3_dp*fraction(), 0.1_dp*fraction()]
-            mesh%stiffness_sin = [0.2_dp*fraction()]
+         if (share() < 0.85_dp) then
+            mesh%half_backlash = 1e-5_dp*(1 + share())
+            mesh%stiffness_cos = [0.3_dp*share(), 0.1_dp*share()]
+            mesh%stiffness_sin = [0.2_dp*share()]
          end if
-         if (fraction() < 0.5_dp) mesh%error_cos = [2e-6_dp*fraction()]
+         if (share() < 0.5_dp) mesh%error_cos = [2e-6_dp*share()]
          train%meshes = [train%meshes, mesh]
       end subroutine add_mesh
 

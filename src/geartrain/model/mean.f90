@@ -1,5 +1,5 @@
-!> The equations of the mean: in a tree the mean force of each mesh is its load. Where unknown meshes close loops, each takes what it
-!> bears from those of its loop, and its mean displacement agrees with theirs and with the twist of what lies between.
+!> The equations of the mean: in a tree the mean force of each mesh is its load. Where unknown meshes close loops, each takes what
+!> it bears from those of its loop, and its mean displacement agrees with theirs and with the twist of what lies between.
 !>
 !> With loop matrix C (geartrain_model_network) and means:
 !>    F_n + sum over c of C_cn (F_c - load_c) = load_n          an unknown mesh n of the tree
@@ -17,7 +17,8 @@ module geartrain_model_mean
    type :: mean_type
       !> (entries of the cut's graph) and (unknown).
       real(dp), allocatable :: force(:), displacement(:), load(:)
-      !> Unknowns that close loops, and the mean displacement of each linear element per phi of them above their load, (element, loop).
+      !> Unknowns that close loops, and the mean displacement of each linear element per phi of theirs beyond the load, (element,
+      !> loop).
       integer, allocatable :: closing(:)
       real(dp), allocatable :: follow(:, :)
    contains
@@ -126,8 +127,8 @@ contains
       end associate
    end subroutine find_following
 
-   !> Mean displacement of a linear element over b_c that the closing forces cause, beyond its load; `force` are the phi of the unknown
-   !> meshes, and `load` those of all elements at rest.
+   !> Mean displacement of a linear element over b_c that the closing forces cause, beyond its load; `force` are the phi of the
+   !> unknown meshes, and `load` those of all elements at rest.
    pure real(dp) function linear_displacement(self, cut, element, force, load)
       class(mean_type), intent(in) :: self
       type(cut_type), intent(in) :: cut

@@ -159,8 +159,8 @@ contains
       end associate
    end subroutine factor
 
-   !> Displacements [m] in place of the forces on the masses [N], (mass), and of the earlier less the later mass of each slot, (slot),
-   !> which is not their difference: that would cancel on a stiff spring.
+   !> Displacements [m] in place of the forces on the masses [N], (mass), and of the earlier less the later mass of each slot,
+   !> (slot), which is found by itself: a difference would cancel on a stiff spring.
    pure subroutine solve(self, state, x, difference)
       class(part_type), intent(in) :: self
       type(part_state_type), intent(in) :: state

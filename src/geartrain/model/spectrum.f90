@@ -1,5 +1,5 @@
-!> Eigenvalues of W diag(factor), which is similar to a symmetric matrix by the roots of stiffness and factor; banded, as the elements
-!> are numbered along the train. Over all elements it has one eigenvalue 0 for each that closes a loop.
+!> Eigenvalues of W diag(factor), which is similar to a symmetric matrix by the roots of stiffness and factor; banded, as the
+!> elements are numbered along the train. Over all elements it has one eigenvalue 0 for each that closes a loop.
 module geartrain_model_spectrum
    use geartrain_base_kinds, only: dp
    use geartrain_base_lapack, only: dsbev

@@ -30,8 +30,8 @@ module geartrain_model_system
       integer, allocatable :: mesh_element(:), element_mesh(:), element_shaft(:)
       !> Mean stiffness along the line of action [N/m], (element).
       real(dp), allocatable :: stiffness(:)
-      !> W_nn [1], (element); the elements first(n):first(n + 1) - 1 of `neighbour` have a body in common with element n, ascending,
-      !> and W of each of them is in `coupling`.
+      !> W_nn [1], (element); the elements first(n):first(n + 1) - 1 of `neighbour` have a body in common with element n, ascending;
+      !> W of each of them is in `coupling`.
       real(dp), allocatable :: own(:), coupling(:)
       integer, allocatable :: first(:), neighbour(:)
       !> gamma = c omega_c/k [1] and static force over k b_c [1], (element).
@@ -45,8 +45,8 @@ module geartrain_model_system
       real(dp), allocatable :: backlash(:)
       !> kappa - 1 and e/b_c, (mesh).
       type(series_type), allocatable :: mesh_stiffness(:), transmission_error(:)
-      !> Fluctuating torques T/b_c [N m/m], the bodies of the train on which they act, (torque), and the acceleration of each element
-      !> per unit of their amplitudes [1], (element, torque).
+      !> Fluctuating torques T/b_c [N m/m], the bodies of the train on which they act, (torque), and the acceleration of each
+      !> element per unit of their amplitudes [1], (element, torque).
       type(series_type), allocatable :: torque(:)
       integer, allocatable :: torque_body(:)
       real(dp), allocatable :: torque_gain(:, :)

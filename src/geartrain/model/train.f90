@@ -1,5 +1,5 @@
-!> A gear train as the user gives it, in SI units: bodies joined by shafts and gear pairs; or in short form, without bodies, M shafts
-!> in a chain and the M-1 gear pairs between them.
+!> A gear train as the user gives it, in SI units: bodies joined by shafts and gear pairs; or in short form, without bodies, M
+!> shafts in a chain and the M-1 gear pairs between them.
 module geartrain_model_train
    use geartrain_base_interrupt, only: interrupt_type
    use geartrain_base_kinds, only: dp

@@ -104,8 +104,8 @@ contains
       end do
       call self%fine%plan(fine_samples(maxval([1, self%harmonic])))
       if (allocated(self%residual)) deallocate (self%residual, self%d_frequency, self%force, self%receptance, self%wave)
-      allocate (self%residual(self%block, self%unknowns), self%d_frequency(self%block, self%unknowns), &
-                self%force(self%block, self%unknowns), self%receptance(size(self%harmonic)))
+      allocate (self%residual(self%block, self%unknowns), self%receptance(size(self%harmonic)))
+      allocate (self%d_frequency, self%force, mold=self%residual)
       self%explicit = size(self%harmonic)
       if (self%explicit > most_direct) self%explicit = explicit_of_many
       ! No alias of a product with spectra up to twice the highest harmonic reaches a harmonic that is carried.
@@ -119,8 +119,8 @@ contains
    subroutine evaluate(self, u, frequency)
       class(balance_type), intent(inout) :: self
       real(dp), intent(in) :: u(:, :), frequency
-      integer :: i, k, r, n
       complex(dp) :: s, ds, force, d_force
+      integer :: i, k, r, n
 
       self%frequency = frequency
       do i = 1, self%unknowns
@@ -197,15 +197,12 @@ contains
       !> At `harmonic`.
       type(receptance_type), intent(in) :: receptance
       complex(dp), intent(out) :: matrix(:)
-      complex(dp) :: own(self%unknowns)
-      integer :: i, n
+      integer :: n
 
-      own = [(self%mean_stiffness(i, harmonic), i=1, self%unknowns)]
-      matrix = 0
-      matrix(:self%unknowns) = 1
-      associate (graph => self%system%cut%graph)
-         do n = 1, size(graph%entry)
-            matrix(graph%entry(n)) = matrix(graph%entry(n)) + receptance%h(graph%entry(n))*own(graph%column(n))
+      matrix = merge(1, 0, [(n <= self%unknowns, n=1, size(matrix))])
+      associate (entry => self%system%cut%graph%entry, column => self%system%cut%graph%column)
+         do n = 1, size(entry)
+            matrix(entry(n)) = matrix(entry(n)) + receptance%h(entry(n))*self%mean_stiffness(column(n), harmonic)
          end do
       end associate
    end subroutine mean_matrix
@@ -298,7 +295,7 @@ contains
       end associate
    end subroutine find_tangent
 
-   !> Adds the damping to that.
+   !> Adds gamma dp'/du to the tangent.
    subroutine damp_tangent(self, i)
       class(balance_type), intent(inout) :: self
       integer, intent(in) :: i

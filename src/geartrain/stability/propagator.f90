@@ -52,8 +52,8 @@ module geartrain_stability_propagator
       integer, allocatable, private :: terms(:)
       !> Further arguments of `take_step` (element), and its work space.
       real(dp), allocatable, private :: spring(:), damper(:), work(:)
-      !> Neighbours of each element, counted from 0 as in C, and W_nm/W_mm of each, between two zeros; 1: they are the elements before
-      !> and after it.
+      !> Neighbours of each element, counted from 0 as in C, and W_nm/W_mm of each, between two zeros; chain = 1: they are the
+      !> elements before and after it.
       integer, private :: chain = 0
       integer, allocatable, private :: first(:), neighbour(:)
       real(dp), allocatable, private :: factor(:)
