@@ -84,18 +84,15 @@ contains
       self%eta = eta
       self%highest = highest
       self%samples = samples
-      if (eta == 1) then
-         self%harmonic = needed_harmonics(system, highest)
-      else
-         self%harmonic = [(r, r=1, highest)]
-      end if
+      self%harmonic = [(r, r=1, highest)]
+      if (eta == 1) self%harmonic = needed_harmonics(system, highest)
       self%missing = pack([(r, r=1, 3*highest)], [(.not. any(self%harmonic == r), r=1, 3*highest)])
       if (eta == 1) self%missing = pack(self%missing, mod(self%missing, system%excitation_order) == 0)
       self%left_out = eta*excited_harmonics(system)
       self%left_out = pack(self%left_out, self%left_out > highest)
       self%block = 1 + 2*size(self%harmonic)
       self%mesh = system%cut%mesh
-      self%unknowns = system%cut%unknowns
+      self%unknowns = size(self%mesh)
       if (.not. allocated(self%contact)) allocate (self%contact(self%unknowns))
       do i = 1, self%unknowns
          associate (j => self%mesh(i))
@@ -103,7 +100,8 @@ contains
          end associate
       end do
       call self%fine%plan(fine_samples(maxval([1, self%harmonic])))
-      if (allocated(self%residual)) deallocate (self%residual, self%d_frequency, self%force, self%receptance, self%wave)
+      if (allocated(self%residual)) deallocate (self%residual, self%d_frequency, self%force, self%receptance, self%wave, &
+                                                self%tangent)
       allocate (self%residual(self%block, self%unknowns), self%receptance(size(self%harmonic)))
       allocate (self%d_frequency, self%force, mold=self%residual)
       self%explicit = size(self%harmonic)
@@ -111,7 +109,6 @@ contains
       ! No alias of a product with spectra up to twice the highest harmonic reaches a harmonic that is carried.
       if (.not. self%is_direct()) call self%products%plan(transform_length(4*self%harmonic(size(self%harmonic)) + 1))
       allocate (self%wave(merge(0, self%products%samples, self%is_direct()), self%unknowns))
-      if (allocated(self%tangent)) deallocate (self%tangent)
       allocate (self%tangent(1 + 2*self%explicit, 1 + 2*self%explicit, self%unknowns))
    end subroutine setup
 
