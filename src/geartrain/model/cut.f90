@@ -33,8 +33,8 @@ contains
 
       cut%is_unknown = network%elements%unknown
       ! The unknowns are in the order of the meshes, whatever that of the elements.
-      cut%mesh = pack(network%elements%mesh, cut%is_unknown)
       cut%element = pack([(n, n=1, size(cut%is_unknown))], cut%is_unknown)
+      cut%mesh = [(network%elements(cut%element(n))%mesh, n=1, size(cut%element))]
       cut%unknowns = size(cut%mesh)
       call sort_by_mesh(cut%mesh, cut%element)
       call find_parts(network, cut)

@@ -67,11 +67,14 @@ contains
       end if
    end function body_count
 
-   !> How many displacements the elements of the tree have that joins all bodies: a state is these and their velocities.
+   !> How many displacements the elements of the tree have that joins all bodies: a state is these and their velocities. 0 for a train
+   !> of nothing.
    pure integer function coordinate_count(train)
       type(train_type), intent(in) :: train
       type(network_type) :: network
 
+      coordinate_count = 0
+      if (body_count(train) == 0) return
       call join_rigid(train, network)
       coordinate_count = size(network%inertia) - 1
    end function coordinate_count
