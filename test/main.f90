@@ -20,6 +20,7 @@ program main
    use unit_eigenvalues, only: eigenvalues_tests
    use unit_elimination, only: elimination_tests
    use unit_flow, only: flow_tests
+   use unit_mesh, only: mesh_tests
    use unit_results, only: results_tests
    use unit_results_run, only: results_run_tests
    use unit_robust, only: robust_tests
@@ -57,6 +58,7 @@ program main
                    suite_type('unit_eigenvalues', eigenvalues_tests), &
                    suite_type('unit_elimination', elimination_tests), &
                    suite_type('unit_flow', flow_tests), &
+                   suite_type('unit_mesh', mesh_tests), &
                    suite_type('unit_results', results_tests), &
                    suite_type('unit_robust', robust_tests), &
                    suite_type('unit_scale', scale_tests), &

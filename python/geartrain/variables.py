@@ -47,12 +47,16 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "driving_inertia": Variable("driving_inertia", "real", "float", None, False, "In a chain: polar moment of inertia of the driving gear; [kg m^2]; > 0"),
         "driven_inertia": Variable("driven_inertia", "real", "float", None, False, "In a chain: polar moment of inertia of the driven gear; [kg m^2]; > 0"),
         "internal": Variable("internal", "logical", "bool", False, False, "An internal gear pair: both gears turn in one sense"),
-        "stiffness": Variable("stiffness", "real", "float", None, True, "Mean mesh stiffness along the line of action; [N/m]; > 0"),
+        "stiffness": Variable("stiffness", "real", "float", None, False, "Mean mesh stiffness along the line of action; required unless stiffness_table is given; [N/m]; > 0"),
         "damping_ratio": Variable("damping_ratio", "real", "float", 0.0, False, "c/(2 sqrt(k m)) with m = I_a I_b/(r_a^2 I_b + r_b^2 I_a); >= 0"),
         "damping": Variable("damping", "real", "float", None, False, "Damping coefficient, instead of damping_ratio; [N s/m]; >= 0"),
         "half_backlash": Variable("half_backlash", "real", "float", 0.0, False, "Half of the backlash, b; 0: no backlash, a linear mesh; [m]; >= 0"),
         "stiffness_cos": Variable("stiffness_cos", "reals", "Series", None, False, "Cosine amplitudes, harmonics 1, 2, ... of kappa(t) = 1 + ..., the mesh stiffness over its mean"),
         "stiffness_sin": Variable("stiffness_sin", "reals", "Series", None, False, "Sine amplitudes, likewise"),
+        "stiffness_table": Variable("stiffness_table", "reals", "Series", None, False, "Stiffness at equidistant instants of one mesh cycle, 4 values or more, taken as a trigonometric polynomial: gives stiffness and its harmonics; [N/m]; > 0"),
+        "contact_ratio": Variable("contact_ratio", "real", "float", None, False, "Gives kappa as the rectangular wave of as many tooth pairs in contact, instead of stiffness_cos and stiffness_sin; > 1 and <= 10"),
+        "stiffness_harmonics": Variable("stiffness_harmonics", "integer", "int", 5, False, "Harmonics of the rectangular wave that are taken; >= 1 and <= 1000"),
+        "phase": Variable("phase", "real", "float", 0.0, False, "By which kappa and the transmission error lag, in the mesh cycle; [rad]"),
         "error_cos": Variable("error_cos", "reals", "Series", None, False, "Cosine amplitudes of the static transmission error, harmonics 1, 2, ...; it adds to the mesh displacement; [m]"),
         "error_sin": Variable("error_sin", "reals", "Series", None, False, "Sine amplitudes, likewise; [m]"),
         "order": Variable("order", "integer", "int", 1, False, "Mesh frequency as a multiple of the fundamental, m_n; >= 1 and <= 10000"),
@@ -151,6 +155,10 @@ class Mesh(Part, variables=VARIABLES["mesh"]):
     half_backlash: float | None = None
     stiffness_cos: Series | None = None
     stiffness_sin: Series | None = None
+    stiffness_table: Series | None = None
+    contact_ratio: float | None = None
+    stiffness_harmonics: int | None = None
+    phase: float | None = None
     error_cos: Series | None = None
     error_sin: Series | None = None
     order: int | None = None

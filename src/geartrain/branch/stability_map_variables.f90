@@ -8,7 +8,7 @@ module geartrain_branch_stability_map_variables
    use geartrain_branch_stability_map_settings, only: stability_map_settings_type
    use geartrain_model_check, only: check_train
    use geartrain_model_limits, only: check_frequency, check_harmonics
-   use geartrain_model_mesh, only: mesh_type
+   use geartrain_model_mesh, only: mesh_type, plain_mesh
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -121,6 +121,7 @@ contains
       type(stability_map_settings_type), intent(in) :: settings
       real(dp), intent(in) :: value
       type(train_type) :: changed
+      type(mesh_type) :: mesh
       real(dp) :: factor
       integer :: j
 
@@ -130,10 +131,10 @@ contains
       case ('stiffness_variation')
          factor = value/largest_variation(train%meshes)
          do j = 1, size(changed%meshes)
-            associate (mesh => changed%meshes(j))
-               if (allocated(mesh%stiffness_cos)) mesh%stiffness_cos = factor*mesh%stiffness_cos
-               if (allocated(mesh%stiffness_sin)) mesh%stiffness_sin = factor*mesh%stiffness_sin
-            end associate
+            call plain_mesh(train%meshes(j), mesh)
+            if (allocated(mesh%stiffness_cos)) mesh%stiffness_cos = factor*mesh%stiffness_cos
+            if (allocated(mesh%stiffness_sin)) mesh%stiffness_sin = factor*mesh%stiffness_sin
+            changed%meshes(j) = mesh
          end do
       case ('mesh_damping_ratio')
          changed%meshes%damping_ratio = value
@@ -157,27 +158,27 @@ contains
    !> Largest amplitude of any harmonic of kappa of any mesh.
    pure real(dp) function largest_variation(meshes) result(largest)
       type(mesh_type), intent(in) :: meshes(:)
+      type(mesh_type) :: mesh
       real(dp) :: cosine, sine
       integer :: j, h, most
 
       largest = 0
       do j = 1, size(meshes)
-         associate (mesh => meshes(j))
-            most = 0
-            if (allocated(mesh%stiffness_cos)) most = size(mesh%stiffness_cos)
-            if (allocated(mesh%stiffness_sin)) most = max(most, size(mesh%stiffness_sin))
-            do h = 1, most
-               cosine = 0
-               sine = 0
-               if (allocated(mesh%stiffness_cos)) then
-                  if (h <= size(mesh%stiffness_cos)) cosine = mesh%stiffness_cos(h)
-               end if
-               if (allocated(mesh%stiffness_sin)) then
-                  if (h <= size(mesh%stiffness_sin)) sine = mesh%stiffness_sin(h)
-               end if
-               largest = max(largest, hypot(cosine, sine))
-            end do
-         end associate
+         call plain_mesh(meshes(j), mesh)
+         most = 0
+         if (allocated(mesh%stiffness_cos)) most = size(mesh%stiffness_cos)
+         if (allocated(mesh%stiffness_sin)) most = max(most, size(mesh%stiffness_sin))
+         do h = 1, most
+            cosine = 0
+            sine = 0
+            if (allocated(mesh%stiffness_cos)) then
+               if (h <= size(mesh%stiffness_cos)) cosine = mesh%stiffness_cos(h)
+            end if
+            if (allocated(mesh%stiffness_sin)) then
+               if (h <= size(mesh%stiffness_sin)) sine = mesh%stiffness_sin(h)
+            end if
+            largest = max(largest, hypot(cosine, sine))
+         end do
       end do
    end function largest_variation
 

@@ -6,6 +6,7 @@ module geartrain_model_check
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_model_check_network, only: check_network
    use geartrain_model_limits, only: check_stiffest
+   use geartrain_model_mesh, only: mesh_type
    use geartrain_model_scales, only: check_scales
    use geartrain_model_shaft, only: shaft_type
    use geartrain_model_train, only: train_type
@@ -59,6 +60,11 @@ contains
          call check_end(train%load_inertia, 'load_inertia', 'last', train%shafts(shafts))
          call checker%leave()
       end if
+      do i = 1, meshes
+         call checker%enter('mesh', i)
+         call check_stiffness(train%meshes(i), checker)
+         call checker%leave()
+      end do
       call check_stiffest(train, checker)
       call check_scales(train, checker)
 
@@ -94,6 +100,39 @@ contains
       end subroutine check_end
 
    end subroutine check_consistency
+
+   !> The stiffness is given in one way.
+   subroutine check_stiffness(mesh, checker)
+      type(mesh_type), intent(in) :: mesh
+      class(checker_type), intent(inout) :: checker
+      logical :: harmonics
+
+      harmonics = is_given(mesh%stiffness_cos) .or. is_given(mesh%stiffness_sin)
+      if (allocated(mesh%stiffness_table)) then
+         if (size(mesh%stiffness_table) < 4) &
+            call checker%complain('stiffness_table', integer_text(size(mesh%stiffness_table))//' values', 'must be at least 4')
+         if (mesh%stiffness > 0) call checker%complain('stiffness', real_text(mesh%stiffness), &
+                                                       'contradicts stiffness_table: leave out one of the two')
+         if (mesh%contact_ratio > 0) call checker%complain('contact_ratio', real_text(mesh%contact_ratio), &
+                                                           'contradicts stiffness_table: leave out one of the two')
+         if (harmonics) call checker%complain('stiffness_table', '...', &
+                                              'contradicts stiffness_cos, stiffness_sin: leave out one of the two')
+      else if (.not. mesh%stiffness > 0) then
+         call checker%lacks('stiffness', '> 0 N/m')
+      end if
+      if (mesh%contact_ratio > 0 .and. harmonics) call checker%complain('contact_ratio', real_text(mesh%contact_ratio), &
+         'contradicts stiffness_cos, stiffness_sin: leave out one of the two')
+
+   contains
+
+      pure logical function is_given(list)
+         real(dp), allocatable, intent(in) :: list(:)
+
+         is_given = .false.
+         if (allocated(list)) is_given = size(list) > 0
+      end function is_given
+
+   end subroutine check_stiffness
 
    !> A rigid shaft has neither stiffness nor damping; an elastic one has stiffness.
    subroutine check_shaft(shaft, checker)

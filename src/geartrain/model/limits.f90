@@ -6,6 +6,7 @@ module geartrain_model_limits
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_model_excitation, only: lowest_harmonic
+   use geartrain_model_mesh, only: mean_stiffness
    use geartrain_model_network, only: bodies_of, body_count, ends_of, join_rigid, network_type
    use geartrain_model_system, only: put_excitation, series_type, system_type
    use geartrain_model_train, only: train_type
@@ -109,7 +110,7 @@ contains
       end do
       do i = 1, size(train%meshes)
          associate (mesh => train%meshes(i))
-            call check_element(mesh_frequency(train, i), 'mesh', mesh%stiffness, mesh%damping_ratio, mesh%damping_given, &
+            call check_element(mesh_frequency(train, i), 'mesh', mean_stiffness(mesh), mesh%damping_ratio, mesh%damping_given, &
                                mesh%damping, 'are radii, inertias and stiffness in SI units?')
          end associate
       end do
@@ -150,7 +151,7 @@ contains
       if (.not. in_order) return
       in_order = size(train%meshes) > 0 .and. train%characteristic_frequency > 0
       ! What stands outside of a group is a problem of none.
-      if (in_order) in_order = all(train%meshes%stiffness > 0 .and. train%meshes%driving_radius > 0 .and. &
+      if (in_order) in_order = all(mean_stiffness(train%meshes) > 0 .and. train%meshes%driving_radius > 0 .and. &
                                    train%meshes%driven_radius > 0)
       if (in_order .and. .not. allocated(train%bodies)) &
          in_order = size(train%shafts) == size(train%meshes) + 1 .and. all(train%meshes%driving_inertia > 0 .and. &
@@ -178,7 +179,7 @@ contains
 
       call bodies_of(train, inertia, torque, balancing)
       associate (mesh => train%meshes(j), ends => ends_of(train, j, mesh=.true.))
-         frequency = sqrt(mesh%stiffness)*hypot(mesh%driving_radius/sqrt(inertia(ends(1))), &
+         frequency = sqrt(mean_stiffness(mesh))*hypot(mesh%driving_radius/sqrt(inertia(ends(1))), &
                                                 mesh%driven_radius/sqrt(inertia(ends(2))))
       end associate
    end function mesh_frequency

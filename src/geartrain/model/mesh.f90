@@ -1,10 +1,10 @@
 !> A gear pair in SI units.
 module geartrain_model_mesh
-   use geartrain_base_kinds, only: dp
+   use geartrain_base_kinds, only: dp, pi
    use geartrain_model_body, only: name_length
    implicit none (type, external)
    private
-   public :: mesh_type
+   public :: mesh_type, mean_stiffness, plain_mesh
 
    type :: mesh_type
       !> Names of the bodies that the gears are on, that of the driving one first; blank in a chain.
@@ -26,10 +26,85 @@ module geartrain_model_mesh
       real(dp) :: half_backlash = 0
       !> Harmonics 1..K of kappa(t) = 1 + ... [1], equation (7a); empty where there are none.
       real(dp), allocatable :: stiffness_cos(:), stiffness_sin(:)
+      !> In place of stiffness and its harmonics: stiffness at equidistant instants of a mesh cycle from its beginning [N/m].
+      real(dp), allocatable :: stiffness_table(:)
+      !> In place of the harmonics: contact ratio, of a rectangular wave, and how many of its harmonics; 0: not given.
+      real(dp) :: contact_ratio = 0
+      integer :: stiffness_harmonics = 5
+      !> By which kappa and the transmission error lag [rad of the mesh cycle].
+      real(dp) :: phase = 0
       !> Harmonics 1.. of the static transmission error [m], equation (7b); it adds to the mesh displacement.
       real(dp), allocatable :: error_cos(:), error_sin(:)
       !> Mesh frequency as a multiple of the fundamental, m_n [1].
       integer :: order = 1
    end type mesh_type
+
+contains
+
+   !> Mean stiffness of a mesh, however it is given [N/m].
+   elemental real(dp) function mean_stiffness(mesh)
+      type(mesh_type), intent(in) :: mesh
+
+      mean_stiffness = mesh%stiffness
+      if (.not. allocated(mesh%stiffness_table)) return
+      if (size(mesh%stiffness_table) > 0) mean_stiffness = sum(mesh%stiffness_table)/size(mesh%stiffness_table)
+   end function mean_stiffness
+
+   !> A mesh with the same force, whose mean stiffness and harmonics are given as such and include the phase.
+   pure subroutine plain_mesh(mesh, plain)
+      type(mesh_type), intent(in) :: mesh
+      type(mesh_type), intent(out) :: plain
+      integer :: h
+
+      plain = mesh
+      if (mesh%contact_ratio > 0) then
+         ! k1, 2 k1, ... as tooth pairs come and go: the wave of a share contact_ratio - 1 of the cycle.
+         plain%stiffness_cos = [(2*sin(h*pi*(mesh%contact_ratio - 1))/(h*pi*mesh%contact_ratio), h=1, mesh%stiffness_harmonics)]
+      else if (allocated(mesh%stiffness_table)) then
+         call transform(mesh%stiffness_table, plain)
+      end if
+      plain%contact_ratio = 0
+      if (allocated(plain%stiffness_table)) deallocate (plain%stiffness_table)
+      if (.not. abs(mesh%phase) > 0) return
+      call delay(mesh%phase, plain%stiffness_cos, plain%stiffness_sin)
+      call delay(mesh%phase, plain%error_cos, plain%error_sin)
+      plain%phase = 0
+   end subroutine plain_mesh
+
+   !> The trigonometric polynomial of least degree through the values of a table.
+   pure subroutine transform(table, mesh)
+      real(dp), intent(in) :: table(:)
+      type(mesh_type), intent(inout) :: mesh
+      real(dp) :: share
+      integer :: h, j, n
+
+      n = size(table)
+      mesh%stiffness = sum(table)/n
+      allocate (mesh%stiffness_cos(n/2), mesh%stiffness_sin(n/2))
+      do h = 1, n/2
+         ! The highest harmonic of an even number of values is a cosine.
+         share = merge(1.0_dp, 2.0_dp, 2*h == n)/(n*mesh%stiffness)
+         mesh%stiffness_cos(h) = share*sum([(table(j)*cos(2*pi*h*(j - 1)/n), j=1, n)])
+         mesh%stiffness_sin(h) = share*sum([(table(j)*sin(2*pi*h*(j - 1)/n), j=1, n)])
+         if (2*h == n) mesh%stiffness_sin(h) = 0
+      end do
+   end subroutine transform
+
+   !> The harmonics of a function of theta - phase from those of the function of theta; either list may be absent or shorter.
+   pure subroutine delay(phase, cosine, sine)
+      real(dp), intent(in) :: phase
+      real(dp), allocatable, intent(inout) :: cosine(:), sine(:)
+      real(dp), allocatable :: a(:), b(:)
+      integer :: h, n
+
+      n = 0
+      if (allocated(cosine)) n = size(cosine)
+      if (allocated(sine)) n = max(n, size(sine))
+      allocate (a(n), b(n), source=0.0_dp)
+      if (allocated(cosine)) a(:size(cosine)) = cosine
+      if (allocated(sine)) b(:size(sine)) = sine
+      cosine = [(a(h)*cos(h*phase) - b(h)*sin(h*phase), h=1, n)]
+      sine = [(a(h)*sin(h*phase) + b(h)*cos(h*phase), h=1, n)]
+   end subroutine delay
 
 end module geartrain_model_mesh

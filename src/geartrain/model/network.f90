@@ -5,6 +5,7 @@
 !> theta = x/radius with one x and the reduced radii; with x = radius theta every element is a spring between two masses.
 module geartrain_model_network
    use geartrain_base_kinds, only: dp
+   use geartrain_model_mesh, only: mesh_type, plain_mesh
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -206,19 +207,19 @@ contains
       integer, intent(in) :: i
       real(dp), intent(in) :: inertia(:)
       type(element_type), intent(inout) :: element
+      type(mesh_type) :: mesh
       integer :: ends(2)
 
       ends = ends_of(train, i, mesh=.true.)
       element%mesh = i
       element%from = network%node(ends(1))
       element%to = network%node(ends(2))
-      associate (mesh => train%meshes(i))
-         element%radius = [mesh%driving_radius, mesh%driven_radius]
-         element%stiffness = mesh%stiffness
-         element%damping = 2*mesh%damping_ratio*sqrt(mesh%stiffness/sum(element%radius**2/inertia(ends)))
-         if (mesh%damping_given) element%damping = mesh%damping
-         element%unknown = mesh%half_backlash > 0 .or. varies(mesh%stiffness_cos) .or. varies(mesh%stiffness_sin)
-      end associate
+      call plain_mesh(train%meshes(i), mesh)
+      element%radius = [mesh%driving_radius, mesh%driven_radius]
+      element%stiffness = mesh%stiffness
+      element%damping = 2*mesh%damping_ratio*sqrt(mesh%stiffness/sum(element%radius**2/inertia(ends)))
+      if (mesh%damping_given) element%damping = mesh%damping
+      element%unknown = mesh%half_backlash > 0 .or. varies(mesh%stiffness_cos) .or. varies(mesh%stiffness_sin)
 
    contains
 

@@ -5,6 +5,7 @@ module geartrain_model_scales
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text, text
    use geartrain_model_limits, only: in_order, own_frequency
+   use geartrain_model_mesh, only: mean_stiffness
    use geartrain_model_network, only: bodies_of, body_count, ends_of
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -205,7 +206,7 @@ contains
       force(balancing) = none
       do i = 1, size(compliance)
          associate (mesh => train%meshes(i), ends => ends_of(train, i, mesh=.true.))
-            compliance(i) = radius(ends(1)) - decades(mesh%driving_radius) - decades(mesh%stiffness)
+            compliance(i) = radius(ends(1)) - decades(mesh%driving_radius) - decades(mean_stiffness(mesh))
          end associate
       end do
 

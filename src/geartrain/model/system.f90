@@ -10,6 +10,7 @@ module geartrain_model_system
    use geartrain_base_interrupt, only: interrupt_type
    use geartrain_base_kinds, only: dp
    use geartrain_model_cut, only: cut_network, cut_type
+   use geartrain_model_mesh, only: mesh_type, plain_mesh
    use geartrain_model_mean, only: mean_rows, mean_type
    use geartrain_model_network, only: build_network, network_type
    use geartrain_model_train, only: train_type
@@ -287,6 +288,7 @@ contains
    pure subroutine put_excitation(train, system)
       type(train_type), intent(in) :: train
       type(system_type), intent(inout) :: system
+      type(mesh_type) :: mesh
       integer :: j
 
       system%meshes = size(train%meshes)
@@ -304,10 +306,9 @@ contains
             system%torque(1) = series(train%torque_cos, train%torque_sin, 1/bc, 1)
          end if
          do j = 1, system%meshes
-            associate (mesh => train%meshes(j))
-               system%mesh_stiffness(j) = series(mesh%stiffness_cos, mesh%stiffness_sin, 1.0_dp, mesh%order)
-               system%transmission_error(j) = series(mesh%error_cos, mesh%error_sin, 1/bc, mesh%order)
-            end associate
+            call plain_mesh(train%meshes(j), mesh)
+            system%mesh_stiffness(j) = series(mesh%stiffness_cos, mesh%stiffness_sin, 1.0_dp, mesh%order)
+            system%transmission_error(j) = series(mesh%error_cos, mesh%error_sin, 1/bc, mesh%order)
          end do
       end associate
       system%excitation_order = common_order(system)

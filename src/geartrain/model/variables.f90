@@ -113,7 +113,7 @@ contains
       !> It stands in a chain, which has no bodies.
       logical, intent(in) :: chain
       class(visitor_type), intent(inout) :: v
-      logical :: by_ratio, own_gears
+      logical :: by_ratio, own_gears, plain, rectangular
 
       call v%enter('mesh', index)
       call v%on_names(row('between', '', 'names of the bodies that the driving and the driven gear are on; none in a chain'), &
@@ -129,8 +129,9 @@ contains
       call v%on_real(row('driven_inertia', 'kg m^2', 'in a chain: polar moment of inertia of the driven gear', required=chain, &
                          above=zero), mesh%driven_inertia, own_gears)
       call v%on_logical(row('internal', '', 'an internal gear pair: both gears turn in one sense'), mesh%internal)
-      call v%on_real(row('stiffness', 'N/m', 'mean mesh stiffness along the line of action', required=.true., above=zero), &
-                     mesh%stiffness)
+      plain = .not. allocated(mesh%stiffness_table)
+      call v%on_real(row('stiffness', 'N/m', 'mean mesh stiffness along the line of action; required unless stiffness_table is &
+                         &given', above=zero), mesh%stiffness, plain)
       by_ratio = .not. mesh%damping_given
       call v%on_real(row('damping_ratio', '', 'c/(2 sqrt(k m)) with m = I_a I_b/(r_a^2 I_b + r_b^2 I_a)', least=zero), &
                      mesh%damping_ratio, by_ratio)
@@ -141,6 +142,14 @@ contains
       call v%on_list(row('stiffness_cos', '', 'cosine amplitudes, harmonics 1, 2, ... of kappa(t) = 1 + ..., the mesh stiffness &
                          &over its mean'), mesh%stiffness_cos)
       call v%on_list(row('stiffness_sin', '', 'sine amplitudes, likewise'), mesh%stiffness_sin)
+      call v%on_list(row('stiffness_table', 'N/m', 'stiffness at equidistant instants of one mesh cycle, 4 values or more, taken &
+                         &as a trigonometric polynomial: gives stiffness and its harmonics', above=zero), mesh%stiffness_table)
+      rectangular = mesh%contact_ratio > 0
+      call v%on_real(row('contact_ratio', '', 'gives kappa as the rectangular wave of as many tooth pairs in contact, instead of &
+                         &stiffness_cos and stiffness_sin', above=one, most=10*one), mesh%contact_ratio, rectangular)
+      call v%on_integer(row('stiffness_harmonics', '', 'harmonics of the rectangular wave that are taken', least=one, &
+                            most=1000*one), mesh%stiffness_harmonics)
+      call v%on_real(row('phase', 'rad', 'by which kappa and the transmission error lag, in the mesh cycle'), mesh%phase)
       call v%on_list(row('error_cos', 'm', 'cosine amplitudes of the static transmission error, harmonics 1, 2, ...; it adds to &
                          &the mesh displacement'), mesh%error_cos)
       call v%on_list(row('error_sin', 'm', 'sine amplitudes, likewise'), mesh%error_sin)
