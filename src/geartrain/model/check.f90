@@ -6,7 +6,7 @@ module geartrain_model_check
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_model_check_network, only: check_network
    use geartrain_model_limits, only: check_stiffest
-   use geartrain_model_mesh, only: mesh_type
+   use geartrain_model_mesh, only: has_table, mesh_type
    use geartrain_model_scales, only: check_scales
    use geartrain_model_shaft, only: shaft_type
    use geartrain_model_train, only: train_type
@@ -108,7 +108,7 @@ contains
       logical :: harmonics
 
       harmonics = is_given(mesh%stiffness_cos) .or. is_given(mesh%stiffness_sin)
-      if (allocated(mesh%stiffness_table)) then
+      if (has_table(mesh)) then
          if (size(mesh%stiffness_table) < 4) &
             call checker%complain('stiffness_table', integer_text(size(mesh%stiffness_table))//' values', 'must be at least 4')
          if (mesh%stiffness > 0) call checker%complain('stiffness', real_text(mesh%stiffness), &

@@ -4,7 +4,7 @@ module geartrain_model_mesh
    use geartrain_model_body, only: name_length
    implicit none (type, external)
    private
-   public :: mesh_type, mean_stiffness, plain_mesh
+   public :: mesh_type, has_table, mean_stiffness, plain_mesh
 
    type :: mesh_type
       !> Names of the bodies that the gears are on, that of the driving one first; blank in a chain.
@@ -41,13 +41,20 @@ module geartrain_model_mesh
 
 contains
 
+   !> Whether the stiffness is given by a table: an empty one is none.
+   pure logical function has_table(mesh)
+      type(mesh_type), intent(in) :: mesh
+
+      has_table = .false.
+      if (allocated(mesh%stiffness_table)) has_table = size(mesh%stiffness_table) > 0
+   end function has_table
+
    !> Mean stiffness of a mesh, however it is given [N/m].
    elemental real(dp) function mean_stiffness(mesh)
       type(mesh_type), intent(in) :: mesh
 
       mean_stiffness = mesh%stiffness
-      if (.not. allocated(mesh%stiffness_table)) return
-      if (size(mesh%stiffness_table) > 0) mean_stiffness = sum(mesh%stiffness_table)/size(mesh%stiffness_table)
+      if (has_table(mesh)) mean_stiffness = sum(mesh%stiffness_table)/size(mesh%stiffness_table)
    end function mean_stiffness
 
    !> A mesh with the same force, whose mean stiffness and harmonics are given as such and include the phase.
@@ -60,7 +67,7 @@ contains
       if (mesh%contact_ratio > 0) then
          ! k1, 2 k1, ... as tooth pairs come and go: the wave of a share contact_ratio - 1 of the cycle.
          plain%stiffness_cos = [(2*sin(h*pi*(mesh%contact_ratio - 1))/(h*pi*mesh%contact_ratio), h=1, mesh%stiffness_harmonics)]
-      else if (allocated(mesh%stiffness_table)) then
+      else if (has_table(mesh)) then
          call transform(mesh%stiffness_table, plain)
       end if
       plain%contact_ratio = 0
@@ -80,7 +87,8 @@ contains
 
       n = size(table)
       mesh%stiffness = sum(table)/n
-      allocate (mesh%stiffness_cos(n/2), mesh%stiffness_sin(n/2))
+      mesh%stiffness_cos = [(0.0_dp, h=1, n/2)]
+      mesh%stiffness_sin = mesh%stiffness_cos
       do h = 1, n/2
          ! The highest harmonic of an even number of values is a cosine.
          share = merge(1.0_dp, 2.0_dp, 2*h == n)/(n*mesh%stiffness)

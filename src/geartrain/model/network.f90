@@ -68,8 +68,8 @@ contains
       end if
    end function body_count
 
-   !> How many displacements the elements of the tree have that joins all bodies: a state is these and their velocities. 0 for a train
-   !> of nothing.
+   !> How many displacements the elements of the tree have that joins all bodies: a state is these and their velocities. 0 for a
+   !> train of nothing.
    pure integer function coordinate_count(train)
       type(train_type), intent(in) :: train
       type(network_type) :: network

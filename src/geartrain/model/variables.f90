@@ -5,7 +5,7 @@ module geartrain_model_variables
    use geartrain_base_kinds, only: dp
    use geartrain_base_variable, only: row => variable_type, visitor_type
    use geartrain_model_body, only: body_type
-   use geartrain_model_mesh, only: mesh_type
+   use geartrain_model_mesh, only: has_table, mesh_type
    use geartrain_model_shaft, only: shaft_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -129,7 +129,8 @@ contains
       call v%on_real(row('driven_inertia', 'kg m^2', 'in a chain: polar moment of inertia of the driven gear', required=chain, &
                          above=zero), mesh%driven_inertia, own_gears)
       call v%on_logical(row('internal', '', 'an internal gear pair: both gears turn in one sense'), mesh%internal)
-      plain = .not. allocated(mesh%stiffness_table)
+      ! Both are told, so that both are written down.
+      plain = .not. has_table(mesh) .or. mesh%stiffness > 0
       call v%on_real(row('stiffness', 'N/m', 'mean mesh stiffness along the line of action; required unless stiffness_table is &
                          &given', above=zero), mesh%stiffness, plain)
       by_ratio = .not. mesh%damping_given

@@ -132,6 +132,8 @@ contains
       terms = 0
       coordinates = 0
       states = 0
+      ! There are none where fields are listed.
+      if (.not. allocated(motions)) allocate (motions(0))
       if (fields%way /= reading) then
          do i = 1, min(n, size(motions))
             if (allocated(motions(i)%coefficients)) then
