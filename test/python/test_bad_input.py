@@ -14,7 +14,8 @@ import geartrain as gt
 
 #: What a message must say to be of help: what is expected, or what to do.
 CURE = (
-    r"must |did you mean|there are |belongs to|leave out|takes one value|takes 2 names|joined in its order|has no value|given twice|empty value|more than"
+    r"must |did you mean|there are |belongs to|leave out|takes one value|has no value|given twice|empty value|more than"
+    r"|takes 2 names|joined in its order"
     r"|lacks |not closed|expected \"=\"|give the whole list|values are separated by commas"
 )
 GIVEN = {
@@ -51,7 +52,8 @@ def table(executable):
         elif row := re.match(r"\| `(\w+)` \|", line):
             cells = [cell.strip() for cell in line.split("|")[1:-1]]
             variables.append(Variable(group, row[1], cells[1], cells[3] == "required", cells[4]))
-    assert len(variables) > 50 and {variable.kind for variable in variables} == {"real", "integer", "logical", "text", "reals", "names"}
+    kinds = {variable.kind for variable in variables}
+    assert len(variables) > 50 and kinds == {"real", "integer", "logical", "text", "reals", "names"}
     return variables
 
 
@@ -97,7 +99,7 @@ def faults(variable):
         values.append("'nonsense'")
     if kind == "text":
         values += [f"'{chr(7)}'", "'not closed"]
-    values.append("1001*1.0" if kind == "reals" else "'a' 'b'" if kind == "text" else "'a', 'b', 'c'" if kind == "names" else "1, 2")
+    values.append({"reals": "1001*1.0", "text": "'a' 'b'", "names": "'a', 'b', 'c'"}.get(kind, "1, 2"))
     lines = [f"{name} = {value}" for value in values]
     good = {"real": "1.0", "reals": "0.1", "integer": "1", "logical": ".true.", "text": "'x'", "names": "'a', 'b'"}[kind]
     lines += [f"{name} =", f"{name} = , {good}", f"{name} {good}", f"{name}(1) = {good}", f"{name}%x = {good}"]
