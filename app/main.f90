@@ -4,8 +4,8 @@ program main
    use audits, only: audit_cases
    use cases, only: check_cases, run_cases
    use geartrain, only: status_file, status_input, template_text, version
-   use geartrain_case_text, only: reference_text
-   use geartrain_results_reference, only: output_reference
+   use geartrain_input_text, only: reference_text
+   use geartrain_run_reference, only: output_reference
    use terminal, only: complain, has_memory, leave_at_once, output_lost, say, stand_firm
    implicit none (type, external)
    type(arguments_type) :: asked

@@ -44,11 +44,11 @@ contains
    end subroutine begin_progress
 
    !> Writes at most ten times a second.
-   subroutine on_step(self, analysis, done, frequency, keep_going)
+   subroutine on_step(self, analysis, done, frequency_ratio, keep_going)
       class(progress_type), intent(inout) :: self
       character(*), intent(in) :: analysis
       integer, intent(in) :: done
-      real(dp), intent(in) :: frequency
+      real(dp), intent(in) :: frequency_ratio
       logical, intent(inout) :: keep_going
       integer(int64) :: now
       integer :: status
@@ -76,7 +76,7 @@ contains
          write (error_unit, '(3a, i0, a)', advance='no', iostat=status) to_line_start, analysis, ': ', done, ' rows'
       else
          write (error_unit, '(3a, i0, a, f8.4)', advance='no', iostat=status) to_line_start, analysis, ': ', done, &
-            trim(merge(' starts, Lambda =', ' points, Lambda =', analysis == 'attractors')), frequency
+            trim(merge(' starts, Lambda =', ' points, Lambda =', analysis == 'attractors')), frequency_ratio
       end if
       flush (error_unit, iostat=status)
    end subroutine on_step

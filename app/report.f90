@@ -1,10 +1,10 @@
 !> The short table at the end of a run.
 module report
    use geartrain, only: attractors_type, branch_type, dp, modes_type, stability_map_type, sweep_type
-   use geartrain_branch_contact_ranges, only: back_collision_ranges, separation_ranges
-   use geartrain_branch_decided, only: rests_on_undecided
-   use geartrain_branch_jumps, only: jump_type, jumps
-   use geartrain_branch_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
+   use geartrain_continuation_contact_ranges, only: back_collision_ranges, separation_ranges
+   use geartrain_continuation_decided, only: rests_on_undecided
+   use geartrain_continuation_jumps, only: jump_type, jumps
+   use geartrain_continuation_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
    use terminal, only: output_unit
    implicit none (type, external)
    private
@@ -86,7 +86,7 @@ contains
       do i = 1, size(branch%special_points)
          associate (special => branch%special_points(i))
             if (special%kind /= 'branch point') cycle
-            write (output_unit, '(2a)') '    branch point at Lambda ', fixed(special%frequency, 4)
+            write (output_unit, '(2a)') '    branch point at Lambda ', fixed(special%frequency_ratio, 4)
          end associate
       end do
    end subroutine report_branch_points
@@ -99,7 +99,7 @@ contains
 
       found = peaks(branch, mesh)
       do i = 1, size(found)
-         write (output_unit, '(i8, f16.4, f12.5)', advance='no') mesh, found(i)%frequency, found(i)%rms
+         write (output_unit, '(i8, f16.4, f12.5)', advance='no') mesh, found(i)%frequency_ratio, found(i)%rms
          if (allocated(branch%stable)) write (output_unit, '(2x, a)', advance='no') &
             trim(merge('undecided', merge('stable   ', 'unstable ', found(i)%stable), found(i)%undecided))
          write (output_unit, '()')
@@ -114,7 +114,8 @@ contains
       found = jumps(branch)
       if (size(found) > 0) write (output_unit, '(a)') '    speed    Lambda  to the nearest stable motion, rms of the meshes'
       do i = 1, size(found)
-         write (output_unit, '(4x, a, f9.4, 2x)', advance='no') merge('rising ', 'falling', found(i)%rising), found(i)%frequency
+         write (output_unit, '(4x, a, f9.4, 2x)', advance='no') merge('rising ', 'falling', found(i)%rising), &
+              found(i)%frequency_ratio
          if (found(i)%kind == 'leaves') then
             write (output_unit, '(3a)', advance='no') 'leaves the branch (', trim(found(i)%cause), ')'
          else
@@ -136,7 +137,7 @@ contains
       write (output_unit, '(a, i0, a)') '    stability of ', count(branch%undecided(:branch%points)), ' points is undecided'
       do i = 1, size(branch%special_points)
          if (rests_on_undecided(branch, i)) write (output_unit, '(4a)') '    rests on undecided points: ', &
-            trim(branch%special_points(i)%kind), ' at Lambda ', fixed(branch%special_points(i)%frequency, 4)
+            trim(branch%special_points(i)%kind), ' at Lambda ', fixed(branch%special_points(i)%frequency_ratio, 4)
       end do
    end subroutine report_undecided
 
@@ -201,7 +202,7 @@ contains
             write (output_unit, '(i8, f19.1)', advance='no') mesh, load%force_maximum
             if (load%dynamic_factor < 0) write (output_unit, '(a16)', advance='no') '-'
             if (load%dynamic_factor >= 0) write (output_unit, '(f16.3)', advance='no') load%dynamic_factor
-            write (output_unit, '(f11.4)') branch%frequency(i)
+            write (output_unit, '(f11.4)') branch%frequency_ratio(i)
          end associate
       end do
    end subroutine report_loads
@@ -228,7 +229,8 @@ contains
       real(dp), intent(in) :: seconds
       integer :: i
 
-      write (output_unit, '(3a, i0, a, i0, 5a)') 'Attractors at Lambda = ', fixed(found%frequency, 4), ': ', size(found%motions), &
+      write (output_unit, '(3a, i0, a, i0, 5a)') 'Attractors at Lambda = ', fixed(found%frequency_ratio, 4), ': ', &
+           size(found%motions), &
          ' from ', found%starts, ' starts in ', fixed(seconds, 2), ' s, ', fixed(100*found%unsettled, 1), ' % did not settle'
       if (size(found%motions) > 0) write (output_unit, '(a)') '    motion  period     share            rms of each mesh'
       do i = 1, size(found%motions)
@@ -247,9 +249,9 @@ contains
       real(dp), intent(in) :: seconds
       integer :: points
 
-      write (output_unit, '(a, 2(i0, a), 5a)') 'Stability map: ', size(map%parameter), ' values of ', size(map%frequency), &
+      write (output_unit, '(a, 2(i0, a), 5a)') 'Stability map: ', size(map%parameter), ' values of ', size(map%frequency_ratio), &
          ' frequencies each, ', map%name, ' and Lambda, in ', fixed(seconds, 2), ' s'
-      points = size(map%frequency)*count(map%done)
+      points = size(map%frequency_ratio)*count(map%done)
       if (points > 0) then
          call report_share('no stable motion', count(map%stable_motions == 0), points)
          call report_share('several stable motions', count(map%stable_motions > 1), points)

@@ -18,7 +18,7 @@ program response_curve
    print '(a, 2f8.4)', 'Largest rms of the meshes:', maxval(branch%rms, dim=2)
    do i = 1, size(branch%special_points)
       associate (special => branch%special_points(i))
-         print '(a16, a, f7.4)', special%kind, 'at Lambda = ', special%frequency
+         print '(a16, a, f7.4)', special%kind, 'at Lambda = ', special%frequency_ratio
       end associate
    end do
 end program response_curve

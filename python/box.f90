@@ -4,15 +4,15 @@ module geartrain_python_box
    use, intrinsic :: iso_fortran_env, only: int64, real64
    use geartrain, only: audit_text, audit_type, case_text, case_type, error_type, interrupt_by, locate_contact_edges, &
                         motion_type, observer_type, results_type, status_input, version
+   use geartrain_analyses_audit_fields, only: visit_audit
    use geartrain_base_error, only: fatal
    use geartrain_base_field, only: field_type, text_type, values_type
    use geartrain_base_fields, only: fields_type, reading
    use geartrain_base_numbers, only: integer_text
-   use geartrain_branch_audit_fields, only: visit_audit
-   use geartrain_branch_summary_fields, only: visit_bands, visit_jumps, visit_peaks, visit_ranges
-   use geartrain_motion_fields, only: visit_motions
-   use geartrain_results_reference, only: list_results
-   use geartrain_results_results, only: take_results, visit_results
+   use geartrain_continuation_summary_fields, only: visit_bands, visit_jumps, visit_peaks, visit_ranges
+   use geartrain_flow_fields, only: visit_motions
+   use geartrain_run_reference, only: list_results
+   use geartrain_run_results, only: take_results, visit_results
    implicit none (type, external)
    private
    public :: box_type, watch_type, begin_watch, close_with, box_of, handle_of
@@ -56,11 +56,11 @@ contains
       box%case%train%interrupt = interrupt_by(flag)
    end subroutine begin_watch
 
-   subroutine on_step(self, analysis, done, frequency, keep_going)
+   subroutine on_step(self, analysis, done, frequency_ratio, keep_going)
       class(watch_type), intent(inout) :: self
       character(*), intent(in) :: analysis
       integer, intent(in) :: done
-      real(real64), intent(in) :: frequency
+      real(real64), intent(in) :: frequency_ratio
       logical, intent(inout) :: keep_going
 
       real(real64), pointer, volatile :: progress(:)
@@ -68,7 +68,7 @@ contains
       progress => self%progress
       ! The mesh periods of a motion that settles are no points of the analysis.
       if (analysis /= 'settling') progress(2) = done
-      progress(3) = frequency
+      progress(3) = frequency_ratio
       if (progress(1) > 0) keep_going = .false.
    end subroutine on_step
 

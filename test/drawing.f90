@@ -4,8 +4,8 @@ module drawing
    use geartrain, only: case_type, dp
    use geartrain_base_random, only: begin_random, generator_type
    use geartrain_base_variable, only: variable_type, visitor_type
-   use geartrain_case_template, only: paper_case
-   use geartrain_case_variables, only: visit_case
+   use geartrain_input_template, only: paper_case
+   use geartrain_input_variables, only: visit_case
    implicit none (type, external)
    private
    public :: draw_case
@@ -92,7 +92,7 @@ contains
       case%integration%stop = centre + 0.05_dp
       case%integration%points = 3
       case%integration%max_periods = 100
-      case%attractors%frequency = centre + 0.02_dp
+      case%attractors%frequency_ratio = centre + 0.02_dp
       case%attractors%starts = 3
       case%attractors%max_periods = 100
       case%stability_map%start = centre

@@ -2,11 +2,11 @@
 module fixtures
    use, intrinsic :: iso_fortran_env, only: int64
    use geartrain, only: body_type, case_type, dp, motion_type, response_settings_type, shaft_type, train_type
-   use geartrain_base_fftw, only: transform_type
    use geartrain_base_kinds, only: pi
-   use geartrain_case_template, only: paper_case
-   use geartrain_motion_contact, only: contact_type
-   use geartrain_motion_trigonometric, only: fine_samples
+   use geartrain_input_template, only: paper_case
+   use geartrain_linalg_fftw, only: transform_type
+   use geartrain_linalg_trigonometric, only: fine_samples
+   use geartrain_mesh_law_contact, only: contact_type
    implicit none (type, external)
    private
    public :: body, closest, linear_pair, long_train, paper_train, random_train, rattling_pair, rectangular, reducer, settings_of, &
@@ -246,11 +246,11 @@ contains
 
    !> The next train of a list, and Lambda, in the natural frequency of the first mesh alone: 2 to 5 flexible shafts of damping
    !> ratio .005 to .04, meshes with backlash, of damping ratio .01 to .06.
-   subroutine slow_train(generator, train, frequency)
+   subroutine slow_train(generator, train, frequency_ratio)
       !> State of the generator; 1 begins the list.
       integer(int64), intent(inout) :: generator
       type(train_type), intent(out) :: train
-      real(dp), intent(out) :: frequency
+      real(dp), intent(out) :: frequency_ratio
       real(dp) :: inverse
       integer :: i, m
 
@@ -283,7 +283,7 @@ contains
          inverse = mesh%driving_radius**2/mesh%driving_inertia + mesh%driven_radius**2/mesh%driven_inertia
          train%characteristic_frequency = sqrt(mesh%stiffness*inverse)
       end associate
-      frequency = uniform(generator, 0.3_dp, 2.0_dp)
+      frequency_ratio = uniform(generator, 0.3_dp, 2.0_dp)
    end subroutine slow_train
 
    !> Park and Miller's minimal standard generator, from `least` to `most`.

@@ -4,7 +4,7 @@
 program fuzz
    use, intrinsic :: iso_fortran_env, only: error_unit, int64, output_unit
    use geartrain, only: case_text, case_type, error_type, read_case_text, status_input, template_text
-   use geartrain_case_table, only: list_variables, row_type
+   use geartrain_input_table, only: list_variables, row_type
    use testing, only: number_argument
    implicit none (type, external)
    character(*), parameter :: newline = new_line('a')

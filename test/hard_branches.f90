@@ -3,7 +3,7 @@ module hard_branches
    use fixtures, only: paper_train, settings_of
    use geartrain, only: attractors, attractors_settings_type, attractors_type, branch_type, dp, error_type, follow_attractors, &
                         motion_type, refine, response_settings_type, solutions_at, train_type
-   use geartrain_branch_summary, only: folds
+   use geartrain_continuation_summary, only: folds
    use readings, only: solve
    use testing, only: tests_type
    implicit none (type, external)
@@ -40,7 +40,7 @@ contains
       train%meshes%damping_ratio = 0.01_dp
       settings = settings_of(0.2_dp, 2.6_dp, 12)
       once = solve(train, settings)
-      call attractors(train, attractors_settings_type(frequency=0.85_dp, starts=60), found, error)
+      call attractors(train, attractors_settings_type(frequency_ratio=0.85_dp, starts=60), found, error)
       ! Branches of longer periods are there as well, some of them very long.
       found%motions = pack(found%motions, found%motions%period == 1)
       call follow_attractors(train, settings, found, once, branches, error)
@@ -48,7 +48,7 @@ contains
       if (size(branches) /= 1) return
       associate (island => branches(1))
          call tests%holds(name, 'followed beyond the amplitude limit and back to where it began', &
-                          island%closed .and. maxval(island%part) == 2)
+                          island%closed .and. maxval(island%segment) == 2)
          at_fold = folds(island)
          call tests%holds(name, 'one fold', size(at_fold) == 1)
          if (size(at_fold) == 1) call tests%measured(name, 'its fold at R = 48', abs(at_fold(1) - 0.74431157_dp), 1e-5_dp)

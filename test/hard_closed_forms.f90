@@ -54,24 +54,24 @@ contains
       integer, intent(in) :: sign_
       type(train_type) :: train
       type(branch_type) :: branch
-      real(dp) :: frequency, total
+      real(dp) :: frequency_ratio, total
       character(16) :: text
 
-      frequency = 2*sqrt((1 - zeta**2)/a)
+      frequency_ratio = 2*sqrt((1 - zeta**2)/a)
       ! Without a load: where a multiplier is 1 a loaded train has no motion.
       train = single_pair(zeta, 2*q*(1 - zeta**2)/a, 0.0_dp)
       train%meshes%half_backlash = 0
-      branch = solve(train, settings_of(frequency, 1.001_dp*frequency, 8))
+      branch = solve(train, settings_of(frequency_ratio, 1.001_dp*frequency_ratio, 8))
       total = real(sum(branch%multipliers(:, 1)), dp)
       write (text, '(a, f4.1)') ', zeta =', zeta
       call tests%measured('Mathieu boundary '//name//trim(text), 'sum of the multipliers +-2 exp(-zeta T)', &
-                          abs(total - sign_*2*exp(-zeta*2*pi/frequency)), 1e-9_dp)
+                          abs(total - sign_*2*exp(-zeta*2*pi/frequency_ratio)), 1e-9_dp)
    end subroutine mathieu
 
    !> A rectangular wave of stiffness 1 +- 0.4, by 199 harmonics: the trace of two half periods of constant stiffness.
-   subroutine meissner(tests, frequency, zeta)
+   subroutine meissner(tests, frequency_ratio, zeta)
       class(tests_type), intent(inout) :: tests
-      real(dp), intent(in) :: frequency, zeta
+      real(dp), intent(in) :: frequency_ratio, zeta
       type(train_type) :: train
       type(branch_type) :: branch
       real(dp), parameter :: depth = 0.4_dp
@@ -81,12 +81,12 @@ contains
       train = single_pair(zeta, 0.0_dp, 1.0_dp)
       train%meshes%half_backlash = 0
       train%meshes(1)%stiffness_cos = rectangular_wave(depth)
-      branch = solve(train, settings_of(frequency, 1.001_dp*frequency, 8))
+      branch = solve(train, settings_of(frequency_ratio, 1.001_dp*frequency_ratio, 8))
       fast = sqrt(1 + depth - zeta**2)
       slow = sqrt(1 - depth - zeta**2)
-      half = pi/frequency
+      half = pi/frequency_ratio
       trace = 2*cos(fast*half)*cos(slow*half) - (fast/slow + slow/fast)*sin(fast*half)*sin(slow*half)
-      write (text, '(a, f5.2, a, f5.2)') 'Meissner, Lambda =', frequency, ', zeta =', zeta
+      write (text, '(a, f5.2, a, f5.2)') 'Meissner, Lambda =', frequency_ratio, ', zeta =', zeta
       call tests%measured(trim(text), 'sum of the multipliers in closed form (199 harmonics of the wave)', &
                           abs(real(sum(branch%multipliers(:, 1)), dp) - trace*exp(-zeta*2*half)), 1e-6_dp)
    end subroutine meissner

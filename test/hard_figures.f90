@@ -3,7 +3,7 @@
 module hard_figures
    use fixtures, only: paper_train, rectangular, settings_of
    use geartrain, only: branch_type, dp, error_type, motion_type, response_settings_type, solutions_at, train_type
-   use geartrain_branch_summary, only: folds
+   use geartrain_continuation_summary, only: folds
    use readings, only: solve
    use testing, only: tests_type
    implicit none (type, external)
@@ -69,9 +69,10 @@ contains
       type(train_type), intent(in) :: train
       integer, intent(in) :: harmonics
       character(*), intent(in) :: name
-      real(dp), parameter :: frequency(*) = [0.253_dp, 0.301_dp, 0.463_dp, 0.571_dp, 0.613_dp, 0.661_dp, 0.727_dp, 0.787_dp, &
-                                             0.8385_dp, 0.901_dp, 0.943_dp, 1.013_dp, 1.277_dp, 1.555_dp, 1.603_dp, 1.727_dp, &
-                                             1.901_dp, 2.311_dp]
+      real(dp), parameter :: frequency_ratio(*) = [0.253_dp, 0.301_dp, 0.463_dp, 0.571_dp, 0.613_dp, 0.661_dp, 0.727_dp, 0.787_dp, &
+                                                   0.8385_dp, 0.901_dp, 0.943_dp, 1.013_dp, 1.277_dp, 1.555_dp, 1.603_dp, &
+                                                        1.727_dp, &
+                                                   1.901_dp, 2.311_dp]
       real(dp), parameter :: step(*) = [0.05_dp, 0.05_dp, 0.2_dp, 0.02_dp]
       type(response_settings_type) :: settings
       type(branch_type) :: branch
@@ -83,7 +84,7 @@ contains
       type :: list_type
          type(motion_type), allocatable :: motions(:)
       end type list_type
-      type(list_type) :: first(size(frequency))
+      type(list_type) :: first(size(frequency_ratio))
 
       complete = .true.
       odd = .true.
@@ -98,9 +99,9 @@ contains
          complete = complete .and. branch%complete
          if (run == 1) turns = size(folds(branch))
          turned = turned .and. size(folds(branch)) == turns
-         do i = 1, size(frequency)
-            call solutions_at(train, settings, branch, frequency(i), motions, error)
-            odd = odd .and. mod(size(motions) + passages(branch, frequency(i)), 2) == 1
+         do i = 1, size(frequency_ratio)
+            call solutions_at(train, settings, branch, frequency_ratio(i), motions, error)
+            odd = odd .and. mod(size(motions) + passages(branch, frequency_ratio(i)), 2) == 1
             call drop_large(motions)
             if (run == 1) then
                first(i)%motions = motions
@@ -119,15 +120,16 @@ contains
    end subroutine one_figure
 
    !> How often the branch passes the frequency beyond the amplitude limit, up to an even number.
-   integer function passages(branch, frequency)
+   integer function passages(branch, frequency_ratio)
       type(branch_type), intent(in) :: branch
-      real(dp), intent(in) :: frequency
+      real(dp), intent(in) :: frequency_ratio
       integer :: i
 
       passages = 0
       do i = 1, branch%points - 1
-         if (branch%part(i) == branch%part(i + 1)) cycle
-         if ((branch%frequency(i) < frequency) .neqv. (branch%frequency(i + 1) < frequency)) passages = passages + 1
+         if (branch%segment(i) == branch%segment(i + 1)) cycle
+         if ((branch%frequency_ratio(i) < frequency_ratio) .neqv. (branch%frequency_ratio(i &
+              + 1) < frequency_ratio)) passages = passages + 1
       end do
    end function passages
 

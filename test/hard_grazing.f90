@@ -4,9 +4,9 @@ module hard_grazing
    use geartrain, only: band_type, branch_type, dp, error_type, motion_type, refine, separation_ranges, &
       solutions_at, train_type
    use geartrain_base_kinds, only: pi
+   use geartrain_flow_flow, only: flow_type
+   use geartrain_mesh_law_contact, only: contact_type
    use geartrain_model_system, only: build_system, system_type
-   use geartrain_motion_contact, only: contact_type
-   use geartrain_motion_flow, only: flow_type
    use readings, only: solution, solve
    use testing, only: tests_type
    implicit none (type, external)
@@ -134,7 +134,7 @@ contains
       off = 0
       do i = 2, branch%points - 1
          if (branch%second_estimate(i) < 0 .or. branch%undecided(i)) cycle
-         call solutions_at(train, settings_of(0.2_dp, 2.6_dp, 6), branch, branch%frequency(i), motions, error)
+         call solutions_at(train, settings_of(0.2_dp, 2.6_dp, 6), branch, branch%frequency_ratio(i), motions, error)
          do k = 1, size(motions)
             if (maxval(abs(motions(k)%rms - branch%rms(:, i))) > 1e-6_dp) cycle
             first = abs(motions(k)%multipliers(1))

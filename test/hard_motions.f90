@@ -3,11 +3,11 @@ module hard_motions
    use fixtures, only: single_pair
    use geartrain, only: dp, error_type, integrate, integration_settings_type, motion_type, train_type
    use geartrain_base_kinds, only: pi
+   use geartrain_floquet_multipliers, only: eigenvalues
+   use geartrain_flow_flow, only: flow_type
+   use geartrain_flow_lyapunov, only: largest_exponent
+   use geartrain_flow_orbit, only: propagate
    use geartrain_model_system, only: build_system, system_type
-   use geartrain_motion_flow, only: flow_type
-   use geartrain_motion_lyapunov, only: largest_exponent
-   use geartrain_motion_orbit, only: propagate
-   use geartrain_stability_multipliers, only: eigenvalues
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -27,7 +27,7 @@ contains
    !> Of a linear train the exponent is log |multiplier|/T, whatever the motion.
    subroutine known_exponents(tests)
       class(tests_type), intent(inout) :: tests
-      real(dp), parameter :: frequency(*) = [2.0_dp, 2.4_dp], kappa(*) = [0.6_dp, 0.3_dp], allowed(*) = [1e-9_dp, 1e-3_dp]
+      real(dp), parameter :: frequency_ratio(*) = [2.0_dp, 2.4_dp], kappa(*) = [0.6_dp, 0.3_dp], allowed(*) = [1e-9_dp, 1e-3_dp]
       type(train_type) :: train
       type(system_type) :: system
       real(dp) :: final(2), monodromy(2, 2), state(2), uncertain
@@ -35,19 +35,19 @@ contains
       complex(dp) :: multipliers(2)
       integer :: i
 
-      do i = 1, size(frequency)
+      do i = 1, size(frequency_ratio)
          train = single_pair(0.05_dp, kappa(i), 1.0_dp)
          train%meshes%half_backlash = 0
          call build_system(train, system)
          state = [1.0_dp, 0.0_dp]
-         call propagate(system, frequency(i), 1, state, final, monodromy)
+         call propagate(system, frequency_ratio(i), 1, state, final, monodromy)
          call eigenvalues(monodromy, multipliers)
-         call largest_exponent(system, frequency(i), state, 300, exponent, uncertain)
+         call largest_exponent(system, frequency_ratio(i), state, 300, exponent, uncertain)
          if (.not. allocated(exponent)) allocate (exponent, source=huge(1.0_dp))
          call tests%measured('Lyapunov exponent, '//trim(merge('unstable linear train        ', &
                                                                'stable linear train, pair +-i', i == 1)), &
                              'log of the largest multiplier over the period', &
-                             abs(exponent - log(abs(multipliers(1)))*frequency(i)/(2*pi)), allowed(i))
+                             abs(exponent - log(abs(multipliers(1)))*frequency_ratio(i)/(2*pi)), allowed(i))
       end do
    end subroutine known_exponents
 
@@ -95,9 +95,9 @@ contains
    end subroutine chaos
 
    !> The exponent without tangents: two motions 1e-8 apart, the second brought back to that distance after each period.
-   real(dp) function growth_of_distance(system, frequency, start, periods) result(growth)
+   real(dp) function growth_of_distance(system, frequency_ratio, start, periods) result(growth)
       type(system_type), intent(in) :: system
-      real(dp), intent(in) :: frequency, start(:)
+      real(dp), intent(in) :: frequency_ratio, start(:)
       integer, intent(in) :: periods
       real(dp), parameter :: apart = 1e-8_dp
       type(flow_type) :: flow
@@ -115,7 +115,7 @@ contains
          if (k > periods/5) growth = growth + log(distance/apart)
          other = one + (other - one)*(apart/distance)
       end do
-      growth = growth/((periods - periods/5)*2*pi/frequency)
+      growth = growth/((periods - periods/5)*2*pi/frequency_ratio)
 
    contains
 
@@ -123,8 +123,8 @@ contains
          real(dp), intent(inout) :: state(:)
 
          flow%x(1, :) = state
-         call flow%start(frequency, 0.0_dp)
-         call flow%advance(2*pi/frequency)
+         call flow%start(frequency_ratio, 0.0_dp)
+         call flow%advance(2*pi/frequency_ratio)
          state = flow%x(1, :)
       end subroutine carry
 

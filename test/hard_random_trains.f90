@@ -2,9 +2,9 @@
 module hard_random_trains
    use fixtures, only: random_train, reducer, settings_of
    use geartrain, only: branch_type, dp, error_type, motion_type, refine, response_settings_type, train_type
-   use geartrain_branch_decided, only: rests_on_undecided
-   use geartrain_branch_jumps, only: jump_type, jumps
-   use geartrain_branch_summary, only: band_type, bands_without_stability
+   use geartrain_continuation_decided, only: rests_on_undecided
+   use geartrain_continuation_jumps, only: jump_type, jumps
+   use geartrain_continuation_summary, only: band_type, bands_without_stability
    use readings, only: solve
    use testing, only: tests_type
    implicit none (type, external)
@@ -73,7 +73,7 @@ contains
       do i = 1, branch%points, max(1, branch%points/12)
          points = points + 1
          if (branch%undecided(i)) undecided = undecided + 1
-         motion = motion_type(frequency=branch%frequency(i), period=branch%subharmonic)
+         motion = motion_type(frequency_ratio=branch%frequency_ratio(i), period=branch%subharmonic)
          motion%coefficients = branch%coefficients(:, :, i)
          call refine(train, motion, error)
          if (allocated(error)) cycle
@@ -88,7 +88,7 @@ contains
          if (abs(motion%multipliers(1)) > 1e6_dp) cycle
          below = count(abs(motion%multipliers%im) <= 1e-6_dp*abs(motion%multipliers) .and. motion%multipliers%re < -1)
          if (before > 0) then
-            if (branch%part(before) == branch%part(i)) then
+            if (branch%segment(before) == branch%segment(i)) then
                listed = count(branch%special_points%kind == 'period doubling' .and. branch%special_points%point >= before &
                               .and. branch%special_points%point < i)
                doublings = doublings + listed

@@ -3,7 +3,7 @@ module hard_scales
    use fixtures, only: paper_train, settings_of
    use geartrain, only: branch_type, dp, error_type, motion_type, refine, response_settings_type, shaft_type, solutions_at, &
       train_type
-   use geartrain_branch_summary, only: folds
+   use geartrain_continuation_summary, only: folds
    use readings, only: solution, solve
    use testing, only: tests_type
    implicit none (type, external)
@@ -11,7 +11,7 @@ module hard_scales
    public :: scales_cases
 
    !> Frequencies with one motion and with several.
-   real(dp), parameter :: frequency(*) = [0.47_dp, 0.6_dp, 0.72_dp, 0.9_dp, 1.6_dp]
+   real(dp), parameter :: frequency_ratio(*) = [0.47_dp, 0.6_dp, 0.72_dp, 0.9_dp, 1.6_dp]
 
 contains
 
@@ -100,9 +100,9 @@ contains
       worst = 0
       off = 0
       if (.not. (branch%complete .and. size(at) == size(expected_at))) worst = huge(1.0_dp)
-      do i = 1, size(frequency)
-         call solutions_at(scaled(1.0_dp), settings_of(0.2_dp, 2.6_dp, 6), known, frequency(i), expected, error)
-         call solutions_at(train, settings, branch, frequency(i)*fast, motions, error)
+      do i = 1, size(frequency_ratio)
+         call solutions_at(scaled(1.0_dp), settings_of(0.2_dp, 2.6_dp, 6), known, frequency_ratio(i), expected, error)
+         call solutions_at(train, settings, branch, frequency_ratio(i)*fast, motions, error)
          if (size(motions) /= size(expected) .or. size(motions) == 0) worst = huge(1.0_dp)
          do k = 1, min(size(motions), size(expected))
             worst = max(worst, maxval(abs(motions(k)%rms/large - expected(k)%rms)/expected(k)%rms))
@@ -110,7 +110,7 @@ contains
          end do
       end do
       call tests%measured(name, 'rms of the same train in fitting units', worst, 1e-10_dp)
-      ! They are integrated with series cut at 5e-10 (stability/propagator.f90).
+      ! They are integrated with series cut at 5e-10 (floquet/propagator.f90).
       call tests%measured(name, 'multipliers of the same train in fitting units', off, 5e-10_dp)
    end subroutine same_curve
 
@@ -135,7 +135,7 @@ contains
          branch = solve(train, settings)
          if (.not. branch%complete) worst = huge(1.0_dp)
          do i = 1, 4
-            call solutions_at(train, settings, branch, frequency(i), motions, error)
+            call solutions_at(train, settings, branch, frequency_ratio(i), motions, error)
             if (j == 1) then
                ! Shooting knows of no scale.
                if (i /= 4) cycle

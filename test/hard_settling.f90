@@ -4,9 +4,9 @@ module hard_settling
    use fixtures, only: rattling_pair, slow_train, uniform
    use geartrain, only: branch_type, dp, error_type, integrate, integration_settings_type, motion_type, response, &
                         response_settings_type, train_type
+   use geartrain_flow_lyapunov, only: largest_exponent
+   use geartrain_flow_start_state, only: resting_state
    use geartrain_model_system, only: build_system, system_type
-   use geartrain_motion_lyapunov, only: largest_exponent
-   use geartrain_motion_start_state, only: resting_state
    use readings, only: nearest_approach
    use testing, only: tests_type
    implicit none (type, external)
@@ -35,7 +35,7 @@ contains
       type(integration_settings_type) :: settings
       type(error_type), allocatable :: error
       integer(int64) :: generator
-      real(dp) :: frequency, uncertain
+      real(dp) :: frequency_ratio, uncertain
       real(dp), allocatable :: longer
       integer :: i, trains, settled, unbounded, told, elsewhere, refuted
 
@@ -47,8 +47,8 @@ contains
       refuted = 0
       generator = 1
       do i = 1, trains
-         call slow_train(generator, train, frequency)
-         call integrate(train, frequency, settings, motion, error)
+         call slow_train(generator, train, frequency_ratio)
+         call integrate(train, frequency_ratio, settings, motion, error)
          if (allocated(error)) then
             unbounded = unbounded + 1
             cycle
@@ -59,7 +59,7 @@ contains
             if (nearest_approach(system, resting_state(system), motion, 0.02_dp, longest) > 0.02_dp) &
                elsewhere = elsewhere + 1
          else if (motion%kind == 'chaotic' .or. motion%kind == 'quasi-periodic') then
-            call largest_exponent(system, frequency, motion%state, longest, longer, uncertain)
+            call largest_exponent(system, frequency_ratio, motion%state, longest, longer, uncertain)
             if (.not. allocated(longer)) cycle
             if (motion%kind == 'chaotic' .eqv. longer > uncertain) told = told + 1
             if (motion%kind == 'quasi-periodic' .and. abs(longer) > motion%lyapunov_error) refuted = refuted + 1
@@ -79,14 +79,14 @@ contains
       type(response_settings_type) :: settings
       type(error_type), allocatable :: error
       integer(int64) :: generator
-      real(dp) :: frequency
+      real(dp) :: frequency_ratio
       integer :: i, trains, failed
 
       trains = merge(10, 200, tests%slow_build)
       failed = 0
       generator = 77
       do i = 1, trains
-         call slow_train(generator, train, frequency)
+         call slow_train(generator, train, frequency_ratio)
          settings%start = uniform(generator, 0.2_dp, 2.2_dp)
          settings%stop = settings%start + 0.3_dp
          if (mod(i, 3) == 0) then

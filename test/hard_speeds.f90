@@ -141,13 +141,13 @@ contains
       type(train_type) :: train
       type(motion_type) :: motion, exact
       type(error_type), allocatable :: error
-      real(dp), parameter :: kappa(*) = [1.0_dp, 1.2_dp, 2.0_dp], frequency(*) = [1.1_dp, 1.1_dp, 0.9_dp]
+      real(dp), parameter :: kappa(*) = [1.0_dp, 1.2_dp, 2.0_dp], frequency_ratio(*) = [1.1_dp, 1.1_dp, 0.9_dp]
       character(8) :: text
       integer :: i
 
       do i = 1, size(kappa)
          train = single_pair(0.05_dp, kappa(i), 1.0_dp)
-         motion = solution(train, settings_of(frequency(i), frequency(i) + 0.001_dp, 48))
+         motion = solution(train, settings_of(frequency_ratio(i), frequency_ratio(i) + 0.001_dp, 48))
          exact = motion
          call refine(train, exact, error)
          if (allocated(error)) exact%rms = huge(1.0_dp)

@@ -29,10 +29,10 @@ module independent
 contains
 
    !> Bodies of a train without rigid shafts, of any shape.
-   subroutine build_machine(train, frequency, machine)
+   subroutine build_machine(train, frequency_ratio, machine)
       type(train_type), intent(in) :: train
       !> Lambda.
-      real(dp), intent(in) :: frequency
+      real(dp), intent(in) :: frequency_ratio
       type(machine_type), intent(out) :: machine
       real(dp) :: fastest
       integer :: i, n, balancing
@@ -44,7 +44,7 @@ contains
       do i = 1, n
          if (allocated(train%bodies(i)%torque_cos)) machine%fluctuation(i) = train%bodies(i)%torque_cos(1)
       end do
-      machine%omega = frequency*train%characteristic_frequency
+      machine%omega = frequency_ratio*train%characteristic_frequency
       allocate (machine%joint(size(train%shafts) + size(train%meshes)))
       do i = 1, size(train%shafts)
          associate (joint => machine%joint(i), shaft => train%shafts(i))

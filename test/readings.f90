@@ -5,9 +5,9 @@ module readings
    use fixtures, only: settings_of
    use geartrain, only: branch_type, dp, error_type, motion_type, response, response_settings_type, solutions_at, train_type
    use geartrain_base_kinds, only: pi
-   use geartrain_branch_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
+   use geartrain_continuation_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
+   use geartrain_flow_flow, only: flow_type
    use geartrain_model_system, only: system_type
-   use geartrain_motion_flow, only: flow_type
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -41,7 +41,7 @@ contains
 
       found = peaks(branch, mesh)
       do i = 1, size(found)
-         if (found(i)%frequency < from .or. found(i)%frequency > to .or. found(i)%rms <= peak%rms) cycle
+         if (found(i)%frequency_ratio < from .or. found(i)%frequency_ratio > to .or. found(i)%rms <= peak%rms) cycle
          peak = found(i)
       end do
    end function peak_between
@@ -53,7 +53,7 @@ contains
       real(dp), intent(in) :: from, to
 
       rms = maxval(branch%rms(mesh, :branch%points), &
-                   branch%frequency(:branch%points) >= from .and. branch%frequency(:branch%points) <= to)
+                   branch%frequency_ratio(:branch%points) >= from .and. branch%frequency_ratio(:branch%points) <= to)
    end function largest_between
 
    !> Smallest displacement of a mesh between two frequencies: below 1 it separates, below -1 its back flanks collide.
@@ -63,14 +63,14 @@ contains
       real(dp), intent(in) :: from, to
 
       displacement = minval(branch%minimum(mesh, :branch%points), &
-                            branch%frequency(:branch%points) >= from .and. branch%frequency(:branch%points) <= to)
+                            branch%frequency_ratio(:branch%points) >= from .and. branch%frequency_ratio(:branch%points) <= to)
    end function smallest_between
 
-   pure logical function has_fold(branch, frequency, tolerance)
+   pure logical function has_fold(branch, frequency_ratio, tolerance)
       type(branch_type), intent(in) :: branch
-      real(dp), intent(in) :: frequency, tolerance
+      real(dp), intent(in) :: frequency_ratio, tolerance
 
-      has_fold = folds_between(branch, frequency - tolerance, frequency + tolerance) > 0
+      has_fold = folds_between(branch, frequency_ratio - tolerance, frequency_ratio + tolerance) > 0
    end function has_fold
 
    pure integer function folds_between(branch, from, to)
@@ -100,8 +100,8 @@ contains
 
       bands = bands_without_stability(branch)
       stable_somewhere = .not. any(bands%from < to .and. bands%to > from) &
-                         .and. minval(branch%frequency(:branch%points)) <= from &
-                         .and. maxval(branch%frequency(:branch%points)) >= to
+                         .and. minval(branch%frequency_ratio(:branch%points)) <= from &
+                         .and. maxval(branch%frequency_ratio(:branch%points)) >= to
    end function stable_somewhere
 
    !> The response of a train; empty where the input was refused.
@@ -152,8 +152,8 @@ contains
       flow%x(1, :) = start
       nearest = 1
       do k = 1, periods
-         call flow%start(motion%frequency, 0.0_dp)
-         call flow%advance(2*pi/motion%frequency)
+         call flow%start(motion%frequency_ratio, 0.0_dp)
+         call flow%advance(2*pi/motion%frequency_ratio)
          nearest = min(nearest, maxval(abs(flow%x(1, :) - motion%state))/maxval(abs(start - motion%state)))
          if (nearest <= enough) return
       end do

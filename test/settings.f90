@@ -125,7 +125,7 @@ contains
       is_finite = branch%points == 0
       if (is_finite) return
       associate (n => branch%points)
-         is_finite = all(ieee_is_finite(branch%frequency(:n))) .and. all(ieee_is_finite(branch%coefficients(:, :, :n))) &
+         is_finite = all(ieee_is_finite(branch%frequency_ratio(:n))) .and. all(ieee_is_finite(branch%coefficients(:, :, :n))) &
                      .and. all(ieee_is_finite(branch%rms(:, :n))) .and. all(ieee_is_finite(branch%error_estimate(:n)))
       end associate
    end function is_finite

@@ -2,10 +2,10 @@
 module unit_balance
    use fixtures, only: long_train, paper_train, single_pair
    use geartrain, only: dp, train_type
+   use geartrain_balance_balance, only: balance_type
+   use geartrain_linalg_bordered, only: bordered_type
    use geartrain_model_receptance, only: find_receptance, receptance_type
    use geartrain_model_system, only: build_system, system_type
-   use geartrain_motion_balance, only: balance_type
-   use geartrain_motion_bordered, only: bordered_type
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -41,7 +41,7 @@ contains
       type(balance_type) :: balance
       type(bordered_type) :: matrix
       real(dp), allocatable :: u(:, :), moved(:, :), difference(:, :)
-      real(dp), parameter :: h = 1e-6_dp, frequency = 0.73_dp
+      real(dp), parameter :: h = 1e-6_dp, frequency_ratio = 0.73_dp
       real(dp) :: worst, largest
       integer :: entry, i, j, k, n
 
@@ -53,10 +53,10 @@ contains
       u = spread*u
       u(1, :) = u(1, :) + 0.1_dp*spread
       if (spread < 0.1_dp) u(1, :) = u(1, :) + 3
-      call balance%evaluate(u, frequency)
+      call balance%evaluate(u, frequency_ratio)
       call balance%jacobian(matrix)
       if (spread > 1) call tests%is_true(samples > 0 .or. &
-         all(balance%contact(:)%events > 0 .or. system%backlash(balance%mesh) <= 0), &
+         all(balance%contact(:)%events > 0 .or. system%half_backlash(balance%mesh) <= 0), &
                                          name//': the state has contact events')
       largest = maxval(abs(matrix%entry(:, :, :n)))
       worst = 0
@@ -64,10 +64,10 @@ contains
          do k = 1, balance%block
             moved = u
             moved(k, i) = u(k, i) + h
-            call balance%evaluate(moved, frequency)
+            call balance%evaluate(moved, frequency_ratio)
             difference = balance%residual
             moved(k, i) = u(k, i) - h
-            call balance%evaluate(moved, frequency)
+            call balance%evaluate(moved, frequency_ratio)
             difference = (difference - balance%residual)/(2*h)
             do j = 1, n
                entry = system%cut%graph%entry_of(j, i)
@@ -77,9 +77,9 @@ contains
          end do
       end do
       call tests%is_close(worst/largest, 0.0_dp, 1e-7_dp, name//': dS/du against differences')
-      call balance%evaluate(u, frequency + h)
+      call balance%evaluate(u, frequency_ratio + h)
       difference = balance%residual
-      call balance%evaluate(u, frequency - h)
+      call balance%evaluate(u, frequency_ratio - h)
       difference = (difference - balance%residual)/(2*h)
       call tests%is_close(maxval(abs(difference - matrix%column))/maxval(abs(matrix%column)), 0.0_dp, 1e-7_dp, &
                           name//': dS/dLambda against differences')

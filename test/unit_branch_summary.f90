@@ -1,10 +1,10 @@
 !> Peaks, folds, bands, jumps and ranges of contact of branches made by hand.
 module unit_branch_summary
    use geartrain_base_kinds, only: dp
-   use geartrain_branch_branch, only: branch_type, special_point_type
-   use geartrain_branch_contact_ranges, only: back_collision_ranges, separation_ranges
-   use geartrain_branch_jumps, only: jump_type, jumps
-   use geartrain_branch_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
+   use geartrain_continuation_branch, only: branch_type, special_point_type
+   use geartrain_continuation_contact_ranges, only: back_collision_ranges, separation_ranges
+   use geartrain_continuation_jumps, only: jump_type, jumps
+   use geartrain_continuation_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -33,13 +33,13 @@ contains
 
       branch = branch_of([0.60_dp, 0.80_dp, 0.94_dp, 0.85_dp, 0.73_dp, 0.74_dp, 0.90_dp, 1.00_dp], &
                          [0.10_dp, 0.20_dp, 0.40_dp, 0.60_dp, 0.90_dp, 1.00_dp, 0.80_dp, 0.50_dp], [1, 1, 1, 0, 0, 1, 1, 1])
-      branch%special_points = [special_point_type(kind='fold', frequency=0.95_dp, point=3), &
-                               special_point_type(kind='fold', frequency=0.72_dp, point=5), &
-                               special_point_type(kind='branch point', frequency=0.5_dp, point=1)]
+      branch%special_points = [special_point_type(kind='fold', frequency_ratio=0.95_dp, point=3), &
+                               special_point_type(kind='fold', frequency_ratio=0.72_dp, point=5), &
+                               special_point_type(kind='branch point', frequency_ratio=0.5_dp, point=1)]
       found = peaks(branch, 1)
       call tests%is_true(size(found) == 1, 'one peak')
       ! numpy.polyfit of degree 2 through (0.73, 0.9), (0.74, 1) and (0.9, 0.8), each over the length of the chords.
-      call tests%is_close(found(1)%frequency, 0.7559223260919449_dp, 1e-12_dp, 'its frequency')
+      call tests%is_close(found(1)%frequency_ratio, 0.7559223260919449_dp, 1e-12_dp, 'its frequency')
       call tests%is_close(found(1)%rms, 1.012279941388421_dp, 1e-12_dp, 'its rms')
       call tests%is_true(found(1)%stable .and. found(1)%point == 6, 'its stability and point')
       call tests%is_true(size(folds(branch)) == 2, 'two folds')
@@ -54,8 +54,8 @@ contains
 
       branch = branch_of([1.6_dp, 1.7_dp, 1.8_dp, 2.0_dp, 2.1_dp, 2.2_dp, 2.3_dp], &
                          [0.5_dp, 0.4_dp, 0.3_dp, 0.2_dp, 0.1_dp, 0.1_dp, 0.1_dp], [1, 1, 0, 0, 1, 1, 0])
-      branch%special_points = [special_point_type(kind='period doubling', frequency=1.74_dp, point=2), &
-                               special_point_type(kind='period doubling', frequency=2.05_dp, point=4)]
+      branch%special_points = [special_point_type(kind='period doubling', frequency_ratio=1.74_dp, point=2), &
+                               special_point_type(kind='period doubling', frequency_ratio=2.05_dp, point=4)]
       bands = bands_without_stability(branch)
       call tests%is_true(size(bands) == 2, 'two bands')
       call tests%is_close(bands(1)%from, 1.74_dp, 1e-14_dp, 'the band begins at the special point')
@@ -78,7 +78,7 @@ contains
 
       branch = branch_of([0.5_dp, 0.6_dp, 0.7_dp, 1.0_dp, 0.9_dp, 0.8_dp], &
                          [1.0_dp, 2.0_dp, 3.0_dp, 1.0_dp, 2.0_dp, 3.0_dp], [1, 1, 1, 1, 1, 1])
-      branch%part = [1, 1, 1, 2, 2, 2]
+      branch%segment = [1, 1, 1, 2, 2, 2]
       bands = bands_without_stability(branch)
       call tests%is_true(size(bands) == 0, 'nothing was traced between the parts, so nothing is said of it')
       call tests%is_true(size(peaks(branch, 1)) == 0, 'the ends of the parts are no peaks')
@@ -110,7 +110,7 @@ contains
       if (size(found) /= 2) return
       call tests%is_text(trim(found(1)%kind), 'jump down', 'at the lower fold')
       call tests%is_true(.not. found(1)%rising, 'it is falling speed that jumps there')
-      call tests%is_close(found(1)%frequency, 0.72_dp, 0.0_dp, 'Lambda of the jump down')
+      call tests%is_close(found(1)%frequency_ratio, 0.72_dp, 0.0_dp, 'Lambda of the jump down')
       call tests%is_close(found(1)%after(1), 0.16_dp, 1e-14_dp, 'rms below it, between 0.1 and 0.2')
       call tests%is_text(trim(found(2)%kind), 'jump up', 'at the upper fold')
       call tests%is_true(found(2)%rising, 'it is rising speed that jumps there')
@@ -156,7 +156,7 @@ contains
       branch%maximum = branch%minimum + 2
       allocate (branch%special_points(0))
       call tests%is_true(size(separation_ranges(branch, 1, .false.)) == 0, 'unknown backlash: nothing is said')
-      branch%backlash = [1.0_dp]
+      branch%half_backlash = [1.0_dp]
       ranges = separation_ranges(branch, 1, .false.)
       call tests%is_true(size(ranges) == 1, 'one range of separation')
       call tests%is_close(ranges(1)%from, 0.75_dp, 1e-14_dp, 'from where the smallest displacement is b')
@@ -172,7 +172,7 @@ contains
       branch%minimum = branch%maximum - 2
       ranges = separation_ranges(branch, 1, .false.)
       call tests%is_close(ranges(1)%from + ranges(size(ranges))%to, 0.75_dp + 1.3_dp, 1e-14_dp, 'the same range turned round')
-      branch%backlash = [0.0_dp]
+      branch%half_backlash = [0.0_dp]
       call tests%is_true(size(separation_ranges(branch, 1, .false.)) == 0, 'no backlash, no separation')
    end subroutine ranges_of_contact
 
@@ -186,8 +186,8 @@ contains
       allocate (branch%special_points(2))
       branch%special_points%kind = 'fold'
       branch%special_points%point = [2, 3]
-      branch%special_points%frequency = [1.2_dp, 0.8_dp]
-      branch%backlash = [1.0_dp]
+      branch%special_points%frequency_ratio = [1.2_dp, 0.8_dp]
+      branch%half_backlash = [1.0_dp]
       branch%minimum = reshape([0.5_dp, 0.5_dp, 1.5_dp, 0.5_dp, 0.5_dp], [1, 5])
       branch%maximum = branch%minimum + 3
       call tests%is_true(size(bands_without_stability(branch)) == 1, 'an open end leaves a band')
@@ -201,17 +201,17 @@ contains
       call tests%is_close(ranges(1)%to, 1.2_dp, 1e-14_dp, 'to its other')
    end subroutine closed_island
 
-   pure function branch_of(frequency, rms, stable) result(branch)
-      real(dp), intent(in) :: frequency(:), rms(:)
+   pure function branch_of(frequency_ratio, rms, stable) result(branch)
+      real(dp), intent(in) :: frequency_ratio(:), rms(:)
       integer, intent(in) :: stable(:)
       type(branch_type) :: branch
 
-      branch%points = size(frequency)
+      branch%points = size(frequency_ratio)
       branch%meshes = 1
-      branch%frequency = frequency
+      branch%frequency_ratio = frequency_ratio
       branch%rms = reshape(rms, [1, size(rms)])
       branch%stable = stable == 1
-      allocate (branch%part(size(frequency)), source=1)
+      allocate (branch%segment(size(frequency_ratio)), source=1)
    end function branch_of
 
    !> The rms of each special point. (gfortran 12 never frees it in an array constructor.)

@@ -1,10 +1,10 @@
 !> Case files, good and bad: what is read, and the messages word for word.
 module unit_case_reader
+   use geartrain_analyses_case, only: case_type
    use geartrain_base_error, only: error_type, status_input
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text
-   use geartrain_case_case, only: case_type
-   use geartrain_case_reader, only: read_case, read_case_text
+   use geartrain_input_reader, only: read_case, read_case_text
    use testing, only: tests_type
    implicit none (type, external)
    private

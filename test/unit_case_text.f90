@@ -1,13 +1,13 @@
 !> A case as text: what is written reads back to the same bits; the template and the reference page agree with the table.
 module unit_case_text
    use, intrinsic :: iso_fortran_env, only: int64
+   use geartrain_analyses_case, only: case_type
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: real_text
-   use geartrain_case_case, only: case_type
-   use geartrain_case_reader, only: read_case, read_case_text
-   use geartrain_case_template, only: paper_case, template_text
-   use geartrain_case_text, only: case_text, commented_text, reference_text
+   use geartrain_input_reader, only: read_case, read_case_text
+   use geartrain_input_template, only: paper_case, template_text
+   use geartrain_input_text, only: case_text, commented_text, reference_text
    use testing, only: tests_type
    implicit none (type, external)
    private

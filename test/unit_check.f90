@@ -1,17 +1,17 @@
 !> Trains and settings that a Fortran caller fills: what is refused, word for word.
 module unit_check
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use geartrain_analyses_case, only: case_type
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
-   use geartrain_branch_branch, only: response_settings_type
-   use geartrain_branch_variables, only: check_response
-   use geartrain_case_case, only: case_type
-   use geartrain_case_template, only: paper_case
+   use geartrain_continuation_branch, only: response_settings_type
+   use geartrain_continuation_variables, only: check_response
+   use geartrain_flow_attractors_settings, only: attractors_settings_type
+   use geartrain_flow_integration_settings, only: integration_settings_type
+   use geartrain_flow_variables, only: check_attractors, check_integration
+   use geartrain_input_template, only: paper_case
    use geartrain_model_check, only: check_train
    use geartrain_model_train, only: train_type
-   use geartrain_motion_attractors_settings, only: attractors_settings_type
-   use geartrain_motion_integration_settings, only: integration_settings_type
-   use geartrain_motion_variables, only: check_attractors, check_integration
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -197,7 +197,7 @@ contains
       if (allocated(error)) call tests%is_text(error%message, '&integration: harmonics = 16: must be >= 17: the variation of the &
                                                &stiffness of &mesh 2 has no lower harmonic of Lambda and would be left out', &
                                                'message')
-      call check_attractors(train, attractors_settings_type(frequency=0.2_dp, harmonics=16), error)
+      call check_attractors(train, attractors_settings_type(frequency_ratio=0.2_dp, harmonics=16), error)
       call tests%is_true(allocated(error), 'and of random starts')
       ! Spectra of sampled coefficients reach twice the harmonics.
       call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp, harmonics=0, coefficients='sampled', &

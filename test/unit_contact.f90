@@ -3,9 +3,9 @@ module unit_contact
    use fixtures, only: update_contact
    use geartrain, only: dp
    use geartrain_base_kinds, only: pi
+   use geartrain_linalg_trigonometric, only: evaluate
+   use geartrain_mesh_law_contact, only: contact_type
    use geartrain_model_system, only: series_type, series_value
-   use geartrain_motion_contact, only: contact_type
-   use geartrain_motion_trigonometric, only: evaluate
    use testing, only: tests_type
    implicit none (type, external)
    private

@@ -1,7 +1,7 @@
 !> Eigenvalues of matrices that are made from known ones, for sizes on both sides of the change to LAPACK.
 module unit_eigenvalues
    use geartrain, only: dp
-   use geartrain_base_eigenvalues, only: find_eigenvalues
+   use geartrain_linalg_eigenvalues, only: find_eigenvalues
    use testing, only: tests_type
    implicit none (type, external)
    private

@@ -1,7 +1,7 @@
 !> LU factors against the products they are made of, for sizes on both sides of the change to LAPACK.
 module unit_elimination
    use geartrain, only: dp
-   use geartrain_base_elimination, only: factor_matrix, solve_factored
+   use geartrain_linalg_elimination, only: factor_matrix, solve_factored
    use testing, only: tests_type
    implicit none (type, external)
    private

@@ -3,11 +3,11 @@ module unit_flow
    use fixtures, only: long_train, paper_train, single_pair
    use geartrain, only: dp, train_type
    use geartrain_base_kinds, only: pi
+   use geartrain_floquet_propagator, only: propagator_type
+   use geartrain_floquet_time_reversal, only: time_reversal_type
+   use geartrain_flow_flow, only: flow_type
+   use geartrain_flow_orbit, only: propagate
    use geartrain_model_system, only: build_system, system_type
-   use geartrain_motion_flow, only: flow_type
-   use geartrain_motion_orbit, only: propagate
-   use geartrain_stability_mirror, only: mirror_type
-   use geartrain_stability_propagator, only: propagator_type
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -152,10 +152,10 @@ contains
       type(train_type) :: train
       type(system_type) :: system
       type(propagator_type) :: propagator
-      type(mirror_type) :: mirror
+      type(time_reversal_type) :: mirror
       real(dp), allocatable :: half(:, :), whole(:, :), made(:, :), work(:, :)
       integer, parameter :: contacts(3, 3) = reshape([1, 1, 1, 0, 1, -1, 0, 1, 0], [3, 3])
-      real(dp), parameter :: frequency = 0.7_dp, lead = 0.4_dp, reach = 5
+      real(dp), parameter :: frequency_ratio = 0.7_dp, lead = 0.4_dp, reach = 5
       real(dp) :: middle
       integer :: i, j, n
 
@@ -178,13 +178,13 @@ contains
       n = 2*system%elements
       allocate (half(n, n), whole(n, n), made(n, n), work(n, n))
       do i = 1, size(contacts, 2)
-         middle = mirror%centre_near(contacts(:, i), frequency, 7.0_dp)
-         if (i < 3) call tests%is_close(middle, (2*pi - lead)/frequency, 1e-12_dp, 'the nearest such instant')
+         middle = mirror%centre_near(contacts(:, i), frequency_ratio, 7.0_dp)
+         if (i < 3) call tests%is_close(middle, (2*pi - lead)/frequency_ratio, 1e-12_dp, 'the nearest such instant')
          if (i == 3) call tests%is_close(middle, 7.0_dp, 0.0_dp, 'any instant while the meshes of varying stiffness are apart')
-         call propagator%start(frequency, 1.0_dp)
+         call propagator%start(frequency_ratio, 1.0_dp)
          call propagator%advance(middle, middle + reach, contacts(:, i))
          call propagator%get(half)
-         call propagator%start(frequency, 1.0_dp)
+         call propagator%start(frequency_ratio, 1.0_dp)
          call propagator%advance(middle - reach, middle + reach, contacts(:, i))
          call propagator%get(whole)
          call mirror%complete(half, made, work)

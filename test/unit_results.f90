@@ -3,12 +3,12 @@ module unit_results
    use hdf5, only: h5aclose_f, h5aopen_by_name_f, h5aread_f, h5dclose_f, h5dget_space_f, h5dopen_f, h5dread_f, h5fclose_f, &
       h5fget_obj_count_f, h5fopen_f, h5lexists_f, h5sclose_f, h5sget_simple_extent_dims_f, h5f_acc_rdonly_f, &
       h5f_obj_all_f, h5t_native_double, h5t_native_integer, hid_t, hsize_t, size_t
+   use geartrain_analyses_case, only: case_type
    use geartrain_base_error, only: error_type, status_file
    use geartrain_base_kinds, only: dp
-   use geartrain_case_case, only: case_type
    use geartrain_results_file, only: check_place
-   use geartrain_results_reference, only: output_reference
-   use geartrain_results_results, only: results_type, write_results
+   use geartrain_run_reference, only: output_reference
+   use geartrain_run_results, only: results_type, write_results
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -87,7 +87,7 @@ contains
       allocate (results%response%mesh_load(2, 3))
       results%response%mesh_load%force_maximum = 10
       results%response%mesh_load%dynamic_factor = reshape([2, 3, 4, 5, -1, 7], [2, 3])
-      results%response%backlash = [5.0_dp, 5.0_dp]
+      results%response%half_backlash = [5.0_dp, 5.0_dp]
       call write_results(path, case, results, error)
       call h5fopen_f(path, h5f_acc_rdonly_f, file, status)
       call read_real(file, '/response/dynamic_factor', size(rms), rms)
@@ -125,14 +125,14 @@ contains
       associate (sweep => results%integration)
          allocate (sweep%motions(4), sweep%direction(4))
          sweep%direction = 'up'
-         sweep%motions(1)%frequency = 0.5_dp
+         sweep%motions(1)%frequency_ratio = 0.5_dp
          sweep%motions(1)%coefficients = reshape([1.0_dp, 0.3_dp, 0.4_dp], [3, 1])
          sweep%motions(1)%rms = [0.5_dp]
          sweep%motions(1)%mean = [1.0_dp]
          sweep%motions(1)%minimum = [0.5_dp]
          sweep%motions(1)%maximum = [1.5_dp]
          ! One that ran away; two are still to come.
-         sweep%motions(2)%frequency = 0.6_dp
+         sweep%motions(2)%frequency_ratio = 0.6_dp
          sweep%motions(2)%period = 0
       end associate
       call write_results(path, case, results, error)
@@ -162,7 +162,7 @@ contains
       results%branches(2)%origin = 'attractor 1 at Lambda = 0.5'
       associate (found => results%attractors)
          allocate (found%motions(2))
-         found%motions%frequency = 0.5_dp
+         found%motions%frequency_ratio = 0.5_dp
          found%motions%share = [0.5_dp, 0.25_dp]
          found%motions(1)%coefficients = reshape([1.0_dp, 0.3_dp, 0.4_dp], [3, 1])
          found%motions(1)%rms = [0.5_dp]
@@ -280,7 +280,7 @@ contains
          branch%meshes = 2
          branch%states = 4
          branch%harmonics = 2
-         branch%frequency = [0.1_dp, 0.2_dp, 0.3_dp, -1.0_dp]
+         branch%frequency_ratio = [0.1_dp, 0.2_dp, 0.3_dp, -1.0_dp]
          allocate (branch%coefficients(5, 2, 4), source=1.0_dp)
          branch%rms = reshape([((0.1_dp*i + 0.01_dp*j, i=1, 2), j=1, 4)], [2, 4])
          branch%mean = branch%rms
@@ -294,11 +294,11 @@ contains
          branch%error_estimate = [1e-3_dp, 1e-3_dp, 1e-3_dp, 0.0_dp]
          branch%estimate_doubtful = [.false., .true., .false., .false.]
          branch%point_harmonics = [2, 2, 1, 0]
-         branch%part = [1, 1, 2, 0]
+         branch%segment = [1, 1, 2, 0]
          branch%ended = 'step below 1e-9 at Lambda = 0.3'
          allocate (branch%special_points(1))
          branch%special_points(1)%kind = 'fold'
-         branch%special_points(1)%frequency = 0.25_dp
+         branch%special_points(1)%frequency_ratio = 0.25_dp
          branch%special_points(1)%point = 2
          branch%special_points(1)%rms = [0.1_dp, 0.2_dp]
       end associate

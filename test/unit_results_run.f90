@@ -1,13 +1,13 @@
 !> Running a case: what is computed, cancelled, kept while it runs and left at the end.
 module unit_results_run
+   use geartrain_analyses_case, only: case_type
    use geartrain_base_error, only: error_type, status_ended_early, status_file
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
-   use geartrain_case_case, only: case_type
-   use geartrain_case_checkpoint, only: checkpoint_type
-   use geartrain_case_reader, only: read_case_text
-   use geartrain_case_run, only: run_case
-   use geartrain_results_results, only: results_type, write_results
+   use geartrain_input_reader, only: read_case_text
+   use geartrain_run_checkpoint, only: checkpoint_type
+   use geartrain_run_results, only: results_type, write_results
+   use geartrain_run_run_case, only: run_case
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -220,19 +220,19 @@ contains
       call tests%is_true(.not. allocated(error), 'the case is read')
    end subroutine read_pair
 
-   subroutine on_step(self, analysis, done, frequency, keep_going)
+   subroutine on_step(self, analysis, done, frequency_ratio, keep_going)
       class(counter_type), intent(inout) :: self
       character(*), intent(in) :: analysis
       integer, intent(in) :: done
-      real(dp), intent(in) :: frequency
+      real(dp), intent(in) :: frequency_ratio
       logical, intent(inout) :: keep_going
       type(error_type), allocatable :: error
 
       self%steps = self%steps + 1
-      if (analysis == 'response') self%response = done > 0 .and. frequency > 0
-      if (analysis == 'branch') self%branch = done > 0 .and. frequency > 0
-      if (analysis == 'attractors') self%attractors = done > 0 .and. frequency > 0
-      if (analysis == 'integration') self%integration = done > 0 .and. frequency > 0
+      if (analysis == 'response') self%response = done > 0 .and. frequency_ratio > 0
+      if (analysis == 'branch') self%branch = done > 0 .and. frequency_ratio > 0
+      if (analysis == 'attractors') self%attractors = done > 0 .and. frequency_ratio > 0
+      if (analysis == 'integration') self%integration = done > 0 .and. frequency_ratio > 0
       if (self%steps /= self%no_at) return
       keep_going = .false.
       if (associated(self%results)) call write_results(path//'.partial', self%case, self%results, error)

@@ -7,8 +7,8 @@ module unit_robust
    use geartrain_base_checksum, only: crc64
    use geartrain_base_field, only: values_type
    use geartrain_base_fields, only: fields_type
-   use geartrain_results_results, only: take_results, visit_results
    use geartrain_results_seal, only: add_seal, is_whole
+   use geartrain_run_results, only: take_results, visit_results
    use testing, only: tests_type
    implicit none (type, external)
    private

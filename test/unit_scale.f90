@@ -2,13 +2,13 @@
 module unit_scale
    use fixtures, only: long_train, paper_train, settings_of
    use geartrain, only: branch_type, dp, error_type, motion_type, response, response_settings_type, solutions_at, train_type
-   use geartrain_branch_path, only: place_type
-   use geartrain_branch_start, only: begin_trace, place_of, resting
-   use geartrain_branch_tracer, only: tracer_type
+   use geartrain_balance_balance, only: balance_type
+   use geartrain_continuation_corrector, only: solution_point_type
+   use geartrain_continuation_start, only: begin_trace, solution_of, resting
+   use geartrain_continuation_tracer, only: tracer_type
+   use geartrain_floquet_monodromy, only: monodromy_type
+   use geartrain_linalg_arnoldi, only: arnoldi_type, pair
    use geartrain_model_system, only: build_system, system_type
-   use geartrain_motion_balance, only: balance_type
-   use geartrain_stability_arnoldi, only: arnoldi_type, pair
-   use geartrain_stability_monodromy, only: monodromy_type
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -36,7 +36,7 @@ contains
       type(train_type), intent(in) :: train
       integer, intent(in) :: harmonics, eta, explicit
       character(*), intent(in) :: name
-      type(place_type) :: whole, part
+      type(solution_point_type) :: whole, part
       integer :: spent
       logical :: success, apart
 
@@ -51,10 +51,10 @@ contains
    end subroutine either_solver
 
    !> At Lambda = 0.9, from a motion of 12 harmonics.
-   subroutine solve(train, harmonics, eta, explicit, place, iterations, success, apart)
+   subroutine solve(train, harmonics, eta, explicit, solution, iterations, success, apart)
       type(train_type), intent(in) :: train
       integer, intent(in) :: harmonics, eta, explicit
-      type(place_type), intent(out) :: place
+      type(solution_point_type), intent(out) :: solution
       integer, intent(out) :: iterations
       !> apart: teeth part somewhere in the period.
       logical, intent(out) :: success, apart
@@ -70,32 +70,32 @@ contains
       call solutions_at(train, settings, branch, 0.9_dp, motions, error)
       settings%subharmonic = eta
       call begin_trace(train, settings, tracer)
-      associate (path => tracer%path)
-         call path%balance%setup(tracer%system, harmonics, eta, 0)
-         call path%setup()
-         place = resting(tracer, 0.9_dp)
-         if (size(motions) > 0) place = place_of(tracer, motions(1))
-         call path%balance%evaluate(place%u, place%frequency)
-         call path%balance%make_explicit(explicit)
-         call path%setup()
-         call path%solve_at(place, success)
+      associate (corrector => tracer%corrector)
+         call corrector%balance%setup(tracer%system, harmonics, eta, 0)
+         call corrector%setup()
+         solution = resting(tracer, 0.9_dp)
+         if (size(motions) > 0) solution = solution_of(tracer, motions(1))
+         call corrector%balance%evaluate(solution%u, solution%frequency_ratio)
+         call corrector%balance%make_explicit(explicit)
+         call corrector%setup()
+         call corrector%solve_at(solution, success)
          ! Once more, so that the tangent is that of the solution and not that of the last step towards it.
-         if (success) call path%solve_at(place, success)
-         apart = any(path%balance%contact%events > 0)
-         if (success) call path%orient(place, 1)
-         iterations = path%matrix%iterations
+         if (success) call corrector%solve_at(solution, success)
+         apart = any(corrector%balance%contact%events > 0)
+         if (success) call corrector%orient(solution, 1)
+         iterations = corrector%matrix%iterations
       end associate
    end subroutine solve
 
    !> No more iterations at 192 harmonics than at 48: the matrix is the identity plus a compact part.
    subroutine iterations(tests)
       class(tests_type), intent(inout) :: tests
-      type(place_type) :: place
+      type(solution_point_type) :: solution
       integer :: at_48, at_192
       logical :: success, apart
 
-      call solve(paper_train(), 48, 1, 10, place, at_48, success, apart)
-      call solve(paper_train(), 192, 1, 10, place, at_192, success, apart)
+      call solve(paper_train(), 48, 1, 10, solution, at_48, success, apart)
+      call solve(paper_train(), 192, 1, 10, solution, at_192, success, apart)
       call tests%is_true(success .and. at_192 <= at_48 + 1 .and. at_48 < 20, 'iterations do not grow with the harmonics')
    end subroutine iterations
 

@@ -4,7 +4,7 @@ module validation_audit
    use fixtures, only: paper_train, settings_of
    use geartrain, only: audit_branch, audit_row_type, audit_text, audit_type, branch_type, dp, error_type, follow_bifurcations, &
                         observer_type, refine_branch, response, response_settings_type, train_type
-   use geartrain_branch_summary, only: folds
+   use geartrain_continuation_summary, only: folds
    use omp_lib, only: omp_get_max_threads, omp_set_num_threads
    use testing, only: tests_type
    implicit none (type, external)
@@ -76,7 +76,7 @@ contains
       do i = 21, 26
          nearest = huge(nearest)
          do k = 1, size(exact%special_points)
-            nearest = min(nearest, abs(exact%special_points(k)%frequency - audit%rows(i)%exact_frequency))
+            nearest = min(nearest, abs(exact%special_points(k)%frequency_ratio - audit%rows(i)%exact_frequency))
          end do
          call tests%is_close(nearest, 0.0_dp, 2e-7_dp, 'a fold by shooting, where the balance has it with many harmonics')
       end do
@@ -122,7 +122,7 @@ contains
                          'changes of stability that are none')
       forged = branch
       forged%special_points = [branch%special_points, branch%special_points(1)]
-      forged%special_points(size(forged%special_points))%frequency = branch%special_points(1)%frequency + 1e-3_dp
+      forged%special_points(size(forged%special_points))%frequency_ratio = branch%special_points(1)%frequency_ratio + 1e-3_dp
       call audit_branch(paper_train(), forged, 0, 0, audit, error)
       call tests%is_true(count(audit%rows%verdict_wrong) == 1, 'two folds where there is one')
       call audit_branch(paper_train(), branch, -1, 0, audit, error)
@@ -185,11 +185,11 @@ contains
       call tests%is_true(audit%ok .and. audit%confirmed == 6 .and. all(audit%rows%verdict == ''), 'without stability')
    end subroutine other_branches
 
-   subroutine on_step(self, analysis, done, frequency, keep_going)
+   subroutine on_step(self, analysis, done, frequency_ratio, keep_going)
       class(stopper_type), intent(inout) :: self
       character(*), intent(in) :: analysis
       integer, intent(in) :: done
-      real(dp), intent(in) :: frequency
+      real(dp), intent(in) :: frequency_ratio
       logical, intent(inout) :: keep_going
 
       keep_going = done < self%rows

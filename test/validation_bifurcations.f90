@@ -51,15 +51,15 @@ contains
    end function equal_stages
 
    !> Lambda of the special points of a kind.
-   pure function places(branch, kind) result(frequency)
+   pure function places(branch, kind) result(frequency_ratio)
       type(branch_type), intent(in) :: branch
       character(*), intent(in) :: kind
-      real(dp), allocatable :: frequency(:)
+      real(dp), allocatable :: frequency_ratio(:)
       integer :: i
 
-      allocate (frequency(0))
+      allocate (frequency_ratio(0))
       do i = 1, size(branch%special_points)
-         if (branch%special_points(i)%kind == kind) frequency = [frequency, branch%special_points(i)%frequency]
+         if (branch%special_points(i)%kind == kind) frequency_ratio = [frequency_ratio, branch%special_points(i)%frequency_ratio]
       end do
    end function places
 
@@ -96,7 +96,7 @@ contains
          do j = 1, size(branches)
             call tests%is_true(branches(j)%complete .and. branches(j)%points > 10, 'a branch of period 2')
             ! To what the multipliers of 12 harmonics are worth where contact is kept; the steps end at 1e-10.
-            call tests%is_close(branches(j)%frequency(1), doublings(j), 1e-8_dp, 'it begins at its doubling')
+            call tests%is_close(branches(j)%frequency_ratio(1), doublings(j), 1e-8_dp, 'it begins at its doubling')
             call tests%is_true(.not. any(abs(places(branches(j), 'fold') - doublings(j)) < 1e-6_dp), 'vertical, not a fold')
          end do
          call tests%is_close(doublings(1), expected(1), 1e-8_dp, 'the antisymmetric motion, as one pair alone')
@@ -124,7 +124,8 @@ contains
             call tests%is_true(size(branch%special_points) == 4, 'four special points, whatever the step')
             if (size(branch%special_points) /= 4) cycle
             call tests%is_true(all(branch%special_points%kind == 'period doubling'), 'doublings, no torus')
-            call tests%is_close(maxval(abs(branch%special_points%frequency - expected(:, i))), 0.0_dp, 2e-8_dp, 'their places')
+            call tests%is_close(maxval(abs(branch%special_points%frequency_ratio - expected(:, i))), 0.0_dp, 2e-8_dp, &
+                                'their places')
          end do
       end do
    end subroutine doublings_together
@@ -160,7 +161,7 @@ contains
 
       leaps = jumps(branch)
       call tests%is_true(any(leaps%kind == 'leaves' .and. leaps%cause == 'branch point' .and. leaps%rising &
-                             .and. abs(leaps%frequency - points(1)) < 1e-9_dp), 'rising, a sweep leaves the branch there')
+                             .and. abs(leaps%frequency_ratio - points(1)) < 1e-9_dp), 'rising, a sweep leaves the branch there')
 
       call follow_bifurcations(train, settings, branch, branches, error)
       call tests%is_true(size(branches) == 1, 'one branch crosses at both')
@@ -269,8 +270,8 @@ contains
             call tests%is_true(all(special(2:)%point >= special(:size(special) - 1)%point), name//': along the branch')
             do k = 1, size(special)
                if (special(k)%kind /= 'period doubling') cycle
-               associate (before => branch%frequency(special(k)%point), after => branch%frequency(special(k)%point + 1))
-                  call tests%is_true((special(k)%frequency - before)*(special(k)%frequency - after) <= 0, &
+               associate (before => branch%frequency_ratio(special(k)%point), after => branch%frequency_ratio(special(k)%point + 1))
+                  call tests%is_true((special(k)%frequency_ratio - before)*(special(k)%frequency_ratio - after) <= 0, &
                                      name//': between its points')
                end associate
             end do
@@ -302,7 +303,7 @@ contains
       do i = 1, size(motions)
          call response(train, settings, island, error, seed=motions(i))
          call tests%is_true(island%closed, 'closed from any of its motions')
-         call tests%is_close(island%frequency(island%points), 0.86_dp, 0.0_dp, 'at exactly the Lambda that it began with')
+         call tests%is_close(island%frequency_ratio(island%points), 0.86_dp, 0.0_dp, 'at exactly the Lambda that it began with')
          call tests%is_true(count_at(0.86_dp) == size(motions), 'the seed counts once')
          call tests%is_true(count_at(0.86_dp - 1e-13_dp) == size(motions) .and. count_at(0.86_dp + 1e-13_dp) == size(motions), &
                             'and next to it')
@@ -310,11 +311,11 @@ contains
 
    contains
 
-      integer function count_at(frequency)
-         real(dp), intent(in) :: frequency
+      integer function count_at(frequency_ratio)
+         real(dp), intent(in) :: frequency_ratio
          type(motion_type), allocatable :: again(:)
 
-         call solutions_at(train, settings, island, frequency, again, error)
+         call solutions_at(train, settings, island, frequency_ratio, again, error)
          count_at = size(again)
       end function count_at
 

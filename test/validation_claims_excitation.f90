@@ -3,7 +3,7 @@ module validation_claims_excitation
    use fixtures, only: paper_train, settings_of
    use geartrain, only: branch_type, dp, response, train_type
    use geartrain_base_kinds, only: pi
-   use geartrain_branch_summary, only: band_type, bands_without_stability, peak_type
+   use geartrain_continuation_summary, only: band_type, bands_without_stability, peak_type
    use readings, only: folds_between, has_fold, is_band, largest_between, peak_between, smallest_between, stable_somewhere, &
                        traced
    use testing, only: tests_type
@@ -107,7 +107,7 @@ contains
       call tests%is_true(is_band(kappa3, 1.749_dp, 2.044_dp, 2e-3_dp), 'claim 49: the wider band at 0.3')
       bands = bands_without_stability(kappa1)
       call tests%is_true(size(bands) == 0, 'claim 50: a stable motion everywhere up to 4.5 at kappa 0.1')
-      call tests%is_true(all(kappa1%stable .or. kappa1%frequency < 0.92_dp), 'claim 50: unstable only between the folds')
+      call tests%is_true(all(kappa1%stable .or. kappa1%frequency_ratio < 0.92_dp), 'claim 50: unstable only between the folds')
       call tests%is_true(is_band(kappa4, 1.6736_dp, 2.1001_dp, 2e-3_dp), 'claim 51: 1.674 to 2.100, not 1.65 to 2.15')
 
    contains
@@ -234,7 +234,7 @@ contains
       type(peak_type) :: peak
 
       peak = peak_between(branch, mesh, from, to)
-      position = peak%frequency
+      position = peak%frequency_ratio
    end function position
 
 end module validation_claims_excitation

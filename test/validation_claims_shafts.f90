@@ -3,7 +3,7 @@ module validation_claims_shafts
    use fixtures, only: closest, paper_train, settings_of
    use geartrain, only: branch_type, dp, error_type, integrate, integration_settings_type, modes_type, motion_type, &
                         natural_modes, solutions_at, train_type
-   use geartrain_branch_summary, only: folds, peak_type, peaks
+   use geartrain_continuation_summary, only: folds, peak_type, peaks
    use readings, only: folds_between, has_fold, is_band, largest_between, peak_between, smallest_between, traced
    use testing, only: tests_type
    implicit none (type, external)
@@ -58,7 +58,7 @@ contains
    subroutine balance_against_integration(tests, branch, linear)
       class(tests_type), intent(inout) :: tests
       type(branch_type), intent(in) :: branch, linear
-      real(dp), parameter :: frequency(6) = [0.25_dp, 0.44_dp, 0.75_dp, 1.0_dp, 1.5_dp, 2.3_dp]
+      real(dp), parameter :: frequency_ratio(6) = [0.25_dp, 0.44_dp, 0.75_dp, 1.0_dp, 1.5_dp, 2.3_dp]
       type(integration_settings_type) :: settings
       type(motion_type) :: motion
       type(motion_type), allocatable :: motions(:)
@@ -68,18 +68,18 @@ contains
 
       settings%tolerance = 1e-7_dp
       train = paper_train()
-      do i = 1, size(frequency)
-         call integrate(train, frequency(i), settings, motion, error)
-         call solutions_at(train, settings_of(0.2_dp, 2.6_dp, 6), branch, frequency(i), motions, error)
+      do i = 1, size(frequency_ratio)
+         call integrate(train, frequency_ratio(i), settings, motion, error)
+         call solutions_at(train, settings_of(0.2_dp, 2.6_dp, 6), branch, frequency_ratio(i), motions, error)
          k = closest(motions, motion%rms(1))
          call tests%is_true(motion%period == 1 .and. k > 0, 'claim 4: a period-1 motion')
          if (k == 0) cycle
          call tests%is_close(maxval(abs(motions(k)%rms/motion%rms - 1)), 0.0_dp, 3e-3_dp, 'claim 4: R = 6 and integration')
       end do
       train%meshes%half_backlash = 0
-      do i = 2, size(frequency), 2
-         call integrate(train, frequency(i), settings, motion, error)
-         call solutions_at(train, settings_of(0.2_dp, 2.6_dp, 6), linear, frequency(i), motions, error)
+      do i = 2, size(frequency_ratio), 2
+         call integrate(train, frequency_ratio(i), settings, motion, error)
+         call solutions_at(train, settings_of(0.2_dp, 2.6_dp, 6), linear, frequency_ratio(i), motions, error)
          call tests%is_true(size(motions) == 1, 'claim 5: the linear system has one solution')
          call tests%is_close(maxval(abs(motions(1)%rms/motion%rms - 1)), 0.0_dp, 1e-4_dp, 'claim 5: R = 6 and integration')
       end do
@@ -98,22 +98,22 @@ contains
       integer :: i
 
       peak = peak_between(linear, 2, 0.8_dp, 1.1_dp)
-      call tests%is_close(peak%frequency, 0.957_dp, 0.02_dp, 'claim 6: linear primary resonance a')
+      call tests%is_close(peak%frequency_ratio, 0.957_dp, 0.02_dp, 'claim 6: linear primary resonance a')
       peak = peak_between(linear, 1, 1.5_dp, 2.2_dp)
-      call tests%is_close(peak%frequency, 1.866_dp, 0.04_dp, 'claim 6: linear primary resonance b')
+      call tests%is_close(peak%frequency_ratio, 1.866_dp, 0.04_dp, 'claim 6: linear primary resonance b')
       peak = peak_between(branch, 2, 0.5_dp, 1.2_dp)
-      call tests%is_close(peak%frequency, 0.731_dp, 3e-3_dp, 'claim 6: with backlash resonance a peaks at 0.731')
+      call tests%is_close(peak%frequency_ratio, 0.731_dp, 3e-3_dp, 'claim 6: with backlash resonance a peaks at 0.731')
       peak = peak_between(branch, 1, 1.3_dp, 2.2_dp)
-      call tests%is_close(peak%frequency, 1.5496_dp, 3e-3_dp, 'claim 6: with backlash resonance b peaks at 1.55')
+      call tests%is_close(peak%frequency_ratio, 1.5496_dp, 3e-3_dp, 'claim 6: with backlash resonance b peaks at 1.55')
       peak = peak_between(linear, 2, 0.4_dp, 0.55_dp)
-      call tests%is_close(peak%frequency, 0.48_dp, 0.01_dp, 'claim 7: linear super-harmonic resonance')
+      call tests%is_close(peak%frequency_ratio, 0.48_dp, 0.01_dp, 'claim 7: linear super-harmonic resonance')
       peak = peak_between(branch, 2, 0.4_dp, 0.55_dp)
-      call tests%is_close(peak%frequency, 0.4587_dp, 2e-3_dp, 'claim 7: with backlash it softens to 0.459')
+      call tests%is_close(peak%frequency_ratio, 0.4587_dp, 2e-3_dp, 'claim 7: with backlash it softens to 0.459')
       call tests%is_close(peak%rms, 0.507_dp, 5e-3_dp, 'claim 7: its amplitude')
       found = [peaks(linear, 1), peaks(linear, 2)]
       found = pack(found, found%rms > 0.5_dp)
-      call tests%is_true(all([(minval(abs(found(i)%frequency - three)) < 0.02_dp, i=1, size(found))]) .and. &
-                         all([(minval(abs(found%frequency - three(i))) < 0.02_dp, i=1, 3)]), &
+      call tests%is_true(all([(minval(abs(found(i)%frequency_ratio - three)) < 0.02_dp, i=1, size(found))]) .and. &
+                         all([(minval(abs(found%frequency_ratio - three(i))) < 0.02_dp, i=1, 3)]), &
                          'claim 28: the linear train has peaks above 0.5 at w_a/2, w_a and w_b alone')
       call tests%is_true(has_fold(branch, 0.7923_dp, 2e-3_dp) .and. has_fold(branch, 0.6163_dp, 2e-3_dp), &
                          'claim 9: softening at resonance a')
@@ -211,7 +211,7 @@ contains
       train = paper_train()
       train%shafts(2)%stiffness = 2e4_dp
       branch = traced(tests, train, 0.2_dp, 2.6_dp, 6, 'figure 4, k3 = 2e4')
-      associate (f => branch%frequency(:branch%points), rms => branch%rms(:, :branch%points))
+      associate (f => branch%frequency_ratio(:branch%points), rms => branch%rms(:, :branch%points))
          outside = (f > 0.25_dp .and. f < 1.3_dp) .or. f > 1.8_dp
          call tests%is_close(maxval(abs(rms(2, :)/rms(1, :) - 1), outside), 0.0_dp, 0.06_dp, 'claim 24: p2 = p4 within 6%')
          call tests%is_true(maxval(rms(1, :)/rms(2, :), f > 1.3_dp .and. f < 1.6_dp) > 3, &
@@ -228,7 +228,7 @@ contains
    subroutine uncoupled(tests, train)
       class(tests_type), intent(inout) :: tests
       type(train_type), intent(in) :: train
-      real(dp), parameter :: frequency(6) = [0.3_dp, 0.62_dp, 1.2_dp, 1.7_dp, 2.1_dp, 2.5_dp]
+      real(dp), parameter :: frequency_ratio(6) = [0.3_dp, 0.62_dp, 1.2_dp, 1.7_dp, 2.1_dp, 2.5_dp]
       type(train_type) :: pair
       type(branch_type) :: branch, alone
       type(motion_type), allocatable :: motion(:), motion_alone(:)
@@ -240,9 +240,9 @@ contains
       pair%meshes = train%meshes(:1)
       branch = traced(tests, train, 0.2_dp, 2.6_dp, 6, 'claim 23: the train')
       alone = traced(tests, pair, 0.2_dp, 2.6_dp, 6, 'claim 23: the pair alone')
-      do i = 1, size(frequency)
-         call solutions_at(train, settings_of(0.2_dp, 2.6_dp, 6), branch, frequency(i), motion, error)
-         call solutions_at(pair, settings_of(0.2_dp, 2.6_dp, 6), alone, frequency(i), motion_alone, error)
+      do i = 1, size(frequency_ratio)
+         call solutions_at(train, settings_of(0.2_dp, 2.6_dp, 6), branch, frequency_ratio(i), motion, error)
+         call solutions_at(pair, settings_of(0.2_dp, 2.6_dp, 6), alone, frequency_ratio(i), motion_alone, error)
          call tests%is_true(size(motion) == 1 .and. size(motion_alone) == 1, 'claim 23: one motion')
          call tests%is_close(motion(1)%rms(1)/motion_alone(1)%rms(1), 1.0_dp, 0.01_dp, 'claim 23: as the pair alone within 1%')
       end do
@@ -295,7 +295,7 @@ contains
       type(peak_type) :: peak
 
       peak = peak_between(branch, mesh, from, to)
-      peak_frequency = peak%frequency
+      peak_frequency = peak%frequency_ratio
    end function peak_frequency
 
 end module validation_claims_shafts

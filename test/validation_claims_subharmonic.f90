@@ -55,13 +55,13 @@ contains
          end do
       end do
       call tests%is_true(deepest > -1, 'claim 68: the stable period-2 motions of the unstable range have no back collision')
-      call tests%is_close(minval(branch%frequency(:branch%points)), 1.2526_dp, 2e-3_dp, 'claim 69: they reach down to 1.253')
+      call tests%is_close(minval(branch%frequency_ratio(:branch%points)), 1.2526_dp, 2e-3_dp, 'claim 69: they reach down to 1.253')
       call tests%is_true(smallest_between(branch, 2, 1.2_dp, 1.6_dp) < -1, 'claim 68: below the range they collide')
       call tests%is_true(any(branch%stable .and. branch%minimum(2, :branch%points) < -1), 'claim 68: and are stable there')
 
       call integrate(paper_train(), 3.7_dp, settings, motion, error)
       call response(paper_train(), settings_of(2.6_dp, 4.6_dp, 12, 2), branch, error, seed=motion)
-      call tests%is_close(maxval(branch%frequency(:branch%points)), 3.931_dp, 1e-3_dp, &
+      call tests%is_close(maxval(branch%frequency_ratio(:branch%points)), 3.931_dp, 1e-3_dp, &
                           'claim 67: the period-2 branch leaves where the period-1 motion becomes unstable')
       do i = 1, size(inside_b)
          call solutions_at(paper_train(), settings_of(2.6_dp, 4.6_dp, 12, 2), branch, inside_b(i), motions, error)
@@ -98,7 +98,8 @@ contains
       type(error_type), allocatable :: error
       integer :: i, k
 
-      call attractors(paper_train(), attractors_settings_type(frequency=2.2_dp, starts=32, random_seed=1, tolerance=1e-7_dp), &
+      call attractors(paper_train(), attractors_settings_type(frequency_ratio=2.2_dp, starts=32, random_seed=1, &
+                                                              tolerance=1e-7_dp), &
                       found, error)
       k = findloc(found%motions%period, 3, 1)
       call tests%is_true(k > 0, 'claim 71: random starts settle on a period-3 motion at 2.2')
@@ -109,8 +110,8 @@ contains
       if (i > 0) call tests%is_true(found%motions(i)%stable, 'claim 72: a stable period-1 motion beside it')
       call response(paper_train(), settings_of(1.2_dp, 3.6_dp, 18, 3), island, error, seed=found%motions(k))
       call tests%is_true(island%closed, 'claim 73: an island: '//island%ended)
-      call tests%is_close(minval(island%frequency(:island%points)), 1.7687_dp, 2e-3_dp, 'claim 71: its lower end')
-      call tests%is_close(maxval(island%frequency(:island%points)), 2.4981_dp, 2e-3_dp, 'claim 71: it ends far below 3 w_a')
+      call tests%is_close(minval(island%frequency_ratio(:island%points)), 1.7687_dp, 2e-3_dp, 'claim 71: its lower end')
+      call tests%is_close(maxval(island%frequency_ratio(:island%points)), 2.4981_dp, 2e-3_dp, 'claim 71: it ends far below 3 w_a')
       call solutions_at(paper_train(), settings_of(1.2_dp, 3.6_dp, 18, 3), island, 2.3_dp, island_motions, error)
       call tests%is_true(size(island_motions) == 2 .and. count(island_motions%stable) == 1, &
                          'claim 72: one stable and one unstable period-3 motion at 2.3')

@@ -37,10 +37,10 @@ contains
       if (last == 0) return
       ! The upper doubling, where contact is never lost: the branch leaves vertically.
       ! Found independently: 2.044; the fourth decimal is this library's own.
-      call tests%is_close(once%special_points(last)%frequency, 2.0438_dp, 2e-4_dp, 'upper doubling')
+      call tests%is_close(once%special_points(last)%frequency_ratio, 2.0438_dp, 2e-4_dp, 'upper doubling')
       call period_doubled(paper_train(), settings, once, last, twice, error)
       call tests%is_true(twice%complete .and. twice%points > 10, 'period 2: '//twice%ended)
-      call tests%is_close(twice%frequency(1), once%special_points(last)%frequency, 1e-6_dp, 'it leaves vertically')
+      call tests%is_close(twice%frequency_ratio(1), once%special_points(last)%frequency_ratio, 1e-6_dp, 'it leaves vertically')
 
       settings%subharmonic = 2
       settings%harmonics = 24
@@ -155,7 +155,7 @@ contains
             do k = 1, size(branches(j)%special_points)
                associate (special => branches(j)%special_points(k))
                   if (branches(j)%subharmonic == 2 .and. special%kind == 'period doubling') then
-                     all_met = all_met .and. any(abs(pairs - special%frequency) < accuracy(i))
+                     all_met = all_met .and. any(abs(pairs - special%frequency_ratio) < accuracy(i))
                      doublings = doublings + 1
                   end if
                end associate
@@ -166,7 +166,7 @@ contains
                   call tests%is_true(mod(count(special%kind == 'period doubling'), 2) == 0, 'period 4 doubles in pairs')
             end associate
             if (branches(j)%subharmonic /= 4 .or. branches(j)%points < 2) cycle
-            ends = [branches(j)%frequency(1), branches(j)%frequency(branches(j)%points)]
+            ends = [branches(j)%frequency_ratio(1), branches(j)%frequency_ratio(branches(j)%points)]
             where (maxval(abs(pairs - spread([minval(ends), maxval(ends)], 2, 6)), 1) < accuracy(i)) met = met + 1
          end do
          call tests%is_true(all_met .and. doublings == 12, 'each doubling of a branch of period 2 is in a pair')
@@ -227,7 +227,7 @@ contains
       type(error_type), allocatable :: error
 
       call response(paper_train(), settings_of(1.0_dp, 3.2_dp, 6), once, error)
-      call attractors(paper_train(), attractors_settings_type(frequency=2.4_dp, starts=40), found, error)
+      call attractors(paper_train(), attractors_settings_type(frequency_ratio=2.4_dp, starts=40), found, error)
       call follow_attractors(paper_train(), settings_of(1.0_dp, 3.2_dp, 6), found, once, branches, error)
       call tests%is_true(size(found%motions) == 2 .and. size(branches) == 1, 'two motions at 2.4, one of them on the response')
       if (size(branches) /= 1) return
@@ -247,7 +247,7 @@ contains
       real(dp) :: odd
 
       middle = four%points/2
-      motion%frequency = four%frequency(middle)
+      motion%frequency_ratio = four%frequency_ratio(middle)
       motion%period = 4
       motion%coefficients = four%coefficients(:, :, middle)
       call refine(paper_train(), motion, error)

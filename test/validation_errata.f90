@@ -2,9 +2,9 @@
 module validation_errata
    use fixtures, only: paper_train, settings_of
    use geartrain, only: branch_type, dp, error_type, motion_type, response, solutions_at, train_type, waveform
+   use geartrain_balance_balance, only: balance_type
    use geartrain_base_kinds, only: pi
    use geartrain_model_system, only: build_system, system_type
-   use geartrain_motion_balance, only: balance_type
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -78,8 +78,8 @@ contains
       call tests%is_close(scaled, 11158.0_dp, 1.0_dp, 'claim 34, (6a): f1 with shaft angles scaled by r/b_c, 150 N m')
       call tests%is_close(scaled*100/150, 7439.0_dp, 1.0_dp, 'claim 34, (6a): 100 N m')
       call tests%is_close(scaled*50/150, 3719.0_dp, 1.0_dp, 'claim 34, (6a): 50 N m')
-      call tests%is_true(all(system%load > 0), '(6b): every element carries a positive load')
-      call tests%is_close(system%load(5)*system%stiffness(5)*train%characteristic_length &
+      call tests%is_true(all(system%static_force > 0), '(6b): every element carries a positive load')
+      call tests%is_close(system%static_force(5)*system%stiffness(5)*train%characteristic_length &
                           *system%network%elements(5)%radius(1), 600.0_dp, 1e-9_dp, '(6b): the output shaft carries 4 T1')
       call response(train, settings_of(0.05_dp, 0.1_dp, 6), branch, error)
       call tests%is_close(branch%mean(2, 1), 1.4_dp, 0.03_dp, 'mesh 2 swings about +1.4')
@@ -93,7 +93,7 @@ contains
       type(system_type), intent(in) :: system
       type(balance_type) :: balance
       integer, parameter :: samples = 4096
-      real(dp), parameter :: frequency = 0.8_dp
+      real(dp), parameter :: frequency_ratio = 0.8_dp
       real(dp) :: theta(samples), g(samples), damping(samples), kappa(samples), cut(samples), whole, truncated
       real(dp), allocatable :: u(:, :)
       integer :: q, r
@@ -102,14 +102,14 @@ contains
       allocate (u(balance%block, balance%unknowns), source=0.0_dp)
       u(:, 1) = [1.1_dp, 0.6_dp, -0.2_dp, 0.3_dp, 0.1_dp]
       u(:, 2) = u(:, 1)
-      call balance%evaluate(u, frequency)
+      call balance%evaluate(u, frequency_ratio)
       theta = [(2*pi*q/samples, q=0, samples - 1)]
       kappa = 1 + 0.3_dp*cos(theta)
       g = u(1, 1)
       damping = 0
       do r = 1, 2
          g = g + u(2*r, 1)*cos(r*theta) + u(2*r + 1, 1)*sin(r*theta)
-         damping = damping + system%damping(2)*frequency*r*(u(2*r + 1, 1)*cos(r*theta) - u(2*r, 1)*sin(r*theta))
+         damping = damping + system%damping(2)*frequency_ratio*r*(u(2*r + 1, 1)*cos(r*theta) - u(2*r, 1)*sin(r*theta))
       end do
       g = sign(max(abs(g) - 1, 0.0_dp), g)
       cut = sum(g)/samples

@@ -121,7 +121,7 @@ contains
       call response(train, settings, branch, error)
       call tests%is_true(branch%complete, 'orders 17 and 23: '//branch%ended)
       n = branch%points
-      exact%frequency = branch%frequency(n)
+      exact%frequency_ratio = branch%frequency_ratio(n)
       exact%period = 1
       exact%coefficients = branch%coefficients(:, :, n)
       call refine(train, exact, error)
@@ -142,8 +142,8 @@ contains
       do k = 1, size(reference%special_points)
          if (reference%special_points(k)%kind /= 'fold') cycle
          n = reference%special_points(k)%point
-         associate (f => reference%frequency)
-            if ((branch%frequency(i) - f(n))*(f(n - 1) - f(n)) > 0) cycle
+         associate (f => reference%frequency_ratio)
+            if ((branch%frequency_ratio(i) - f(n))*(f(n - 1) - f(n)) > 0) cycle
          end associate
          difference = -reference%coefficients(:, :, n)
          associate (u => branch%coefficients(:, :, i))
@@ -167,7 +167,7 @@ contains
       integer :: k
 
       true_error = huge(1.0_dp)
-      call solutions_at(paper_train(), settings, reference, branch%frequency(i), motions, error)
+      call solutions_at(paper_train(), settings, reference, branch%frequency_ratio(i), motions, error)
       do k = 1, size(motions)
          exact = motions(k)
          deallocate (exact%coefficients)

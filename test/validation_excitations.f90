@@ -74,10 +74,10 @@ contains
    !> At 0.9 the 18th harmonic meets the mode at 15.92: fewer than 18 leave an error that R = 16 does not better than R = 8.
    !> Waveform error at R = 8, 24 and 48 against shooting; time integration from the shot orbit stays on it where it
    !> attracts, and leaves it where it repels.
-   subroutine converges(tests, train, frequency, name)
+   subroutine converges(tests, train, frequency_ratio, name)
       class(tests_type), intent(inout) :: tests
       type(train_type), intent(in) :: train
-      real(dp), intent(in) :: frequency
+      real(dp), intent(in) :: frequency_ratio
       character(*), intent(in) :: name
       integer, parameter :: harmonics(3) = [48, 24, 8]
       type(branch_type) :: branch
@@ -88,10 +88,10 @@ contains
       integer :: i, n
 
       do i = 1, 3
-         call response(train, settings_of(frequency + 0.1_dp, frequency, harmonics(i)), branch, error)
+         call response(train, settings_of(frequency_ratio + 0.1_dp, frequency_ratio, harmonics(i)), branch, error)
          call tests%is_true(branch%complete, name//': '//branch%ended)
          if (i == 1) then
-            orbit%frequency = frequency
+            orbit%frequency_ratio = frequency_ratio
             orbit%coefficients = branch%coefficients(:, :, branch%points)
             call refine(train, orbit, error)
             call tests%is_true(.not. allocated(error), name//': shooting converges')
@@ -106,7 +106,7 @@ contains
       call tests%is_true(wave(3) < 2e-2_dp, name//': R = 8')
       call tests%is_true(wave(1) < wave(2)/3 .or. wave(1) < 1e-9_dp, name//': from R = 24 to 48')
       call tests%is_true(wave(2) < wave(3)/5 .or. wave(2) < 1e-9_dp, name//': from R = 8 to 24')
-      call integrate(train, frequency, settings, motion, error, start=orbit)
+      call integrate(train, frequency_ratio, settings, motion, error, start=orbit)
       call tests%is_true(motion%period == 1, name//': integration settles')
       if (orbit%stable) then
          call tests%is_close(maxval(abs(motion%rms - orbit%rms)), 0.0_dp, 1e-8_dp, name//': integration and shooting')

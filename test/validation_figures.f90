@@ -5,7 +5,7 @@
 module validation_figures
    use fixtures, only: paper_train, rectangular, settings_of
    use geartrain, only: branch_type, dp, error_type, motion_type, response, response_settings_type, solutions_at, train_type
-   use geartrain_branch_summary, only: folds
+   use geartrain_continuation_summary, only: folds
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -66,7 +66,7 @@ contains
       type(train_type), intent(in) :: train
       integer, intent(in) :: harmonics
       character(*), intent(in) :: name
-      real(dp), parameter :: frequency(7) = [0.301_dp, 0.463_dp, 0.613_dp, 0.727_dp, 0.787_dp, 1.603_dp, 2.311_dp]
+      real(dp), parameter :: frequency_ratio(7) = [0.301_dp, 0.463_dp, 0.613_dp, 0.727_dp, 0.787_dp, 1.603_dp, 2.311_dp]
       type(branch_type) :: up, down
       type(error_type), allocatable :: error
       type(motion_type), allocatable :: from_below(:), from_above(:)
@@ -81,9 +81,9 @@ contains
       call tests%is_true(size(folds_up) == size(folds_down), name//': as many folds from either end')
       if (size(folds_up) == size(folds_down)) &
          call tests%is_close(maxval(abs(folds_up - folds_down)), 0.0_dp, 1e-7_dp, name//': the same folds')
-      do i = 1, size(frequency)
-         call solutions_at(train, unjudged(0.2_dp, 2.6_dp, harmonics), up, frequency(i), from_below, error)
-         call solutions_at(train, unjudged(2.6_dp, 0.2_dp, harmonics), down, frequency(i), from_above, error)
+      do i = 1, size(frequency_ratio)
+         call solutions_at(train, unjudged(0.2_dp, 2.6_dp, harmonics), up, frequency_ratio(i), from_below, error)
+         call solutions_at(train, unjudged(2.6_dp, 0.2_dp, harmonics), down, frequency_ratio(i), from_above, error)
          call tests%is_true(size(from_below) == size(from_above), name//': as many solutions from either end')
          call tests%is_true(mod(size(from_below), 2) == 1, name//': an odd number of solutions')
          do k = 1, size(from_below)
@@ -101,7 +101,7 @@ contains
       type(branch_type) :: whole, branch
       type(error_type), allocatable :: error
       type(motion_type), allocatable :: all(:), some(:)
-      real(dp) :: frequency
+      real(dp) :: frequency_ratio
       integer :: direction, i, k
 
       call response(train, unjudged(0.2_dp, 2.6_dp, 6), whole, error)
@@ -110,9 +110,9 @@ contains
          if (direction == 2) call response(train, unjudged(low, high, 6), branch, error)
          call tests%is_true(branch%complete, 'range that ends within a resonance: complete')
          do i = 0, 4
-            frequency = low + 0.25_dp*i*(high - low)
-            call solutions_at(train, unjudged(0.2_dp, 2.6_dp, 6), whole, frequency, all, error)
-            call solutions_at(train, unjudged(high, low, 6), branch, frequency, some, error)
+            frequency_ratio = low + 0.25_dp*i*(high - low)
+            call solutions_at(train, unjudged(0.2_dp, 2.6_dp, 6), whole, frequency_ratio, all, error)
+            call solutions_at(train, unjudged(high, low, 6), branch, frequency_ratio, some, error)
             call tests%is_true(size(some) == size(all), 'range that ends within a resonance: as many solutions')
             do k = 1, size(all)
                call tests%is_true(nearest_motion(all(k), some) < 1e-7_dp, 'range that ends within a resonance: the same solutions')
@@ -166,7 +166,8 @@ contains
       before = real(product(branch%multipliers(:, 1) - 1), dp)
       do i = 2, branch%points
          now = real(product(branch%multipliers(:, i) - 1), dp)
-         if (before*now < 0) infinite = [infinite, (branch%frequency(i - 1)*now - branch%frequency(i)*before)/(now - before)]
+         if (before*now < 0) infinite = [infinite, (branch%frequency_ratio(i - 1)*now - branch%frequency_ratio(i)* &
+                                                    before)/(now - before)]
          before = now
       end do
       settings = unjudged(0.2_dp, 2.6_dp, 12)
@@ -175,11 +176,12 @@ contains
       call response(train, settings, branch, error)
       found = 0
       do i = 1, branch%points - 1
-         if (branch%part(i) == branch%part(i + 1)) cycle
+         if (branch%segment(i) == branch%segment(i + 1)) cycle
          found = found + 1
          ! What is neglected is of the order of the gap over the limit.
-         call tests%is_close(minval(abs(infinite - branch%frequency(i))), 0.0_dp, 100/limit, name//': multiplier +1 at infinity')
-         call tests%is_close(branch%frequency(i + 1), branch%frequency(i), 100/limit, name//': back where it left')
+         call tests%is_close(minval(abs(infinite - branch%frequency_ratio(i))), 0.0_dp, 100/limit, &
+                             name//': multiplier +1 at infinity')
+         call tests%is_close(branch%frequency_ratio(i + 1), branch%frequency_ratio(i), 100/limit, name//': back where it left')
       end do
       call tests%is_true(found == edges, name//': as many passages as edges')
    end subroutine through_infinity

@@ -43,21 +43,21 @@ contains
       if (size(found) /= size(kind)) return
       integration%max_periods = 20000
       do i = 1, size(found)
-         write (name, '(a, f7.4)') 'at Lambda ', found(i)%frequency
+         write (name, '(a, f7.4)') 'at Lambda ', found(i)%frequency_ratio
          call tests%is_text(trim(found(i)%kind), trim(kind(i)), 'kind '//name)
          call tests%is_true(found(i)%rising .eqv. rising(i), 'direction of the sweep '//name)
          side = merge(1, -1, found(i)%rising)
-         call solutions_at(paper_train(), settings, branch, found(i)%frequency - side*way, motions, error)
+         call solutions_at(paper_train(), settings, branch, found(i)%frequency_ratio - side*way, motions, error)
          nearest = stable_nearest(motions, found(i)%before)
          call tests%is_true(nearest > 0, 'a stable motion before the jump '//name)
          if (nearest == 0) cycle
-         call integrate(paper_train(), motions(nearest)%frequency, integration, here, error, start=motions(nearest))
+         call integrate(paper_train(), motions(nearest)%frequency_ratio, integration, here, error, start=motions(nearest))
          call tests%is_close(norm2(here%rms - motions(nearest)%rms)/norm2(here%rms), 0.0_dp, 1e-2_dp, 'before the jump '//name)
-         call integrate(paper_train(), found(i)%frequency + side*way, integration, beyond, error, start=here)
+         call integrate(paper_train(), found(i)%frequency_ratio + side*way, integration, beyond, error, start=here)
          if (kind(i) == 'leaves') then
             call tests%is_true(beyond%period /= 1, 'no motion of the branch beyond '//name)
          else
-            call solutions_at(paper_train(), settings, branch, beyond%frequency, motions, error)
+            call solutions_at(paper_train(), settings, branch, beyond%frequency_ratio, motions, error)
             nearest = stable_nearest(motions, found(i)%after)
             call tests%is_true(nearest > 0, 'a stable motion after the jump '//name)
             if (nearest == 0) cycle

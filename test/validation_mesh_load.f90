@@ -137,7 +137,7 @@ contains
       train = linear_pair(0.4_dp)
       call response(train, settings_of(0.5_dp, 1.5_dp, 3), branch, error)
       do i = 1, branch%points, 7
-         lambda = branch%frequency(i)
+         lambda = branch%frequency_ratio(i)
          largest = 0.4_dp + transmitted(lambda)
          call tests%is_close(branch%mesh_load(1, i)%force_maximum, largest, 1e-12_dp, 'largest force of a linear mesh')
          call tests%is_close(branch%mesh_load(1, i)%dynamic_factor, largest/0.4_dp, 1e-11_dp, 'its dynamic factor')

@@ -149,13 +149,13 @@ contains
 
    contains
 
-      subroutine compare(frequency)
-         real(dp), intent(in) :: frequency
+      subroutine compare(frequency_ratio)
+         real(dp), intent(in) :: frequency_ratio
          type(motion_type), allocatable :: of_chain(:), of_train(:)
          integer :: i
 
-         call solutions_at(chain, settings_of(0.9_dp, 2.6_dp, 10), a, frequency, of_chain, error)
-         call solutions_at(train, settings_of(0.9_dp, 2.6_dp, 10), b, frequency, of_train, error)
+         call solutions_at(chain, settings_of(0.9_dp, 2.6_dp, 10), a, frequency_ratio, of_chain, error)
+         call solutions_at(train, settings_of(0.9_dp, 2.6_dp, 10), b, frequency_ratio, of_train, error)
          call tests%is_true(size(of_chain) > 0 .and. size(of_chain) == size(of_train), 'two branches: as many motions')
          do i = 1, min(size(of_chain), size(of_train))
             call tests%is_close(of_train(i)%rms(1), of_chain(i)%rms(1), 1e-10_dp, 'two branches: rms of the first')
@@ -301,7 +301,7 @@ contains
       call tests%is_true(.not. allocated(error), 'linear ring: runs')
       if (allocated(error)) return
       do j = 1, branch%points, 5
-         call solve_bodies(train, branch%frequency(j)*train%characteristic_frequency, p)
+         call solve_bodies(train, branch%frequency_ratio(j)*train%characteristic_frequency, p)
          call tests%is_close(maxval(abs(p/train%characteristic_length - cmplx(branch%coefficients(2, :, j), &
                              -branch%coefficients(3, :, j), dp)))/maxval(abs(p/train%characteristic_length)), 0.0_dp, 1e-10_dp, &
                              'linear ring: amplitudes')

@@ -46,7 +46,8 @@ contains
          call tests%is_true(size(many%special_points) == 2, trim(name)//': two folds')
          if (size(many%special_points) /= 2) cycle
          ! Both hold the tolerance of 1e-4, not with the same numbers of harmonics.
-         call tests%is_close(maxval(abs(many%special_points%frequency*orders(i) - one%special_points%frequency)), 0.0_dp, 1e-4_dp, &
+         call tests%is_close(maxval(abs(many%special_points%frequency_ratio*orders(i) - one%special_points%frequency_ratio)), &
+                             0.0_dp, 1e-4_dp, &
                              trim(name)//': the folds at Lambda over the order')
          call tests%is_close(maxval(many%rms(1, :many%points)), maxval(one%rms(1, :one%points)), 5e-3_dp, trim(name)//': the peak')
       end do
@@ -158,7 +159,7 @@ contains
          call tests%is_true(all(branch%estimate_doubtful .and. branch%error_estimate > 1), 'linear mesh: harmonic 20 is missed')
          call response(train, settings_of(0.05_dp, 0.052_dp, 0), branch, error)
          exact = none
-         exact%frequency = branch%frequency(1)
+         exact%frequency_ratio = branch%frequency_ratio(1)
          exact%coefficients = branch%coefficients(:, :, 1)
          call refine(train, exact, error)
          call tests%is_true(.not. allocated(error), 'linear mesh: shooting converges')

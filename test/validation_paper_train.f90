@@ -62,14 +62,14 @@ contains
          if (up%special_points(i)%kind /= 'fold') cycle
          n = n + 1
          ! R = 6 places the folds of separated motions to about 2e-3.
-         if (n <= 8) call tests%is_close(up%special_points(i)%frequency, folds(n), 2e-3_dp, 'fold')
+         if (n <= 8) call tests%is_close(up%special_points(i)%frequency_ratio, folds(n), 2e-3_dp, 'fold')
       end do
       call tests%is_true(n == 8, 'eight folds')
       n = 0
       do i = 1, size(up%special_points)
          if (up%special_points(i)%kind /= 'period doubling') cycle
          n = n + 1
-         if (n <= 2) call tests%is_close(up%special_points(i)%frequency, doublings(n), 1e-3_dp, 'period doubling')
+         if (n <= 2) call tests%is_close(up%special_points(i)%frequency_ratio, doublings(n), 1e-3_dp, 'period doubling')
       end do
       call tests%is_true(n == 2, 'two period doublings')
 
@@ -96,11 +96,11 @@ contains
 
    contains
 
-      subroutine at(frequency, branch, unused)
-         real(dp), intent(in) :: frequency, unused
+      subroutine at(frequency_ratio, branch, unused)
+         real(dp), intent(in) :: frequency_ratio, unused
          type(branch_type), intent(in) :: branch
 
-         call solutions_at(paper_train(), settings, branch, frequency, motions, error)
+         call solutions_at(paper_train(), settings, branch, frequency_ratio, motions, error)
          call tests%is_true(size(motions) > 0 .and. unused >= 0, 'the branch has solutions there')
       end subroutine at
 
@@ -146,7 +146,7 @@ contains
          call response(paper_train(), settings_of(1.3_dp, 0.9_dp, harmonics(i)), branch, error)
          n = branch%points
          if (i == 4) then
-            motion%frequency = 0.9_dp
+            motion%frequency_ratio = 0.9_dp
             ! Padded with zeros, so that the reference holds the tail that the balance cuts off.
             allocate (motion%coefficients(1 + 2*200, 2), source=0.0_dp)
             motion%coefficients(:2*harmonics(i) + 1, :) = branch%coefficients(:, :, n)

@@ -4,7 +4,7 @@ module validation_random_networks
    use fixtures, only: body, uniform
    use geartrain, only: dp, error_type, integrate, integration_settings_type, mesh_type, motion_type, shaft_type, train_type
    use geartrain_base_kinds, only: pi
-   use geartrain_base_lapack, only: dgeev
+   use geartrain_linalg_lapack, only: dgeev
    use geartrain_model_system, only: build_system, system_type
    use independent, only: build_machine, displacements, fly, machine_type
    use testing, only: tests_type
@@ -40,7 +40,7 @@ contains
       type(machine_type) :: machine
       type(motion_type) :: motion
       type(error_type), allocatable :: error
-      real(dp), parameter :: frequency = 0.83_dp
+      real(dp), parameter :: frequency_ratio = 0.83_dp
       integer, parameter :: samples = 1024
       real(dp), allocatable :: y(:), begin(:), p(:), v(:), history(:, :), map(:, :), up(:), down(:)
       real(dp) :: period, rms, scale
@@ -50,7 +50,7 @@ contains
 
       write (name, '(2(a, i0))') 'network of ', bodies, ' bodies, loops: ', loops
       call random_network(bodies, loops, seed, train)
-      call integrate(train, frequency, integration_settings_type(), motion, error)
+      call integrate(train, frequency_ratio, integration_settings_type(), motion, error)
       call tests%is_true(.not. allocated(error), trim(name)//': runs')
       if (allocated(error)) then
          call tests%is_text(error%message, '', trim(name)//': message')
@@ -59,8 +59,8 @@ contains
       call tests%is_true(motion%period > 0, trim(name)//': settles')
       if (.not. motion%period > 0) return
       call build_system(train, system)
-      call build_machine(train, frequency, machine)
-      period = 2*pi*motion%period/(frequency*train%characteristic_frequency)
+      call build_machine(train, frequency_ratio, machine)
+      period = 2*pi*motion%period/(frequency_ratio*train%characteristic_frequency)
       allocate (p(size(machine%joint)), v(size(machine%joint)))
       y = bodies_of_state(train, system, machine, motion%state)
       begin = y
@@ -130,7 +130,7 @@ contains
             if (element%shaft > 0) i = element%shaft
             associate (joint => machine%joint(i))
                moved = state(n)
-               if (element%shaft > 0) moved = moved + system%load(n)
+               if (element%shaft > 0) moved = moved + system%static_force(n)
                ! A shaft is measured along a radius, the other code counts its twist.
                moved = moved*train%characteristic_length*joint%ra/element%radius(1) - p(i)
                speed = state(system%coordinates + n)*train%characteristic_length*train%characteristic_frequency &
@@ -164,7 +164,7 @@ contains
             if (element%shaft > 0) i = element%shaft
             associate (joint => machine%joint(i), e => system%coordinates)
                state(n) = p(i)*element%radius(1)/joint%ra/train%characteristic_length
-               if (element%shaft > 0) state(n) = state(n) - system%load(n)
+               if (element%shaft > 0) state(n) = state(n) - system%static_force(n)
                state(e + n) = v(i)*element%radius(1)/joint%ra/(train%characteristic_length*train%characteristic_frequency)
             end associate
          end associate

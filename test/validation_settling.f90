@@ -5,10 +5,10 @@ module validation_settling
    use geartrain, only: branch_type, dp, error_type, integrate, integration_settings_type, motion_type, refine, response, &
                         response_settings_type, train_type
    use geartrain_base_kinds, only: pi
+   use geartrain_flow_lyapunov, only: largest_exponent
+   use geartrain_flow_settling, only: settle
+   use geartrain_flow_start_state, only: resting_state
    use geartrain_model_system, only: build_system, system_type
-   use geartrain_motion_lyapunov, only: largest_exponent
-   use geartrain_motion_settling, only: settle
-   use geartrain_motion_start_state, only: resting_state
    use readings, only: nearest_approach
    use testing, only: tests_type
    implicit none (type, external)
@@ -66,14 +66,14 @@ contains
       type(integration_settings_type) :: settings
       type(error_type), allocatable :: error
       integer(int64) :: generator
-      real(dp) :: frequency
+      real(dp) :: frequency_ratio
       integer :: i, settled
 
       generator = 1
       settled = 0
       do i = 1, 10
-         call slow_train(generator, train, frequency)
-         call integrate(train, frequency, settings, motion, error)
+         call slow_train(generator, train, frequency_ratio)
+         call integrate(train, frequency_ratio, settings, motion, error)
          if (motion%period == 0) cycle
          settled = settled + 1
          call build_system(train, system)

@@ -58,7 +58,7 @@ contains
       type(error_type), allocatable :: error
       integer :: i, threads
 
-      settings%frequency = 0.8_dp
+      settings%frequency_ratio = 0.8_dp
       settings%starts = 40
       settings%random_seed = 1
       threads = omp_get_max_threads()

@@ -36,14 +36,14 @@ contains
       if (tests%runs('bad_input')) call bad_input(tests)
    end subroutine stability_map_tests
 
-   subroutine on_step(self, analysis, done, frequency, keep_going)
+   subroutine on_step(self, analysis, done, frequency_ratio, keep_going)
       class(stopper_type), intent(inout) :: self
       character(*), intent(in) :: analysis
       integer, intent(in) :: done
-      real(dp), intent(in) :: frequency
+      real(dp), intent(in) :: frequency_ratio
       logical, intent(inout) :: keep_going
 
-      associate (unused_1 => analysis, unused_2 => done, unused_3 => frequency)
+      associate (unused_1 => analysis, unused_2 => done, unused_3 => frequency_ratio)
       end associate
       self%calls = self%calls + 1
       keep_going = .false.
@@ -135,7 +135,7 @@ contains
       worst = 0
       do i = 1, 4
          do k = 1, 7
-            worst = max(worst, abs(abs(map%multiplier(k, i)) - runge_kutta(zeta, map%parameter(i), map%frequency(k))))
+            worst = max(worst, abs(abs(map%multiplier(k, i)) - runge_kutta(zeta, map%parameter(i), map%frequency_ratio(k))))
          end do
       end do
       call tests%is_close(worst, 0.0_dp, 1e-8_dp, 'damped Mathieu, 28 points against Runge-Kutta')
@@ -202,7 +202,7 @@ contains
       train%meshes%half_backlash = 0
       call response(train, settings_of(0.4_dp, 1.6_dp, 6), branch, error)
       do k = 1, 5
-         call solutions_at(train, settings_of(0.4_dp, 1.6_dp, 6), branch, map%frequency(k), motions, error)
+         call solutions_at(train, settings_of(0.4_dp, 1.6_dp, 6), branch, map%frequency_ratio(k), motions, error)
          call tests%is_true(size(motions) == 1, 'one motion of the linear train')
          call tests%is_close(abs(map%multiplier(k, 1)), abs(motions(1)%multipliers(1)), 1e-12_dp, 'as on the branch')
       end do
@@ -234,7 +234,7 @@ contains
       call tests%is_true(all(ieee_is_nan(map%rms(:, 77, 2))) .and. .not. any(ieee_is_nan(map%rms(:, 11, :))), &
                          'rms where there is a stable motion')
       call response(paper_train(), settings_of(0.4_dp, 1.92_dp, 6), branch, error)
-      call solutions_at(paper_train(), settings_of(0.4_dp, 1.92_dp, 6), branch, map%frequency(11), motions, error)
+      call solutions_at(paper_train(), settings_of(0.4_dp, 1.92_dp, 6), branch, map%frequency_ratio(11), motions, error)
       call tests%is_true(size(motions) == 3, 'three solutions on the branch')
       if (size(motions) /= 3) return
       do k = 1, 2

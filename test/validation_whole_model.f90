@@ -3,11 +3,11 @@ module validation_whole_model
    use fixtures, only: long_train, paper_train, settings_of
    use geartrain, only: branch_type, dp, error_type, integrate, integration_settings_type, motion_type, refine, response, &
                         response_settings_type, train_type
+   use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_error_estimate, only: error_estimate_type
+   use geartrain_continuation_stability_assessment, only: assess, assessment_type
+   use geartrain_floquet_monodromy, only: monodromy_type
    use geartrain_model_system, only: build_system, system_type
-   use geartrain_motion_balance, only: balance_type
-   use geartrain_branch_verdict, only: judge, verdict_type
-   use geartrain_motion_truncation, only: truncation_type
-   use geartrain_stability_monodromy, only: monodromy_type
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -44,7 +44,7 @@ contains
       call response(long_train(shafts), settings_of(0.35_dp, 0.4_dp, 12), coarse, error)
       call response(long_train(shafts), settings_of(0.35_dp, 0.4_dp, 36), fine, error)
       call tests%is_true(coarse%complete .and. fine%complete, trim(name)//' branch complete')
-      refined%frequency = 0.4_dp
+      refined%frequency_ratio = 0.4_dp
       refined%coefficients = fine%coefficients(:, :, fine%points)
       call refine(long_train(shafts), refined, error)
       call tests%is_true(.not. allocated(error), trim(name)//' shooting from the balance converges')
@@ -76,10 +76,10 @@ contains
          call response(paper_train(), settings, branch, error)
       end associate
       call tests%is_true(branch%complete, 'harmonics = 0: '//branch%ended)
-      call tests%is_close(branch%frequency(1), 1.3_dp, 0.0_dp, 'harmonics = 0: it begins at exactly from')
+      call tests%is_close(branch%frequency_ratio(1), 1.3_dp, 0.0_dp, 'harmonics = 0: it begins at exactly from')
       ! The default tolerance is 1e-4; the true error may be three times its estimate.
       call tests%is_true(all(branch%error_estimate <= 1e-4_dp), 'harmonics = 0: every point within the tolerance')
-      refined%frequency = 0.9_dp
+      refined%frequency_ratio = 0.9_dp
       refined%coefficients = branch%coefficients(:, :, branch%points)
       call refine(paper_train(), refined, error)
       r = size(branch%coefficients, 1)
@@ -94,8 +94,8 @@ contains
       type(system_type) :: system
       type(balance_type) :: balance
       type(monodromy_type) :: monodromy
-      type(truncation_type) :: truncation
-      type(verdict_type) :: verdict
+      type(error_estimate_type) :: estimate
+      type(assessment_type) :: assessment
       complex(dp) :: multipliers(10)
       real(dp), allocatable :: u(:, :)
 
@@ -117,8 +117,8 @@ contains
       balance%system%decay = 2*balance%system%decay
       call monodromy%integrate(balance, 0.7_dp)
       call tests%is_true(.not. monodromy%confirmed, 'a determinant that does not hold is told')
-      call judge(monodromy, balance, u, 0.7_dp, truncation, multipliers, verdict)
-      call tests%is_true(verdict%undecided, 'and the verdict is undecided')
+      call assess(monodromy, balance, u, 0.7_dp, estimate, multipliers, assessment)
+      call tests%is_true(assessment%undecided, 'and the verdict is undecided')
    end subroutine liouville
 
    !> A tolerance that no number of harmonics can hold, as the waveform's third derivative jumps at contact: the branch is not

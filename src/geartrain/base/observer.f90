@@ -13,7 +13,7 @@ module geartrain_base_observer
 
    abstract interface
       !> Called after each point of an analysis.
-      subroutine on_step_interface(self, analysis, done, frequency, keep_going)
+      subroutine on_step_interface(self, analysis, done, frequency_ratio, keep_going)
          import :: observer_type, dp
          implicit none (type, external)
          class(observer_type), intent(inout) :: self
@@ -23,7 +23,7 @@ module geartrain_base_observer
          !> Points, starts, rows of the map or mesh periods done so far.
          integer, intent(in) :: done
          !> Lambda of the latest point [1]; of a stability map the parameter of the latest row.
-         real(dp), intent(in) :: frequency
+         real(dp), intent(in) :: frequency_ratio
          !> Set it to .false. to end the analysis; its points so far are kept.
          logical, intent(inout) :: keep_going
       end subroutine on_step_interface

@@ -1,7 +1,7 @@
 !> A network cut at its unknown meshes: the free linear parts that remain, and the graph of the unknowns that share a part.
 module geartrain_model_cut
-   use geartrain_base_graph, only: graph_type
    use geartrain_base_kinds, only: dp
+   use geartrain_linalg_graph, only: graph_type
    use geartrain_model_network, only: network_type
    use geartrain_model_part, only: part_type
    implicit none (type, external)

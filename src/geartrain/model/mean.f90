@@ -5,8 +5,8 @@
 !>    F_n + sum over c of C_cn (F_c - load_c) = load_n          an unknown mesh n of the tree
 !>    p_c - sum over n of C_cn p_n = twist of what is linear    an unknown mesh c that closes a loop
 module geartrain_model_mean
-   use geartrain_base_elimination, only: factor_matrix, solve_factored
    use geartrain_base_kinds, only: dp
+   use geartrain_linalg_elimination, only: factor_matrix, solve_factored
    use geartrain_model_cut, only: cut_type
    use geartrain_model_network, only: network_type
    implicit none (type, external)
@@ -16,7 +16,7 @@ module geartrain_model_mean
    !> The rows sum over j of (force_ij phi_j + displacement_ij p_j) = load_i, over the unknowns.
    type :: mean_type
       !> (entries of the cut's graph) and (unknown).
-      real(dp), allocatable :: force(:), displacement(:), load(:)
+      real(dp), allocatable :: force(:), displacement(:), static_force(:)
       !> Unknowns that close loops, and the mean displacement of each linear element per phi of theirs beyond the load, (element,
       !> loop).
       integer, allocatable :: closing(:)
@@ -37,7 +37,7 @@ contains
 
       allocate (mean%force(cut%graph%entries), mean%displacement(cut%graph%entries), source=0.0_dp)
       mean%force(:cut%unknowns) = 1
-      mean%load = load(cut%element)
+      mean%static_force = load(cut%element)
       mean%closing = pack([(i, i=1, cut%unknowns)], cut%element > network%coordinates)
       allocate (mean%follow(size(load), size(mean%closing)))
       if (size(mean%closing) == 0) return
@@ -47,7 +47,7 @@ contains
             c = cut%element(unknown)
             mean%force(unknown) = 0
             mean%displacement(unknown) = 1
-            mean%load(unknown) = 0
+            mean%static_force(unknown) = 0
             do j = 1, cut%unknowns
                n = cut%element(j)
                if (n > network%coordinates) cycle
@@ -56,7 +56,7 @@ contains
                   mean%displacement(cut%graph%entry_of(unknown, j)) = -ratio
                   associate (entry => cut%graph%entry_of(j, unknown))
                      mean%force(entry) = ratio*network%elements(c)%stiffness/network%elements(n)%stiffness
-                     mean%load(j) = mean%load(j) + mean%force(entry)*load(c)
+                     mean%static_force(j) = mean%static_force(j) + mean%force(entry)*load(c)
                   end associate
                end associate
             end do
@@ -64,11 +64,11 @@ contains
             do n = 1, network%coordinates
                if (network%elements(n)%unknown) cycle
                associate (ratio => network%loop(c - network%coordinates, n))
-                  mean%load(unknown) = mean%load(unknown) + ratio*load(n)
+                  mean%static_force(unknown) = mean%static_force(unknown) + ratio*load(n)
                   do j = 1, size(mean%closing)
                      associate (entry => cut%graph%entry_of(unknown, mean%closing(j)), twist => ratio*mean%follow(n, j))
                         mean%force(entry) = mean%force(entry) - twist
-                        mean%load(unknown) = mean%load(unknown) - twist*load(cut%element(mean%closing(j)))
+                        mean%static_force(unknown) = mean%static_force(unknown) - twist*load(cut%element(mean%closing(j)))
                      end associate
                   end do
                end associate

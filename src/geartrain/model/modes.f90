@@ -2,7 +2,7 @@
 module geartrain_model_modes
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_kinds, only: dp
-   use geartrain_base_lapack, only: dgeev
+   use geartrain_linalg_lapack, only: dgeev
    use geartrain_model_check, only: check_train
    use geartrain_model_spectrum, only: eigenvalues_of
    use geartrain_model_system, only: build_system, system_type

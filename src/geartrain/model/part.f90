@@ -6,8 +6,8 @@
 !> it leaves springs s_i s_j/(e + sum of s) between these and e s_j/(e + sum of s) to ground. Nothing is subtracted that might
 !> cancel: a stiff spring, a small mass beside a large one lose no digits.
 module geartrain_model_part
-   use geartrain_base_graph, only: graph_type
    use geartrain_base_kinds, only: dp
+   use geartrain_linalg_graph, only: graph_type
    implicit none (type, external)
    private
    public :: part_type, part_state_type

@@ -18,9 +18,9 @@ module geartrain_model_receptance
 contains
 
    !> Receptance at `harmonic` of Lambda/eta (`harmonic` >= 1).
-   pure subroutine find_receptance(system, frequency, harmonic, eta, r)
+   pure subroutine find_receptance(system, frequency_ratio, harmonic, eta, r)
       type(system_type), intent(in) :: system
-      real(dp), intent(in) :: frequency
+      real(dp), intent(in) :: frequency_ratio
       integer, intent(in) :: harmonic, eta
       type(receptance_type), intent(inout) :: r
       complex(dp) :: alpha(3), d_alpha(3)
@@ -30,7 +30,7 @@ contains
       associate (cut => system%cut)
          if (.not. allocated(r%h)) allocate (r%h(cut%graph%entries), r%dh(cut%graph%entries), r%a(cut%unknowns), r%da(cut%unknowns))
          d_omega = system%characteristic_frequency*harmonic/eta
-         omega = d_omega*frequency
+         omega = d_omega*frequency_ratio
          r%h = 0
          r%dh = 0
          do i = 1, cut%unknowns
@@ -143,9 +143,9 @@ contains
 
    !> Displacements of the elements that are no unknowns, over b_c, at one harmonic, given the forces phi of the unknown meshes,
    !> (unknown); those of the unknowns are left as they are, (element).
-   pure subroutine linear_displacements(system, frequency, harmonic, eta, phi, p)
+   pure subroutine linear_displacements(system, frequency_ratio, harmonic, eta, phi, p)
       type(system_type), intent(in) :: system
-      real(dp), intent(in) :: frequency
+      real(dp), intent(in) :: frequency_ratio
       integer, intent(in) :: harmonic, eta
       complex(dp), intent(in) :: phi(:)
       complex(dp), intent(inout) :: p(:)
@@ -154,7 +154,7 @@ contains
       real(dp) :: omega
       integer :: i, n, k
 
-      omega = system%characteristic_frequency*harmonic/eta*frequency
+      omega = system%characteristic_frequency*harmonic/eta*frequency_ratio
       associate (cut => system%cut)
          do k = 1, size(cut%part)
             associate (part => cut%part(k))

@@ -2,7 +2,7 @@
 !> elements are numbered along the train. Over all elements it has one eigenvalue 0 for each that closes a loop.
 module geartrain_model_spectrum
    use geartrain_base_kinds, only: dp
-   use geartrain_base_lapack, only: dsbev
+   use geartrain_linalg_lapack, only: dsbev
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private

@@ -6,12 +6,12 @@
 !>    p'' = -W phi + s(t) + e''      (equations (5) with their signs and indices put right)
 !> with W = B I^-1 B^T K, whose elements n and m are different from 0 where they have a body in common.
 module geartrain_model_system
-   use geartrain_base_elimination, only: factor_matrix, solve_factored
    use geartrain_base_interrupt, only: interrupt_type
    use geartrain_base_kinds, only: dp
+   use geartrain_linalg_elimination, only: factor_matrix, solve_factored
    use geartrain_model_cut, only: cut_network, cut_type
-   use geartrain_model_mesh, only: mesh_type, plain_mesh
    use geartrain_model_mean, only: mean_rows, mean_type
+   use geartrain_model_mesh, only: mesh_type, plain_mesh
    use geartrain_model_network, only: build_network, network_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -36,14 +36,14 @@ module geartrain_model_system
       real(dp), allocatable :: own(:), coupling(:)
       integer, allocatable :: first(:), neighbour(:)
       !> gamma = c omega_c/k [1] and static force over k b_c [1], (element).
-      real(dp), allocatable :: damping(:), load(:)
+      real(dp), allocatable :: damping(:), static_force(:)
       !> Displacement of each element that closes a loop while the coordinates and the transmission errors are 0: the static twists
       !> of its shafts, which coordinates leave out [1], (loop).
       real(dp), allocatable :: loop_offset(:)
       !> Rate at which the determinant of the monodromy decays [1].
       real(dp) :: decay = 0
       !> b/b_c [1], (mesh).
-      real(dp), allocatable :: backlash(:)
+      real(dp), allocatable :: half_backlash(:)
       !> kappa - 1 and e/b_c, (mesh).
       type(series_type), allocatable :: mesh_stiffness(:), transmission_error(:)
       !> Fluctuating torques T/b_c [N m/m], the bodies of the train on which they act, (torque), and the acceleration of each
@@ -75,7 +75,7 @@ contains
       system%interrupt = train%interrupt
       system%characteristic_frequency = train%characteristic_frequency
       system%characteristic_length = train%characteristic_length
-      system%backlash = train%meshes%half_backlash/train%characteristic_length
+      system%half_backlash = train%meshes%half_backlash/train%characteristic_length
       call put_excitation(train, system)
       call build_network(train, system%network)
       associate (elements => system%network%elements)
@@ -93,7 +93,7 @@ contains
       call couple(system%network, system)
       call find_rest(system)
       call cut_network(system%network, system%cut)
-      call mean_rows(system%network, system%cut, system%load, system%mean)
+      call mean_rows(system%network, system%cut, system%static_force, system%mean)
       do n = 1, size(system%cut%part)
          system%cut%part(n)%excited = any([(size(system%torque(i)%amplitude) > 0 .and. &
             system%cut%home(system%network%node(system%torque_body(i))) == n, i=1, size(system%torque))])
@@ -182,25 +182,25 @@ contains
    !> The train at rest under its mean torques: the forces of its elements, and where those that close loops stand.
    pure subroutine find_rest(system)
       type(system_type), intent(inout) :: system
-      real(dp) :: force(system%elements), backlash(system%elements), twist(system%coordinates)
+      real(dp) :: force(system%elements), half_backlash(system%elements), twist(system%coordinates)
       integer :: j
 
-      backlash = 0
+      half_backlash = 0
       do j = 1, system%meshes
-         backlash(system%mesh_element(j)) = system%backlash(j)*system%characteristic_length
+         half_backlash(system%mesh_element(j)) = system%half_backlash(j)*system%characteristic_length
       end do
       force(:system%coordinates) = tree_forces(system%network)
       force(system%coordinates + 1:) = 0
-      if (system%elements > system%coordinates) call share_force(system%network%loop, system%stiffness, backlash, force)
-      system%load = force/(system%stiffness*system%characteristic_length)
-      twist = merge(system%load(:system%coordinates), 0.0_dp, system%element_shaft(:system%coordinates) > 0)
+      if (system%elements > system%coordinates) call share_force(system%network%loop, system%stiffness, half_backlash, force)
+      system%static_force = force/(system%stiffness*system%characteristic_length)
+      twist = merge(system%static_force(:system%coordinates), 0.0_dp, system%element_shaft(:system%coordinates) > 0)
       system%loop_offset = matmul(system%network%loop, twist)
    end subroutine find_rest
 
    !> Which forces the elements that close loops take [N]: those of least complementary energy, the sum of F^2/(2 k) + b |F|, with
    !> |F| made smooth, less and less so.
-   pure subroutine share_force(loop, stiffness, backlash, force)
-      real(dp), intent(in) :: loop(:, :), stiffness(:), backlash(:)
+   pure subroutine share_force(loop, stiffness, half_backlash, force)
+      real(dp), intent(in) :: loop(:, :), stiffness(:), half_backlash(:)
       !> In: of the tree alone; out: of all, (element).
       real(dp), intent(inout) :: force(:)
       real(dp) :: gradient(size(loop, 1)), hessian(size(loop, 1), size(loop, 1)), taken(size(loop, 1), size(force)), smooth, &
@@ -221,8 +221,8 @@ contains
          smooth = 0.1_dp*smooth
          do i = 1, 50
             root = sqrt(force**2 + smooth**2)
-            gradient = matmul(taken, force/stiffness + backlash*force/root)
-            hessian = matmul(taken*spread(1/stiffness + backlash*smooth**2/root**3, 1, size(loop, 1)), transpose(taken))
+            gradient = matmul(taken, force/stiffness + half_backlash*force/root)
+            hessian = matmul(taken*spread(1/stiffness + half_backlash*smooth**2/root**3, 1, size(loop, 1)), transpose(taken))
             call factor_matrix(size(gradient), hessian, pivot, info)
             if (info /= 0) return
             call solve_factored(size(gradient), 1, hessian, pivot, gradient)

@@ -1,0 +1,153 @@
+!> A second opinion on a branch: points drawn at random and all special points solved anew by shooting, each by itself and spread
+!> over threads, so that the numbers do not depend on how many threads there are.
+module geartrain_analyses_audit
+   use geartrain_analyses_audit_point, only: audit_point
+   use geartrain_analyses_audit_result, only: audit_row_type, audit_type, sum_up
+   use geartrain_analyses_audit_special_point, only: audit_special_point
+   use geartrain_base_error, only: error_type, fatal
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: text
+   use geartrain_base_observer, only: observer_type
+   use geartrain_base_random, only: begin_random, generator_type
+   use geartrain_continuation_branch, only: branch_type
+   use geartrain_continuation_decided, only: rests_on_undecided
+   use geartrain_continuation_orbit_path, only: orbit_corrector_type, orbit_type
+   use geartrain_model_check, only: check_train
+   use geartrain_model_system, only: build_system, system_type
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: audit_branch
+
+   !> Special points of the exact branch nearer to each other than this, in units of the train's own, are one.
+   real(dp), parameter :: same = 1e-6_dp
+
+contains
+
+   !> Audits `points` points of the branch (all of them, where it has fewer), which `random_seed` draws, and its special points.
+   subroutine audit_branch(train, branch, points, random_seed, audit, error, observer)
+      type(train_type), intent(in) :: train
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: points, random_seed
+      type(audit_type), intent(out) :: audit
+      type(error_type), allocatable, intent(out) :: error
+      !> Told of 'audit', by one thread at a time.
+      class(observer_type), intent(inout), optional :: observer
+      !> A thread its own.
+      type(orbit_corrector_type) :: corrector
+      type(system_type) :: system
+      type(orbit_type), allocatable :: exact(:)
+      type(audit_row_type) :: row
+      type(orbit_type) :: orbit
+      integer, allocatable :: chosen(:)
+      logical, allocatable :: is_done(:)
+      integer :: i, n, done
+      logical :: keep_going, go
+
+      call check_train(train, error)
+      if (allocated(error)) return
+      if (points < 0) then
+         call fatal(error, 'audit: points = '//text(points)//': must be >= 0')
+         return
+      end if
+      call build_system(train, system)
+      chosen = draw(branch, points, random_seed)
+      n = size(chosen)
+      if (allocated(branch%special_points)) n = n + size(branch%special_points)
+      allocate (audit%rows(n), exact(n))
+      allocate (is_done(n), source=.false.)
+      done = 0
+      keep_going = .true.
+      !$omp parallel private(corrector)
+      call corrector%setup(system, branch%subharmonic)
+      !$omp do private(row, orbit, go) schedule(dynamic)
+      do i = 1, n
+         !$omp atomic read
+         go = keep_going
+         if (.not. go) cycle
+         row = audit_row_type()
+         if (i <= size(chosen)) then
+            row%point = chosen(i)
+            call audit_point(corrector, branch, row)
+         else
+            call audit_special_point(corrector, branch, i - size(chosen), row, orbit)
+         end if
+         if (train%interrupt%raised()) then
+            !$omp atomic write
+            keep_going = .false.
+            cycle
+         end if
+         !$omp critical (geartrain_audit)
+         audit%rows(i) = row
+         if (row%exact_frequency > 0) exact(i) = orbit
+         is_done(i) = .true.
+         done = done + 1
+         go = keep_going
+         if (go .and. present(observer)) call observer%on_step('audit', done, row%frequency_ratio, go)
+         !$omp atomic write
+         keep_going = go
+         !$omp end critical (geartrain_audit)
+      end do
+      !$omp end do
+      !$omp end parallel
+      call corrector%setup(system, branch%subharmonic)
+      call mark_twins(corrector, branch, exact, audit%rows)
+      audit%cancelled = .not. keep_going
+      audit%rows = pack(audit%rows, is_done)
+      call sum_up(audit)
+   end subroutine audit_branch
+
+   !> Numbers of points in ascending order, none of them a fold, which is audited anyway.
+   function draw(branch, points, random_seed) result(chosen)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: points, random_seed
+      integer, allocatable :: chosen(:)
+      logical :: fold(branch%points), is_chosen(branch%points)
+      integer, allocatable :: left(:)
+      type(generator_type) :: generator
+      integer :: i, k
+
+      fold = .false.
+      if (allocated(branch%special_points)) then
+         do i = 1, size(branch%special_points)
+            if (branch%special_points(i)%kind == 'fold') fold(branch%special_points(i)%point) = .true.
+         end do
+      end if
+      left = pack([(i, i=1, branch%points)], .not. fold)
+      is_chosen = .false.
+      generator = begin_random(random_seed, 1)
+      do i = 1, min(points, size(left))
+         k = generator%one_of(size(left))
+         is_chosen(left(k)) = .true.
+         left = [left(:k - 1), left(k + 1:)]
+      end do
+      chosen = pack([(i, i=1, branch%points)], is_chosen)
+   end function draw
+
+   !> Special points of the branch to which the exact branch has one only: it is that of the nearest.
+   subroutine mark_twins(corrector, branch, exact, rows)
+      type(orbit_corrector_type), intent(in) :: corrector
+      type(branch_type), intent(in) :: branch
+      !> The exact special points, with states where one was found.
+      type(orbit_type), intent(in) :: exact(:)
+      type(audit_row_type), intent(inout) :: rows(:)
+      integer :: i, k
+
+      do i = 1, size(rows)
+         do k = 1, size(rows)
+            if (k == i .or. rows(k)%kind /= rows(i)%kind) cycle
+            if (.not. (allocated(exact(i)%states) .and. allocated(exact(k)%states))) cycle
+            if (corrector%distance(exact(i), exact(k)) > same) cycle
+            associate (here => abs(rows(i)%frequency_ratio - rows(i)%exact_frequency), &
+                       there => abs(rows(k)%frequency_ratio - rows(k)%exact_frequency))
+               if (here < there .or. (here <= there .and. i < k)) cycle
+            end associate
+            rows(i)%verdict_wrong = rows(i)%kind == 'fold' .or. &
+                                    .not. rests_on_undecided(branch, i - (size(rows) - size(branch%special_points)))
+            rows(i)%finding = 'none but that of '//text(rows(k)%frequency_ratio)
+            if (.not. rows(i)%verdict_wrong) rows(i)%finding = trim(rows(i)%finding)//', undecided'
+         end do
+      end do
+   end subroutine mark_twins
+
+end module geartrain_analyses_audit

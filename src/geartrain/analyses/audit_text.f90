@@ -1,0 +1,68 @@
+!> An audit as a table, a line a row, and a line that sums it up.
+module geartrain_analyses_audit_text
+   use geartrain_analyses_audit_result, only: audit_row_type, audit_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: text
+   implicit none (type, external)
+   private
+   public :: audit_text
+
+   character(*), parameter :: newline = new_line('a')
+
+contains
+
+   !> The lines, without a newline after the last.
+   subroutine audit_text(audit, lines)
+      type(audit_type), intent(in) :: audit
+      character(:), allocatable, intent(out) :: lines
+      integer :: i
+
+      lines = '      Lambda  what              estimate     error  ratio  balance    shooting   '//newline
+      do i = 1, size(audit%rows)
+         call add_row(audit%rows(i), lines)
+         lines = lines//newline
+      end do
+      call add_summary(audit, lines)
+   end subroutine audit_text
+
+   !> Adds one row of the table.
+   subroutine add_row(row, lines)
+      type(audit_row_type), intent(in) :: row
+      character(:), allocatable, intent(inout) :: lines
+      character(120) :: buffer
+
+      write (buffer, '(f12.6, 2x, a16, 3(1x, a), 2(2x, a9))') row%frequency_ratio, row%kind, number(row%estimate, '(es9.1)', 9), &
+         number(row%error, '(es9.1)', 9), number(row%ratio(), '(f6.2)', 6), row%verdict, row%exact_verdict
+      lines = lines//trim(buffer)
+      if (row%exact_frequency > 0) then
+         write (buffer, '(sp, es9.1)') row%exact_frequency - row%frequency_ratio
+         lines = lines//'  exact at '//text(row%exact_frequency)//' ('//trim(adjustl(buffer))//')'
+      end if
+      if (row%finding /= '') lines = lines//'  '//trim(row%finding)
+   end subroutine add_row
+
+   !> '-' for a negative number, which stands for none.
+   function number(value, form, width)
+      real(dp), intent(in) :: value
+      character(*), intent(in) :: form
+      integer, intent(in) :: width
+      character(width) :: number
+
+      number = repeat(' ', width - 1)//'-'
+      if (value >= 0) write (number, form) value
+   end function number
+
+   !> Adds '20 of 20 as estimated, 0 verdicts wrong', and what else there is to be said.
+   subroutine add_summary(audit, lines)
+      type(audit_type), intent(in) :: audit
+      character(:), allocatable, intent(inout) :: lines
+
+      lines = lines//text(audit%as_estimated)//' of '//text(audit%points)//' as estimated, '
+      if (audit%doubtful > 0) lines = lines//text(audit%doubtful)//' doubtful, '
+      lines = lines//text(audit%wrong_verdicts)//trim(merge(' verdict  ', ' verdicts ', audit%wrong_verdicts == 1))//' wrong'
+      if (audit%special_points > 0) lines = lines//'; '//text(audit%confirmed)//' of '//text(audit%special_points)// &
+                                          ' special points confirmed'
+      if (audit%cancelled) lines = lines//'; cancelled'
+   end subroutine add_summary
+
+end module geartrain_analyses_audit_text

@@ -1,0 +1,245 @@
+!> Stability over Lambda and one parameter of the train: of the linear train from its equations alone, of the train with backlash
+!> from the motions on the branch that each value of the parameter has. Rows, one a value of the parameter, are spread over
+!> threads; each is computed by itself, so that the numbers do not depend on how many threads there are.
+module geartrain_analyses_stability_map
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: iso_fortran_env, only: int64, int8
+   use geartrain_analyses_stability_map_settings, only: map_row_type, stability_map_settings_type, stability_map_type
+   use geartrain_analyses_stability_map_variables, only: check_stability_map, train_with, unit_of
+   use geartrain_balance_balance, only: balance_type
+   use geartrain_base_error, only: error_type, fatal, status_ended_early
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: text
+   use geartrain_base_observer, only: observer_type
+   use geartrain_continuation_branch, only: branch_type, response_settings_type
+   use geartrain_continuation_response, only: response
+   use geartrain_continuation_solutions, only: record_crossings
+   use geartrain_continuation_start, only: begin_trace
+   use geartrain_continuation_tracer, only: tracer_type
+   use geartrain_floquet_monodromy, only: monodromy_type
+   use geartrain_floquet_multipliers, only: is_stable
+   use geartrain_model_check, only: check_train
+   use geartrain_model_system, only: build_system, system_type
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: stability_map
+
+   !> Motions of one row at one Lambda whose figures agree to this, relative to the largest displacement, are one.
+   real(dp), parameter :: same = 1e-6_dp
+
+contains
+
+   !> Computes the map. The observer is called after each row, by one thread at a time. A map under way (its rows are there, why it
+   !> ended is not, as in a checkpoint of the same case) is taken up; one that is ended before all rows are done holds those done.
+   subroutine stability_map(train, settings, map, error, observer)
+      type(train_type), intent(in) :: train
+      type(stability_map_settings_type), intent(in) :: settings
+      !> A target: an observer may read the rows so far through a pointer.
+      type(stability_map_type), intent(inout), target :: map
+      type(error_type), allocatable, intent(out) :: error
+      class(observer_type), intent(inout), optional :: observer
+      type(map_row_type) :: row
+      integer :: i, done
+      logical :: keep_going, go
+      logical, allocatable :: known(:)
+
+      call check_train(train, error)
+      if (.not. allocated(error)) call check_stability_map(train, settings, error)
+      if (allocated(error)) return
+      if (allocated(map%ended) .or. .not. allocated(map%rows)) call make_room(train, settings, map, error)
+      if (allocated(error)) return
+      done = count(map%done)
+      known = map%done
+      keep_going = .true.
+      !$omp parallel do private(row, go) schedule(dynamic)
+      do i = 1, settings%parameter_points
+         if (known(i)) cycle
+         !$omp atomic read
+         go = keep_going
+         if (.not. go) cycle
+         call compute_row(train_with(train, settings, map%parameter(i)), settings, map%frequency_ratio, row)
+         if (train%interrupt%raised()) then
+            !$omp atomic write
+            keep_going = .false.
+            cycle
+         end if
+         !$omp critical (geartrain_map)
+         done = done + 1
+         map%rows(i) = row
+         map%whole(i) = row%whole
+         map%done(i) = .true.
+         go = keep_going
+         if (go .and. present(observer)) call observer%on_step('stability map', done, map%parameter(i), go)
+         !$omp atomic write
+         keep_going = go
+         !$omp end critical (geartrain_map)
+      end do
+      !$omp end parallel do
+      call conclude(map)
+   end subroutine stability_map
+
+   !> The grid, nothing on it yet. Whether there is going to be memory is found out now, not after hours.
+   subroutine make_room(train, settings, map, error)
+      type(train_type), intent(in) :: train
+      type(stability_map_settings_type), intent(in) :: settings
+      type(stability_map_type), intent(inout), target :: map
+      type(error_type), allocatable, intent(inout) :: error
+      type(stability_map_type) :: empty
+      !> Bytes of a motion in the map, and how often there is room for it: for the map, for the file that is put together in
+      !> memory and for the bytes that are written.
+      integer(int64), parameter :: plain = 24, each_mesh = 8, times = 3
+      integer(int8), allocatable, volatile :: room(:)
+      integer(int64) :: bytes
+      integer :: status
+
+      map = empty
+      map%name = trim(settings%parameter)
+      map%unit = unit_of(settings%parameter)
+      map%linear = settings%linear
+      associate (points => settings%points, rows => settings%parameter_points)
+         bytes = plain
+         if (.not. settings%linear) bytes = bytes + each_mesh*size(train%meshes)
+         bytes = times*bytes*points*rows
+         allocate (room(bytes), stat=status)
+         if (status == 0) room(bytes) = 0
+         if (status == 0) allocate (map%rows(rows), stat=status)
+         if (status /= 0) then
+            map = empty
+            call fatal(error, 'stability map: no memory for '//text(points)//' times '//text(rows)//' motions ('// &
+                       text(real(bytes, dp)/1e9_dp)//' GB with the file of it): take fewer points', status_ended_early)
+            return
+         end if
+         allocate (map%done(rows), map%whole(rows), source=.false.)
+      end associate
+      map%frequency_ratio = spaced(settings%start, settings%stop, settings%points)
+      map%parameter = spaced(settings%parameter_start, settings%parameter_stop, settings%parameter_points)
+   end subroutine make_room
+
+   !> `points` equal steps, both ends exact.
+   pure function spaced(from, to, points) result(values)
+      real(dp), intent(in) :: from, to
+      integer, intent(in) :: points
+      real(dp) :: values(points)
+      integer :: i
+
+      values = [(from + (to - from)*(i - 1)/max(1, points - 1), i=1, points)]
+      if (points > 1) values(points) = to
+   end function spaced
+
+   !> Says what the map holds.
+   subroutine conclude(map)
+      type(stability_map_type), intent(inout) :: map
+      integer :: rows, short
+
+      rows = size(map%done)
+      short = count(map%done .and. .not. map%whole)
+      map%complete = all(map%done) .and. short == 0
+      map%ended = 'all rows done'
+      if (.not. all(map%done)) map%ended = 'cancelled after '//text(count(map%done))//' of '//text(rows)//' rows'
+      call map%gather()
+      if (short > 0) map%ended = map%ended//'; the branch did not get through the range in '//text(short)//' of them, where &
+                                 &motions may be missing'
+   end subroutine conclude
+
+   subroutine compute_row(train, settings, frequency_ratio, row)
+      type(train_type), intent(in) :: train
+      type(stability_map_settings_type), intent(in) :: settings
+      real(dp), intent(in) :: frequency_ratio(:)
+      type(map_row_type), intent(out) :: row
+      real(dp) :: nan
+
+      nan = ieee_value(nan, ieee_quiet_nan)
+      allocate (row%motions(size(frequency_ratio)), row%stable_motions(size(frequency_ratio)), source=0)
+      allocate (row%multiplier(size(frequency_ratio)), source=cmplx(nan, nan, dp))
+      if (settings%linear) then
+         call compute_linear_row(train, frequency_ratio, row)
+      else
+         allocate (row%rms(size(train%meshes), size(frequency_ratio)), source=nan)
+         call compute_nonlinear_row(train, settings, frequency_ratio, row)
+      end if
+   end subroutine compute_row
+
+   !> Of a train without backlash: its multipliers are those of its one motion and need no motion to be found.
+   subroutine compute_linear_row(train, frequency_ratio, row)
+      type(train_type), intent(in) :: train
+      real(dp), intent(in) :: frequency_ratio(:)
+      type(map_row_type), intent(inout) :: row
+      type(system_type) :: system
+      type(balance_type) :: balance
+      type(monodromy_type) :: monodromy
+      complex(dp), allocatable :: multipliers(:)
+      integer :: k
+
+      call build_system(train, system)
+      call monodromy%setup(system)
+      allocate (multipliers(monodromy%given))
+      ! A balance without unknowns: no mesh leaves its contact.
+      balance%system = system
+      balance%eta = 1
+      balance%unknowns = 0
+      row%motions = 1
+      do k = 1, size(frequency_ratio)
+         if (system%interrupt%raised()) return
+         call monodromy%integrate(balance, frequency_ratio(k))
+         call monodromy%multipliers(multipliers)
+         row%multiplier(k) = multipliers(1)
+         if (is_stable(multipliers)) row%stable_motions(k) = 1
+      end do
+   end subroutine compute_linear_row
+
+   !> Follows the branch of the row and solves again at each Lambda that it passes; stability is of use only there.
+   subroutine compute_nonlinear_row(train, settings, frequency_ratio, row)
+      type(train_type), intent(in) :: train
+      type(stability_map_settings_type), intent(in) :: settings
+      real(dp), intent(in) :: frequency_ratio(:)
+      type(map_row_type), intent(inout) :: row
+      type(response_settings_type) :: branch_settings
+      type(branch_type) :: branch, found
+      type(tracer_type) :: tracer
+      type(error_type), allocatable :: error
+      integer :: k, i, first
+
+      branch_settings%start = settings%start
+      branch_settings%stop = settings%stop
+      branch_settings%harmonics = settings%harmonics
+      branch_settings%stability = .false.
+      call response(train, branch_settings, branch, error)
+      row%whole = branch%complete .and. .not. allocated(error)
+      if (allocated(error)) return
+      call begin_trace(train, branch_settings, tracer)
+      call tracer%recorder%setup(tracer%corrector%balance, .true., found)
+      do k = 1, size(frequency_ratio)
+         if (train%interrupt%raised()) return
+         first = found%points + 1
+         call record_crossings(tracer, branch, frequency_ratio(k), found)
+         ! What an interrupted flight leaves are no numbers.
+         if (train%interrupt%raised()) return
+         do i = first, found%points
+            if (.not. is_new(found, first, i)) cycle
+            row%motions(k) = row%motions(k) + 1
+            if (row%motions(k) == 1) row%multiplier(k) = found%multipliers(1, i)
+            if (abs(found%multipliers(1, i)) < abs(row%multiplier(k))) row%multiplier(k) = found%multipliers(1, i)
+            if (.not. found%stable(i)) cycle
+            row%stable_motions(k) = row%stable_motions(k) + 1
+            if (row%stable_motions(k) == 1) row%rms(:, k) = found%rms(:, i)
+            row%rms(:, k) = max(row%rms(:, k), found%rms(:, i))
+         end do
+      end do
+   end subroutine compute_nonlinear_row
+
+   !> Whether point i is none of first .. i - 1: two parts of a branch may pass the same motion.
+   logical function is_new(found, first, i)
+      type(branch_type), intent(in) :: found
+      integer, intent(in) :: first, i
+      real(dp) :: scale
+      integer :: k
+
+      scale = max(maxval(abs(found%maximum(:, i))), maxval(abs(found%minimum(:, i))))
+      is_new = .true.
+      do k = first, i - 1
+         if (maxval(abs(found%coefficients(:, :, i) - found%coefficients(:, :, k))) < same*scale) is_new = .false.
+      end do
+   end function is_new
+
+end module geartrain_analyses_stability_map

@@ -1,0 +1,214 @@
+!> The linearised balance with one border row and column, and its solution.
+!>
+!> Where all harmonics are explicit that is elimination. Where they are many only the lowest ones are eliminated; the rest of the
+!> matrix is the identity plus something that falls as 1/r**2, so GMRES, with the factors of the lowest harmonics and of the mean
+!> stiffness at the others as preconditioner, needs no more iterations the more harmonics there are.
+module geartrain_balance_bordered_system
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use geartrain_balance_balance, only: balance_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_linalg_bordered, only: bordered_type
+   use geartrain_linalg_graph, only: factor_scalars, solve_scalars
+   implicit none (type, external)
+   private
+   public :: bordered_system_type
+
+   !> Residual of a solution relative to the right-hand side, where it is to be exact; iterations after which more harmonics are
+   !> made explicit.
+   real(dp), parameter :: tolerance = 1e-10_dp
+   integer, parameter :: most_iterations = 40
+
+   type :: bordered_system_type
+      !> Border column and row, (block, unknowns), and their corner: to be set between `linearize` and `factor`.
+      real(dp), allocatable :: column(:, :), row(:, :)
+      real(dp) :: corner = 0
+      !> Sign of the determinant, of the explicit harmonics: constant along a smooth branch that keeps its sense.
+      integer :: orientation = 1
+      !> Of the latest `solve`; 0 by elimination.
+      integer :: iterations = 0
+      type(bordered_type), private :: lowest
+      !> Factors of each harmonic that is not explicit, (entries of the graph, harmonic).
+      complex(dp), allocatable, private :: factors(:, :)
+      !> Orthogonal basis of GMRES, (block, unknowns, vector), and the entries of the border row, (vector).
+      real(dp), allocatable, private :: basis(:, :, :), basis_y(:)
+   contains
+      procedure :: setup
+      procedure :: linearize
+      procedure :: factor
+      procedure :: solve
+      procedure, private :: factor_tail
+      procedure, private :: precondition
+      procedure, private :: iterate
+   end type bordered_system_type
+
+contains
+
+   !> To be called after each `balance%setup`.
+   subroutine setup(self, balance)
+      class(bordered_system_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+
+      if (allocated(self%column)) deallocate (self%column, self%row)
+      allocate (self%column(balance%block, balance%unknowns), self%row(balance%block, balance%unknowns))
+      if (allocated(self%basis)) deallocate (self%basis, self%basis_y)
+      if (balance%is_direct()) return
+      allocate (self%basis(balance%block, balance%unknowns, most_iterations + 1), self%basis_y(most_iterations + 1))
+   end subroutine setup
+
+   !> Takes dS/du at the last `evaluate`, and dS/dLambda as the border column.
+   subroutine linearize(self, balance)
+      class(bordered_system_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+
+      call balance%jacobian(self%lowest)
+      self%column = balance%d_frequency
+   end subroutine linearize
+
+   subroutine factor(self, balance, regular)
+      class(bordered_system_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+      logical, intent(out) :: regular
+      integer :: info
+
+      associate (n => self%lowest%block)
+         self%lowest%column = self%column(:n, :)
+         self%lowest%row = self%row(:n, :)
+      end associate
+      self%lowest%corner = self%corner
+      call self%lowest%factor(info)
+      regular = info == 0
+      self%orientation = self%lowest%orientation
+      if (regular .and. .not. balance%is_direct()) call self%factor_tail(balance)
+   end subroutine factor
+
+   !> Solves in place for the right-hand side x (block, unknowns) and y of the border row. Not a number where it cannot be.
+   subroutine solve(self, balance, x, y, accuracy)
+      class(bordered_system_type), intent(inout) :: self
+      type(balance_type), intent(inout) :: balance
+      real(dp), intent(inout) :: x(:, :), y
+      !> Residual relative to the right-hand side that is enough.
+      real(dp), intent(in), optional :: accuracy
+      real(dp) :: enough
+      logical :: done
+
+      enough = tolerance
+      if (present(accuracy)) enough = max(tolerance, accuracy)
+      self%iterations = 0
+      do while (.not. balance%is_direct())
+         call self%iterate(balance, enough, x, y, done)
+         if (done) return
+         if (balance%system%interrupt%raised()) then
+            y = ieee_value(y, ieee_quiet_nan)
+            x = y
+            return
+         end if
+         call balance%make_explicit(2*balance%explicit)
+         call balance%jacobian(self%lowest)
+         call self%factor(balance, done)
+      end do
+      call self%lowest%solve(x, y)
+   end subroutine solve
+
+   !> Factors of the matrix of each harmonic that is not explicit, the meshes with their mean stiffness in contact.
+   subroutine factor_tail(self, balance)
+      class(bordered_system_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+      integer :: m, tail
+
+      tail = size(balance%harmonic) - balance%explicit
+      if (allocated(self%factors)) then
+         if (size(self%factors, 2) /= tail) deallocate (self%factors)
+      end if
+      if (.not. allocated(self%factors)) allocate (self%factors(balance%system%cut%graph%entries, tail))
+      do m = 1, tail
+         associate (k => balance%explicit + m)
+            call balance%mean_matrix(balance%harmonic(k), balance%receptance(k), self%factors(:, m))
+         end associate
+         call factor_scalars(balance%system%cut%graph, self%factors(:, m))
+      end do
+   end subroutine factor_tail
+
+   !> Solves approximately, in place: the explicit harmonics and the border exactly, the others one by one.
+   subroutine precondition(self, balance, x, y)
+      class(bordered_system_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(inout) :: x(:, :), y
+      complex(dp) :: p(balance%unknowns)
+      integer :: k, m
+
+      call self%lowest%solve(x(:self%lowest%block, :), y)
+      do m = 1, size(self%factors, 2)
+         k = balance%explicit + m
+         p = cmplx(x(2*k, :) - y*self%column(2*k, :), -x(2*k + 1, :) + y*self%column(2*k + 1, :), dp)
+         call solve_scalars(balance%system%cut%graph, self%factors(:, m), p)
+         x(2*k, :) = p%re
+         x(2*k + 1, :) = -p%im
+      end do
+   end subroutine precondition
+
+   !> GMRES, preconditioned from the right; x and y are left as they are where it does not converge.
+   subroutine iterate(self, balance, enough, x, y, converged)
+      class(bordered_system_type), intent(inout) :: self
+      type(balance_type), intent(inout) :: balance
+      real(dp), intent(in) :: enough
+      real(dp), intent(inout) :: x(:, :), y
+      logical, intent(out) :: converged
+      real(dp) :: h(most_iterations + 1, most_iterations), g(most_iterations + 1), cosine(most_iterations), &
+                  sine(most_iterations), z(size(x, 1), size(x, 2)), zy, length, held
+      integer :: i, j, n
+
+      length = sqrt(sum(x**2) + y**2)
+      converged = .not. length > 0
+      if (converged) return
+      associate (v => self%basis, vy => self%basis_y)
+         v(:, :, 1) = x/length
+         vy(1) = y/length
+         g = 0
+         g(1) = length
+         do n = 1, most_iterations
+            if (balance%system%interrupt%raised()) return
+            z = v(:, :, n)
+            zy = vy(n)
+            call self%precondition(balance, z, zy)
+            call balance%apply(z, v(:, :, n + 1))
+            v(:, :, n + 1) = v(:, :, n + 1) + zy*self%column
+            vy(n + 1) = sum(self%row*z) + self%corner*zy
+            do j = 1, n
+               h(j, n) = sum(v(:, :, j)*v(:, :, n + 1)) + vy(j)*vy(n + 1)
+               v(:, :, n + 1) = v(:, :, n + 1) - h(j, n)*v(:, :, j)
+               vy(n + 1) = vy(n + 1) - h(j, n)*vy(j)
+            end do
+            h(n + 1, n) = sqrt(sum(v(:, :, n + 1)**2) + vy(n + 1)**2)
+            if (h(n + 1, n) > 0) v(:, :, n + 1) = v(:, :, n + 1)/h(n + 1, n)
+            if (h(n + 1, n) > 0) vy(n + 1) = vy(n + 1)/h(n + 1, n)
+            do j = 1, n - 1
+               held = cosine(j)*h(j, n) + sine(j)*h(j + 1, n)
+               h(j + 1, n) = cosine(j)*h(j + 1, n) - sine(j)*h(j, n)
+               h(j, n) = held
+            end do
+            held = hypot(h(n, n), h(n + 1, n))
+            if (.not. held > 0) return
+            cosine(n) = h(n, n)/held
+            sine(n) = h(n + 1, n)/held
+            h(n, n) = held
+            g(n + 1) = -sine(n)*g(n)
+            g(n) = cosine(n)*g(n)
+            converged = abs(g(n + 1)) <= enough*length
+            if (converged) exit
+         end do
+         self%iterations = min(n, most_iterations)
+         if (.not. converged) return
+         do i = n, 1, -1
+            g(i) = (g(i) - dot_product(h(i, i + 1:n), g(i + 1:n)))/h(i, i)
+         end do
+         x = 0
+         y = 0
+         do i = 1, n
+            x = x + g(i)*v(:, :, i)
+            y = y + g(i)*vy(i)
+         end do
+      end associate
+      call self%precondition(balance, x, y)
+   end subroutine iterate
+
+end module geartrain_balance_bordered_system

@@ -1,0 +1,445 @@
+!> What a balance leaves out: the harmonics above its highest, and what they do to those it carries.
+module geartrain_balance_error_estimate
+   use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_bordered_system, only: bordered_system_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_linalg_fftw, only: transform_type
+   use geartrain_linalg_graph, only: factor_scalars, solve_scalars
+   use geartrain_linalg_trigonometric, only: evaluate, sample, transform_length
+   use geartrain_model_receptance, only: find_receptance, linear_displacements, receptance_type
+   implicit none (type, external)
+   private
+   public :: error_estimate_type, find_error_estimate, harmonics_for
+
+   !> Beyond this the estimate is doubtful: 2 bend y/slope**2 (1: the fold lies at the point's Lambda), relative error; and where an
+   !> extreme comes as near to a wall as this share of the error.
+   real(dp), parameter :: near_fold = 0.7_dp, large = 0.1_dp, grazing = 0.3_dp
+   !> Steepest branch, dLambda along it, on which a number of harmonics is to hold a tolerance: at a fold itself an error at
+   !> constant Lambda falls with the root of the shift of the fold only.
+   real(dp), parameter :: steepest = 0.05_dp
+
+   !> The tail is taken up to `near` times the highest kept harmonic, and up to `far` times that where a harmonic may meet a natural
+   !> frequency, which is lower than that of the train in contact by the share of separation.
+   integer, parameter :: near = 3, far = 8
+   real(dp), parameter :: lowest_resonance = 0.7_dp, highest_resonance = 1.15_dp
+   !> Accuracy that is enough for an estimate, where its equations are solved by iteration.
+   real(dp), parameter :: accuracy = 1e-3_dp
+
+   type :: error_estimate_type
+      !> Of the train in contact, over characteristic frequency; to be set before `find_error_estimate`.
+      real(dp), allocatable :: natural_frequency(:)
+      !> Relative error of the waveform, to first order: against the motion at the same Lambda or, where the branch turns before it,
+      !> that of its fold.
+      real(dp) :: relative = 0
+      !> The same on a branch that is nowhere steeper than `steepest`: what the number of harmonics is chosen by.
+      real(dp) :: limited = 0
+      !> The first order may not hold: a fold as near as it is itself misplaced, a contact that begins or ends within the error,
+      !> or an error that is not small.
+      logical :: doubtful = .false.
+      !> Root of the sum of squares of the amplitudes above harmonic r, all meshes together, (0:near*highest).
+      real(dp), allocatable :: remainder(:)
+      !> Harmonics of the tail that are taken, their amplitudes (tail, unknowns), the spectra of contact (0:, unknowns).
+      integer, private :: count = 0
+      integer, allocatable, private :: harmonic(:)
+      complex(dp), allocatable, private :: tail(:, :), stiffness(:, :), offset(:, :)
+      !> The error of the kept coefficients, (block, unknowns), which corrects the motion to first order.
+      real(dp), allocatable, private :: error(:, :)
+      !> Plan for products of the tail with the spectra, where the balance works by FFT too.
+      type(transform_type), private :: wide
+   contains
+      procedure :: waveform_error
+      procedure, private :: reserve
+      procedure, private :: choose_tail
+   end type error_estimate_type
+
+contains
+
+   !> The missing tail follows from the force at its harmonics, and its effect on the kept ones, at constant Lambda, costs one
+   !> solve with `matrix`, factored at this solution with any border row; the tangent (and its Lambda part) takes out what that
+   !> row lets Lambda move.
+   !>
+   !> Where that is y and Lambda = slope s + bend s**2/2 along the branch, the way back along it is the nearer root s of
+   !> y + slope s + bend s**2/2 = 0, or to the vertex.
+   subroutine find_error_estimate(balance, u, frequency_ratio, tangent, slope, bend, unit, matrix, estimate)
+      type(balance_type), intent(inout) :: balance
+      !> The solution, the unit tangent there, its Lambda part and the change of that along the branch.
+      real(dp), intent(in) :: u(:, :), frequency_ratio, tangent(:, :), slope, bend
+      !> Of Lambda, for what counts as steep.
+      real(dp), intent(in) :: unit
+      type(bordered_system_type), intent(inout) :: matrix
+      type(error_estimate_type), intent(inout) :: estimate
+      real(dp) :: correction(balance%block, balance%unknowns), error(balance%block, balance%unknowns), y, way, scale
+      complex(dp), allocatable :: force(:, :)
+      integer :: i, reach
+      !> Meshes that are no unknowns may lack excitation.
+      logical :: condensed
+
+      estimate%relative = 0
+      estimate%limited = 0
+      estimate%doubtful = .false.
+      call estimate%reserve(balance)
+      call estimate%choose_tail(balance, frequency_ratio)
+      estimate%remainder = 0
+      estimate%error = 0*u
+      if (estimate%count == 0) return
+      if (balance%unknowns == 0) then
+         allocate (force(estimate%count, 0))
+         estimate%relative = condensed_error(balance, u, frequency_ratio, estimate%harmonic(:estimate%count), force, force)
+         estimate%limited = estimate%relative
+         estimate%doubtful = estimate%relative > large
+         return
+      end if
+      associate (n => estimate%count, tail => estimate%tail(:estimate%count, :), harmonic => estimate%harmonic)
+         reach = harmonic(n) + balance%highest
+         do i = 1, balance%unknowns
+            call balance%contact(i)%spectra(estimate%stiffness(0:reach, i), estimate%offset(0:reach, i))
+         end do
+         ! Room for the product of the spectra with the motion or the tail, without aliases where it is used.
+         if (.not. balance%is_direct()) call estimate%wide%plan(transform_length(2*reach + 1))
+         call find_forces(balance, u, harmonic(:n), estimate%stiffness(0:reach, :), estimate%offset, estimate%wide, tail)
+         condensed = size(balance%left_out) > 0 .and. balance%unknowns < balance%system%meshes
+         if (condensed) force = tail
+         call find_tail(balance, frequency_ratio, harmonic(:n), tail)
+         call find_remainder(balance, u, harmonic(:n), tail, estimate%remainder)
+         call find_shift(balance, harmonic(:n), estimate%stiffness(0:reach, :), estimate%wide, tail, correction)
+         y = 0
+         call matrix%solve(balance, correction, y, accuracy)
+         scale = sqrt(max(sum(u(2:, :)**2), tiny(1.0_dp)))
+         way = -y/sign(max(abs(slope), steepest*unit), slope)
+         error = correction + way*tangent
+         estimate%limited = sqrt(sum(tail%re**2 + tail%im**2) + 2*sum(error(1, :)**2) + sum(error(2:, :)**2))/scale
+         error = correction + way_back(y, slope, bend)*tangent
+         estimate%relative = sqrt(sum(tail%re**2 + tail%im**2) + 2*sum(error(1, :)**2) + sum(error(2:, :)**2))/scale
+         estimate%error = error
+         if (condensed) then
+            way = condensed_error(balance, u, frequency_ratio, harmonic(:n), force, tail)
+            estimate%relative = max(estimate%relative, way)
+            estimate%limited = max(estimate%limited, way)
+         end if
+         estimate%doubtful = estimate%relative > large .or. abs(2*bend*y) > near_fold*slope**2
+         do i = 1, balance%unknowns
+            if (balance%contact(i)%clearance() &
+                < grazing*sqrt(sum(tail(:, i)%re**2 + tail(:, i)%im**2) + 2*error(1, i)**2 + sum(error(2:, i)**2))) &
+               estimate%doubtful = .true.
+         end do
+      end associate
+   end subroutine find_error_estimate
+
+   !> Room for the longest tail.
+   pure subroutine reserve(self, balance)
+      class(error_estimate_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+      integer :: longest, last
+
+      longest = far*balance%highest
+      last = maxval([longest, balance%left_out]) + balance%highest
+      longest = longest + count(balance%left_out > longest)
+      if (allocated(self%remainder)) then
+         if (ubound(self%remainder, 1) == near*balance%highest .and. size(self%tail, 1) == longest .and. &
+             size(self%tail, 2) == balance%unknowns .and. ubound(self%stiffness, 1) == last) return
+         deallocate (self%remainder, self%harmonic, self%tail, self%stiffness, self%offset)
+      end if
+      allocate (self%remainder(0:near*balance%highest), self%harmonic(longest), self%tail(longest, balance%unknowns), &
+                self%stiffness(0:last, balance%unknowns), self%offset(0:last, balance%unknowns))
+   end subroutine reserve
+
+   !> Harmonics of the tail: those that the balance misses up to `near`, beyond where a natural frequency may be met, and those of
+   !> the excitation wherever they are.
+   pure subroutine choose_tail(self, balance, frequency_ratio)
+      class(error_estimate_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: frequency_ratio
+      logical :: taken(far*balance%highest)
+      real(dp) :: r
+      integer :: k, step, least
+
+      self%count = 0
+      if (balance%unknowns == 0) then
+         ! Linear: harmonics do not make others.
+         self%count = size(balance%left_out)
+         self%harmonic(:self%count) = balance%left_out
+         return
+      end if
+      step = 1
+      if (balance%eta == 1) step = balance%system%excitation_order
+      taken = .false.
+      taken(balance%missing) = .true.
+      taken(pack(balance%left_out, balance%left_out <= size(taken))) = .true.
+      if (allocated(self%natural_frequency)) then
+         do k = 1, size(self%natural_frequency)
+            r = self%natural_frequency(k)*balance%eta/frequency_ratio
+            least = int(min(lowest_resonance*r, real(size(taken), dp))) + 1
+            taken(max(least, near*balance%highest + 1):int(min(highest_resonance*r, real(size(taken), dp)))) = .true.
+         end do
+      end if
+      do k = step, size(taken), step
+         if (.not. taken(k)) cycle
+         self%count = self%count + 1
+         self%harmonic(self%count) = k
+      end do
+      associate (rest => pack(balance%left_out, balance%left_out > size(taken)))
+         self%harmonic(self%count + 1:self%count + size(rest)) = rest
+         self%count = self%count + size(rest)
+      end associate
+   end subroutine choose_tail
+
+   !> What the harmonics of the excitation that are left out make of the meshes that are no unknowns, relative to their waveforms;
+   !> `harmonic` are those of the tail.
+   real(dp) function condensed_error(balance, u, frequency_ratio, harmonic, force, tail)
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: u(:, :), frequency_ratio
+      integer, intent(in) :: harmonic(:)
+      !> Forces of the unknown meshes at the tail without what their displacements there cause, and these, (tail, unknowns).
+      complex(dp), intent(in) :: force(:, :), tail(:, :)
+      complex(dp) :: phi(balance%unknowns), p(balance%system%elements)
+      real(dp) :: coefficients(1 + 2*balance%highest, balance%system%meshes), missing
+      logical :: is_linear(balance%system%meshes)
+      integer :: i, m
+
+      missing = 0
+      is_linear = .true.
+      is_linear(balance%mesh) = .false.
+      do m = 1, size(harmonic)
+         if (.not. any(balance%left_out == harmonic(m))) cycle
+         do i = 1, balance%unknowns
+            phi(i) = force(m, i) + balance%mean_stiffness(i, harmonic(m))*tail(m, i)
+         end do
+         call linear_displacements(balance%system, frequency_ratio, harmonic(m), balance%eta, phi, p)
+         missing = missing + sum(abs(p(pack(balance%system%mesh_element, is_linear)))**2)
+      end do
+      call balance%full_coefficients(u, frequency_ratio, coefficients)
+      condensed_error = 0
+      do i = 1, balance%system%meshes
+         if (is_linear(i)) condensed_error = condensed_error + sum(coefficients(2:, i)**2)
+      end do
+      condensed_error = sqrt(missing/max(condensed_error, tiny(1.0_dp)))
+   end function condensed_error
+
+   !> The estimated error of unknown mesh i at theta [rad], with the sign of what is missing.
+   pure real(dp) function waveform_error(self, balance, i, theta)
+      class(error_estimate_type), intent(in) :: self
+      type(balance_type), intent(in) :: balance
+      integer, intent(in) :: i
+      real(dp), intent(in) :: theta
+      real(dp) :: tail(1 + 2*self%count), missing, slope, curvature
+
+      tail(1) = 0
+      tail(2::2) = self%tail(:self%count, i)%re
+      tail(3::2) = -self%tail(:self%count, i)%im
+      call evaluate(self%error(:, i), balance%harmonic, theta, waveform_error, slope, curvature)
+      call evaluate(tail, self%harmonic(:self%count), theta, missing, slope, curvature)
+      waveform_error = waveform_error + missing
+   end function waveform_error
+
+   !> The nearer root s of y + slope s + bend s**2/2 = 0; where there is none, the fold.
+   pure real(dp) function way_back(y, slope, bend)
+      real(dp), intent(in) :: y, slope, bend
+      real(dp) :: inside
+
+      inside = slope**2 - 2*bend*y
+      if (inside < 0) then
+         way_back = -slope/bend
+      else
+         way_back = -2*y/sign(max(abs(slope) + sqrt(inside), tiny(1.0_dp)), slope)
+      end if
+   end function way_back
+
+   !> Fewest harmonics for which the error is to be `share` of what it is, by the decay of the harmonics; at most twice as many as
+   !> there are, because more of the tail is not known.
+   pure integer function harmonics_for(estimate, share) result(highest)
+      type(error_estimate_type), intent(in) :: estimate
+      real(dp), intent(in) :: share
+      integer :: now
+
+      now = ubound(estimate%remainder, 1)/near
+      do highest = 1, 2*now - 1
+         if (estimate%remainder(highest) <= share*estimate%remainder(now)) return
+      end do
+   end function harmonics_for
+
+   !> Root of the sum of squares above each harmonic; what lies beyond the last one counts for all.
+   pure subroutine find_remainder(balance, u, harmonic, tail, remainder)
+      type(balance_type), intent(in) :: balance
+      integer, intent(in) :: harmonic(:)
+      real(dp), intent(in) :: u(:, :)
+      complex(dp), intent(in) :: tail(:, :)
+      real(dp), intent(inout) :: remainder(0:)
+      integer :: k, m
+
+      remainder = 0
+      do k = 1, size(balance%harmonic)
+         remainder(balance%harmonic(k) - 1) = sum(u(2*k:2*k + 1, :)**2)
+      end do
+      do m = 1, size(harmonic)
+         k = min(harmonic(m) - 1, ubound(remainder, 1))
+         remainder(k) = remainder(k) + sum(tail(m, :)%re**2 + tail(m, :)%im**2)
+      end do
+      do k = ubound(remainder, 1) - 1, 0, -1
+         remainder(k) = remainder(k) + remainder(k + 1)
+      end do
+      remainder = sqrt(remainder)
+   end subroutine find_remainder
+
+   !> Forces that the kept harmonics cause at those of the tail, (tail, unknowns).
+   subroutine find_forces(balance, u, harmonic, stiffness, offset, wide, force)
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: u(:, :)
+      integer, intent(in) :: harmonic(:)
+      complex(dp), intent(in) :: stiffness(0:, :), offset(0:, :)
+      type(transform_type), intent(inout) :: wide
+      complex(dp), intent(out) :: force(:, :)
+      integer :: i, m
+
+      do i = 1, balance%unknowns
+         if (balance%is_direct()) then
+            do m = 1, size(harmonic)
+               force(m, i) = 2*stiffness(harmonic(m), i)*u(1, i) + driven(balance%harmonic, stiffness(:, i), u(:, i), harmonic(m))
+            end do
+         else
+            call sample(u(:, i), balance%harmonic, wide)
+            call multiply(wide, stiffness(:, i))
+            force(:, i) = 2*wide%coefficient(harmonic + 1)
+         end if
+         force(:, i) = force(:, i) - 2*balance%contact(i)%half_backlash*offset(harmonic, i)
+      end do
+   end subroutine find_forces
+
+   !> Multiplies the waveform in wide%sample with that of the two-sided coefficients w; leaves coefficients there.
+   subroutine multiply(wide, w)
+      type(transform_type), intent(inout) :: wide
+      complex(dp), intent(in) :: w(:)
+      real(dp) :: waveform(wide%samples)
+
+      waveform = wide%sample/wide%samples
+      wide%coefficient = 0
+      wide%coefficient(:size(w)) = w
+      call wide%to_samples()
+      wide%sample = waveform*wide%sample
+      call wide%to_coefficients()
+   end subroutine multiply
+
+   !> Complex amplitudes of the tail in place of the forces there, (tail, unknowns): each harmonic by itself, the meshes coupled
+   !> and with their mean stiffness (a harmonic near a natural frequency resonates).
+   pure subroutine find_tail(balance, frequency_ratio, harmonic, tail)
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: frequency_ratio
+      integer, intent(in) :: harmonic(:)
+      complex(dp), intent(inout) :: tail(:, :)
+      type(receptance_type) :: local
+      complex(dp) :: force(balance%unknowns), p(balance%unknowns), matrix(balance%system%cut%graph%entries)
+      integer :: i, m, n
+
+      associate (graph => balance%system%cut%graph)
+         do m = 1, size(harmonic)
+            force = tail(m, :)
+            call find_receptance(balance%system, frequency_ratio, harmonic(m), balance%eta, local)
+            ! The diagonal is 1 plus something small, save at a resonance.
+            call balance%mean_matrix(harmonic(m), local, matrix)
+            p = local%a
+            do i = 1, balance%unknowns
+               do n = graph%row(i), graph%row(i + 1) - 1
+                  p(i) = p(i) - local%h(graph%entry(n))*force(graph%column(n))
+               end do
+            end do
+            call factor_scalars(graph, matrix)
+            call solve_scalars(graph, matrix, p)
+            tail(m, :) = p
+         end do
+      end associate
+   end subroutine find_tail
+
+   !> Force at harmonic r, not a kept one, that the kept harmonics cause.
+   pure complex(dp) function driven(kept, w, u, r)
+      integer, intent(in) :: kept(:), r
+      complex(dp), intent(in) :: w(0:)
+      real(dp), intent(in) :: u(:)
+      integer :: k
+
+      driven = 0
+      do k = 1, size(kept)
+         driven = driven + two_sided(w, r - kept(k))*cmplx(u(2*k), -u(2*k + 1), dp) &
+                  + w(r + kept(k))*cmplx(u(2*k), u(2*k + 1), dp)
+      end do
+   end function driven
+
+   pure complex(dp) function two_sided(w, k)
+      complex(dp), intent(in) :: w(0:)
+      integer, intent(in) :: k
+
+      two_sided = w(abs(k))
+      if (k < 0) two_sided = conjg(two_sided)
+   end function two_sided
+
+   !> What the tail's force moves the kept harmonics by, before the balance answers.
+   subroutine find_shift(balance, harmonic, stiffness, wide, tail, correction)
+      type(balance_type), intent(in) :: balance
+      integer, intent(in) :: harmonic(:)
+      complex(dp), intent(in) :: stiffness(0:, :), tail(:, :)
+      type(transform_type), intent(inout) :: wide
+      real(dp), intent(out) :: correction(:, :)
+      real(dp) :: d_phi(balance%block, balance%unknowns)
+      complex(dp) :: shift
+      integer :: i, k, n
+
+      do i = 1, balance%unknowns
+         if (balance%is_direct()) then
+            call tail_force(balance%harmonic, harmonic, stiffness(:, i), tail(:, i), d_phi(:, i))
+         else
+            call transform_tail(balance%harmonic, harmonic, stiffness(:, i), tail(:, i), wide, d_phi(:, i))
+         end if
+      end do
+      call balance%mean_product(-d_phi(1, :), 0*d_phi(1, :), correction(1, :))
+      associate (graph => balance%system%cut%graph)
+         do i = 1, balance%unknowns
+            do k = 1, size(balance%harmonic)
+               shift = 0
+               do n = graph%row(i), graph%row(i + 1) - 1
+                  shift = shift - balance%receptance(k)%h(graph%entry(n)) &
+                          *cmplx(d_phi(2*k, graph%column(n)), -d_phi(2*k + 1, graph%column(n)), dp)
+               end do
+               correction(2*k, i) = shift%re
+               correction(2*k + 1, i) = -shift%im
+            end do
+         end do
+      end associate
+   end subroutine find_shift
+
+   !> Force at the kept harmonics that the missing tail causes, to first order.
+   pure subroutine tail_force(kept, harmonic, w, tail, d_phi)
+      integer, intent(in) :: kept(:), harmonic(:)
+      complex(dp), intent(in) :: w(0:), tail(:)
+      real(dp), intent(out) :: d_phi(:)
+      complex(dp) :: total
+      integer :: k, m
+
+      d_phi(1) = sum(real(conjg(w(harmonic))*tail, dp))
+      do k = 1, size(kept)
+         total = 0
+         do m = 1, size(tail)
+            total = total + conjg(two_sided(w, harmonic(m) - kept(k)))*tail(m) + w(harmonic(m) + kept(k))*conjg(tail(m))
+         end do
+         d_phi(2*k) = total%re
+         d_phi(2*k + 1) = -total%im
+      end do
+   end subroutine tail_force
+
+   !> The same by FFT.
+   subroutine transform_tail(kept, harmonic, w, tail, wide, d_phi)
+      integer, intent(in) :: kept(:), harmonic(:)
+      complex(dp), intent(in) :: w(0:), tail(:)
+      type(transform_type), intent(inout) :: wide
+      real(dp), intent(out) :: d_phi(:)
+      integer :: k
+
+      wide%coefficient = 0
+      wide%coefficient(harmonic + 1) = tail/2
+      call wide%to_samples()
+      call multiply(wide, w)
+      d_phi(1) = real(wide%coefficient(1), dp)
+      do k = 1, size(kept)
+         d_phi(2*k) = 2*real(wide%coefficient(kept(k) + 1), dp)
+         d_phi(2*k + 1) = -2*aimag(wide%coefficient(kept(k) + 1))
+      end do
+   end subroutine transform_tail
+
+end module geartrain_balance_error_estimate

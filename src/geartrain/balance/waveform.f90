@@ -1,0 +1,66 @@
+!> Time history of a motion over one period.
+module geartrain_balance_waveform
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_base_kinds, only: dp, pi
+   use geartrain_flow_orbit, only: sample_orbit
+   use geartrain_linalg_trigonometric, only: evaluate
+   use geartrain_mesh_law_mesh_load, only: elastic, stiffness_samples
+   use geartrain_model_system, only: build_system, system_type
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: waveform
+
+contains
+
+   !> `samples` equidistant instants of one period (16 mesh periods where no period was found): time over
+   !> 1/characteristic_frequency, (samples), and mesh displacement over characteristic length, (samples, mesh); integrated
+   !> where the motion has a state, else summed from its coefficients.
+   subroutine waveform(train, motion, samples, time, displacement, force)
+      type(train_type), intent(in) :: train
+      type(motion_type), intent(in) :: motion
+      integer, intent(in) :: samples
+      real(dp), intent(out) :: time(:), displacement(:, :)
+      !> Mesh force [N], damping included, (samples, mesh).
+      real(dp), intent(out), optional :: force(:, :)
+      type(system_type) :: system
+      real(dp) :: phi(samples, size(displacement, 2))
+      integer :: period, q, j
+
+      call build_system(train, system)
+      period = merge(motion%period, 16, motion%period > 0)
+      time = [(2*pi*period/motion%frequency_ratio*(q - 1)/samples, q=1, samples)]
+      if (allocated(motion%state)) then
+         call sample_orbit(system, motion%frequency_ratio, period, motion%state, displacement, phi)
+      else
+         call sum_series(system, motion, period, displacement, phi)
+      end if
+      if (.not. present(force)) return
+      do j = 1, system%meshes
+         force(:, j) = phi(:, j)*system%stiffness(system%mesh_element(j))*system%characteristic_length
+      end do
+   end subroutine waveform
+
+   !> Displacement and mesh force over k b_c from the coefficients.
+   subroutine sum_series(system, motion, period, displacement, phi)
+      type(system_type), intent(in) :: system
+      type(motion_type), intent(in) :: motion
+      integer, intent(in) :: period
+      real(dp), intent(out) :: displacement(:, :), phi(:, :)
+      integer, allocatable :: harmonic(:)
+      real(dp) :: slope, curvature, rate
+      integer :: samples, q, j, k
+
+      samples = size(displacement, 1)
+      harmonic = [(k, k=1, (size(motion%coefficients, 1) - 1)/2)]
+      phi = stiffness_samples(system, period, samples)
+      do j = 1, system%meshes
+         rate = system%damping(system%mesh_element(j))*motion%frequency_ratio/period
+         do q = 1, samples
+            call evaluate(motion%coefficients(:, j), harmonic, 2*pi*(q - 1)/samples, displacement(q, j), slope, curvature)
+            phi(q, j) = phi(q, j)*elastic(displacement(q, j), system%half_backlash(j)) + rate*slope
+         end do
+      end do
+   end subroutine sum_series
+
+end module geartrain_balance_waveform

@@ -1,0 +1,205 @@
+!> All branches that follow from the bifurcations of a branch: from period doublings, generation by generation, and from branch
+!> points.
+module geartrain_continuation_bifurcations
+   use geartrain_base_error, only: error_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: text
+   use geartrain_base_observer, only: observer_type
+   use geartrain_continuation_branch, only: branch_type, response_settings_type
+   use geartrain_continuation_corrector, only: solution_point_type
+   use geartrain_continuation_critical_point, only: find_critical, find_meeting
+   use geartrain_continuation_same_place, only: same_solution
+   use geartrain_continuation_switching, only: trace_switched
+   use geartrain_continuation_units, only: units_of, units_type
+   use geartrain_continuation_variables, only: settings_for
+   use geartrain_model_check, only: check_train
+   use geartrain_model_system, only: build_system, system_type
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: follow_bifurcations, add_branch
+
+   !> Places farther apart in Lambda than this, in the unit of the branch, are different whatever the harmonics.
+   real(dp), parameter :: near = 0.05_dp
+
+   !> A solution point at which two branches are known to meet, or one to begin or end.
+   type :: meeting_type
+      type(solution_point_type) :: solution
+      !> Of the balance that it is a solution point of, in mesh periods.
+      integer :: period = 0
+      !> A branch of the same period crosses; the one on which it was found, 0 for the first.
+      logical :: crossing = .false.
+      integer :: branch = 0
+   end type meeting_type
+
+contains
+
+   !> Appends to `branches` those that leave `branch`, then those that leave these, and so on: at period doublings
+   !> settings%period_doublings times, at branch points where settings%branch_points says so. A branch that ends at another
+   !> doubling, of its parent or of another one, and one that passes several branch points, is traced once.
+   subroutine follow_bifurcations(train, settings, branch, branches, error, observer, known)
+      type(train_type), intent(in) :: train
+      !> Those that `branch` was traced with.
+      type(response_settings_type), intent(in) :: settings
+      type(branch_type), intent(in) :: branch
+      !> A target: an observer may read them through a pointer. Not allocated: there are none yet.
+      type(branch_type), allocatable, intent(inout), target :: branches(:)
+      type(error_type), allocatable, intent(out) :: error
+      class(observer_type), intent(inout), optional :: observer
+      !> The first of them, where another run has traced these already.
+      type(branch_type), intent(in), optional :: known(:)
+      type(branch_type), allocatable :: earlier(:)
+      type(branch_type) :: parent
+      type(meeting_type), allocatable :: meetings(:)
+      integer :: first, i
+
+      if (.not. allocated(branches)) allocate (branches(0))
+      call check_train(train, error)
+      if (allocated(error)) return
+      allocate (earlier(0), meetings(0))
+      if (present(known)) earlier = known
+      first = size(branches)
+      call follow(train, settings, branch, 'the response', 0, settings%subharmonic, branches, meetings, earlier, observer)
+      ! The list grows as it is gone through.
+      i = first + 1
+      do while (i <= size(branches))
+         if (branches(size(branches))%cancelled) return
+         ! A copy, because the list moves when it grows.
+         parent = branches(i)
+         call follow(train, settings_for(settings, parent%subharmonic), parent, 'branch '//text(i), i, settings%subharmonic, &
+                     branches, meetings, earlier, observer)
+         i = i + 1
+      end do
+   end subroutine follow_bifurcations
+
+   !> The branches that leave `parent`.
+   subroutine follow(train, settings, parent, name, number, period, branches, meetings, known, observer)
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      type(branch_type), intent(in) :: parent
+      character(*), intent(in) :: name
+      !> Number of the parent; period of the first branch of all.
+      integer, intent(in) :: number, period
+      type(branch_type), allocatable, intent(inout), target :: branches(:)
+      type(meeting_type), allocatable, intent(inout) :: meetings(:)
+      !> The first of `branches`, which another run has traced.
+      type(branch_type), intent(in) :: known(:)
+      class(observer_type), intent(inout), optional :: observer
+      type(solution_point_type), allocatable :: taken(:)
+      type(solution_point_type) :: solution
+      type(meeting_type) :: here
+      type(system_type) :: system
+      type(units_type) :: units
+      logical :: found, met, doubles, again
+      integer :: i, n, times
+
+      if (.not. allocated(parent%special_points)) return
+      call build_system(train, system)
+      units = units_of(system)
+      times = 2**settings%period_doublings
+      allocate (taken(0))
+      do i = 1, size(parent%special_points)
+         if (train%interrupt%raised()) return
+         associate (special => parent%special_points(i))
+            doubles = special%kind == 'period doubling'
+            if (doubles .and. parent%subharmonic >= period*times) cycle
+            if (.not. doubles .and. .not. (special%kind == 'branch point' .and. settings%branch_points)) cycle
+            call find_critical(train, settings, parent, i, solution, found, taken=taken, again=again)
+            ! A branch may pass the same point twice, some mesh periods later.
+            if (again .and. .not. (found .or. doubles)) cycle
+            if (found) then
+               taken = [taken, solution]
+               here = meeting_type(solution, merge(2, 1, doubles)*parent%subharmonic, .not. doubles, number)
+               met = is_known(train, settings, parent, i, here, meetings, units)
+               if (.not. met .or. here%crossing) meetings = [meetings, here]
+               if (met) cycle
+            end if
+            call add_branch(branches, trim(special%kind)//' of '//name//' at Lambda = '//text(special%frequency_ratio))
+         end associate
+         n = size(branches)
+         if (n <= size(known)) then
+            branches(n) = known(n)
+         else
+            call trace_switched(train, settings, parent, i, solution, found, branches(n), observer)
+         end if
+         if (branches(n)%cancelled) return
+         if (doubles) then
+            call find_meeting(train, settings_for(settings, 2*parent%subharmonic), branches(n), solution, met)
+            here = meeting_type(solution, 2*parent%subharmonic, .false., n)
+            ! From a variable: gfortran 12 never frees a value built within the list.
+            if (met) meetings = [meetings, here]
+         else
+            call note_crossings(train, settings, branches(n), n, meetings)
+         end if
+      end do
+   end subroutine follow
+
+   !> Adds the solution points at which a branch, just traced from a branch point, is crossed.
+   subroutine note_crossings(train, settings, branch, number, meetings)
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: number
+      type(meeting_type), allocatable, intent(inout) :: meetings(:)
+      type(solution_point_type) :: solution
+      type(meeting_type) :: here
+      logical :: found
+      integer :: i
+
+      if (.not. allocated(branch%special_points)) return
+      do i = 1, size(branch%special_points)
+         if (branch%special_points(i)%kind /= 'branch point') cycle
+         call find_critical(train, settings, branch, i, solution, found)
+         here = meeting_type(solution, branch%subharmonic, .true., number)
+         if (found) meetings = [meetings, here]
+      end do
+   end subroutine note_crossings
+
+   !> Whether the branch that leaves `parent` at its special point number `special`, found at `here`, is known: another one begins
+   !> or ends at that doubling, or another one is crossed at that solution point. Where the number of harmonics is left to the
+   !> program the same solution point may be elsewhere for each number: it is found again with that of the other.
+   logical function is_known(train, settings, parent, special, here, meetings, units)
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      type(branch_type), intent(in) :: parent
+      integer, intent(in) :: special
+      type(meeting_type), intent(in) :: here, meetings(:)
+      type(units_type), intent(in) :: units
+      type(solution_point_type) :: again
+      logical :: found
+      integer :: i, times
+
+      is_known = .false.
+      times = merge(1, 2, here%crossing)
+      do i = 1, size(meetings)
+         associate (other => meetings(i))
+            if (other%period /= here%period .or. (other%crossing .neqv. here%crossing)) cycle
+            if (here%crossing .and. other%branch == here%branch) cycle
+            is_known = same_solution(here%solution, other%solution, here%period, units, .not. here%crossing)
+            if (is_known) return
+            if (size(here%solution%u, 1) == size(other%solution%u, 1)) cycle
+            if (abs(here%solution%frequency_ratio - other%solution%frequency_ratio) > near*units%frequency_ratio) cycle
+            call find_critical(train, settings, parent, special, again, found, &
+                               harmonics=(size(other%solution%u, 1) - 1)/(2*times))
+            if (found) is_known = same_solution(again, other%solution, here%period, units, .not. here%crossing)
+            if (is_known) return
+         end associate
+      end do
+   end function is_known
+
+   !> Room for one more branch.
+   subroutine add_branch(branches, origin)
+      type(branch_type), allocatable, intent(inout), target :: branches(:)
+      character(*), intent(in) :: origin
+      type(branch_type), allocatable :: longer(:)
+      integer :: i
+
+      allocate (longer(size(branches) + 1))
+      do i = 1, size(branches)
+         longer(i) = branches(i)
+      end do
+      longer(size(longer))%origin = origin
+      call move_alloc(longer, branches)
+   end subroutine add_branch
+
+end module geartrain_continuation_bifurcations

@@ -1,0 +1,234 @@
+!> A branch of periodic motions over frequency: what continuation gives, point by point, through the folds.
+module geartrain_continuation_branch
+   use geartrain_base_carry, only: carry
+   use geartrain_base_field, only: row => field_type
+   use geartrain_base_fields, only: arranging, fields_type, listing, reading
+   use geartrain_base_kinds, only: dp
+   use geartrain_continuation_corrector, only: solution_point_type
+   use geartrain_flow_fields, only: about_coefficients, about_frequency, about_maximum, about_mean, about_mesh, about_minimum, &
+      about_multipliers, about_rms, about_stable, about_true_ac_rms, about_undecided, carry_loads, coefficient_axis, on_stability
+   use geartrain_mesh_law_mesh_load, only: mesh_load_type
+   implicit none (type, external)
+   private
+   public :: arrange_points, branch_type, contact_edge_type, response_settings_type, special_point_type, trace_state_type, &
+      visit_points
+
+   !> The variables of &response; from and to are `start` and `stop`.
+   type :: response_settings_type
+      real(dp) :: start = 0, stop = 0
+      !> Harmonics of Lambda/subharmonic; 0 lets the program choose for `tolerance`.
+      integer :: harmonics = 6
+      integer :: subharmonic = 1
+      logical :: stability = .true.
+      !> Largest rms over characteristic length; negative: 12 with backlash, none for a linear train.
+      real(dp) :: amplitude_limit = -1
+      !> 'exact' or 'sampled' (the paper's DFT, with `samples` points a period; 0: chosen).
+      character(16) :: coefficients = 'exact'
+      integer :: samples = 0
+      !> 'arclength' or 'local' (the paper's switching of the control parameter, equation (11)).
+      character(16) :: control = 'arclength'
+      !> Relative error of the waveform aimed at where harmonics = 0.
+      real(dp) :: tolerance = 1e-4_dp
+      !> Largest step along the branch, in Lambda and mesh displacement together.
+      real(dp) :: step = 0.05_dp
+      integer :: max_points = 20000
+      !> Generations of branches that follow from period doublings, and whether those that cross at branch points are followed, see
+      !> follow_bifurcations.
+      integer :: period_doublings = 0
+      logical :: branch_points = .false.
+      !> The points are polished by shooting, see refine_branch.
+      logical :: refine = .false.
+   end type response_settings_type
+
+   !> A place on the branch that a reader looks for.
+   type :: special_point_type
+      !> 'fold', 'period doubling', 'torus' (a pair of multipliers leaves the unit circle) or 'branch point' (another branch of the
+      !> same period crosses; a multiplier passes +1 without a fold).
+      character(16) :: kind = ''
+      real(dp) :: frequency_ratio = 0
+      !> Index of the point before it.
+      integer :: point = 0
+      real(dp), allocatable :: rms(:)
+   end type special_point_type
+
+   !> Where a mesh begins or ceases to separate, or its back flanks to collide.
+   type :: contact_edge_type
+      !> The point of the branch before it.
+      integer :: point = 0
+      integer :: mesh = 0
+      !> Of the back flanks.
+      logical :: back = .false.
+      !> Lambda.
+      real(dp) :: frequency_ratio = 0
+   end type contact_edge_type
+
+   !> Where the trace of a response stands: all that its next step depends on, so that another run can go on with it.
+   type :: trace_state_type
+      !> It is traced from `stop`; the trace from `start` is done, and branch%ended says why it ended.
+      logical :: from_stop = .false.
+      !> That one was followed to where it leaves the range.
+      logical :: whole = .false.
+      !> Points that it has.
+      integer :: first_points = 0
+      !> Steps done; 0: the trace from this end has not begun.
+      integer :: steps = 0
+      !> Harmonics in use.
+      integer :: harmonics = 0
+      !> Length of the next step, and the tracer's measure of curvature.
+      real(dp) :: step = 0, curvature = 0
+      !> Points so far that miss the tolerance.
+      integer :: missed = 0
+      !> Of Lambda along the branch before it became vertical, if it is: +1 or -1.
+      integer :: sense = 0
+      type(solution_point_type) :: here, origin
+      !> What the reason for its end begins with.
+      character(:), allocatable :: before
+   end type trace_state_type
+
+   type :: branch_type
+      !> states: multipliers of a point, of a train of many states the leading ones.
+      integer :: points = 0, meshes = 0, states = 0, harmonics = 0, subharmonic = 1
+      !> Lambda, (point).
+      real(dp), allocatable :: frequency_ratio(:)
+      !> (1 + 2*harmonics, mesh, point), see motion_type.
+      real(dp), allocatable :: coefficients(:, :, :)
+      !> (mesh, point), see motion_type.
+      real(dp), allocatable :: rms(:, :), mean(:, :), minimum(:, :), maximum(:, :)
+      type(mesh_load_type), allocatable :: mesh_load(:, :)
+      !> Half backlash over characteristic length, (mesh).
+      real(dp), allocatable :: half_backlash(:)
+      !> (state, point) and (point); not allocated when stability was not asked for.
+      complex(dp), allocatable :: multipliers(:, :)
+      logical, allocatable :: stable(:)
+      !> Where `stable` is a guess, because the largest multiplier is as near to the unit circle as it is uncertain; its magnitude
+      !> by a second estimate, negative where none was needed; (point), see geartrain_continuation_stability_assessment.
+      logical, allocatable :: undecided(:)
+      real(dp), allocatable :: second_estimate(:)
+      !> Where the number of multipliers outside the unit circle is a guess, (point).
+      logical, allocatable :: count_undecided(:)
+      !> Relative error of the waveform as estimated, against the motion at the same Lambda or, where the branch turns before it,
+      !> that of its fold, (point).
+      real(dp), allocatable :: error_estimate(:)
+      !> Relative change of the waveform by refine_branch, which is the error that the point had, (point); negative where it was
+      !> not refined; not allocated where that was not asked for.
+      real(dp), allocatable :: correction(:)
+      !> Where that may be off by more than a small factor: a fold as near as it is itself misplaced, a contact that begins or
+      !> ends within the error, or an error beyond 0.1, (point).
+      logical, allocatable :: estimate_doubtful(:)
+      !> Harmonics that each point was solved with, at most `harmonics`, (point).
+      integer, allocatable :: point_harmonics(:)
+      !> Number of the part that a point belongs to, (point): a new one begins where the branch comes back from beyond the
+      !> amplitude limit, and with the points traced from `stop` where those from `start` do not get there.
+      integer, allocatable :: segment(:)
+      type(special_point_type), allocatable :: special_points(:)
+      !> Not allocated until locate_contact_edges fills it.
+      type(contact_edge_type), allocatable :: contact_edges(:)
+      !> Why it ended, in words; complete is .true. where it got to the other end or closed.
+      character(:), allocatable :: ended
+      logical :: complete = .false., closed = .false.
+      !> The observer ended it.
+      logical :: cancelled = .false.
+      !> Where it comes from, in words; not allocated for the response itself.
+      character(:), allocatable :: origin
+      !> Allocated while the response is under way.
+      type(trace_state_type), allocatable :: trace
+   end type branch_type
+
+contains
+
+   !> Gives the arrays of the points room for `room` points with up to `highest` harmonics and puts the points of these numbers into
+   !> them, in this order.
+   subroutine arrange_points(branch, order, room, highest)
+      type(branch_type), intent(inout), target :: branch
+      integer, intent(in) :: order(:), room, highest
+      type(fields_type) :: fields
+
+      fields%way = arranging
+      fields%order = order
+      call fields%expect('point', room)
+      call fields%expect('coefficient', 1 + 2*highest)
+      call visit_points(branch, fields)
+      branch%harmonics = highest
+   end subroutine arrange_points
+
+   !> The fields of the points, in the order along the branch: what is written, taken back, moved to larger arrays and put into
+   !> another order.
+   subroutine visit_points(branch, fields)
+      type(branch_type), intent(inout) :: branch
+      class(fields_type), intent(inout) :: fields
+      real(dp), allocatable :: ac(:, :)
+      logical, allocatable :: untried(:)
+      integer :: terms
+      logical :: none
+
+      call fields%index_axis('point', branch%points, 'point, in the order along the branch')
+      call fields%index_axis('mesh', branch%meshes, about_mesh)
+      terms = 0
+      if (allocated(branch%coefficients)) terms = size(branch%coefficients, 1)
+      if (terms > 0 .or. fields%way == listing) call coefficient_axis(terms, 'subharmonic', fields)
+      ! A branch of which only the origin is known so far has no points and nothing else.
+      none = branch%points == 0
+      call carry(fields, row('frequency', 'point', '1', about_frequency, optional=none), branch%frequency_ratio)
+      call carry(fields, row('rms', 'point mesh', '1', about_rms, optional=none), branch%rms)
+      if (fields%derives()) then
+         if (allocated(branch%rms)) ac = branch%rms(:, :branch%points)/sqrt(2.0_dp)
+         call carry(fields, row('true_ac_rms', 'point mesh', '1', about_true_ac_rms), ac)
+      end if
+      call carry(fields, row('mean', 'point mesh', '1', about_mean, optional=none), branch%mean)
+      call carry(fields, row('minimum', 'point mesh', '1', about_minimum, optional=none), branch%minimum)
+      call carry(fields, row('maximum', 'point mesh', '1', about_maximum, optional=none), branch%maximum)
+      call carry_loads(fields, branch%mesh_load, branch%points)
+      call carry(fields, row('coefficients', 'point mesh coefficient', '1', about_coefficients, optional=none), &
+                 branch%coefficients)
+      call carry(fields, row('error_estimate', 'point', '1', 'estimated relative error of the waveform, against the motion at the &
+                             &same Lambda or, where the branch turns before it, that of its fold; rounding, some 1e-14, is not in &
+                             &it', optional=none), branch%error_estimate)
+      call carry(fields, row('estimate_doubtful', 'point', '1', '1 = error_estimate may be off by more than a small factor: a &
+                             &fold as near as it is itself misplaced, a contact that begins or ends within the error, or an error &
+                             &beyond 0.1; 0 = not', optional=none), branch%estimate_doubtful)
+      call carry(fields, row('harmonics', 'point', '1', 'harmonics of Lambda/subharmonic that the point was solved with', &
+                             optional=none, most=branch%harmonics), branch%point_harmonics)
+      call carry(fields, row('part', 'point', '1', 'number of the part: a new one begins where the branch comes back from beyond &
+                             &the amplitude limit, or with the points traced from `to`: where those from `from` do not get there, &
+                             &or get there at another motion than the one from rest', optional=none, least=1), branch%segment)
+      if (fields%has('correction', allocated(branch%correction))) then
+         if (allocated(branch%correction)) untried = branch%correction(:branch%points) < -1
+         call carry(fields, row('correction', 'point', '1', 'relative change of the waveform by refinement, which is the error &
+                                &that the point had; NaN: not refined, shooting finds no orbit near it, as next to a fold', &
+                                'with `refine`', none_is_negative=.true.), branch%correction)
+         if (fields%has('untried', count_of(untried) > 0)) &
+            call carry(fields, row('untried', 'point', '1', '1 = refinement has not come to the point', &
+                                   'of a branch refined in part'), untried)
+         if (fields%way == reading .and. allocated(untried) .and. .not. allocated(fields%wrong)) &
+            where (untried) branch%correction = -2
+      end if
+      if (fields%has('stable', allocated(branch%stable))) call visit_stability(branch, fields)
+      if (fields%way /= reading .or. allocated(fields%wrong) .or. .not. allocated(branch%coefficients)) return
+      call fields%check(size(branch%coefficients, 1) == 1 + 2*branch%harmonics, 'coefficients')
+   end subroutine visit_points
+
+   pure integer function count_of(flags)
+      logical, allocatable, intent(in) :: flags(:)
+
+      count_of = 0
+      if (allocated(flags)) count_of = count(flags)
+   end function count_of
+
+   subroutine visit_stability(branch, fields)
+      type(branch_type), intent(inout) :: branch
+      class(fields_type), intent(inout) :: fields
+
+      call fields%index_axis('state', branch%states, 'number of the multiplier, in no order that holds between points')
+      call carry(fields, row('stable', 'point', '1', about_stable, on_stability), branch%stable)
+      call carry(fields, row('undecided', 'point', '1', about_undecided, on_stability), branch%undecided)
+      call carry(fields, row('count_undecided', 'point', '1', '1 = how many multipliers are outside the unit circle is a guess: &
+                             &one is as near to it as it is uncertain', on_stability), branch%count_undecided)
+      call carry(fields, row('second_estimate', 'point', '1', 'second estimate of the largest magnitude of a multiplier: of the &
+                             &motion corrected by its estimated error; NaN where it was not needed: no contact event, none that &
+                             &can move it across the unit circle, or undecided anyway', on_stability, none_is_negative=.true.), &
+                 branch%second_estimate)
+      call carry(fields, row('multipliers', 'point state complex', '1', about_multipliers//'; of a train of 160 states &
+                             &(41 flexible shafts) or more the 16 of largest magnitude', on_stability), branch%multipliers)
+   end subroutine visit_stability
+
+end module geartrain_continuation_branch

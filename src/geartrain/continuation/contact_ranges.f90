@@ -1,0 +1,203 @@
+!> Ranges of Lambda over which a mesh separates, or its back flanks collide, somewhere in the period.
+module geartrain_continuation_contact_ranges
+   use geartrain_base_kinds, only: dp
+   use geartrain_continuation_branch, only: branch_type
+   use geartrain_continuation_decided, only: joined
+   use geartrain_continuation_summary, only: band_type, change
+   implicit none (type, external)
+   private
+   public :: separation_ranges, back_collision_ranges, depth_below
+
+contains
+
+   !> Where |p| < b at some instant, ascending: at any level of the branch, or at a stable one. An edge is where the smallest
+   !> displacement touches b: as locate_contact_edges found it, or interpolated between two points.
+   pure function separation_ranges(branch, mesh, stable_only) result(ranges)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: mesh
+      logical, intent(in) :: stable_only
+      type(band_type), allocatable :: ranges(:)
+
+      allocate (ranges(0))
+      if (.not. has_backlash(branch, mesh)) return
+      ranges = ranges_below_zero(branch, mesh, .false., stable_only)
+   end function separation_ranges
+
+   !> Where p < -b at some instant, likewise.
+   pure function back_collision_ranges(branch, mesh, stable_only) result(ranges)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: mesh
+      logical, intent(in) :: stable_only
+      type(band_type), allocatable :: ranges(:)
+
+      allocate (ranges(0))
+      if (.not. has_backlash(branch, mesh)) return
+      ranges = ranges_below_zero(branch, mesh, .true., stable_only)
+   end function back_collision_ranges
+
+   !> How far the displacement of a mesh stays from separation, or from a collision of the back flanks; negative where it comes to
+   !> that.
+   elemental real(dp) function depth_below(smallest, largest, half_backlash, back)
+      !> Extremes of the displacement, and half of the backlash.
+      real(dp), intent(in) :: smallest, largest, half_backlash
+      logical, intent(in) :: back
+
+      depth_below = max(smallest - half_backlash, -half_backlash - largest)
+      if (back) depth_below = smallest + half_backlash
+   end function depth_below
+
+   pure logical function has_backlash(branch, mesh)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: mesh
+
+      has_backlash = .false.
+      if (allocated(branch%half_backlash)) has_backlash = branch%half_backlash(mesh) > 0
+   end function has_backlash
+
+   !> Union of the pieces of the branch on which a mesh separates, or its back flanks collide.
+   pure function ranges_below_zero(branch, mesh, back, stable_only) result(ranges)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: mesh
+      logical, intent(in) :: back, stable_only
+      type(band_type), allocatable :: ranges(:)
+      real(dp) :: from, to, edge, distance(branch%points)
+      integer :: i
+
+      allocate (ranges(0))
+      associate (n => branch%points)
+         distance = depth_below(branch%minimum(mesh, :n), branch%maximum(mesh, :n), branch%half_backlash(mesh), back)
+      end associate
+      if (stable_only .and. .not. allocated(branch%stable)) return
+      do i = 1, branch%points - 1
+         if (.not. joined(branch, i) .or. .not. any(distance(i:i + 1) < 0)) cycle
+         from = branch%frequency_ratio(i)
+         to = branch%frequency_ratio(i + 1)
+         if (distance(i)*distance(i + 1) < 0) then
+            edge = located_edge(branch, mesh, back, i)
+            if (.not. edge > 0) edge = crossing(branch, distance, i)
+            if (distance(i) < 0) to = edge
+            if (distance(i + 1) < 0) from = edge
+         end if
+         if (stable_only) then
+            if (.not. any(branch%stable(i:i + 1))) cycle
+            if (.not. branch%stable(i)) call cut(from, to, change(branch, i))
+            if (.not. branch%stable(i + 1)) call cut(to, from, change(branch, i))
+            if ((to - from)*(branch%frequency_ratio(i + 1) - branch%frequency_ratio(i)) <= 0) cycle
+         end if
+         call add(ranges, band_type(min(from, to), max(from, to)))
+      end do
+      ! An island closes at the motion it began with, but with other harmonics not at quite the same Lambda.
+      associate (n => branch%points)
+         if (.not. branch%closed .or. n < 2) return
+         if (distance(1) >= 0 .or. distance(n) >= 0) return
+         if (stable_only) then
+            if (.not. (branch%stable(1) .and. branch%stable(n))) return
+         end if
+         from = min(branch%frequency_ratio(1), branch%frequency_ratio(n))
+         to = max(branch%frequency_ratio(1), branch%frequency_ratio(n))
+      end associate
+      call add(ranges, band_type(from, to))
+   end function ranges_below_zero
+
+   !> Lambda of the edge between points i and i + 1 as it was located; 0 where it was not.
+   pure real(dp) function located_edge(branch, mesh, back, i)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: mesh, i
+      logical, intent(in) :: back
+      integer :: k
+
+      located_edge = 0
+      if (.not. allocated(branch%contact_edges)) return
+      do k = 1, size(branch%contact_edges)
+         associate (edge => branch%contact_edges(k))
+            if (edge%point == i .and. edge%mesh == mesh .and. (edge%back .eqv. back)) located_edge = edge%frequency_ratio
+         end associate
+      end do
+   end function located_edge
+
+   !> Moves `end` to `edge`, unless it lies beyond that already as seen from its side of `other`.
+   elemental subroutine cut(end, other, edge)
+      real(dp), intent(inout) :: end
+      real(dp), intent(in) :: other, edge
+
+      if ((edge - end)*(other - end) > 0) end = edge
+   end subroutine cut
+
+   !> Lambda between points i and i + 1 where `distance` crosses zero.
+   !>
+   !> Past the edge the time spent beyond the wall grows with the square root of the depth, and `distance` has no second
+   !> derivative there; before it the curve is smooth. Parabolas of the chord length through three points before the edge are
+   !> therefore carried on to it; where they find no root in between, or there are no three such points, it is the chord.
+   pure real(dp) function crossing(branch, distance, i)
+      type(branch_type), intent(in) :: branch
+      real(dp), intent(in) :: distance(:)
+      integer, intent(in) :: i
+      real(dp) :: s(4), left, right, middle
+      integer :: k, along, point(4)
+
+      associate (f => branch%frequency_ratio, d1 => distance(i), d2 => distance(i + 1))
+         crossing = f(i) + (f(i + 1) - f(i))*d1/(d1 - d2)
+         ! From the point past the edge backwards.
+         along = merge(1, -1, d1 < 0)
+         point = merge(i, i + 1, d1 < 0) + along*[0, 1, 2, 3]
+         if (minval(point) < 1 .or. maxval(point) > branch%points) return
+         if (any(distance(point(2:)) < 0)) return
+         s(1) = 0
+         do k = 2, 4
+            if (.not. joined(branch, min(point(k - 1), point(k)))) return
+            s(k) = s(k - 1) + norm2([f(point(k)) - f(point(k - 1)), branch%rms(:, point(k)) - branch%rms(:, point(k - 1))])
+         end do
+         if (s(4) - s(2) < s(2) - s(1)) return
+         left = s(1)
+         right = s(2)
+         if (interpolated(s(2:), distance(point(2:)), left) > 0) return
+         do k = 1, 50
+            middle = (left + right)/2
+            if (interpolated(s(2:), distance(point(2:)), middle) < 0) then
+               left = middle
+            else
+               right = middle
+            end if
+         end do
+         middle = interpolated(s(2:), f(point(2:)), middle)
+         if ((middle - f(i))*(middle - f(i + 1)) < 0) crossing = middle
+      end associate
+   end function crossing
+
+   !> Lagrange's polynomial through (s, f) at x.
+   pure real(dp) function interpolated(s, f, x)
+      real(dp), intent(in) :: s(:), f(:), x
+      real(dp) :: factor
+      integer :: j, k
+
+      interpolated = 0
+      do k = 1, size(s)
+         factor = 1
+         do j = 1, size(s)
+            if (j /= k) factor = factor*(x - s(j))/(s(k) - s(j))
+         end do
+         interpolated = interpolated + f(k)*factor
+      end do
+   end function interpolated
+
+   !> Adds a piece to ascending ranges that do not touch; what it touches becomes one with it.
+   pure subroutine add(ranges, piece)
+      type(band_type), allocatable, intent(inout) :: ranges(:)
+      type(band_type), intent(in) :: piece
+      type(band_type) :: whole
+      logical :: below(size(ranges)), above(size(ranges))
+      real(dp) :: slack
+
+      whole = piece
+      ! Neighbouring pieces share their end to the last bit; a fold is a point of the branch.
+      slack = 1e-12_dp*piece%to
+      below = ranges%to < piece%from - slack
+      above = ranges%from > piece%to + slack
+      if (.not. all(below .or. above)) then
+         whole%from = min(piece%from, minval(ranges%from, .not. (below .or. above)))
+         whole%to = max(piece%to, maxval(ranges%to, .not. (below .or. above)))
+      end if
+      ranges = [pack(ranges, below), whole, pack(ranges, above)]
+   end subroutine add
+
+end module geartrain_continuation_contact_ranges

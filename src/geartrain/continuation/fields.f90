@@ -1,0 +1,147 @@
+!> The fields of a branch: the groups /response, /branch_1, ..., with its special points and, while the response is under way, with
+!> what its next step depends on.
+module geartrain_continuation_fields
+   use geartrain_base_carry, only: carry, carry_text
+   use geartrain_base_field, only: row => field_type
+   use geartrain_base_fields, only: fields_type, listing, reading
+   use geartrain_continuation_branch, only: branch_type, special_point_type, visit_points
+   use geartrain_continuation_corrector, only: solution_point_type
+   use geartrain_continuation_decided, only: rests_on_undecided
+   use geartrain_flow_fields, only: about_frequency, about_rms, on_stability
+   implicit none (type, external)
+   private
+   public :: visit_branch
+
+contains
+
+   !> The points in use, the arrays may be longer; `ended` may still be unknown.
+   subroutine visit_branch(branch, home, fields)
+      type(branch_type), intent(inout) :: branch
+      !> Path of its group.
+      character(*), intent(in) :: home
+      class(fields_type), intent(inout) :: fields
+
+      if (.not. fields%enter(home, 'frequency response: periodic motions along one branch, through its folds', .true.)) return
+      if (allocated(branch%frequency_ratio)) call fields%describe('coordinates', 'frequency')
+      call carry_text(fields, row('origin', '', '', 'where it comes from, in words', 'further branches', optional=.true.), &
+                      branch%origin)
+      call carry_text(fields, row('ended', '', '', 'why the branch ended, in words'), branch%ended, &
+                      'not yet: these are the points so far')
+      call carry(fields, row('complete', '', '', '1: it got to the other end of the range; or, traced from both ends, it left the &
+                             &range each time'), branch%complete)
+      call carry(fields, row('closed', '', '', '1: followed back to where it began, as an island: the last point is the first &
+                             &one'), branch%closed)
+      call carry(fields, row('harmonics', '', '', 'harmonics in use; where the program chose them, the most that any point has', &
+                             least=0), branch%harmonics)
+      call carry(fields, row('subharmonic', '', '', 'period in fundamental mesh periods', least=1), branch%subharmonic)
+      call visit_points(branch, fields)
+      call visit_special_points(branch, home//'/special_points', fields)
+      call visit_trace(branch, home//'/trace', fields)
+   end subroutine visit_branch
+
+   subroutine visit_special_points(branch, home, fields)
+      type(branch_type), intent(inout) :: branch
+      character(*), intent(in) :: home
+      class(fields_type), intent(inout) :: fields
+      type(special_point_type), allocatable :: list(:)
+      logical :: undecided
+      integer :: i, n
+
+      n = 0
+      if (allocated(branch%special_points)) n = size(branch%special_points)
+      if (fields%way == reading) allocate (list(0))
+      if (fields%enter(home, 'places on the branch that a reader looks for', n > 0)) then
+         call fields%describe('coordinates', 'frequency kind')
+         call fields%index_axis('special_point', n, 'special point, in the order found')
+         if (allocated(list)) deallocate (list)
+         allocate (list(merge(1, n, fields%way == listing)))
+         if (n > 0 .and. fields%way /= reading) list = branch%special_points
+         call fields%begin_list('special_point')
+         do i = 1, size(list)
+            call fields%visit_item(i)
+            call visit_special_point(list(i), branch%points, fields)
+            if (fields%way == reading) cycle
+            undecided = .false.
+            if (allocated(branch%undecided) .and. fields%way /= listing) undecided = rests_on_undecided(branch, i)
+            if (fields%has('undecided', allocated(branch%undecided))) &
+               call carry(fields, row('undecided', '', '1', '1 = it rests on undecided points: on one side of it the next points &
+                                      &(five at most, none beyond another special point) are all undecided, in the number of &
+                                      &multipliers outside the unit circle where it is no fold', on_stability), undecided)
+         end do
+         call fields%end_list()
+      end if
+      if (fields%way == reading) call move_alloc(list, branch%special_points)
+   end subroutine visit_special_points
+
+   subroutine visit_special_point(special, points, fields)
+      type(special_point_type), intent(inout) :: special
+      !> Of the branch.
+      integer, intent(in) :: points
+      class(fields_type), intent(inout) :: fields
+
+      call carry(fields, row('kind', '', '', 'fold; period doubling; torus: a pair of multipliers leaves the unit circle; branch &
+                             &point: another branch of the same period crosses, a multiplier passes +1 without a fold'), &
+                 special%kind)
+      call carry(fields, row('frequency', '', '1', about_frequency), special%frequency_ratio)
+      call carry(fields, row('after_point', '', '1', 'the point of the branch before it', least=0, most=points), special%point)
+      call carry(fields, row('rms', 'mesh', '1', about_rms), special%rms)
+   end subroutine visit_special_point
+
+   !> Where a trace stands, see trace_state_type.
+   subroutine visit_trace(branch, home, fields)
+      type(branch_type), intent(inout) :: branch
+      character(*), intent(in) :: home
+      class(fields_type), intent(inout) :: fields
+
+      if (fields%way == listing) return
+      if (.not. fields%enter(home, 'what the next step of a trace under way depends on', allocated(branch%trace))) return
+      if (.not. allocated(branch%trace)) allocate (branch%trace)
+      associate (trace => branch%trace)
+         call carry(fields, row('from_stop'), trace%from_stop)
+         call carry(fields, row('whole'), trace%whole)
+         call carry(fields, row('first_points', least=0, most=branch%points), trace%first_points)
+         call carry(fields, row('steps', least=0), trace%steps)
+         call carry(fields, row('harmonics', least=merge(1, 0, trace%steps > 0)), trace%harmonics)
+         call carry(fields, row('step'), trace%step)
+         call carry(fields, row('bend'), trace%curvature)
+         call carry(fields, row('missed', least=0), trace%missed)
+         call carry(fields, row('sense'), trace%sense)
+         call carry_text(fields, row('before', optional=.true.), trace%before)
+         if (trace%steps == 0) return
+         call fields%check(trace%step > 0, 'step')
+         call visit_place(trace%here, home//'/here', trace%harmonics, branch%meshes, fields)
+         call visit_place(trace%origin, home//'/origin', trace%harmonics, branch%meshes, fields)
+      end associate
+   end subroutine visit_trace
+
+   !> A solved solution point of harmonics up to `highest`, of as many unknown meshes as the train has or less.
+   subroutine visit_place(solution, home, highest, meshes, fields)
+      type(solution_point_type), intent(inout) :: solution
+      character(*), intent(in) :: home
+      integer, intent(in) :: highest, meshes
+      class(fields_type), intent(inout) :: fields
+      integer :: harmonics, terms, unknowns
+
+      if (.not. fields%enter(home, 'a place on the branch', .true.)) then
+         call fields%check(.false., home)
+         return
+      end if
+      harmonics = 0
+      terms = 0
+      unknowns = 0
+      if (allocated(solution%harmonic)) harmonics = size(solution%harmonic)
+      if (allocated(solution%u)) terms = size(solution%u, 1)
+      if (allocated(solution%u)) unknowns = size(solution%u, 2)
+      call fields%index_axis('unknown', unknowns, 'mesh whose displacement is an unknown')
+      call fields%index_axis('term', terms, 'mean, cosines and sines')
+      call fields%index_axis('number', harmonics, 'harmonic that is carried')
+      call carry(fields, row('harmonic', 'number', least=1, most=highest), solution%harmonic)
+      call carry(fields, row('displacement', 'unknown term'), solution%u)
+      call carry(fields, row('tangent', 'unknown term'), solution%tangent)
+      call carry(fields, row('frequency'), solution%frequency_ratio)
+      call carry(fields, row('tangent_frequency'), solution%tangent_frequency)
+      call carry(fields, row('orientation'), solution%orientation)
+      call fields%check(solution%frequency_ratio > 0 .and. terms == 1 + 2*harmonics .and. unknowns <= meshes, 'term')
+   end subroutine visit_place
+
+end module geartrain_continuation_fields

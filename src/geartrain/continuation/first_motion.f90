@@ -1,0 +1,171 @@
+!> The motion that a response begins with.
+module geartrain_continuation_first_motion
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_observer, only: observer_type
+   use geartrain_continuation_branch, only: branch_type, response_settings_type
+   use geartrain_continuation_corrector, only: solution_point_type
+   use geartrain_continuation_start, only: begin_trace, solution_of, resting
+   use geartrain_continuation_tracer, only: reached_end, tracer_type
+   use geartrain_flow_integration_settings, only: integration_settings_type
+   use geartrain_flow_orbit_search, only: orbit_search_type
+   use geartrain_flow_settling, only: settle
+   use geartrain_flow_start_state, only: resting_state
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: find_start
+
+   !> Harmonics that a known motion is solved with where fewer do not hold it, over those asked for, at most.
+   integer, parameter :: most_times = 8
+
+contains
+
+   !> A motion at exactly the frequency: from rest, one that time integration settles on, one on the branch of a frequency at
+   !> which there is one from rest, outside the range that ends at `other` or in it, an orbit near the way of the flow from rest,
+   !> be it one that repels, or the end of the branch of such an orbit at another frequency.
+   subroutine find_start(train, tracer, frequency_ratio, other, solution, success, enough, observer)
+      type(train_type), intent(in) :: train
+      type(tracer_type), intent(inout) :: tracer
+      !> Lambda [1].
+      real(dp), intent(in) :: frequency_ratio, other
+      !> Solved where `success`.
+      type(solution_point_type), intent(out) :: solution
+      logical, intent(out) :: success
+      !> Harmonics with which a motion was found that has no solution with as many as asked for; 0: none.
+      integer, intent(out) :: enough
+      class(observer_type), intent(inout), optional :: observer
+      type(motion_type) :: motion
+      type(integration_settings_type) :: integration
+      real(dp), allocatable :: state(:)
+      real(dp), parameter :: times(*) = [0.5_dp, 2.0_dp, 0.2_dp, 5.0_dp], share(*) = [0.25_dp, 0.5_dp, 0.75_dp, 1.0_dp]
+      real(dp) :: elsewhere(size(times) + size(share))
+      integer :: i, round
+
+      enough = 0
+      solution = resting(tracer, frequency_ratio)
+      call tracer%corrector%solve_at(solution, success)
+      if (success) return
+      state = resting_state(tracer%system)
+      integration%harmonics = described(tracer)
+      call settle(tracer%system, frequency_ratio, integration, state, motion, observer)
+      if (motion%period > 0 .and. mod(tracer%settings%subharmonic, max(1, motion%period)) == 0) &
+         call solve_near(tracer, motion, solution, success, enough)
+      elsewhere = [times*frequency_ratio, frequency_ratio + share*(other - frequency_ratio)]
+      do round = 1, 2
+         do i = 1, size(elsewhere)
+            if (success .or. tracer%system%interrupt%raised()) return
+            call scout(train, tracer%settings, elsewhere(i), frequency_ratio, round == 1, motion, success, observer)
+            if (.not. success) cycle
+            solution = solution_of(tracer, motion)
+            call tracer%corrector%solve_at(solution, success)
+         end do
+         if (.not. success .and. round == 1) call find_passed(tracer, frequency_ratio, solution, success, enough, observer)
+      end do
+   end subroutine find_start
+
+   !> A motion that the flow from rest passes by.
+   subroutine find_passed(tracer, frequency_ratio, solution, success, enough, observer)
+      type(tracer_type), intent(inout) :: tracer
+      real(dp), intent(in) :: frequency_ratio
+      type(solution_point_type), intent(inout) :: solution
+      logical, intent(out) :: success
+      integer, intent(inout) :: enough
+      class(observer_type), intent(inout), optional :: observer
+      type(orbit_search_type) :: orbits
+      type(motion_type) :: motion
+      logical :: found
+
+      success = .false.
+      call orbits%begin(tracer%system, frequency_ratio, tracer%settings%subharmonic, described(tracer))
+      do while (.not. success)
+         call orbits%next(motion, found, observer)
+         if (.not. found) return
+         call solve_near(tracer, motion, solution, success, enough)
+      end do
+   end subroutine find_passed
+
+   !> The balance next to an exact motion. Where it has no solution there with the present harmonics, those are doubled until it
+   !> has; with a number that the user gave the solution is then followed down to this one.
+   subroutine solve_near(tracer, motion, solution, success, enough)
+      type(tracer_type), intent(inout) :: tracer
+      type(motion_type), intent(in) :: motion
+      type(solution_point_type), intent(inout) :: solution
+      logical, intent(out) :: success
+      integer, intent(inout) :: enough
+      integer :: wanted, highest
+
+      wanted = tracer%corrector%balance%highest
+      solution = solution_of(tracer, motion)
+      call tracer%corrector%solve_at(solution, success)
+      highest = wanted
+      do while (.not. success .and. highest < most_times*wanted)
+         highest = 2*highest
+         call tracer%prepare(highest)
+         solution = solution_of(tracer, motion)
+         call tracer%corrector%solve_at(solution, success)
+      end do
+      if (success .and. tracer%settings%harmonics == 0) return
+      do while (success .and. highest > wanted)
+         if (enough == 0) enough = highest
+         enough = min(enough, highest)
+         call tracer%corrector%orient(solution, 1)
+         highest = max(wanted, (3*highest)/4)
+         call tracer%prepare(highest)
+         call tracer%corrector%refit(solution)
+         call tracer%corrector%solve_at(solution, success)
+      end do
+      if (success) enough = 0
+      if (tracer%corrector%balance%highest /= wanted) call tracer%prepare(wanted)
+   end subroutine solve_near
+
+   !> Harmonics of Lambda by which an exact motion is described, as many as `solve_near` may ask for.
+   pure integer function described(tracer)
+      type(tracer_type), intent(in) :: tracer
+
+      described = 1 + most_times*tracer%corrector%balance%highest/tracer%settings%subharmonic
+   end function described
+
+   !> Follows the branch from rest, or from an orbit that the flow passes by, at one frequency to another, unrecorded.
+   subroutine scout(train, settings, from, to, from_rest, motion, success, observer)
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      !> Lambda [1].
+      real(dp), intent(in) :: from, to
+      logical, intent(in) :: from_rest
+      !> Where the way ends.
+      type(motion_type), intent(out) :: motion
+      logical, intent(out) :: success
+      class(observer_type), intent(inout), optional :: observer
+      type(response_settings_type) :: unjudged
+      type(tracer_type) :: tracer
+      type(branch_type), target :: way
+      type(solution_point_type) :: solution
+      character(:), allocatable :: reason
+      integer :: outcome, enough
+
+      unjudged = settings
+      unjudged%stability = .false.
+      unjudged%max_points = min(2000, settings%max_points)
+      call begin_trace(train, unjudged, tracer)
+      if (from_rest) then
+         solution = resting(tracer, from)
+         call tracer%corrector%solve_at(solution, success)
+      else
+         enough = 0
+         call find_passed(tracer, from, solution, success, enough, observer)
+      end if
+      if (.not. success) return
+      ! As many all the way.
+      tracer%settings%harmonics = tracer%corrector%balance%highest
+      call tracer%corrector%orient(solution, merge(1, -1, to > from))
+      call tracer%recorder%setup(tracer%corrector%balance, .false., way)
+      call tracer%record(solution, way)
+      call tracer%trace(solution, min(from, to), max(from, to), to, way, outcome, reason)
+      success = outcome == reached_end
+      motion%frequency_ratio = to
+      motion%period = settings%subharmonic
+      motion%coefficients = way%coefficients(:, :, way%points)
+   end subroutine scout
+
+end module geartrain_continuation_first_motion

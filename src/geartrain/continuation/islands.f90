@@ -1,0 +1,73 @@
+!> Branches through the motions that random starts find, where these lie on none that is known.
+module geartrain_continuation_islands
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_base_error, only: error_type
+   use geartrain_base_numbers, only: text
+   use geartrain_base_observer, only: observer_type
+   use geartrain_continuation_bifurcations, only: add_branch
+   use geartrain_continuation_branch, only: branch_type, response_settings_type
+   use geartrain_continuation_response, only: response
+   use geartrain_continuation_solutions, only: beyond_limit, lies_on
+   use geartrain_continuation_variables, only: settings_for
+   use geartrain_flow_attractors_settings, only: attractors_type
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: follow_attractors
+
+contains
+
+   !> Appends to `branches` one through each motion that lies neither on `branch` nor on one of `branches`, over the range of
+   !> `settings`, those that `branch` was traced with. A motion beyond the amplitude limit is left alone: no branch is recorded
+   !> there.
+   subroutine follow_attractors(train, settings, found, branch, branches, error, observer, known)
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      type(attractors_type), intent(in) :: found
+      type(branch_type), intent(in) :: branch
+      !> A target: an observer may read them through a pointer. Not allocated: there are none yet.
+      type(branch_type), allocatable, intent(inout), target :: branches(:)
+      type(error_type), allocatable, intent(out) :: error
+      class(observer_type), intent(inout), optional :: observer
+      !> The first of `branches`, where another run has traced these already.
+      type(branch_type), intent(in), optional :: known(:)
+      type(response_settings_type) :: in_force
+      integer :: i, n, traced
+
+      if (.not. allocated(branches)) allocate (branches(0))
+      traced = 0
+      if (present(known)) traced = size(known)
+      do i = 1, size(found%motions)
+         associate (motion => found%motions(i))
+            in_force = settings_for(settings, motion%period)
+            if (on_a_branch(train, in_force, motion, branch, branches)) cycle
+            call add_branch(branches, 'attractor '//text(i)//' at Lambda = '//text(motion%frequency_ratio))
+            n = size(branches)
+            if (n <= traced) then
+               branches(n) = known(n)
+               cycle
+            end if
+            call response(train, in_force, branches(n), error, motion, observer)
+            if (allocated(error)) return
+            if (branches(n)%cancelled) return
+         end associate
+      end do
+   end subroutine follow_attractors
+
+   !> Whether the motion, or the same some mesh periods later, lies on a branch or beyond the amplitude limit.
+   logical function on_a_branch(train, settings, motion, branch, branches)
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      type(motion_type), intent(in) :: motion
+      type(branch_type), intent(in) :: branch, branches(:)
+      integer :: i
+
+      on_a_branch = beyond_limit(train, settings, motion)
+      if (.not. on_a_branch) on_a_branch = lies_on(train, settings, branch, motion)
+      do i = 1, size(branches)
+         if (on_a_branch) return
+         on_a_branch = lies_on(train, settings, branches(i), motion)
+      end do
+   end function on_a_branch
+
+end module geartrain_continuation_islands

@@ -1,0 +1,120 @@
+!> Writes points into a branch: room that grows, what is derived from the coefficients, stability where it was asked for.
+module geartrain_continuation_recorder
+   use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_error_estimate, only: error_estimate_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_continuation_branch, only: arrange_points, branch_type
+   use geartrain_continuation_corrector, only: solution_point_type
+   use geartrain_continuation_stability_assessment, only: assess, assessment_type
+   use geartrain_floquet_monodromy, only: monodromy_type
+   use geartrain_linalg_fftw, only: transform_type
+   use geartrain_linalg_trigonometric, only: extremes, fine_samples, rms
+   use geartrain_mesh_law_mesh_load, only: force_reader_type
+   implicit none (type, external)
+   private
+   public :: recorder_type
+
+   type :: recorder_type
+      logical :: stability = .false.
+      type(monodromy_type) :: monodromy
+      complex(dp), allocatable :: multipliers(:)
+      type(transform_type), private :: transform
+      type(force_reader_type), private :: reader
+      integer, allocatable, private :: harmonic(:)
+   contains
+      procedure :: setup
+      procedure :: add
+      procedure :: finish
+   end type recorder_type
+
+contains
+
+   !> Empties the branch and prepares it for points of this balance.
+   subroutine setup(self, balance, stability, branch)
+      class(recorder_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+      logical, intent(in) :: stability
+      type(branch_type), intent(inout), target :: branch
+
+      self%stability = stability
+      branch%points = 0
+      branch%meshes = balance%system%meshes
+      branch%half_backlash = balance%system%half_backlash
+      branch%subharmonic = balance%eta
+      branch%harmonics = balance%highest
+      allocate (branch%special_points(0))
+      if (stability) then
+         call self%monodromy%setup(balance%system)
+         branch%states = self%monodromy%given
+         allocate (self%multipliers(branch%states), branch%stable(0))
+      end if
+      call arrange_points(branch, [integer ::], 16, balance%highest)
+   end subroutine setup
+
+   !> Adds the solution point at which the balance was last evaluated.
+   subroutine add(self, balance, solution, estimate, segment, branch)
+      class(recorder_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+      type(solution_point_type), intent(in) :: solution
+      type(error_estimate_type), intent(in) :: estimate
+      integer, intent(in) :: segment
+      type(branch_type), intent(inout), target :: branch
+      real(dp) :: coefficients(1 + 2*balance%highest, balance%system%meshes)
+      type(assessment_type) :: assessment
+      integer :: j, k, n
+
+      if (branch%points == size(branch%frequency_ratio) .or. balance%highest > branch%harmonics) then
+         n = size(branch%frequency_ratio)
+         if (branch%points == n) n = 2*n
+         call arrange_points(branch, [(k, k=1, branch%points)], n, max(balance%highest, branch%harmonics))
+      end if
+      call balance%full_coefficients(solution%u, solution%frequency_ratio, coefficients)
+      n = branch%points + 1
+      if (.not. allocated(self%harmonic)) allocate (self%harmonic(0))
+      if (size(self%harmonic) /= balance%highest) self%harmonic = [(k, k=1, balance%highest)]
+      call self%transform%plan(fine_samples(balance%highest))
+      call self%reader%setup(balance%system, balance%eta, self%transform%samples)
+      branch%frequency_ratio(n) = solution%frequency_ratio
+      branch%coefficients(:, :, n) = 0
+      branch%coefficients(:size(coefficients, 1), :, n) = coefficients
+      branch%error_estimate(n) = estimate%relative
+      branch%estimate_doubtful(n) = estimate%doubtful
+      branch%point_harmonics(n) = balance%highest
+      branch%segment(n) = segment
+      do j = 1, branch%meshes
+         branch%rms(j, n) = rms(coefficients(:, j))
+         branch%mean(j, n) = coefficients(1, j)
+         call extremes(coefficients(:, j), self%harmonic, self%transform, branch%minimum(j, n), branch%maximum(j, n))
+         call self%reader%read(balance%system, j, solution%frequency_ratio, coefficients(:, j), self%harmonic, self%transform, &
+                               branch%mesh_load(j, n))
+         branch%mesh_load(j, n)%separation = 0
+         branch%mesh_load(j, n)%back_contact = 0
+      end do
+      do j = 1, balance%unknowns
+         associate (load => branch%mesh_load(balance%mesh(j), n))
+            call balance%contact(j)%shares(load%separation, load%back_contact)
+         end associate
+      end do
+      if (self%stability) then
+         call self%monodromy%integrate(balance, solution%frequency_ratio)
+         call self%monodromy%multipliers(self%multipliers)
+         branch%multipliers(:, n) = self%multipliers
+         call assess(self%monodromy, balance, solution%u, solution%frequency_ratio, estimate, self%multipliers, assessment)
+         branch%stable(n) = assessment%stable
+         branch%undecided(n) = assessment%undecided
+         branch%second_estimate(n) = assessment%second
+         branch%count_undecided(n) = assessment%count_undecided
+      end if
+      branch%points = n
+   end subroutine add
+
+   !> Gives spare room back.
+   subroutine finish(self, branch)
+      class(recorder_type), intent(in) :: self
+      type(branch_type), intent(inout), target :: branch
+      integer :: i
+
+      call arrange_points(branch, [(i, i=1, branch%points)], branch%points, branch%harmonics)
+   end subroutine finish
+
+end module geartrain_continuation_recorder

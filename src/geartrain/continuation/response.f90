@@ -1,0 +1,215 @@
+!> The frequency response: the branch of periodic motions from rest at `start`, through its folds, and the one from rest at `stop`
+!> where that is another: the same curves whichever end is named first. From a seed: in both directions, as a closed curve if it
+!> is an island.
+module geartrain_continuation_response
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_base_error, only: error_type, fatal
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: text
+   use geartrain_base_observer, only: observer_type
+   use geartrain_continuation_branch, only: branch_type, response_settings_type, special_point_type
+   use geartrain_continuation_corrector, only: solution_point_type
+   use geartrain_continuation_first_motion, only: find_start
+   use geartrain_continuation_interruption, only: drop_step
+   use geartrain_continuation_points, only: drop_first, is_same_point, same_motion
+   use geartrain_continuation_start, only: begin_trace, solution_of
+   use geartrain_continuation_through, only: followed_out, trace_both_ways, trace_through
+   use geartrain_continuation_tracer, only: cancelled, reached_end, tracer_type
+   use geartrain_continuation_variables, only: check_response
+   use geartrain_flow_floating, only: can_float, note_of
+   use geartrain_model_check, only: check_train
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: response
+
+   !> The outcome of a part that would begin where the branch ends, beside those of the tracer.
+   integer, parameter :: known_start = -1
+
+contains
+
+   !> Traces the response of a train. Fails on bad input only: a branch that ends early says why in branch%ended. A branch under
+   !> way (branch%trace is allocated, as a checkpoint of the same case holds it) is taken up where it stands.
+   subroutine response(train, settings, branch, error, seed, observer)
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      !> A target, as it is everywhere below: an observer may read the points so far through a pointer.
+      type(branch_type), intent(inout), target :: branch
+      type(error_type), allocatable, intent(out) :: error
+      !> A motion to start from; its coefficients are used.
+      type(motion_type), intent(in), optional :: seed
+      class(observer_type), intent(inout), optional :: observer
+      type(tracer_type) :: tracer
+      type(branch_type) :: empty
+      integer :: outcome
+      character(:), allocatable :: reason
+      logical :: resumed
+
+      resumed = .false.
+      if (allocated(branch%trace)) resumed = branch%points > 0 .and. (branch%trace%steps > 0 .or. branch%trace%from_stop)
+      if (.not. resumed) then
+         ! All is new but where it comes from.
+         call move_alloc(branch%origin, empty%origin)
+         branch = empty
+      end if
+      call check_train(train, error)
+      if (.not. allocated(error)) call check_response(train, settings, present(seed), error)
+      if (.not. allocated(error) .and. present(seed)) call check_seed(train, seed, error)
+      if (allocated(error)) return
+      call begin_trace(train, settings, tracer)
+      if (present(seed)) then
+         call tracer%recorder%setup(tracer%corrector%balance, settings%stability, branch)
+         tracer%analysis = 'branch'
+         call trace_from_seed(tracer, seed, branch, observer)
+      else
+         if (resumed) then
+            ! The recorder for the same balance, the branch as it is.
+            call tracer%recorder%setup(tracer%corrector%balance, settings%stability, empty)
+            tracer%segment = branch%segment(branch%points)
+            tracer%resumes = branch%trace%steps > 0
+            tracer%kept = [branch%points, size(branch%special_points)]
+            call tracer%restore_state(branch%trace)
+         else
+            call tracer%recorder%setup(tracer%corrector%balance, settings%stability, branch)
+            allocate (branch%trace)
+         end if
+         outcome = 0
+         if (.not. branch%trace%from_stop) then
+            call trace_part(train, tracer, settings%start, settings%stop, branch, outcome, branch%ended, observer)
+            branch%complete = outcome == reached_end
+            branch%trace%whole = followed_out(outcome)
+         end if
+         call drop_step(tracer, branch)
+         if (.not. (outcome == cancelled .or. branch%cancelled)) then
+            if (.not. branch%trace%from_stop) branch%trace%first_points = branch%points
+            branch%trace%from_stop = .true.
+            call trace_part(train, tracer, settings%stop, settings%start, branch, outcome, reason, observer)
+            call drop_step(tracer, branch)
+            if (branch%cancelled .and. outcome /= cancelled) outcome = known_start
+            if (outcome /= known_start) then
+               branch%complete = outcome == reached_end .or. branch%trace%whole .and. followed_out(outcome)
+               branch%ended = 'from Lambda = '//text(settings%start)//': '//branch%ended//'; from Lambda = ' &
+                              //text(settings%stop)//': '//reason
+            end if
+            ! It came to where the first part began, over all that this one holds.
+            if (outcome == reached_end .and. branch%trace%first_points > 0) then
+               if (is_same_point(branch, 1, branch%points)) call drop_first(branch, branch%trace%first_points)
+            end if
+         end if
+         deallocate (branch%trace)
+      end if
+      call tracer%tell_missed(branch)
+      call tracer%recorder%finish(branch)
+   end subroutine response
+
+   subroutine check_seed(train, seed, error)
+      type(train_type), intent(in) :: train
+      type(motion_type), intent(in) :: seed
+      type(error_type), allocatable, intent(inout) :: error
+
+      if (.not. allocated(seed%coefficients)) then
+         call fatal(error, 'seed: has no coefficients')
+      else if (size(seed%coefficients, 2) /= size(train%meshes)) then
+         call fatal(error, 'seed: a motion of '//text(size(seed%coefficients, 2))//' meshes: the train has ' &
+                    //text(size(train%meshes)))
+      end if
+   end subroutine check_seed
+
+   !> From one end of the range towards the other, through what lies beyond the amplitude limit. The outcome is `known_start` where
+   !> the branch so far ends at the motion that this part would begin at.
+   subroutine trace_part(train, tracer, from, to, branch, outcome, reason, observer)
+      type(train_type), intent(in) :: train
+      type(tracer_type), intent(inout) :: tracer
+      real(dp), intent(in) :: from, to
+      type(branch_type), intent(inout), target :: branch
+      integer, intent(out) :: outcome
+      character(:), allocatable, intent(out) :: reason
+      class(observer_type), intent(inout), optional :: observer
+      type(solution_point_type) :: solution, began
+      integer :: enough
+      logical :: success
+
+      outcome = 0
+      if (.not. tracer%resumes) then
+         branch%trace%steps = 0
+         branch%trace%before = ''
+         call tracer%note_state(branch%trace)
+         call find_start(train, tracer, from, to, solution, success, enough, observer)
+         if (.not. success) then
+            reason = 'no motion of period '//text(tracer%settings%subharmonic)//' found to start from'
+            if (enough > 0) reason = reason//' with '//text(tracer%corrector%balance%highest)//' harmonics: there is one with ' &
+                                     //text(enough)
+            reason = reason//note_of(can_float(tracer%system))
+            return
+         end if
+         if (branch%points > 0) then
+            if (is_last_point(tracer, solution, branch)) then
+               outcome = known_start
+               return
+            end if
+            tracer%segment = branch%segment(branch%points) + 1
+         end if
+         call tracer%corrector%orient(solution, merge(1, -1, to > from))
+         call tracer%adapt(solution, success, fixed=.true.)
+         call tracer%record(solution, branch)
+      end if
+      began = solution
+      call trace_through(tracer, solution, to, branch, outcome, reason, observer, began)
+   end subroutine trace_part
+
+   !> Whether a motion is the one that the branch ends at.
+   logical function is_last_point(tracer, solution, branch)
+      type(tracer_type), intent(inout) :: tracer
+      type(solution_point_type), intent(in) :: solution
+      type(branch_type), intent(in) :: branch
+      real(dp) :: coefficients(1 + 2*tracer%corrector%balance%highest, tracer%system%meshes)
+      integer :: n
+
+      is_last_point = .false.
+      if (abs(branch%frequency_ratio(branch%points) - solution%frequency_ratio) > 0) return
+      call tracer%corrector%balance%full_coefficients(solution%u, solution%frequency_ratio, coefficients)
+      n = min(size(coefficients, 1), size(branch%coefficients, 1))
+      associate (last => branch%coefficients(:n, :, branch%points))
+         is_last_point = maxval(abs(coefficients(:n, :) - last)) <= same_motion*maxval(abs(last))
+      end associate
+   end function is_last_point
+
+   !> Both ways from a seed; the backward part is put in front, so that the branch is one curve.
+   subroutine trace_from_seed(tracer, seed, branch, observer)
+      type(tracer_type), intent(inout) :: tracer
+      type(motion_type), intent(in) :: seed
+      type(branch_type), intent(inout), target :: branch
+      class(observer_type), intent(inout), optional :: observer
+      type(solution_point_type) :: solution, backward
+      real(dp) :: low, high
+      logical :: success
+
+      low = min(tracer%settings%start, tracer%settings%stop)
+      high = max(tracer%settings%start, tracer%settings%stop)
+      if (seed%period < 1 .or. mod(tracer%settings%subharmonic, max(1, seed%period)) /= 0) then
+         branch%ended = 'the seed has period '//text(seed%period)//', which does not divide subharmonic = ' &
+                        //text(tracer%settings%subharmonic)
+         return
+      end if
+      if (seed%frequency_ratio < low .or. seed%frequency_ratio > high) then
+         branch%ended = 'the seed at Lambda = '//text(seed%frequency_ratio)//' lies outside '//text(low)//' to '//text(high)
+         return
+      end if
+      solution = solution_of(tracer, seed)
+      call tracer%corrector%solve_at(solution, success)
+      if (.not. success) then
+         branch%ended = 'Newton does not converge from the seed at Lambda = '//text(seed%frequency_ratio)
+         call drop_step(tracer, branch)
+         return
+      end if
+      call tracer%corrector%orient(solution, merge(1, -1, tracer%settings%stop > tracer%settings%start))
+      call tracer%adapt(solution, success, fixed=.true.)
+      call tracer%record(solution, branch)
+      backward = solution
+      backward%tangent = -solution%tangent
+      backward%tangent_frequency = -solution%tangent_frequency
+      call trace_both_ways(tracer, solution, backward, branch, 'the seed', observer)
+      call drop_step(tracer, branch)
+   end subroutine trace_from_seed
+
+end module geartrain_continuation_response

@@ -1,0 +1,77 @@
+!> Whether two solution points at which branches bifurcate are one, or the same some mesh periods later.
+module geartrain_continuation_same_place
+   use geartrain_base_kinds, only: dp, pi
+   use geartrain_continuation_corrector, only: solution_point_type
+   use geartrain_continuation_units, only: units_type
+   implicit none (type, external)
+   private
+   public :: same_solution
+
+   !> Places closer than this in the metric of the branch are one. Two ways to the same one agree to some 1e-6.
+   real(dp), parameter :: same = 1e-3_dp
+   !> Cosine of the angle of two directions that are one.
+   real(dp), parameter :: parallel = 0.7_dp
+
+contains
+
+   pure logical function same_solution(one, other, period, units, by_direction)
+      type(solution_point_type), intent(in) :: one, other
+      !> Of the balance that they are solution points of, in mesh periods.
+      integer, intent(in) :: period
+      type(units_type), intent(in) :: units
+      !> Their tangents must be parallel as well: two branches may leave next to one another.
+      logical, intent(in) :: by_direction
+      real(dp) :: apart, along, length(2)
+      complex(dp) :: turn, a, b
+      integer :: i, k, shift
+
+      same_solution = .false.
+      if (abs(one%frequency_ratio - other%frequency_ratio) >= same*units%frequency_ratio) return
+      do shift = 0, period - 1
+         apart = ((one%frequency_ratio - other%frequency_ratio)/units%frequency_ratio)**2
+         along = one%tangent_frequency*other%tangent_frequency/units%frequency_ratio**2
+         length = [one%tangent_frequency, other%tangent_frequency]**2/units%frequency_ratio**2
+         do i = 1, size(one%u, 2)
+            do k = 0, max(highest_of(one), highest_of(other))
+               turn = exp(cmplx(0, 2*pi*k*shift/period, dp))
+               a = harmonic_of(one, one%u(:, i), k)
+               b = harmonic_of(other, other%u(:, i), k)*turn
+               apart = apart + merge(1.0_dp, 0.5_dp, k == 0)*(abs(a - b)/units%length)**2
+               if (.not. by_direction) cycle
+               a = harmonic_of(one, one%tangent(:, i), k)/units%length
+               b = harmonic_of(other, other%tangent(:, i), k)*turn/units%length
+               along = along + real(conjg(a)*b)
+               length = length + [abs(a), abs(b)]**2
+            end do
+         end do
+         same_solution = apart < same**2
+         if (by_direction) same_solution = same_solution .and. abs(along) > parallel*sqrt(product(length))
+         if (same_solution) return
+      end do
+   end function same_solution
+
+   pure integer function highest_of(solution)
+      type(solution_point_type), intent(in) :: solution
+
+      highest_of = (size(solution%u, 1) - 1)/2
+      if (allocated(solution%harmonic)) highest_of = maxval([0, solution%harmonic])
+   end function highest_of
+
+   !> Harmonic k of a set of coefficients of a solution point as a complex amplitude; 0 where it has none.
+   pure complex(dp) function harmonic_of(solution, u, k)
+      type(solution_point_type), intent(in) :: solution
+      real(dp), intent(in) :: u(:)
+      integer, intent(in) :: k
+      integer :: i
+
+      i = k
+      if (allocated(solution%harmonic) .and. k > 0) then
+         i = findloc(solution%harmonic, k, 1)
+         if (i == 0) i = size(u)
+      end if
+      harmonic_of = 0
+      if (i == 0) harmonic_of = u(1)
+      if (i > 0 .and. 2*i + 1 <= size(u)) harmonic_of = cmplx(u(2*i), -u(2*i + 1), dp)
+   end function harmonic_of
+
+end module geartrain_continuation_same_place

@@ -1,0 +1,296 @@
+!> The matrix that is singular where a branch bifurcates: for a doubling the Jacobian of the balance of twice the period at a motion
+!> of the single one, on the odd harmonics, which that motion lacks; for a branch point, where another branch of the same period
+!> crosses, that of the balance itself with the tangent as its border.
+!>
+!> With vectors b and c, 1/(c . A^-1 b) is smooth along the branch, and zero where the matrix A is singular in a direction that b
+!> and c are not orthogonal to. They are made from vectors without any symmetry, because what equal stages do may be orthogonal to
+!> whatever is alike in all meshes. For a doubling b and c are the eigenvectors of the smallest eigenvalues at a solution point
+!> nearby, which tell several directions apart; for a branch point, whose matrix has no such eigenvectors (its border may be of
+!> another symmetry than Lambda), b is any vector and c the solution for it.
+module geartrain_continuation_singular
+   use geartrain_base_kinds, only: dp
+   use geartrain_continuation_corrector, only: corrector_type, solution_point_type
+   use geartrain_continuation_special_points, only: generic_vector
+   use geartrain_linalg_eigenvalues, only: find_eigenvalues
+   use geartrain_linalg_elimination, only: factor_matrix, solve_factored
+   implicit none (type, external)
+   private
+   public :: singular_type
+
+   !> Eigenvectors that are looked at, and steps of the iteration that finds them.
+   integer, parameter :: most_modes = 3, iterations = 6
+   !> Harmonics up to which the matrix is eliminated as a whole.
+   integer, parameter :: most_explicit = 128
+
+   !> The matrix whose singular solution points are looked for.
+   type :: singular_type
+      !> The branch's balance, and that of twice the period where it is to double.
+      type(corrector_type) :: single, double
+      logical :: doubles = .false.
+      !> The vectors b and c: coefficients (block, unknowns, mode) and Lambda (mode).
+      real(dp), allocatable, private :: b(:, :, :), b_frequency(:), c(:, :, :), c_frequency(:)
+   contains
+      procedure :: setup
+      procedure :: period
+      procedure :: lift
+      procedure :: find_modes
+      procedure :: test
+      procedure :: solution
+      procedure, private :: solve
+      procedure, private :: factor_at
+   end type singular_type
+
+contains
+
+   !> For branches of the balance that `corrector` has.
+   subroutine setup(self, corrector, doubles)
+      class(singular_type), intent(inout) :: self
+      type(corrector_type), intent(in) :: corrector
+      !> Places where the period doubles are looked for, else those where another branch of the same period crosses.
+      logical, intent(in) :: doubles
+
+      self%doubles = doubles
+      associate (balance => corrector%balance)
+         call plan(self%single, balance%highest, balance%eta)
+         if (doubles) call plan(self%double, 2*balance%highest, 2*balance%eta)
+      end associate
+
+   contains
+
+      subroutine plan(own, highest, eta)
+         type(corrector_type), intent(inout) :: own
+         integer, intent(in) :: highest, eta
+
+         own%units = corrector%units
+         call own%balance%setup(corrector%balance%system, highest, eta, corrector%balance%samples*eta/corrector%balance%eta)
+         call own%setup()
+      end subroutine plan
+
+   end subroutine setup
+
+   !> Of the solution points that are looked for, in mesh periods.
+   pure integer function period(self)
+      class(singular_type), intent(in) :: self
+
+      period = merge(2, 1, self%doubles)*self%single%balance%eta
+   end function period
+
+   !> Factors of the matrix at a solution point of the branch. Where it is singular to the last bit its factors are as good as any.
+   subroutine factor_at(self, solution)
+      class(singular_type), intent(inout) :: self
+      type(solution_point_type), intent(in) :: solution
+      type(solution_point_type) :: twice
+
+      if (self%doubles) then
+         call self%lift(solution, twice)
+         call factor(self%double, twice, bordered=.false.)
+      else
+         call factor(self%single, solution, bordered=.true.)
+      end if
+   end subroutine factor_at
+
+   !> Factors of the Jacobian of a balance, and the tangent as its border or none.
+   subroutine factor(corrector, solution, bordered)
+      type(corrector_type), intent(inout) :: corrector
+      type(solution_point_type), intent(in) :: solution
+      logical, intent(in) :: bordered
+      logical :: regular
+
+      associate (balance => corrector%balance, matrix => corrector%matrix)
+         call balance%evaluate(solution%u, solution%frequency_ratio)
+         ! Elimination is as exact next to a singular solution point as elsewhere.
+         if (size(balance%harmonic) <= most_explicit) call balance%make_explicit(size(balance%harmonic))
+         call matrix%linearize(balance)
+         if (bordered) then
+            call corrector%across(solution, matrix%row, matrix%corner)
+         else
+            matrix%column = 0
+            matrix%row = 0
+            matrix%corner = 1
+         end if
+         call matrix%factor(balance, regular)
+      end associate
+   end subroutine factor
+
+   !> A motion of the branch as one of twice the period.
+   subroutine lift(self, solution, twice)
+      class(singular_type), intent(in) :: self
+      type(solution_point_type), intent(in) :: solution
+      type(solution_point_type), intent(out) :: twice
+      integer :: k, r
+
+      associate (balance => self%double%balance, harmonic => self%single%balance%harmonic)
+         allocate (twice%u(balance%block, balance%unknowns), twice%tangent(balance%block, balance%unknowns), source=0.0_dp)
+         twice%u(1, :) = solution%u(1, :)
+         do k = 1, size(harmonic)
+            r = 2*harmonic(k)
+            twice%u(2*r:2*r + 1, :) = solution%u(2*k:2*k + 1, :)
+         end do
+         twice%frequency_ratio = solution%frequency_ratio
+      end associate
+   end subroutine lift
+
+   !> Solves in place with the factors at hand.
+   subroutine solve(self, u, y)
+      class(singular_type), intent(inout) :: self
+      real(dp), intent(inout) :: u(:, :), y
+
+      if (self%doubles) then
+         call self%double%matrix%solve(self%double%balance, u, y)
+      else
+         call self%single%matrix%solve(self%single%balance, u, y)
+      end if
+   end subroutine solve
+
+   !> Chooses the vectors b and c at a solution point next to those that are looked for.
+   subroutine find_modes(self, solution)
+      class(singular_type), intent(inout) :: self
+      type(solution_point_type), intent(in) :: solution
+      integer :: i, j, rows, columns
+
+      call self%factor_at(solution)
+      associate (balance => self%single%balance, twice => self%double%balance)
+         rows = merge(twice%block, balance%block, self%doubles)
+         columns = balance%unknowns
+      end associate
+      allocate (self%b(rows, columns, most_modes), self%b_frequency(most_modes))
+      do j = 1, most_modes
+         call generic_vector(j, self%b(:, :, j), self%b_frequency(j))
+         if (self%doubles) call keep_odd(self%double%balance%harmonic, self%b(:, :, j))
+         if (self%doubles) self%b_frequency(j) = 0
+      end do
+      if (self%doubles) call find_eigenvectors(self)
+      self%c = self%b
+      self%c_frequency = self%b_frequency
+      if (self%doubles) return
+      do i = 1, most_modes
+         call self%solve(self%c(:, :, i), self%c_frequency(i))
+         call normalize(self%c(:, :, i), self%c_frequency(i))
+      end do
+   end subroutine find_modes
+
+   pure subroutine normalize(u, y)
+      real(dp), intent(inout) :: u(:, :), y
+      real(dp) :: length
+
+      length = sqrt(sum(u**2) + y**2)
+      u = u/length
+      y = y/length
+   end subroutine normalize
+
+   !> Turns b into unit eigenvectors of the smallest real eigenvalues at the factors at hand, smallest first.
+   subroutine find_eigenvectors(self)
+      class(singular_type), intent(inout) :: self
+      real(dp), allocatable :: solved(:, :, :)
+      real(dp) :: reduced(most_modes, most_modes), weight(most_modes, most_modes), y
+      integer :: i, j, l, found, n
+
+      ! Two odd coefficients of a single mesh with one harmonic.
+      n = min(most_modes, (size(self%b, 1)/2)*size(self%b, 2))
+      do i = 0, iterations
+         do j = 1, n
+            y = 0
+            if (i > 0) call self%solve(self%b(:, :, j), y)
+            do l = 1, j - 1
+               self%b(:, :, j) = self%b(:, :, j) - sum(self%b(:, :, l)*self%b(:, :, j))*self%b(:, :, l)
+            end do
+            self%b(:, :, j) = self%b(:, :, j)/norm2(self%b(:, :, j))
+         end do
+      end do
+      solved = self%b
+      do j = 1, n
+         y = 0
+         call self%solve(solved(:, :, j), y)
+         do i = 1, n
+            reduced(i, j) = sum(self%b(:, :, i)*solved(:, :, j))
+         end do
+      end do
+      call real_modes(reduced(:n, :n), weight, found)
+      do j = 1, found
+         solved(:, :, j) = 0
+         do i = 1, n
+            solved(:, :, j) = solved(:, :, j) + weight(i, j)*self%b(:, :, i)
+         end do
+      end do
+      self%b = solved(:, :, :found)
+      self%b_frequency = [(0.0_dp, i=1, found)]
+   end subroutine find_eigenvectors
+
+   !> Unit eigenvectors of the real eigenvalues of a small matrix, the largest eigenvalue first.
+   subroutine real_modes(matrix, vector, found)
+      real(dp), intent(in) :: matrix(:, :)
+      real(dp), intent(out) :: vector(:, :)
+      integer, intent(out) :: found
+      complex(dp) :: values(size(matrix, 1))
+      real(dp) :: copy(size(matrix, 1), size(matrix, 1)), scale
+      integer :: i, j, l, n, info, pivot(size(matrix, 1))
+
+      n = size(matrix, 1)
+      copy = matrix
+      call find_eigenvalues(n, copy, values, info)
+      found = 0
+      if (info /= 0) return
+      scale = maxval(abs(values))
+      do
+         i = maxloc(abs(values), 1)
+         if (.not. abs(values(i)) > 0) return
+         if (abs(values(i)%im) <= 1e-10_dp*scale) then
+            found = found + 1
+            copy = matrix
+            do j = 1, n
+               copy(j, j) = copy(j, j) - values(i)%re - 1e-12_dp*scale
+            end do
+            call factor_matrix(n, copy, pivot, info)
+            associate (v => vector(:n, found))
+               ! For a double eigenvalue another start gives another vector.
+               v = [(cos(real(l*found, dp)), l=1, n)]
+               do j = 1, 3
+                  call solve_factored(n, 1, copy, pivot, v)
+                  v = v/norm2(v)
+               end do
+            end associate
+         end if
+         values(i) = 0
+      end do
+   end subroutine real_modes
+
+   !> Leaves the odd harmonics of a set of coefficients.
+   pure subroutine keep_odd(harmonic, u)
+      integer, intent(in) :: harmonic(:)
+      real(dp), intent(inout) :: u(:, :)
+      integer :: k
+
+      u(1, :) = 0
+      do k = 1, size(harmonic)
+         if (mod(harmonic(k), 2) == 0) u(2*k:2*k + 1, :) = 0
+      end do
+   end subroutine keep_odd
+
+   !> 1/(c . A^-1 b) at a solution point for each pair of vectors.
+   subroutine test(self, solution, f)
+      class(singular_type), intent(inout) :: self
+      type(solution_point_type), intent(in) :: solution
+      real(dp), allocatable, intent(out) :: f(:)
+      real(dp) :: x(size(self%b, 1), size(self%b, 2)), y
+      integer :: j
+
+      allocate (f(size(self%b_frequency)))
+      call self%factor_at(solution)
+      do j = 1, size(f)
+         call self%solution(j, x, y)
+         f(j) = 1/(sum(self%c(:, :, j)*x) + self%c_frequency(j)*y)
+      end do
+   end subroutine test
+
+   !> A^-1 b for one of the vectors, where `test` was called last: next to a singular solution point the null vector.
+   subroutine solution(self, mode, x, y)
+      class(singular_type), intent(inout) :: self
+      integer, intent(in) :: mode
+      real(dp), intent(out) :: x(:, :), y
+
+      x = self%b(:, :, mode)
+      y = self%b_frequency(mode)
+      call self%solve(x, y)
+   end subroutine solution
+
+end module geartrain_continuation_singular

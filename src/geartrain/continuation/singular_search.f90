@@ -1,0 +1,167 @@
+!> The solution point nearest along a branch at which it bifurcates, as the singular matrix tells it.
+module geartrain_continuation_singular_search
+   use geartrain_base_kinds, only: dp
+   use geartrain_continuation_corrector, only: corrector_type, solution_point_type
+   use geartrain_continuation_same_place, only: same_solution
+   use geartrain_continuation_singular, only: singular_type
+   use geartrain_continuation_special_points, only: between, go_along, shrink
+   use geartrain_continuation_step_geometry, only: cosine, odd_product
+   implicit none (type, external)
+   private
+   public :: find_nearest, find_crossing
+
+   !> Farthest that is looked, in the metric of the branch, and most steps there.
+   real(dp), parameter :: farthest = 0.25_dp
+   integer, parameter :: max_steps = 60
+   !> Length of a piece of a branch on which the cubic through its ends is as exact as its points.
+   real(dp), parameter :: cubic = 2e-4_dp
+   !> Odd harmonics below this share of a motion are none, as exactly as its solution point is found.
+   real(dp), parameter :: half_period = 1e-5_dp
+
+contains
+
+   !> Lambda at which another branch of the same period crosses the one that `corrector` follows, at or near `here`.
+   subroutine find_crossing(corrector, here, h, frequency_ratio, success)
+      type(corrector_type), intent(in) :: corrector
+      type(solution_point_type), intent(in) :: here
+      !> Length of the step in which it seems to lie.
+      real(dp), intent(in) :: h
+      real(dp), intent(out) :: frequency_ratio
+      logical, intent(out) :: success
+      type(singular_type) :: matrix
+      type(solution_point_type) :: solution
+
+      call matrix%setup(corrector, .false.)
+      call find_nearest(matrix, here, h, solution, success)
+      if (success) frequency_ratio = solution%frequency_ratio
+   end subroutine find_crossing
+
+   !> From a solved solution point of the branch outwards; the unit critical vector is the tangent of what is found.
+   subroutine find_nearest(matrix, from, h, solution, success, taken, again)
+      type(singular_type), intent(inout) :: matrix
+      type(solution_point_type), intent(in) :: from
+      !> First step.
+      real(dp), intent(in) :: h
+      type(solution_point_type), intent(inout) :: solution
+      logical, intent(out) :: success
+      !> Places that are passed over, and whether one was.
+      type(solution_point_type), intent(in), optional :: taken(:)
+      logical, intent(inout), optional :: again
+      type(solution_point_type) :: side(2), next
+      real(dp), allocatable :: f(:, :), f_next(:)
+      real(dp) :: step(2), way(2)
+      logical :: open_end(2)
+      integer :: i, j, k, l
+
+      side = from
+      side(2)%tangent = -from%tangent
+      side(2)%tangent_frequency = -from%tangent_frequency
+      call matrix%find_modes(from)
+      call matrix%test(from, f_next)
+      f = spread(f_next, 2, 2)
+      step = h
+      way = 0
+      open_end = .true.
+      ! On both sides in turn, so that the nearest zero is found first.
+      do i = 1, max_steps
+         k = minloc(way, 1, open_end)
+         if (k == 0) exit
+         call matrix%single%advance(side(k), step(k), next, success)
+         if (success) success = cosine(side(k), next, matrix%single%units) > 0.8_dp
+         if (.not. success) then
+            step(k) = step(k)/3
+            open_end(k) = step(k) > 1e-6_dp
+            cycle
+         end if
+         call matrix%test(next, f_next)
+         do j = 1, size(f_next)
+            if (f_next(j)*f(j, k) > 0) cycle
+            call find_zero(matrix, j, side(k), next, step(k), f(j, k), f_next(j), solution, success)
+            ! A branch of even period crosses that of half its period where it begins and ends.
+            if (success .and. .not. matrix%doubles .and. mod(matrix%period(), 2) == 0) &
+               success = odd_product(solution, solution) > half_period**2*sum(solution%u**2)
+            if (success .and. present(taken)) then
+               do l = 1, size(taken)
+                  if (same_solution(solution, taken(l), matrix%period(), matrix%single%units, .true.)) success = .false.
+               end do
+               if (present(again) .and. .not. success) again = .true.
+            end if
+            if (success) return
+         end do
+         way(k) = way(k) + step(k)
+         open_end(k) = way(k) < farthest
+         step(k) = 1.5_dp*step(k)
+         side(k) = next
+         f(:, k) = f_next
+      end do
+      success = .false.
+   end subroutine find_nearest
+
+   !> The zero of the test function number `mode` between `here` and `next`, a distance h further, and the critical vector there.
+   subroutine find_zero(matrix, mode, here, next, h, f_here, f_next, solution, success)
+      type(singular_type), intent(inout) :: matrix
+      integer, intent(in) :: mode
+      type(solution_point_type), intent(in) :: here, next
+      real(dp), intent(in) :: h, f_here, f_next
+      type(solution_point_type), intent(inout) :: solution
+      logical, intent(out) :: success
+      type(solution_point_type) :: first, last, middle
+      real(dp), allocatable :: f(:), x(:, :)
+      real(dp) :: a, b, fa, fb, s, length, scale, y
+      real(dp), parameter :: share(*) = [0.5_dp, 0.37_dp, 0.67_dp, 0.21_dp, 0.83_dp]
+      integer :: i, kept
+
+      first = here
+      last = next
+      middle = here
+      length = h
+      fa = f_here
+      fb = f_next
+      scale = max(abs(fa), abs(fb))
+      s = 0
+      ! Next to a branch point Newton's method fails on the branch itself: the last piece is a cubic.
+      do while (length > cubic)
+         do i = 1, size(share)
+            call matrix%single%advance(here, s + share(i)*length, middle, success)
+            if (success) exit
+         end do
+         if (.not. success) return
+         call matrix%test(middle, f)
+         if ((f(mode) > 0) .eqv. (fa > 0)) then
+            first = middle
+            s = s + share(i)*length
+            length = (1 - share(i))*length
+            fa = f(mode)
+         else
+            last = middle
+            length = share(i)*length
+            fb = f(mode)
+         end if
+      end do
+      a = 0
+      b = length
+      kept = 0
+      do i = 1, max_steps
+         s = between(a, b, fa, fb)
+         call go_along(first, last, length, s, middle)
+         call matrix%test(middle, f)
+         if (abs(f(mode)) < 1e-10_dp*scale) exit
+         call shrink(a, b, fa, fb, s, f(mode), kept)
+         if (b - a < 1e-12_dp) exit
+      end do
+      if (matrix%doubles) then
+         call matrix%lift(middle, solution)
+      else
+         solution = middle
+      end if
+      x = solution%u
+      call matrix%solution(mode, x, y)
+      length = matrix%single%length_of(x, y)
+      ! A pole changes sign as well.
+      success = abs(f(mode)) < 1e-3_dp*scale .and. length > 0 .and. length < huge(1.0_dp)
+      solution%tangent = x/length
+      solution%tangent_frequency = y/length
+      solution%orientation = 0
+   end subroutine find_zero
+
+end module geartrain_continuation_singular_search

@@ -1,0 +1,230 @@
+!> Every solution of a branch at exactly one frequency, and whether a motion is one of them.
+module geartrain_continuation_solutions
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_base_error, only: error_type, fatal
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: text
+   use geartrain_continuation_branch, only: branch_type, response_settings_type
+   use geartrain_continuation_corrector, only: inner, solution_point_type
+   use geartrain_continuation_start, only: begin_trace, solution_of
+   use geartrain_continuation_tracer, only: tracer_type
+   use geartrain_model_check, only: check_train
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: solutions_at, record_crossings, lies_on, beyond_limit
+
+   !> Solutions of one balance at one frequency whose figures agree to this, relative to the largest displacement, are one.
+   real(dp), parameter :: same = 1e-6_dp
+
+contains
+
+   !> Solves again where the branch crosses `frequency_ratio`, from the points on either side (the folds are points of the branch,
+   !> so no crossing hides between two points). Empty where the branch does not reach that frequency.
+   subroutine solutions_at(train, settings, branch, frequency_ratio, motions, error)
+      type(train_type), intent(in) :: train
+      !> The settings that the branch was traced with.
+      type(response_settings_type), intent(in) :: settings
+      type(branch_type), intent(in) :: branch
+      real(dp), intent(in) :: frequency_ratio
+      type(motion_type), allocatable, intent(out) :: motions(:)
+      type(error_type), allocatable, intent(out) :: error
+      type(tracer_type) :: tracer
+      type(branch_type) :: found
+
+      allocate (motions(0))
+      call check_train(train, error)
+      if (allocated(error)) return
+      if (.not. frequency_ratio > 0) then
+         call fatal(error, 'at: frequency = '//text(frequency_ratio)//': must be > 0')
+         return
+      end if
+      call begin_trace(train, settings, tracer)
+      call tracer%recorder%setup(tracer%corrector%balance, settings%stability, found)
+      call record_crossings(tracer, branch, frequency_ratio, found)
+      call gather(found, settings, motions)
+   end subroutine solutions_at
+
+   !> Adds to `found` every solution of the branch at exactly `frequency_ratio`, with a tracer made for it.
+   subroutine record_crossings(tracer, branch, frequency_ratio, found)
+      type(tracer_type), intent(inout) :: tracer
+      type(branch_type), intent(in) :: branch
+      real(dp), intent(in) :: frequency_ratio
+      type(branch_type), intent(inout), target :: found
+      type(solution_point_type) :: solution
+      real(dp) :: share
+      integer :: i
+      logical :: success
+
+      do i = 1, branch%points - 1
+         if (branch%segment(i) /= branch%segment(i + 1)) cycle
+         if (.not. crosses(branch%frequency_ratio(i), branch%frequency_ratio(i + 1), frequency_ratio, ends(branch, i + 1))) cycle
+         share = 0
+         if (abs(branch%frequency_ratio(i + 1) - branch%frequency_ratio(i)) > 0) &
+            share = (frequency_ratio - branch%frequency_ratio(i))/(branch%frequency_ratio(i + 1) - branch%frequency_ratio(i))
+         if (tracer%settings%harmonics == 0) call tracer%prepare(maxval(branch%point_harmonics(i:i + 1)))
+         call solve_between(tracer, branch, i, share, frequency_ratio, solution, success)
+         if (.not. success) cycle
+         call tracer%corrector%orient(solution, 1)
+         call tracer%adapt(solution, success, fixed=.true.)
+         call tracer%record(solution, found)
+      end do
+   end subroutine record_crossings
+
+   !> Whether a part of the branch ends at a point. A closed branch does not: its last point is the first one.
+   pure logical function ends(branch, point)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: point
+
+      ends = point == branch%points .and. .not. branch%closed
+      if (point < branch%points) ends = branch%segment(point + 1) /= branch%segment(point)
+   end function ends
+
+   !> A half-open interval, so that a point exactly at the frequency counts once; the last one of a part is closed.
+   pure logical function crosses(a, b, frequency_ratio, last)
+      real(dp), intent(in) :: a, b, frequency_ratio
+      logical, intent(in) :: last
+
+      crosses = (a <= frequency_ratio .and. frequency_ratio < b) .or. (b < frequency_ratio .and. frequency_ratio <= a)
+      if (last) crosses = crosses .or. abs(frequency_ratio - b) <= 0
+   end function crosses
+
+   !> Newton from the interpolated coefficients, from either neighbour if that fails; across the branch where the frequency is
+   !> that of a point, because a fold cannot be solved at its Lambda.
+   subroutine solve_between(tracer, branch, i, share, frequency_ratio, solution, success)
+      type(tracer_type), intent(inout) :: tracer
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: i
+      real(dp), intent(in) :: share, frequency_ratio
+      type(solution_point_type), intent(out) :: solution
+      logical, intent(out) :: success
+      type(motion_type) :: motion
+      type(solution_point_type) :: start
+      real(dp) :: weight, chord, drift
+      integer :: attempt
+
+      motion%frequency_ratio = frequency_ratio
+      motion%period = branch%subharmonic
+      chord = norm2(branch%coefficients(:, :, i + 1) - branch%coefficients(:, :, i))
+      ! Refined points lie off the balance's solutions by their corrections.
+      drift = 0
+      if (allocated(branch%correction)) drift = maxval(branch%correction(i:i + 1))*norm2(branch%coefficients(2:, :, i))
+      do attempt = 1, 3
+         weight = merge(share, real(attempt - 2, dp), attempt == 1)
+         motion%coefficients = (1 - weight)*branch%coefficients(:, :, i) + weight*branch%coefficients(:, :, i + 1)
+         solution = solution_of(tracer, motion)
+         call tracer%corrector%solve_at(solution, success)
+         if (.not. success) cycle
+         ! The solution between two neighbours is no further from either than twice their distance.
+         motion%coefficients = branch%coefficients(:, :, i)
+         start = solution_of(tracer, motion)
+         success = sqrt(inner(solution%u - start%u, solution%u - start%u)) <= 2*(chord + max(drift, 0.0_dp)) &
+                   + 1e-9_dp*tracer%corrector%units%length
+         if (success) return
+      end do
+      if (abs(share) <= 0 .or. abs(share - 1) <= 0) call solve_across(tracer, branch, i, frequency_ratio, solution, success)
+   end subroutine solve_between
+
+   !> Solves the point of the branch at `frequency_ratio`, i or i + 1, across the chord between the two.
+   subroutine solve_across(tracer, branch, i, frequency_ratio, solution, success)
+      type(tracer_type), intent(inout) :: tracer
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: i
+      real(dp), intent(in) :: frequency_ratio
+      type(solution_point_type), intent(out) :: solution
+      logical, intent(out) :: success
+      type(motion_type) :: motion
+      type(solution_point_type) :: ends(2)
+      integer :: j
+
+      motion%period = branch%subharmonic
+      do j = 1, 2
+         motion%frequency_ratio = branch%frequency_ratio(i + j - 1)
+         motion%coefficients = branch%coefficients(:, :, i + j - 1)
+         ends(j) = solution_of(tracer, motion)
+      end do
+      solution = ends(merge(1, 2, abs(frequency_ratio - ends(1)%frequency_ratio) <= 0))
+      solution%tangent = ends(2)%u - ends(1)%u
+      solution%tangent_frequency = ends(2)%frequency_ratio - ends(1)%frequency_ratio
+      call tracer%corrector%correct(solution, success)
+      success = success .and. abs(solution%frequency_ratio - frequency_ratio) <= same*frequency_ratio
+      solution%frequency_ratio = frequency_ratio
+   end subroutine solve_across
+
+   subroutine gather(found, settings, motions)
+      type(branch_type), intent(in) :: found
+      type(response_settings_type), intent(in) :: settings
+      type(motion_type), allocatable, intent(out) :: motions(:)
+      integer :: i
+
+      allocate (motions(found%points))
+      do i = 1, found%points
+         associate (motion => motions(i))
+            motion%frequency_ratio = found%frequency_ratio(i)
+            motion%period = settings%subharmonic
+            motion%coefficients = found%coefficients(:, :, i)
+            motion%rms = found%rms(:, i)
+            motion%mean = found%mean(:, i)
+            motion%minimum = found%minimum(:, i)
+            motion%maximum = found%maximum(:, i)
+            motion%mesh_load = found%mesh_load(:, i)
+            motion%error_estimate = found%error_estimate(i)
+            if (.not. settings%stability) cycle
+            motion%multipliers = found%multipliers(:, i)
+            motion%stable = found%stable(i)
+            motion%undecided = found%undecided(i)
+         end associate
+      end do
+   end subroutine gather
+
+   !> Whether a motion, or the same some mesh periods later, lies on a branch: it is solved as a balance of as many harmonics as
+   !> the branch has, so that the two can be told apart exactly.
+   logical function lies_on(train, settings, branch, motion)
+      type(train_type), intent(in) :: train
+      !> Those that the branch was traced with.
+      type(response_settings_type), intent(in) :: settings
+      type(branch_type), intent(in) :: branch
+      type(motion_type), intent(in) :: motion
+      type(response_settings_type) :: same_balance
+      type(tracer_type) :: tracer
+      type(solution_point_type) :: solution
+      type(branch_type) :: solved
+      type(motion_type), allocatable :: motions(:)
+      type(error_type), allocatable :: error
+      logical :: success
+      real(dp) :: scale
+      integer :: i
+
+      lies_on = .false.
+      if (branch%subharmonic /= motion%period .or. branch%points < 2) return
+      same_balance = settings
+      if (settings%harmonics == 0) same_balance%harmonics = branch%harmonics
+      call begin_trace(train, same_balance, tracer)
+      solution = solution_of(tracer, motion)
+      call tracer%corrector%solve_at(solution, success)
+      if (.not. success) return
+      call tracer%corrector%orient(solution, 1)
+      call tracer%recorder%setup(tracer%corrector%balance, .false., solved)
+      call tracer%record(solution, solved)
+      call solutions_at(train, same_balance, branch, motion%frequency_ratio, motions, error)
+      scale = max(maxval(abs(solved%maximum(:, 1))), maxval(abs(solved%minimum(:, 1))))
+      do i = 1, size(motions)
+         lies_on = all(abs(motions(i)%rms - solved%rms(:, 1)) < same*scale) &
+                   .and. all(abs(motions(i)%mean - solved%mean(:, 1)) < same*scale) &
+                   .and. all(abs(motions(i)%maximum - solved%maximum(:, 1)) < same*scale)
+         if (lies_on) return
+      end do
+   end function lies_on
+
+   !> Whether the rms of a motion is beyond the amplitude limit, where no branch is recorded.
+   logical function beyond_limit(train, settings, motion)
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      type(motion_type), intent(in) :: motion
+      type(tracer_type) :: tracer
+
+      call begin_trace(train, settings, tracer)
+      beyond_limit = any(motion%rms > tracer%amplitude_limit)
+   end function beyond_limit
+
+end module geartrain_continuation_solutions

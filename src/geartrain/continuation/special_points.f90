@@ -1,0 +1,163 @@
+!> Locates what a reader looks for on a branch between two neighbouring points by the balance alone: folds, and where the branch of
+!> half the period is met.
+module geartrain_continuation_special_points
+   use geartrain_base_kinds, only: dp
+   use geartrain_continuation_branch, only: branch_type, special_point_type
+   use geartrain_continuation_corrector, only: corrector_type, solution_point_type
+   use geartrain_continuation_step_geometry, only: odd_product
+   implicit none (type, external)
+   private
+   public :: locate_fold, locate_half_period, add_special_point
+   public :: generic_vector, go_along
+   public :: between, shrink
+
+   integer, parameter :: max_steps = 30
+
+contains
+
+   !> The solution point between `here` and the point a distance h further where Lambda turns, to 1e-6 of the step, and how far it
+   !> is.
+   subroutine locate_fold(corrector, here, next, h, fold, s, success)
+      type(corrector_type), intent(inout) :: corrector
+      type(solution_point_type), intent(in) :: here, next
+      real(dp), intent(in) :: h
+      type(solution_point_type), intent(inout) :: fold
+      real(dp), intent(out) :: s
+      logical, intent(out) :: success
+      real(dp) :: a, b, fa, fb
+      integer :: i, kept
+
+      kept = 0
+      a = 0
+      b = h
+      fa = here%tangent_frequency
+      fb = next%tangent_frequency
+      do i = 1, max_steps
+         s = between(a, b, fa, fb)
+         call corrector%advance(here, s, fold, success)
+         if (.not. success) return
+         if (abs(fold%tangent_frequency) < 1e-7_dp*corrector%units%frequency_ratio) return
+         call shrink(a, b, fa, fb, s, fold%tangent_frequency, kept)
+         if (b - a < 1e-6_dp*h) return
+      end do
+   end subroutine locate_fold
+
+   !> The solution point between `here` and the point `next` a distance h further where the odd harmonics vanish: there the branch
+   !> meets that of half its period. Newton's method fails next to it, since the matrix is singular there: then the rest is a
+   !> straight line.
+   subroutine locate_half_period(corrector, here, next, h, solution)
+      type(corrector_type), intent(inout) :: corrector
+      type(solution_point_type), intent(in) :: here, next
+      real(dp), intent(in) :: h
+      type(solution_point_type), intent(inout) :: solution
+      type(solution_point_type) :: first, last
+      real(dp) :: a, b, fa, fb, f, s, share
+      integer :: i, kept
+      logical :: success
+
+      kept = 0
+      a = 0
+      b = h
+      fa = odd_product(here, here)
+      fb = odd_product(here, next)
+      first = here
+      last = next
+      do i = 1, max_steps
+         s = between(a, b, fa, fb)
+         call corrector%advance(here, s, solution, success)
+         if (.not. success) exit
+         f = odd_product(here, solution)
+         if (f > 0) then
+            first = solution
+         else
+            last = solution
+         end if
+         call shrink(a, b, fa, fb, s, f, kept)
+         if (b - a < 1e-6_dp*h) exit
+      end do
+      share = odd_product(here, first)/(odd_product(here, first) - odd_product(here, last))
+      solution = first
+      solution%u = first%u + share*(last%u - first%u)
+      solution%frequency_ratio = first%frequency_ratio + share*(last%frequency_ratio - first%frequency_ratio)
+   end subroutine locate_half_period
+
+   !> The solution point at a distance s along the cubic through `here` and the solution point `next` a distance h further, with its
+   !> tangent.
+   pure subroutine go_along(here, next, h, s, solution)
+      type(solution_point_type), intent(in) :: here, next
+      real(dp), intent(in) :: h, s
+      type(solution_point_type), intent(inout) :: solution
+      real(dp) :: t, a(4), b(4)
+
+      t = s/h
+      a = [(1 + 2*t)*(1 - t)**2, t*(1 - t)**2*h, t**2*(3 - 2*t), t**2*(t - 1)*h]
+      b = [6*t*(t - 1)/h, (1 - t)*(1 - 3*t), 6*t*(1 - t)/h, t*(3*t - 2)]
+      solution%u = a(1)*here%u + a(2)*here%tangent + a(3)*next%u + a(4)*next%tangent
+      solution%frequency_ratio = a(1)*here%frequency_ratio + a(2)*here%tangent_frequency + a(3)*next%frequency_ratio + a(4)* &
+           next%tangent_frequency
+      solution%tangent = b(1)*here%u + b(2)*here%tangent + b(3)*next%u + b(4)*next%tangent
+      solution%tangent_frequency = b(1)*here%frequency_ratio + b(2)*here%tangent_frequency + b(3)*next%frequency_ratio &
+                                + b(4)*next%tangent_frequency
+   end subroutine go_along
+
+   !> Number `number` of a list of vectors without any symmetry, so that none is orthogonal to what a symmetric train does.
+   pure subroutine generic_vector(number, x, y)
+      integer, intent(in) :: number
+      real(dp), intent(out) :: x(:, :), y
+      real(dp), parameter :: golden = 0.6180339887498949_dp, silver = 0.4142135623730951_dp
+      integer :: i, l
+
+      do i = 1, size(x, 2)
+         do l = 1, size(x, 1)
+            ! Fractions of multiples of irrational numbers spread evenly; low harmonics, which are most of it, weigh more.
+            x(l, i) = (modulo((l + size(x, 1)*i)*golden + number*i*silver, 1.0_dp) - 0.5_dp)/(1 + l/2)
+         end do
+      end do
+      y = 0.3_dp
+   end subroutine generic_vector
+
+   !> Where the chord crosses zero, kept off the ends of the bracket.
+   pure real(dp) function between(a, b, fa, fb)
+      real(dp), intent(in) :: a, b, fa, fb
+
+      between = a + (b - a)*min(0.999_dp, max(0.001_dp, fa/(fa - fb)))
+   end function between
+
+   !> Illinois' variant of regula falsi: the value at an end that stays a second time is halved. `kept` is the end that stayed
+   !> before, -1 for a and +1 for b, 0 at first.
+   pure subroutine shrink(a, b, fa, fb, s, f, kept)
+      real(dp), intent(inout) :: a, b, fa, fb
+      real(dp), intent(in) :: s, f
+      integer, intent(inout) :: kept
+
+      if ((f > 0) .eqv. (fa > 0)) then
+         a = s
+         fa = f
+         if (kept == 1) fb = fb/2
+         kept = 1
+      else
+         b = s
+         fb = f
+         if (kept == -1) fa = fa/2
+         kept = -1
+      end if
+   end subroutine shrink
+
+   !> Puts it on the list of the branch, which goes along it; `point` is the index of the point before it, or of the fold itself.
+   subroutine add_special_point(branch, kind, frequency_ratio, point, rms)
+      type(branch_type), intent(inout) :: branch
+      character(*), intent(in) :: kind
+      real(dp), intent(in) :: frequency_ratio, rms(:)
+      integer, intent(in) :: point
+      type(special_point_type) :: special
+      integer :: n
+
+      special%kind = kind
+      special%frequency_ratio = frequency_ratio
+      special%point = point
+      special%rms = rms
+      n = count(branch%special_points%point <= point)
+      branch%special_points = [branch%special_points(:n), special, branch%special_points(n + 1:)]
+   end subroutine add_special_point
+
+end module geartrain_continuation_special_points

@@ -1,0 +1,79 @@
+!> Where a branch begins: a tracer for a train, and solution points to start it from.
+module geartrain_continuation_start
+   use geartrain_balance_chosen_harmonics, only: first_harmonics
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_continuation_branch, only: response_settings_type
+   use geartrain_continuation_corrector, only: solution_point_type
+   use geartrain_continuation_tracer, only: tracer_type
+   use geartrain_continuation_units, only: largest_unit, units_of
+   use geartrain_model_modes, only: natural_frequencies
+   use geartrain_model_system, only: build_system
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: begin_trace, solution_of, resting
+
+   !> Amplitude limit where none is given, rms in the unit of motions that cross the gap. A linear train has none: its branch is
+   !> only not recorded between here and infinity, where it passes a multiplier +1.
+   real(dp), parameter :: default_amplitude_limit = 12, linear_amplitude_limit = 1e4_dp
+
+contains
+
+   !> A tracer for the train with the settings in force.
+   subroutine begin_trace(train, settings, tracer)
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      type(tracer_type), intent(inout) :: tracer
+
+      tracer%settings = settings
+      call build_system(train, tracer%system)
+      tracer%corrector%units = units_of(tracer%system)
+      if (settings%amplitude_limit > 0) then
+         tracer%amplitude_limit = settings%amplitude_limit
+      else if (any(tracer%system%half_backlash > 0)) then
+         tracer%amplitude_limit = default_amplitude_limit*largest_unit(tracer%system)
+      else
+         tracer%amplitude_limit = linear_amplitude_limit*largest_unit(tracer%system)
+      end if
+      tracer%estimate%natural_frequency = natural_frequencies(tracer%system)
+      call tracer%prepare(merge(settings%harmonics, first_harmonics(tracer%system, settings%subharmonic), settings%harmonics > 0))
+   end subroutine begin_trace
+
+   !> The train at rest under its mean load, every mesh on its drive flank.
+   function resting(tracer, frequency_ratio) result(solution)
+      type(tracer_type), intent(in) :: tracer
+      real(dp), intent(in) :: frequency_ratio
+      type(solution_point_type) :: solution
+
+      associate (balance => tracer%corrector%balance, system => tracer%system)
+         allocate (solution%u(balance%block, balance%unknowns), source=0.0_dp)
+         solution%frequency_ratio = frequency_ratio
+         solution%u(1, :) = system%static_force(system%mesh_element(balance%mesh))
+         solution%u(1, :) = solution%u(1, :) + sign(system%half_backlash(balance%mesh), solution%u(1, :))
+      end associate
+   end function resting
+
+   !> The coefficients of a motion on the harmonics of the balance; the motion's period divides the sub-harmonic index.
+   function solution_of(tracer, motion) result(solution)
+      type(tracer_type), intent(in) :: tracer
+      type(motion_type), intent(in) :: motion
+      type(solution_point_type) :: solution
+      integer :: i, k, r, ratio
+
+      associate (balance => tracer%corrector%balance)
+         allocate (solution%u(balance%block, balance%unknowns), source=0.0_dp)
+         solution%frequency_ratio = motion%frequency_ratio
+         ratio = tracer%settings%subharmonic/motion%period
+         do i = 1, balance%unknowns
+            solution%u(1, i) = motion%coefficients(1, balance%mesh(i))
+            do k = 1, size(balance%harmonic)
+               r = balance%harmonic(k)/ratio
+               if (r*ratio /= balance%harmonic(k) .or. 2*r + 1 > size(motion%coefficients, 1)) cycle
+               solution%u(2*k:2*k + 1, i) = motion%coefficients(2*r:2*r + 1, balance%mesh(i))
+            end do
+         end do
+      end associate
+   end function solution_of
+
+end module geartrain_continuation_start

@@ -1,0 +1,240 @@
+!> What a reader looks for on a branch: its peaks, its folds, and where no stable motion of it exists.
+module geartrain_continuation_summary
+   use geartrain_base_kinds, only: dp
+   use geartrain_continuation_branch, only: branch_type
+   use geartrain_continuation_decided, only: is_undecided, joined
+   implicit none (type, external)
+   private
+   public :: peak_type, band_type, peaks, folds, bands_without_stability, change
+
+   !> A local maximum of a mesh's rms along the branch.
+   type :: peak_type
+      !> Lambda and rms over characteristic length [1], by a parabola through the highest point and its neighbours.
+      real(dp) :: frequency_ratio = 0, rms = 0
+      !> Index of the highest point.
+      integer :: point = 0
+      !> Of that point; where `undecided`, `stable` is a guess.
+      logical :: stable = .false., undecided = .false.
+   end type peak_type
+
+   !> A range of Lambda.
+   type :: band_type
+      real(dp) :: from = 0, to = 0
+      !> It is there by the guess of undecided points alone.
+      logical :: undecided = .false.
+   end type band_type
+
+contains
+
+   !> Local maxima of the rms of `mesh`, in the order of the branch.
+   pure function peaks(branch, mesh) result(found)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: mesh
+      type(peak_type), allocatable :: found(:)
+      integer :: i
+
+      allocate (found(0))
+      do i = 2, branch%points - 1
+         if (.not. joined(branch, i - 1) .or. .not. joined(branch, i)) cycle
+         if (branch%rms(mesh, i - 1) >= branch%rms(mesh, i) .or. branch%rms(mesh, i + 1) > branch%rms(mesh, i)) cycle
+         found = [found, top_of(branch, mesh, i)]
+      end do
+   end function peaks
+
+   !> The peak at a point, from parabolas of the chord length through it and its neighbours.
+   pure type(peak_type) function top_of(branch, mesh, i)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: mesh, i
+      real(dp) :: before, after, along, height(3)
+
+      associate (f => branch%frequency_ratio, rms => branch%rms)
+         before = norm2([f(i) - f(i - 1), rms(:, i) - rms(:, i - 1)])
+         after = norm2([f(i + 1) - f(i), rms(:, i + 1) - rms(:, i)])
+         height = rms(mesh, i - 1:i + 1)
+         associate (slope => slope_of(height), curvature => bend_of(height))
+            along = 0
+            if (curvature < 0) along = max(-before, min(after, -0.5_dp*slope/curvature))
+            top_of = peak_type(f(i) + along*(slope_of(f(i - 1:i + 1)) + along*bend_of(f(i - 1:i + 1))), &
+                               rms(mesh, i) + along*(slope + along*curvature), i, is_stable(branch, i), is_undecided(branch, i))
+         end associate
+      end associate
+
+   contains
+
+      pure real(dp) function slope_of(y)
+         real(dp), intent(in) :: y(3)
+
+         slope_of = ((y(2) - y(1))/before*after + (y(3) - y(2))/after*before)/(before + after)
+      end function slope_of
+
+      pure real(dp) function bend_of(y)
+         real(dp), intent(in) :: y(3)
+
+         bend_of = ((y(3) - y(2))/after - (y(2) - y(1))/before)/(before + after)
+      end function bend_of
+
+   end function top_of
+
+   !> Lambda of the folds, ascending.
+   pure function folds(branch) result(frequency_ratio)
+      type(branch_type), intent(in) :: branch
+      real(dp), allocatable :: frequency_ratio(:)
+      integer :: i
+
+      allocate (frequency_ratio(0))
+      if (.not. allocated(branch%special_points)) return
+      do i = 1, size(branch%special_points)
+         if (branch%special_points(i)%kind == 'fold') frequency_ratio = [frequency_ratio, branch%special_points(i)%frequency_ratio]
+      end do
+      call sort(frequency_ratio)
+   end function folds
+
+   !> Ranges of Lambda that the branch spans without a stable point at any of its levels, ascending. One is undecided where nothing
+   !> of it is left if every undecided point is stable.
+   pure function bands_without_stability(branch) result(bands)
+      type(branch_type), intent(in) :: branch
+      type(band_type), allocatable :: bands(:), certain(:)
+      integer :: i
+
+      allocate (bands(0))
+      if (.not. allocated(branch%stable) .or. branch%points < 2) return
+      associate (n => branch%points)
+         bands = bands_without(branch, branch%stable(:n))
+         if (.not. allocated(branch%undecided)) return
+         certain = bands_without(branch, branch%stable(:n) .or. branch%undecided(:n))
+      end associate
+      do i = 1, size(bands)
+         bands(i)%undecided = .not. any(certain%from < bands(i)%to .and. certain%to > bands(i)%from)
+      end do
+   end function bands_without_stability
+
+   !> Ranges of Lambda that the branch spans without a point of `stable`, (point), at any of its levels, ascending.
+   !>
+   !> Stability changes where a special point says so, and halfway between two points where none does.
+   pure function bands_without(branch, stable) result(bands)
+      type(branch_type), intent(in) :: branch
+      logical, intent(in) :: stable(:)
+      type(band_type), allocatable :: bands(:), between(:)
+      real(dp), allocatable :: low(:), high(:)
+      real(dp) :: reached, last, edge, other, slack
+      integer :: i, lowest
+
+      allocate (bands(0), low(0), high(0))
+      do i = 1, branch%points - 1
+         if (.not. joined(branch, i)) cycle
+         if (.not. (stable(i) .or. stable(i + 1))) cycle
+         edge = branch%frequency_ratio(i + 1)
+         if (stable(i) .neqv. stable(i + 1)) edge = change(branch, i)
+         other = branch%frequency_ratio(i)
+         if (.not. stable(i)) other = branch%frequency_ratio(i + 1)
+         call add_range(low, high, min(edge, other), max(edge, other))
+      end do
+      ! An island closes at the motion it began with, but with other harmonics not at quite the same Lambda.
+      if (branch%closed .and. stable(1) .and. stable(branch%points)) then
+         low = [low, min(branch%frequency_ratio(1), branch%frequency_ratio(branch%points))]
+         high = [high, max(branch%frequency_ratio(1), branch%frequency_ratio(branch%points))]
+      end if
+      ! Between two parts that do not meet nothing was recorded, and nothing is said.
+      between = gaps(branch)
+      low = [low, between%from]
+      high = [high, between%to]
+      reached = minval(branch%frequency_ratio(:branch%points))
+      last = maxval(branch%frequency_ratio(:branch%points))
+      slack = 1e-9_dp*(last - reached)
+      do while (size(low) > 0)
+         lowest = minloc(low, dim=1)
+         if (low(lowest) > reached + slack) bands = [bands, band_type(reached, low(lowest))]
+         reached = max(reached, high(lowest))
+         low = [low(:lowest - 1), low(lowest + 1:)]
+         high = [high(:lowest - 1), high(lowest + 1:)]
+      end do
+      if (last > reached + slack) bands = [bands, band_type(reached, last)]
+   end function bands_without
+
+   !> Adds a range to a list, to the latest one of it where they overlap: those along a branch do as a rule.
+   pure subroutine add_range(low, high, from, to)
+      real(dp), allocatable, intent(inout) :: low(:), high(:)
+      real(dp), intent(in) :: from, to
+      integer :: n
+
+      n = size(low)
+      if (n > 0) then
+         if (from <= high(n) .and. to >= low(n)) then
+            low(n) = min(low(n), from)
+            high(n) = max(high(n), to)
+            return
+         end if
+      end if
+      low = [low, from]
+      high = [high, to]
+   end subroutine add_range
+
+   !> Ranges of Lambda between the parts of a branch, which none of them spans, ascending.
+   pure function gaps(branch) result(between)
+      type(branch_type), intent(in) :: branch
+      type(band_type), allocatable :: between(:)
+      real(dp), allocatable :: low(:), high(:)
+      real(dp) :: reached
+      integer :: first, last, lowest
+
+      allocate (between(0), low(0), high(0))
+      if (.not. allocated(branch%segment)) return
+      first = 1
+      do while (first <= branch%points)
+         last = first
+         do while (last < branch%points)
+            if (.not. joined(branch, last)) exit
+            last = last + 1
+         end do
+         low = [low, minval(branch%frequency_ratio(first:last))]
+         high = [high, maxval(branch%frequency_ratio(first:last))]
+         first = last + 1
+      end do
+      reached = minval(low)
+      do while (size(low) > 0)
+         lowest = minloc(low, dim=1)
+         if (low(lowest) > reached) between = [between, band_type(reached, low(lowest))]
+         reached = max(reached, high(lowest))
+         low = [low(:lowest - 1), low(lowest + 1:)]
+         high = [high(:lowest - 1), high(lowest + 1:)]
+      end do
+   end function gaps
+
+   !> Lambda at which stability changes between points i and i + 1.
+   pure real(dp) function change(branch, i)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: i
+      integer :: j
+
+      change = (branch%frequency_ratio(i) + branch%frequency_ratio(i + 1))/2
+      if (.not. allocated(branch%special_points)) return
+      do j = 1, size(branch%special_points)
+         if (branch%special_points(j)%point == i) change = branch%special_points(j)%frequency_ratio
+      end do
+   end function change
+
+   pure logical function is_stable(branch, i)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: i
+
+      is_stable = .false.
+      if (allocated(branch%stable)) is_stable = branch%stable(i)
+   end function is_stable
+
+   !> Ascending, by insertion: there are a few.
+   pure subroutine sort(values)
+      real(dp), intent(inout) :: values(:)
+      real(dp) :: moving
+      integer :: i, j
+
+      do i = 2, size(values)
+         moving = values(i)
+         do j = i - 1, 1, -1
+            if (values(j) <= moving) exit
+            values(j + 1) = values(j)
+         end do
+         values(j + 1) = moving
+      end do
+   end subroutine sort
+
+end module geartrain_continuation_summary

@@ -1,0 +1,205 @@
+!> The fields of what one reads off a branch: peaks, jumps, bands, ranges of separation and back collision, each a group of its own
+!> that is there where there is something to put into it. They are computed anew, hence not taken back.
+module geartrain_continuation_summary_fields
+   use geartrain_base_carry, only: carry
+   use geartrain_base_field, only: row => field_type
+   use geartrain_base_fields, only: fields_type, listing
+   use geartrain_base_kinds, only: dp
+   use geartrain_continuation_branch, only: branch_type
+   use geartrain_continuation_contact_ranges, only: back_collision_ranges, separation_ranges
+   use geartrain_continuation_jumps, only: jump_type, jumps
+   use geartrain_continuation_summary, only: band_type, bands_without_stability, peak_type, peaks
+   use geartrain_flow_fields, only: about_frequency, about_rms, on_stability
+   implicit none (type, external)
+   private
+   public :: visit_bands, visit_jumps, visit_peaks, visit_ranges, visit_summary
+
+contains
+
+   subroutine visit_summary(branch, home, fields)
+      type(branch_type), intent(in) :: branch
+      !> Path of the group of the branch.
+      character(*), intent(in) :: home
+      class(fields_type), intent(inout) :: fields
+
+      call visit_peaks(branch, home, fields)
+      call visit_jumps(branch, home, fields)
+      call visit_bands(branch, home, fields)
+      call visit_ranges(branch, home, .false., fields)
+      call visit_ranges(branch, home, .true., fields)
+   end subroutine visit_summary
+
+   subroutine visit_peaks(branch, home, fields)
+      type(branch_type), intent(in) :: branch
+      character(*), intent(in) :: home
+      class(fields_type), intent(inout) :: fields
+      type(peak_type), allocatable :: found(:)
+      type(peak_type) :: peak
+      integer :: mesh, i, k, n
+
+      n = 0
+      if (fields%way /= listing) n = sum([(size(peaks(branch, mesh)), mesh=1, branch%meshes)])
+      if (.not. fields%enter(home//'/peaks', 'local maxima of the rms of a mesh along the branch, by a parabola through the &
+                             &highest point and its neighbours', n > 0)) return
+      call fields%describe('coordinates', 'frequency mesh')
+      call fields%index_axis('peak', n, 'peak, mesh by mesh, in the order along the branch')
+      call fields%begin_list('peak')
+      if (fields%way == listing) call visit_peak(peak, 1)
+      k = 0
+      do mesh = 1, merge(0, branch%meshes, fields%way == listing)
+         found = peaks(branch, mesh)
+         do i = 1, size(found)
+            k = k + 1
+            call fields%visit_item(k)
+            call visit_peak(found(i), mesh)
+         end do
+      end do
+      call fields%end_list()
+
+   contains
+
+      subroutine visit_peak(peak, mesh)
+         type(peak_type), intent(inout) :: peak
+         integer, value :: mesh
+
+         call carry(fields, row('mesh', '', '1', 'the mesh whose rms has the peak'), mesh)
+         call carry(fields, row('frequency', '', '1', about_frequency), peak%frequency_ratio)
+         call carry(fields, row('rms', '', '1', about_rms), peak%rms)
+         call carry(fields, row('point', '', '1', 'the highest point of the branch'), peak%point)
+         if (.not. fields%has('stable', allocated(branch%stable))) return
+         call carry(fields, row('stable', '', '1', '1 = that point is stable', on_stability), peak%stable)
+         call carry(fields, row('undecided', '', '1', '1 = the stability of that point is a guess', on_stability), peak%undecided)
+      end subroutine visit_peak
+
+   end subroutine visit_peaks
+
+   subroutine visit_jumps(branch, home, fields)
+      type(branch_type), intent(in) :: branch
+      character(*), intent(in) :: home
+      class(fields_type), intent(inout) :: fields
+      type(jump_type), allocatable :: found(:)
+      integer :: i, n
+
+      if (fields%way == listing) then
+         allocate (found(1))
+      else
+         found = jumps(branch)
+      end if
+      n = size(found)
+      if (.not. fields%enter(home//'/jumps', 'where a sweep in speed jumps: the stable motion that it follows ends there; only &
+                             &with `stability`', n > 0)) return
+      call fields%describe('coordinates', 'frequency kind speed')
+      call fields%index_axis('jump', n, 'jump, by frequency')
+      call fields%begin_list('jump')
+      do i = 1, n
+         call fields%visit_item(i)
+         call visit_jump(found(i), fields)
+      end do
+      call fields%end_list()
+   end subroutine visit_jumps
+
+   subroutine visit_jump(jump, fields)
+      type(jump_type), intent(inout) :: jump
+      class(fields_type), intent(inout) :: fields
+      character(7) :: speed
+
+      speed = merge('rising ', 'falling', jump%rising)
+      call carry(fields, row('frequency', '', '1', about_frequency), jump%frequency_ratio)
+      call carry(fields, row('kind', '', '', 'jump up, jump down: to a larger or smaller amplitude, all meshes together; leaves: &
+                             &the branch has no other stable motion there'), jump%kind)
+      call carry(fields, row('speed', '', '', 'rising or falling: the way in which the sweep goes that jumps here'), speed)
+      call carry(fields, row('cause', '', '', 'the special point at which the stable motion ends'), jump%cause)
+      call carry(fields, row('rms_before', 'mesh', '1', about_rms), jump%before)
+      call carry(fields, row('rms_after', 'mesh', '1', about_rms//'; of the stable motion of the branch with the nearest rms; NaN &
+                             &for a jump that leaves the branch', none_is_negative=.true.), jump%after)
+      call carry(fields, row('candidates', '', '1', 'other stable motions of the branch at this Lambda: where there are more than &
+                             &one, rms_after is a guess; a sweep may reach another, or a motion of another period'), &
+                 jump%candidates)
+      call carry(fields, row('undecided', '', '1', '1 = it rests on undecided points: no decided one near it is stable on one side &
+                             &and none unstable on the other, or the motion after it is undecided'), jump%undecided)
+   end subroutine visit_jump
+
+   subroutine visit_bands(branch, home, fields)
+      type(branch_type), intent(in) :: branch
+      character(*), intent(in) :: home
+      class(fields_type), intent(inout) :: fields
+      type(band_type), allocatable :: found(:)
+      integer :: i, n
+
+      if (fields%way == listing) then
+         allocate (found(1))
+      else
+         found = bands_without_stability(branch)
+      end if
+      n = size(found)
+      if (.not. fields%enter(home//'/bands_without_stability', 'ranges of Lambda without a stable motion at any level of &
+                             &the branch; only with `stability`', n > 0)) return
+      call fields%index_axis('range', n, 'range, ascending')
+      call fields%begin_list('range')
+      do i = 1, n
+         call fields%visit_item(i)
+         call visit_ends(found(i), fields)
+         call carry(fields, row('undecided', '', '1', '1 = the range is there by the guess of undecided points alone: nothing is &
+                                &left of it if every undecided point is stable'), found(i)%undecided)
+      end do
+      call fields%end_list()
+   end subroutine visit_bands
+
+   !> Ranges of every mesh, at any level of the branch and, where stability is known, at a stable one.
+   subroutine visit_ranges(branch, home, back, fields)
+      type(branch_type), intent(in) :: branch
+      character(*), intent(in) :: home
+      !> Of collisions of the back flanks; else of separation.
+      logical, intent(in) :: back
+      class(fields_type), intent(inout) :: fields
+      type(band_type), allocatable :: found(:), more(:)
+      integer, allocatable :: mesh(:)
+      logical, allocatable :: stable(:)
+      integer :: i, j, k, n, pass
+
+      allocate (found(0), mesh(0), stable(0))
+      do pass = 1, merge(0, 2, fields%way == listing)
+         do j = 1, branch%meshes
+            if (back) more = back_collision_ranges(branch, j, pass == 2)
+            if (.not. back) more = separation_ranges(branch, j, pass == 2)
+            found = [found, more]
+            mesh = [mesh, [(j, k=1, size(more))]]
+            stable = [stable, [(pass == 2, k=1, size(more))]]
+         end do
+      end do
+      if (fields%way == listing) then
+         allocate (more(1))
+         found = more
+         mesh = [1]
+         stable = [.true.]
+      end if
+      n = size(found)
+      if (back) then
+         if (.not. fields%enter(home//'/back_collision_ranges', 'ranges of Lambda in which the back flanks collide, &
+                                &p < -half_backlash at an instant; under a negative torque they bear the load, so everywhere', &
+                                n > 0)) return
+      else
+         if (.not. fields%enter(home//'/separation_ranges', 'ranges of Lambda in which the teeth separate, |p| < half_backlash &
+                                &at an instant', n > 0)) return
+      end if
+      call fields%index_axis('range', n, 'range, ascending')
+      call fields%begin_list('range')
+      do i = 1, n
+         call fields%visit_item(i)
+         call visit_ends(found(i), fields)
+         call carry(fields, row('mesh', '', '1', 'the mesh'), mesh(i))
+         call carry(fields, row('stable', '', '1', '1 = at stable motions; 0 = at any motion of the branch, stable or not'), &
+                    stable(i))
+      end do
+      call fields%end_list()
+   end subroutine visit_ranges
+
+   subroutine visit_ends(range, fields)
+      type(band_type), intent(inout) :: range
+      class(fields_type), intent(inout) :: fields
+
+      call carry(fields, row('from', '', '1', 'lower end; '//about_frequency), range%from)
+      call carry(fields, row('to', '', '1', 'upper end; '//about_frequency), range%to)
+   end subroutine visit_ends
+
+end module geartrain_continuation_summary_fields

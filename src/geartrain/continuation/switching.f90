@@ -1,0 +1,142 @@
+!> From a branch to those that bifurcate from it, without a seed: the branch of twice its period that leaves at a period doubling,
+!> and the branch of the same period that crosses it at a branch point.
+!>
+!> The system is exactly linear until a tooth separates, so a branch may leave vertically: Lambda stays, the amplitude grows
+!> until contact is lost. Steps along the critical vector of the balance follow it there as any other branch.
+module geartrain_continuation_switching
+   use geartrain_base_error, only: error_type, fatal
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: text
+   use geartrain_base_observer, only: observer_type
+   use geartrain_continuation_branch, only: branch_type, response_settings_type
+   use geartrain_continuation_corrector, only: solution_point_type
+   use geartrain_continuation_critical_point, only: find_critical, harmonics_at
+   use geartrain_continuation_interruption, only: drop_step
+   use geartrain_continuation_special_points, only: add_special_point
+   use geartrain_continuation_start, only: begin_trace
+   use geartrain_continuation_through, only: followed_out, trace_both_ways, trace_through
+   use geartrain_continuation_tracer, only: tracer_type
+   use geartrain_continuation_variables, only: settings_for
+   use geartrain_model_check, only: check_train
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: period_doubled, trace_switched
+
+   !> Way along the critical vector to the first point, in the metric of the branch, and the least that is tried.
+   real(dp), parameter :: first_step = 1e-3_dp, least_step = 1e-5_dp
+
+contains
+
+   !> Follows the branch of twice the period that leaves `branch` at its special point number `special`, a period doubling,
+   !> within the range of `settings` (those that `branch` was traced with; harmonics and subharmonic are doubled), until it
+   !> meets the branch of half its period again or leaves the range.
+   subroutine period_doubled(train, settings, branch, special, doubled, error, observer)
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: special
+      type(branch_type), intent(inout), target :: doubled
+      type(error_type), allocatable, intent(out) :: error
+      class(observer_type), intent(inout), optional :: observer
+      type(solution_point_type) :: solution
+      logical :: success
+
+      call check_train(train, error)
+      if (allocated(error)) return
+      if (special < 1 .or. special > size(branch%special_points)) then
+         call fatal(error, 'special = '//text(special)//': the branch has '//text(size(branch%special_points)) &
+                    //' special points')
+         return
+      end if
+      if (branch%special_points(special)%kind /= 'period doubling') then
+         call fatal(error, 'special = '//text(special)//': a '//trim(branch%special_points(special)%kind) &
+                    //', not a period doubling')
+         return
+      end if
+      call find_critical(train, settings, branch, special, solution, success)
+      call trace_switched(train, settings, branch, special, solution, success, doubled, observer)
+   end subroutine period_doubled
+
+   !> Follows the branch that leaves `branch` at its special point number `special`, a doubling or a branch point, from the
+   !> balance's own solution point, as `find_critical` gives it: one way from a doubling, because the other one is its mirror image,
+   !> shifted by half its period; both ways from a branch point.
+   subroutine trace_switched(train, settings, branch, special, critical, found, switched, observer)
+      type(train_type), intent(in) :: train
+      !> Those that `branch` was traced with.
+      type(response_settings_type), intent(in) :: settings
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: special
+      type(solution_point_type), intent(in) :: critical
+      !> Whether there is such a solution point.
+      logical, intent(in) :: found
+      type(branch_type), intent(inout), target :: switched
+      class(observer_type), intent(inout), optional :: observer
+      type(tracer_type) :: tracer
+      type(branch_type) :: empty
+      type(solution_point_type) :: solution, other, began
+      integer :: outcome, times
+      logical :: success
+
+      ! All is new but where it comes from.
+      call move_alloc(switched%origin, empty%origin)
+      switched = empty
+      associate (kind => branch%special_points(special)%kind, at => branch%special_points(special)%frequency_ratio)
+         times = merge(2, 1, kind == 'period doubling')
+         call begin_trace(train, settings_for(settings, times*settings%subharmonic), tracer)
+         tracer%analysis = 'branch'
+         if (settings%harmonics == 0) call tracer%prepare(times*harmonics_at(branch, special))
+         call tracer%recorder%setup(tracer%corrector%balance, settings%stability, switched)
+         if (.not. found) then
+            switched%ended = 'the balance has no '//trim(kind)//' of its own near Lambda = '//text(at) &
+                             //' (more harmonics place it more exactly)'
+            call drop_step(tracer, switched)
+            call tracer%recorder%finish(switched)
+            return
+         end if
+      end associate
+      call step_off(tracer, critical, 1, solution, success)
+      if (success .and. times == 1) call step_off(tracer, critical, -1, other, success)
+      if (.not. success) then
+         call tracer%recorder%finish(switched)
+         switched%ended = 'no branch found along the critical vector at Lambda = '//text(critical%frequency_ratio)
+         call drop_step(tracer, switched)
+         return
+      end if
+      call tracer%adapt(solution, success)
+      call tracer%record(solution, switched)
+      if (times == 2) then
+         began = solution
+         call trace_through(tracer, solution, settings%stop, switched, outcome, switched%ended, observer, began)
+         switched%complete = followed_out(outcome)
+      else
+         call trace_both_ways(tracer, solution, other, switched, 'the branch point', observer, between=critical%frequency_ratio)
+      end if
+      call tracer%tell_missed(switched)
+      call drop_step(tracer, switched)
+      call tracer%recorder%finish(switched)
+   end subroutine trace_switched
+
+   !> The first point of the branch along the critical vector, or against it. The critical solution point itself is a singular
+   !> point; the branch is recorded from a short way along it.
+   subroutine step_off(tracer, critical, direction, solution, success)
+      type(tracer_type), intent(inout) :: tracer
+      type(solution_point_type), intent(in) :: critical
+      integer, intent(in) :: direction
+      type(solution_point_type), intent(inout) :: solution
+      logical, intent(out) :: success
+      type(solution_point_type) :: from
+      real(dp) :: h
+
+      from = critical
+      from%tangent = direction*critical%tangent
+      from%tangent_frequency = direction*critical%tangent_frequency
+      h = first_step
+      do
+         call tracer%corrector%advance(from, h, solution, success)
+         h = h/3
+         if (success .or. h < least_step) return
+      end do
+   end subroutine step_off
+
+end module geartrain_continuation_switching

@@ -1,0 +1,143 @@
+!> The table of input variables: those of &response.
+module geartrain_continuation_variables
+   use geartrain_base_checker, only: checker_type
+   use geartrain_base_error, only: error_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: integer_text, real_text
+   use geartrain_base_variable, only: row => variable_type, visitor_type
+   use geartrain_continuation_branch, only: response_settings_type
+   use geartrain_model_limits, only: check_frequency, check_harmonics
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: visit_response, check_response, check_response_consistency, fewest_samples, settings_for
+
+   real(dp), parameter :: zero = 0, one = 1
+   integer, parameter :: most_harmonics = 1000, most_samples = 1048576
+
+contains
+
+   subroutine visit_response(settings, v)
+      type(response_settings_type), intent(inout) :: settings
+      class(visitor_type), intent(inout) :: v
+      character(:), allocatable :: word
+
+      call v%enter('response', 1)
+      call v%on_real(row('from', '', 'Lambda at which the branch begins (start in a call)', required=.true., above=zero), &
+                     settings%start)
+      call v%on_real(row('to', '', 'Lambda at which it ends, above or below (stop in a call)', required=.true., above=zero), &
+                     settings%stop)
+      call v%on_integer(row('harmonics', '', 'harmonics R of Lambda/subharmonic; 0: as many as tolerance needs', least=one, &
+                            most=most_harmonics*one, automatic=zero), settings%harmonics)
+      call v%on_integer(row('subharmonic', '', 'period of the motion in fundamental mesh periods, eta', least=one, most=1000*one), &
+                        settings%subharmonic)
+      call v%on_logical(row('stability', '', 'Floquet multipliers of every point'), settings%stability)
+      call v%on_real(row('amplitude_limit', '', 'rms over characteristic length beyond which the branch is followed but not &
+                         &recorded; -1: 12 with backlash, 10000 for a linear train, where it counts as infinite (both times the &
+                         &power of ten nearest to the larger of the gap and the static deflection)', above=zero, automatic=-one), &
+                     settings%amplitude_limit)
+      word = trim(settings%coefficients)
+      call v%on_text(row('coefficients', '', 'Fourier coefficients of the mesh force: exact from the contact events, or sampled &
+                         &(the discrete transform of the paper)', choices='exact sampled'), word)
+      settings%coefficients = word
+      call v%on_integer(row('samples', '', 'points a period for sampled coefficients; 0: chosen by the program', least=one, &
+                            most=most_samples*one, automatic=zero), settings%samples)
+      word = trim(settings%control)
+      call v%on_text(row('control', '', 'pseudo-arclength, or the local switching of the control parameter of the paper, &
+                         &equation (11)', choices='arclength local'), word)
+      settings%control = word
+      call v%on_real(row('tolerance', '', 'relative error of the waveform aimed at where harmonics = 0', above=zero, most=one), &
+                     settings%tolerance)
+      call v%on_real(row('step', '', 'largest step along the branch, in Lambda and mesh displacement together, each over the power &
+                         &of ten nearest to the own scale of the train (see docs/numerics.md)', above=zero), &
+                     settings%step)
+      call v%on_integer(row('max_points', '', 'points after which the branch is given up', least=2*one, most=1e7*one), &
+                        settings%max_points)
+      call v%on_integer(row('period_doublings', '', 'how often a period doubling is followed: 1: the branches of twice the period, &
+                            &2: those of four times as well, ...', least=zero, most=6*one), settings%period_doublings)
+      call v%on_logical(row('branch_points', '', 'the branches of the same period that cross at branch points are followed &
+                            &too: where a multiplier passes +1 without a fold, as where equal stages begin to move differently'), &
+                        settings%branch_points)
+      call v%on_logical(row('refine', '', 'every point polished by shooting to about 1e-11, multipliers included; in the end, &
+                            &further branches as well'), settings%refine)
+      call v%leave()
+   end subroutine visit_response
+
+   !> Checks the settings for a train that is in order; the error tells every problem, one a line.
+   subroutine check_response(train, settings, seeded, error)
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      !> It starts from a motion that is given, not from rest.
+      logical, intent(in) :: seeded
+      type(error_type), allocatable, intent(out) :: error
+      type(response_settings_type) :: copy
+      type(checker_type) :: checker
+
+      copy = settings
+      call visit_response(copy, checker)
+      call check_response_consistency(train, settings, seeded, checker)
+      call checker%problems%raise('', error)
+   end subroutine check_response
+
+   !> What single values cannot say; the problems are added to those of `checker`.
+   subroutine check_response_consistency(train, settings, seeded, checker)
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      logical, intent(in) :: seeded
+      class(checker_type), intent(inout) :: checker
+
+      if (checker%problems%in_group('response')) return
+      call checker%enter('response', 1)
+      if (abs(settings%start - settings%stop) <= 0) then
+         call checker%complain('to', real_text(settings%stop), 'must differ from "from": a branch needs a range')
+      end if
+      if (settings%harmonics > 0 .and. settings%harmonics < settings%subharmonic) then
+         call checker%complain('harmonics', integer_text(settings%harmonics), 'must be >= subharmonic = '// &
+                               integer_text(settings%subharmonic)//': the mesh frequency itself would be left out')
+      end if
+      call check_frequency(train, 'from', settings%start, checker)
+      call check_frequency(train, 'to', settings%stop, checker)
+      call check_harmonics(train, settings%harmonics, settings%subharmonic, most_harmonics, checker)
+      if (settings%samples > 0) then
+         if (settings%harmonics == 0) then
+            call checker%complain('samples', integer_text(settings%samples), 'must be 0 where harmonics = 0: with the harmonics &
+                                  &their number is left to the program')
+         else if (settings%samples < fewest_samples(settings%harmonics)) then
+            call checker%complain('samples', integer_text(settings%samples), 'must be >= 8 harmonics + 2 = '// &
+                                  integer_text(fewest_samples(settings%harmonics))//', or 0 to leave the choice to the program')
+         end if
+      end if
+      if (settings%period_doublings > 0 .and. .not. settings%stability) then
+         call checker%complain('period_doublings', integer_text(settings%period_doublings), &
+                               'needs stability = .true.: the multipliers tell where a period doubles')
+      end if
+      if (settings%period_doublings > 0 .and. settings%subharmonic > 1 .and. .not. seeded) then
+         call checker%complain('period_doublings', integer_text(settings%period_doublings), 'must be 0 where subharmonic > 1: &
+                               &from rest the motion is one of period 1, whose doublings are followed with subharmonic = 1')
+      end if
+      call checker%leave()
+   end subroutine check_response_consistency
+
+   !> Samples of the mesh force that the spectra of a balance of so many harmonics need.
+   pure integer function fewest_samples(harmonics)
+      integer, intent(in) :: harmonics
+
+      fewest_samples = 8*harmonics + 2
+   end function fewest_samples
+
+   !> The same settings for motions of another period: harmonics and samples of each mesh period as before.
+   pure function settings_for(settings, period) result(other)
+      type(response_settings_type), intent(in) :: settings
+      !> In fundamental mesh periods.
+      integer, intent(in) :: period
+      type(response_settings_type) :: other
+
+      other = settings
+      other%subharmonic = period
+      if (settings%harmonics > 0) &
+         other%harmonics = max(period, min(most_harmonics, settings%harmonics*period/settings%subharmonic))
+      if (settings%samples > 0) other%samples = max(fewest_samples(other%harmonics), &
+                                                    min(most_samples, settings%samples*period/settings%subharmonic))
+   end function settings_for
+
+end module geartrain_continuation_variables

@@ -1,0 +1,389 @@
+!> Floquet multipliers of a periodic motion from its monodromy matrix, integrated piece by piece between contact events.
+!> Liouville's formula, det M = exp(-T sum over n of W_nn gamma_n), whatever the contacts, checks every one of them.
+!> Of a train of many states only the leading multipliers are found, by products with a few vectors.
+module geartrain_floquet_monodromy
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use geartrain_balance_balance, only: balance_type
+   use geartrain_base_kinds, only: dp, pi
+   use geartrain_floquet_multipliers, only: eigenvalues, power
+   use geartrain_floquet_propagator, only: propagator_type
+   use geartrain_floquet_time_reversal, only: time_reversal_type
+   use geartrain_linalg_arnoldi, only: arnoldi_type, pair
+   use geartrain_linalg_elimination, only: factor_matrix
+   use geartrain_linalg_lapack, only: dgemm
+   use geartrain_model_system, only: system_type
+   implicit none (type, external)
+   private
+   public :: monodromy_type
+
+   !> Largest error of the determinant before a matrix is integrated again with shorter steps, and how often that is done: after
+   !> the last the multipliers are not confirmed.
+   real(dp), parameter :: largest_defect = 1e-7_dp
+   integer, parameter :: most_attempts = 3
+   !> A piece is cut where some motion may have fallen to exp(-6): the determinant of a longer one drowns in rounding.
+   real(dp), parameter :: largest_decay = 6
+   !> Halves shorter than this [rad of the fastest motion] are not worth making a whole of.
+   real(dp), parameter :: shortest_half = 6
+   !> Of an interval, which is no part of its own.
+   real(dp), parameter :: rounding = 1e-12_dp
+
+   !> From so many states on only so many multipliers are found, with residuals below `residual_limit` (the multipliers of a
+   !> propagator good to 1e-9), in a space of at most this share of the states.
+   integer, parameter :: many_states = 160, leading = 16
+   real(dp), parameter :: residual_limit = 1e-9_dp, largest_share = 0.7_dp
+
+   !> Work space of one branch.
+   type :: monodromy_type
+      integer :: states = 0
+      !> Number of multipliers that are given: of all states, or of the leading ones.
+      integer :: given = 0
+      !> Monodromy matrix, transposed, (state, state); not held where the leading multipliers suffice.
+      real(dp), allocatable :: transposed(:, :)
+      !> |log(det M) - log(Liouville)| summed over the pieces [1].
+      real(dp) :: liouville_defect = 0
+      !> The determinant, or of a train of many states the leading vector, confirms the latest multipliers.
+      logical :: confirmed = .true.
+      type(propagator_type), private :: propagator
+      !> The same for a few vectors, and the space of their products.
+      type(propagator_type), private :: few
+      type(arnoldi_type), private :: space
+      !> Multipliers that were found without the matrix.
+      complex(dp), allocatable, private :: found(:)
+      !> How often the motion repeats itself within its period: the matrix is that of one repetition, the multipliers are powers of
+      !> its eigenvalues. A mesh of order 71 that gains 1.5 a tooth has one of 1e12, in whose rounding all others would drown.
+      integer, private :: repetitions = 1
+      !> What makes a whole of a half.
+      type(time_reversal_type), private :: reversal
+      !> `transposed` holds nothing yet: it stands for the identity.
+      logical, private :: empty = .true.
+      logical, private :: interrupted = .false.
+      !> Rate at which the determinant decays; the open piece's beginning and the longest one.
+      real(dp), private :: decay = 0, piece_start = 0, piece_limit = 0
+      real(dp), allocatable, private :: product(:, :), piece(:, :), before(:, :), factors(:, :), instant(:)
+      integer, allocatable, private :: mesh(:), contact(:), now(:), pivot(:)
+   contains
+      procedure :: setup
+      procedure :: integrate
+      procedure :: multipliers
+      procedure, private :: prepare_matrix
+      procedure, private :: carry
+      procedure, private :: carry_along
+      procedure, private :: advance
+      procedure, private :: find_leading
+      procedure, private :: carry_vectors
+      procedure, private :: collect_events
+      procedure, private :: close_piece
+   end type monodromy_type
+
+contains
+
+   subroutine setup(self, system, all_of_them)
+      class(monodromy_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      !> All multipliers, however many states there are.
+      logical, intent(in), optional :: all_of_them
+      logical :: whole
+
+      self%states = 2*system%coordinates
+      allocate (self%now(system%meshes), self%instant(64), self%mesh(64), self%contact(64))
+      whole = self%states < many_states
+      if (present(all_of_them)) whole = whole .or. all_of_them
+      self%given = self%states
+      if (whole) return
+      self%given = leading
+      call self%few%setup(system, columns=pair)
+   end subroutine setup
+
+   subroutine prepare_matrix(self, system)
+      class(monodromy_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+
+      call self%propagator%setup(system)
+      call self%reversal%setup(system)
+      allocate (self%transposed(self%states, self%states), self%product(self%states, self%states), &
+                self%piece(self%states, self%states), self%before(self%states, self%states), &
+                self%factors(self%states, self%states), self%pivot(self%states))
+   end subroutine prepare_matrix
+
+   !> Monodromy matrix over the period 2 pi eta/Lambda of the motion at which `balance` was last evaluated, or what is wanted of it.
+   subroutine integrate(self, balance, frequency_ratio, shift)
+      class(monodromy_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: frequency_ratio
+      !> What each contact event is moved by [rad], (event, unknown mesh).
+      real(dp), intent(in), optional :: shift(:, :)
+      real(dp) :: period
+      integer :: events, attempt
+      logical :: success
+
+      period = 2*pi*balance%eta/frequency_ratio
+      ! Handed on as it is, an absent array would have its bounds read by gfortran 12.
+      if (present(shift)) then
+         call self%collect_events(balance, period, events, shift)
+      else
+         call self%collect_events(balance, period, events)
+      end if
+      self%confirmed = .true.
+      self%repetitions = 1
+      if (balance%eta == 1) self%repetitions = balance%system%excitation_order
+      ! Two contacts may differ by rounding at a grazing one.
+      if (mod(events, self%repetitions) /= 0) self%repetitions = 1
+      period = period/self%repetitions
+      events = events/self%repetitions
+      self%now = 1
+      if (allocated(self%found)) deallocate (self%found)
+      if (self%given < self%states) then
+         call self%find_leading(balance, frequency_ratio, period, events, success)
+         if (success) return
+      end if
+      self%interrupted = balance%system%interrupt%raised()
+      if (self%interrupted) return
+      if (.not. allocated(self%transposed)) call self%prepare_matrix(balance%system)
+      do attempt = 0, most_attempts - 1
+         call self%propagator%start(frequency_ratio, 2.0_dp**attempt)
+         call self%carry(balance, frequency_ratio, period, events)
+         self%interrupted = balance%system%interrupt%raised()
+         self%confirmed = self%liouville_defect < largest_defect
+         if (self%confirmed .or. self%interrupted) exit
+      end do
+   end subroutine integrate
+
+   !> The leading multipliers by Arnoldi's method. No determinant checks the steps: the leading vector is carried again with steps
+   !> of half the length instead. No success: the space would become almost the whole.
+   subroutine find_leading(self, balance, frequency_ratio, period, events, success)
+      class(monodromy_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: frequency_ratio, period
+      integer, intent(in) :: events
+      logical, intent(out) :: success
+      real(dp) :: vectors(self%states, pair), products(self%states, pair), residual
+      complex(dp) :: values(self%given)
+      integer :: attempt, check, most
+      logical :: independent
+
+      most = pair*int(largest_share*self%states/pair)
+      success = .false.
+      do attempt = 0, most_attempts - 1
+         call self%space%begin(self%states, most)
+         ! Chains of 30 to 200 shafts need 7.2 to 7.7 times the root of their states.
+         check = pair*nint(3.6_dp*sqrt(real(self%states, dp)))
+         residual = huge(1.0_dp)
+         do while (self%space%dimension < most .and. .not. balance%system%interrupt%raised())
+            call self%few%start(frequency_ratio, 2.0_dp**attempt)
+            call self%space%latest(vectors)
+            call self%few%put_columns(vectors)
+            call self%carry_vectors(balance, period, events)
+            call self%few%get_columns(products)
+            call self%space%extend(products, independent)
+            if (.not. independent) return
+            if (self%space%dimension < check) cycle
+            call self%space%ritz(values, residual)
+            if (residual <= residual_limit) exit
+            ! It falls by about a decade for each six vectors, and faster and faster.
+            check = self%space%dimension + max(pair, min(self%space%dimension/8, nint(6*log10(residual/residual_limit))))
+         end do
+         if (.not. residual <= residual_limit) return
+         call self%space%leading_vector(values(1), vectors)
+         call self%few%start(frequency_ratio, 2.0_dp**(attempt + 1))
+         call self%few%put_columns(vectors)
+         call self%carry_vectors(balance, period, events)
+         call self%few%get_columns(products)
+         products(:, 1) = products(:, 1) - values(1)%re*vectors(:, 1) + abs(values(1)%im)*vectors(:, 2)
+         products(:, 2) = products(:, 2) - values(1)%re*vectors(:, 2) - abs(values(1)%im)*vectors(:, 1)
+         success = norm2(products) < largest_defect
+         if (success) exit
+      end do
+      if (success) self%found = values
+   end subroutine find_leading
+
+   !> Carries the vectors over the period.
+   subroutine carry_vectors(self, balance, period, events)
+      class(monodromy_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: period
+      integer, intent(in) :: events
+      real(dp) :: time
+      integer :: i
+
+      do i = 1, balance%unknowns
+         self%now(balance%mesh(i)) = balance%contact(i)%first_contact
+      end do
+      time = 0
+      do i = 1, events
+         call self%few%advance(time, self%instant(i), self%now)
+         time = self%instant(i)
+         self%now(self%mesh(i)) = self%contact(i)
+      end do
+      call self%few%advance(time, period, self%now)
+   end subroutine carry_vectors
+
+   !> The product of the pieces from event to event over a period that begins at an event or, without any, where a half gives the
+   !> whole: the multipliers do not depend on that.
+   subroutine carry(self, balance, frequency_ratio, period, events)
+      class(monodromy_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: frequency_ratio, period
+      integer, intent(in) :: events
+      real(dp) :: begin, next
+      integer :: i
+
+      self%decay = balance%system%decay
+      self%piece_limit = period/ceiling(max(1.0_dp, self%propagator%fastest_decay*period/largest_decay))
+      do i = 1, balance%unknowns
+         self%now(balance%mesh(i)) = balance%contact(i)%first_contact
+      end do
+      self%empty = .true.
+      self%liouville_defect = 0
+      if (events > 0) then
+         begin = self%instant(1)
+      else
+         begin = max(-period, self%reversal%centre_near(self%now, frequency_ratio, 0.0_dp)) - period/2
+      end if
+      self%piece_start = begin
+      if (events == 0) call self%carry_along(frequency_ratio, begin, begin + period)
+      do i = 1, events
+         self%now(self%mesh(i)) = self%contact(i)
+         next = begin + period
+         if (i < events) next = self%instant(i + 1)
+         call self%carry_along(frequency_ratio, self%instant(i), next)
+      end do
+      call self%close_piece(begin + period)
+   end subroutine carry
+
+   !> Along constant contacts: where kappa is even about an instant between, the part as long before it as after it is made of the
+   !> latter.
+   recursive subroutine carry_along(self, frequency_ratio, from, to)
+      class(monodromy_type), intent(inout) :: self
+      real(dp), intent(in) :: frequency_ratio, from, to
+      real(dp) :: middle, first, last, least
+      integer :: n
+      logical :: begins
+
+      n = self%states
+      least = shortest_half/self%propagator%fastest
+      middle = -huge(1.0_dp)
+      if (to - from > 2*least) middle = self%reversal%centre_near(self%now, frequency_ratio, (from + to)/2)
+      if (min(middle - from, to - middle) < least) then
+         call self%advance(from, to)
+         return
+      end if
+      first = max(from, 2*middle - to)
+      last = min(to, 2*middle - from)
+      if (first - from > rounding*(to - from)) call self%carry_along(frequency_ratio, from, first)
+      call self%close_piece(first)
+      begins = self%empty
+      if (.not. begins) self%before = self%transposed
+      self%empty = .true.
+      self%piece_start = middle
+      call self%advance(middle, last)
+      call self%close_piece(last)
+      if (begins) then
+         self%product = self%transposed
+         call self%reversal%complete(self%product, self%transposed, self%piece)
+      else
+         call self%reversal%complete(self%transposed, self%piece, self%product)
+         call dgemm('N', 'N', n, n, n, 1.0_dp, self%before, n, self%piece, n, 0.0_dp, self%transposed, n)
+      end if
+      if (to - last > rounding*(to - from)) call self%carry_along(frequency_ratio, last, to)
+   end subroutine carry_along
+
+   !> Along constant contacts, cut into pieces.
+   subroutine advance(self, from, to)
+      class(monodromy_type), intent(inout) :: self
+      real(dp), intent(in) :: from, to
+      real(dp) :: time
+
+      time = from
+      do while (to > self%piece_start + self%piece_limit)
+         call self%propagator%advance(time, self%piece_start + self%piece_limit, self%now)
+         time = self%piece_start + self%piece_limit
+         call self%close_piece(time)
+      end do
+      call self%propagator%advance(time, to, self%now)
+   end subroutine advance
+
+   !> Events of all meshes in order of time.
+   subroutine collect_events(self, balance, period, events, shift)
+      class(monodromy_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: period
+      integer, intent(out) :: events
+      real(dp), intent(in), optional :: shift(:, :)
+      integer :: i, k, place
+      real(dp) :: t
+
+      events = 0
+      do i = 1, balance%unknowns
+         do k = 1, balance%contact(i)%events
+            if (events == size(self%instant)) then
+               self%instant = [self%instant, self%instant]
+               self%mesh = [self%mesh, self%mesh]
+               self%contact = [self%contact, self%contact]
+            end if
+            t = balance%contact(i)%instant(k)
+            if (present(shift)) t = t + shift(k, i)
+            t = t/(2*pi)*period
+            events = events + 1
+            place = events
+            do while (place > 1)
+               if (self%instant(place - 1) <= t) exit
+               self%instant(place) = self%instant(place - 1)
+               self%mesh(place) = self%mesh(place - 1)
+               self%contact(place) = self%contact(place - 1)
+               place = place - 1
+            end do
+            self%instant(place) = t
+            self%mesh(place) = balance%mesh(i)
+            self%contact(place) = balance%contact(i)%contact(k)
+         end do
+      end do
+   end subroutine collect_events
+
+   !> Multiplies the piece that ends at `time` onto the product, checks its determinant and begins the next.
+   subroutine close_piece(self, time)
+      class(monodromy_type), intent(inout) :: self
+      real(dp), intent(in) :: time
+      real(dp) :: log_determinant
+      integer :: n, i, info
+
+      if (.not. time > self%piece_start) return
+      n = self%states
+      call self%propagator%get(self%piece)
+      self%factors = self%piece
+      call factor_matrix(n, self%factors, self%pivot, info)
+      log_determinant = 0
+      do i = 1, n
+         log_determinant = log_determinant + log(max(abs(self%factors(i, i)), tiny(1.0_dp)))
+      end do
+      self%liouville_defect = self%liouville_defect + abs(log_determinant + self%decay*(time - self%piece_start))
+      if (self%empty) then
+         self%transposed = self%piece
+      else
+         call dgemm('N', 'N', n, n, n, 1.0_dp, self%transposed, n, self%piece, n, 0.0_dp, self%product, n)
+         self%transposed = self%product
+      end if
+      self%empty = .false.
+      call self%propagator%restart()
+      self%piece_start = time
+   end subroutine close_piece
+
+   !> The multipliers, largest magnitude first, (given); NaN where the latest `integrate` was interrupted.
+   subroutine multipliers(self, values)
+      class(monodromy_type), intent(inout) :: self
+      complex(dp), intent(out) :: values(:)
+      complex(dp) :: all_of_them(self%states)
+
+      if (allocated(self%found)) then
+         values = self%found
+      else if (self%interrupted) then
+         values = ieee_value(0.0_dp, ieee_quiet_nan)
+         return
+      else
+         self%product = self%transposed
+         call eigenvalues(self%product, all_of_them)
+         values = all_of_them(:size(values))
+      end if
+      if (self%repetitions > 1) values = power(values, self%repetitions)
+   end subroutine multipliers
+
+end module geartrain_floquet_monodromy

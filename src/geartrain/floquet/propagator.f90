@@ -1,0 +1,319 @@
+!> Carries tangents of the motion along given contacts, for monodromy matrices: many columns, one accuracy, no events to find.
+!>
+!> Between contact events the equations are linear and the solution is, but for small sidebands, a sum of exponentials whose
+!> rates lie in an ellipse along the imaginary axis that is known beforehand. So the derivatives of the solution at the beginning
+!> of a step, weighted with the coefficients of an economised exponential series, give its end: no step control, and two
+!> thirds of the terms of Taylor's series. kappa within a step is a short polynomial, made likewise.
+module geartrain_floquet_propagator
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use geartrain_base_kinds, only: dp
+   use geartrain_linalg_chebyshev_exponential, only: chebyshev_exponential_type
+   use geartrain_model_spectrum, only: eigenvalues_of
+   use geartrain_model_system, only: system_type
+   implicit none (type, external)
+   private
+   public :: propagator_type
+
+   !> Most columns that are carried together, a multiple of four (step.c): their derivatives stay in a cache.
+   integer, parameter :: widest = 12
+   !> Most terms of kappa in a step, a multiple of four too.
+   integer, parameter :: most_terms = 32
+   !> Longest step [rad of the band]: rounding grows as exp(reach).
+   real(dp), parameter :: longest = 16
+   !> Error of a step relative to the state, and of kappa: multipliers to about 1e-9.
+   real(dp), parameter :: tolerance = 5e-10_dp
+   !> Sidebands of kappa's highest harmonic that the band makes room for: beside the fastest mode of all, in which meshes
+   !> hardly take part or which lies above what a mesh can do alone, and beside the rate of a mesh alone.
+   real(dp), parameter :: sidebands = 1, mesh_sidebands = 6
+   !> Longest step [rad of kappa's highest harmonic].
+   real(dp), parameter :: longest_kappa = 2
+
+   type :: propagator_type
+      integer :: states = 0
+      !> Largest rate of decay of any motion [1].
+      real(dp) :: fastest_decay = 0
+      !> Largest rate of all modes, with all meshes in contact and stiffest [1].
+      real(dp) :: fastest = 0
+      !> Columns of displacements, then velocities over `band`, (column, 2*coordinates, block of columns).
+      real(dp), allocatable, private :: x(:, :, :)
+      integer, private :: coordinates = 0, elements = 0, width = 0
+      !> The columns are those of a whole matrix, which begins as the identity.
+      logical, private :: whole = .true.
+      !> That of a mesh of varying stiffness alone [1]; the largest that a step has to follow, at `frequency_ratio`.
+      real(dp), private :: fastest_mesh = 0, band = 1, frequency_ratio = 1
+      type(system_type), private :: system
+      !> Allocatable, because gfortran 12 never frees the second of two components of a type that itself has allocatable ones.
+      type(chebyshev_exponential_type), allocatable, private :: motion, kappa
+      !> Highest order of Lambda in any kappa.
+      integer, private :: highest_order = 0
+      !> Weights of the derivatives at the beginning of a step; for Leibniz' rule, the binomials (term, derivative), -W_nn times the
+      !> derivatives of kappa (term, element) and how many of them there are.
+      real(dp), allocatable, private :: weight(:), binomial(:, :), kappa_terms(:, :)
+      integer, allocatable, private :: terms(:)
+      !> Further arguments of `take_step` (element), and its work space.
+      real(dp), allocatable, private :: spring(:), damper(:), work(:)
+      !> Neighbours of each element, counted from 0 as in C, and W_nm/W_mm of each, between two zeros; chain = 1: they are the
+      !> elements before and after it.
+      integer, private :: chain = 0
+      integer, allocatable, private :: first(:), neighbour(:)
+      real(dp), allocatable, private :: factor(:)
+      !> Displacements of the elements that close loops per coordinate, (coordinate, loop).
+      real(dp), allocatable, private :: loop(:, :)
+   contains
+      procedure :: setup
+      procedure :: start
+      procedure :: advance
+      procedure :: restart
+      procedure :: get
+      procedure :: put_columns
+      procedure :: get_columns
+      procedure, private :: step
+      procedure, private :: expand_kappa
+   end type propagator_type
+
+   !> In step.c, where its arguments are described.
+   interface
+      pure subroutine take_step(width, chain, coordinates, elements, degree, most_terms, terms, spring, damper, first, &
+                                neighbour, factor, loop, &
+                                binomial, kappa, weight, work, x) bind(c, name='geartrain_step')
+         import :: c_double, c_int
+         implicit none (type, external)
+         integer(c_int), value :: width, chain, coordinates, elements, degree, most_terms
+         integer(c_int), intent(in), dimension(*) :: terms, first, neighbour
+         real(c_double), intent(in), dimension(*) :: spring, damper, factor, loop, binomial, kappa, weight
+         real(c_double), intent(inout), dimension(*) :: work, x
+      end subroutine take_step
+   end interface
+
+contains
+
+   subroutine setup(self, system, columns)
+      class(propagator_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      !> Carry so many columns (at most `widest`), given by `put_columns`, instead of a whole matrix.
+      integer, intent(in), optional :: columns
+      real(dp) :: stiffest(system%elements), aspect
+      integer :: blocks, i, j, k, most
+
+      self%system = system
+      self%elements = system%elements
+      self%coordinates = system%coordinates
+      self%states = 2*system%coordinates
+      ! Blocks of equal width.
+      blocks = (self%states + widest - 1)/widest
+      self%width = 4*((self%states + 4*blocks - 1)/(4*blocks))
+      self%whole = .not. present(columns)
+      if (present(columns)) then
+         blocks = 1
+         self%width = 4*((columns + 3)/4)
+      end if
+      stiffest = 1
+      self%highest_order = 0
+      self%fastest_mesh = 0
+      do j = 1, system%meshes
+         associate (s => system%mesh_stiffness(j), n => system%mesh_element(j))
+            if (size(s%amplitude) == 0) cycle
+            stiffest(n) = 1 + sum(abs(s%amplitude))
+            self%fastest_mesh = max(self%fastest_mesh, sqrt(system%own(n)*stiffest(n)))
+            self%highest_order = max(self%highest_order, s%order*size(s%amplitude))
+         end associate
+      end do
+      self%fastest = sqrt(largest_eigenvalue(system, stiffest))
+      self%fastest_decay = largest_eigenvalue(system, system%damping)
+      aspect = min(0.6_dp, max(0.1_dp, 2*self%fastest_decay/self%fastest))
+      self%fastest = hypot(self%fastest, self%fastest_decay/aspect)
+      if (.not. allocated(self%motion)) allocate (self%motion, self%kappa)
+      call self%motion%setup([(longest*i/16, i=1, 16)], aspect, tolerance)
+      call self%kappa%setup([(0.05_dp*1.5_dp**i, i=0, 11)], 0.0_dp, tolerance)
+      most = maxval(self%motion%degree)
+      if (allocated(self%x)) deallocate (self%x, self%binomial, self%kappa_terms, self%weight, self%spring, self%damper, &
+                                         self%work, self%terms)
+      associate (w => self%width, m => self%elements)
+         allocate (self%x(w, self%states, blocks), self%weight(0:most), self%binomial(0:most_terms - 1, 0:most), &
+                   self%kappa_terms(0:most_terms - 1, m), self%spring(m), self%damper(m), &
+                   self%work(w*m*(most + 3) + most_terms + 4), self%terms(m))
+      end associate
+      self%x = 0
+      self%first = system%first - 1
+      self%neighbour = system%neighbour - 1
+      self%factor = [0.0_dp, system%coupling/system%own(system%neighbour), 0.0_dp]
+      self%loop = transpose(system%network%loop)
+      self%chain = merge(1, 0, all([(all(abs(system%neighbour(system%first(i):system%first(i + 1) - 1) - i) == 1), &
+                                     i=1, system%elements)]))
+      self%binomial = 0
+      do k = 0, most
+         self%binomial(0, k) = 1
+         do i = 1, min(k, most_terms - 1)
+            self%binomial(i, k) = self%binomial(i - 1, k)*(k - i + 1)/i
+         end do
+      end do
+   end subroutine setup
+
+   !> Largest eigenvalue of W diag(factor).
+   real(dp) function largest_eigenvalue(system, factor) result(largest)
+      type(system_type), intent(in) :: system
+      real(dp), intent(in) :: factor(:)
+      real(dp) :: values(system%coordinates)
+      integer :: info
+
+      call eigenvalues_of(system, factor, values, info)
+      largest = maxval(values)
+   end function largest_eigenvalue
+
+   !> Begins at `frequency_ratio`, a whole matrix with the identity; steps are shortened by `refinement`.
+   subroutine start(self, frequency_ratio, refinement)
+      class(propagator_type), intent(inout) :: self
+      real(dp), intent(in) :: frequency_ratio, refinement
+      integer :: n
+
+      self%frequency_ratio = frequency_ratio
+      self%band = refinement*max(self%fastest + sidebands*self%highest_order*frequency_ratio, &
+                                 self%fastest_mesh + mesh_sidebands*self%highest_order*frequency_ratio)
+      do n = 1, self%elements
+         self%damper(n) = -self%system%own(n)*self%system%damping(n)/self%band
+      end do
+      if (self%whole) call self%restart()
+   end subroutine start
+
+   !> Puts the identity in place of the columns.
+   subroutine restart(self)
+      class(propagator_type), intent(inout) :: self
+      integer :: i
+
+      self%x = 0
+      do i = 1, self%states
+         self%x(mod(i - 1, self%width) + 1, i, (i - 1)/self%width + 1) = 1
+      end do
+   end subroutine restart
+
+   !> The columns as the transpose of a matrix (state, state), velocities in plain units.
+   subroutine get(self, transposed)
+      class(propagator_type), intent(in) :: self
+      real(dp), intent(out) :: transposed(:, :)
+      integer :: i, n
+
+      associate (m => self%coordinates)
+         do n = 1, self%states
+            do i = 1, self%states
+               transposed(i, n) = self%x(mod(i - 1, self%width) + 1, n, (i - 1)/self%width + 1)
+            end do
+         end do
+         transposed(:m, m + 1:) = transposed(:m, m + 1:)*self%band
+         transposed(m + 1:, :m) = transposed(m + 1:, :m)/self%band
+      end associate
+   end subroutine get
+
+   !> Takes columns (state, column), velocities in plain units.
+   subroutine put_columns(self, columns)
+      class(propagator_type), intent(inout) :: self
+      real(dp), intent(in) :: columns(:, :)
+
+      self%x(:size(columns, 2), :, 1) = transpose(columns)
+      self%x(:, self%coordinates + 1:, 1) = self%x(:, self%coordinates + 1:, 1)/self%band
+   end subroutine put_columns
+
+   !> Gives them back.
+   subroutine get_columns(self, columns)
+      class(propagator_type), intent(in) :: self
+      real(dp), intent(out) :: columns(:, :)
+
+      columns = transpose(self%x(:size(columns, 2), :, 1))
+      columns(self%coordinates + 1:, :) = columns(self%coordinates + 1:, :)*self%band
+   end subroutine get_columns
+
+   !> From one time to another along constant contacts (mesh), 0 for separation; less far where it is interrupted.
+   subroutine advance(self, from, to, contact)
+      class(propagator_type), intent(inout) :: self
+      real(dp), intent(in) :: from, to
+      integer, intent(in) :: contact(:)
+      real(dp) :: h, limit
+      integer :: i, j, n, steps
+
+      if (.not. to > from) return
+      do n = 1, self%elements
+         self%spring(n) = -self%system%own(n)/self%band**2
+      end do
+      self%terms = 0
+      do j = 1, self%system%meshes
+         if (contact(j) /= 0 .and. size(self%system%mesh_stiffness(j)%amplitude) == 0) cycle
+         n = self%system%mesh_element(j)
+         self%spring(n) = 0
+         if (contact(j) /= 0) self%terms(n) = 1
+      end do
+      limit = longest/self%band
+      if (any(self%terms > 0)) limit = min(limit, longest_kappa/(self%frequency_ratio*self%highest_order))
+      steps = ceiling((to - from)/limit*(1 - 1e-12_dp))
+      h = (to - from)/steps
+      do i = 1, steps
+         if (self%system%interrupt%raised()) return
+         call self%step(from + (i - 1)*h, h)
+      end do
+   end subroutine advance
+
+   subroutine step(self, time, h)
+      class(propagator_type), intent(inout) :: self
+      real(dp), intent(in) :: time, h
+      real(dp) :: power
+      integer :: series, degree, i, j, k
+
+      series = self%motion%index_of(h*self%band)
+      degree = self%motion%degree(series)
+      power = 1
+      do k = 0, degree
+         self%weight(k) = self%motion%coefficient(k, series)*power
+         power = power*h*self%band
+      end do
+      do j = 1, self%system%meshes
+         if (self%terms(self%system%mesh_element(j)) > 0) call self%expand_kappa(j, time, h)
+      end do
+      do i = 1, size(self%x, 3)
+         call take_step(self%width, self%chain, self%coordinates, self%elements, degree, most_terms, self%terms, self%spring, &
+                        self%damper, self%first, self%neighbour, self%factor(2:), self%loop, self%binomial, &
+                        self%kappa_terms, self%weight, self%work, &
+                        self%x(:, :, i))
+      end do
+   end subroutine step
+
+   !> -W_nn times the derivatives of kappa at the beginning of a step: kappa as a polynomial about the middle of the step, shifted
+   !> to its beginning.
+   subroutine expand_kappa(self, mesh, time, h)
+      class(propagator_type), intent(inout) :: self
+      integer, intent(in) :: mesh
+      real(dp), intent(in) :: time, h
+      real(dp) :: polynomial(0:most_terms - 1), rate, power, factor
+      complex(dp) :: phase
+      integer :: i, l, last, n, series
+
+      polynomial = 0
+      polynomial(0) = 1
+      last = 0
+      associate (stiffness => self%system%mesh_stiffness(mesh))
+         do i = 1, size(stiffness%amplitude)
+            rate = i*stiffness%order*self%frequency_ratio
+            series = self%kappa%index_of(rate*h/2)
+            phase = stiffness%amplitude(i)*exp(cmplx(0, rate*(time + h/2), dp))
+            power = 1
+            last = max(last, self%kappa%degree(series))
+            do l = 0, self%kappa%degree(series)
+               polynomial(l) = polynomial(l) + self%kappa%coefficient(l, series)*power*phase%re
+               phase = cmplx(-phase%im, phase%re, dp)
+               power = power*rate
+            end do
+         end do
+      end associate
+      do i = 0, last - 1
+         do l = last - 1, i, -1
+            polynomial(l) = polynomial(l) - h/2*polynomial(l + 1)
+         end do
+      end do
+      n = self%system%mesh_element(mesh)
+      factor = -self%system%own(n)/self%band**2
+      do l = 0, last
+         polynomial(l) = factor*polynomial(l)
+         factor = factor*(l + 1)/self%band
+      end do
+      self%kappa_terms(:, n) = polynomial
+      self%terms(n) = last + 1
+   end subroutine expand_kappa
+
+end module geartrain_floquet_propagator

@@ -1,0 +1,147 @@
+!> Monodromy over an interval from that over its second half.
+!>
+!> The matrices of the equations of motion M p'' + C p' + K(t) p = 0 are symmetric: M = D W^-1, C = D diag(gamma),
+!> K = D diag(kappa), with the diagonal D that makes D W so. Where kappa is even about an instant, x(t) and z(t) solutions of
+!> them and z(-t) the mirror image, z(-t)^T M x' + z'(-t)^T M x + z(-t)^T C x = (z, z')(-t)^T J (x, x')(t) is constant,
+!> J = [C M; M 0]. With Phi from the middle to the end and Psi from the beginning to the middle therefore J Phi = Psi^T J, and
+!> Phi Psi = Phi J^-1 Phi^T J.
+module geartrain_floquet_time_reversal
+   use geartrain_base_kinds, only: dp, pi
+   use geartrain_linalg_elimination, only: factor_matrix, solve_factored
+   use geartrain_linalg_lapack, only: dgemm
+   use geartrain_model_system, only: system_type
+   implicit none (type, external)
+   private
+   public :: time_reversal_type
+
+   !> How far from real a mirrored amplitude of kappa may be, relative, and J J^-1 from the identity.
+   real(dp), parameter :: rounding = 1e-12_dp, regular = 1e-11_dp
+
+   type :: time_reversal_type
+      !> Phases Lambda t in [0, 2 pi) about which every kappa is even [rad].
+      real(dp), allocatable :: centre(:)
+      real(dp), allocatable, private :: j(:, :), inverse(:, :)
+      !> Whether kappa of a mesh does.
+      logical, allocatable, private :: varies(:)
+   contains
+      procedure :: setup
+      procedure :: centre_near
+      procedure :: complete
+   end type time_reversal_type
+
+contains
+
+   subroutine setup(self, system)
+      class(time_reversal_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      real(dp), dimension(system%coordinates, system%coordinates) :: coupling, inertia, symmetric
+      real(dp) :: scale(system%coordinates), product(2*system%coordinates, 2*system%coordinates)
+      integer :: pivot(system%coordinates), i, info, m, n
+
+      m = system%coordinates
+      coupling = 0
+      scale = system%stiffness(:m)/system%stiffness(1)
+      inertia = 0
+      do n = 1, m
+         coupling(n, n) = system%own(n)
+         do i = system%first(n), system%first(n + 1) - 1
+            if (system%neighbour(i) <= m) coupling(n, system%neighbour(i)) = system%coupling(i)
+         end do
+         inertia(n, n) = 1
+      end do
+      ! W^-1, then D W^-1; the inverse of that is W D^-1.
+      symmetric = coupling
+      call factor_matrix(m, symmetric, pivot, info)
+      if (info == 0) call solve_factored(m, m, symmetric, pivot, inertia)
+      if (allocated(self%j)) deallocate (self%j, self%inverse)
+      allocate (self%j(2*m, 2*m), self%inverse(2*m, 2*m), source=0.0_dp)
+      self%varies = [(size(system%mesh_stiffness(n)%amplitude) > 0, n=1, system%meshes)]
+      do n = 1, m
+         self%j(n, n) = scale(n)*system%damping(n)
+         do i = m + 1, system%elements
+            self%j(n, :m) = self%j(n, :m) + system%network%loop(i - m, n)*system%network%loop(i - m, :) &
+                            *system%damping(i)*system%stiffness(i)/system%stiffness(1)
+         end do
+         self%j(n, m + 1:) = scale(n)*inertia(n, :)
+         self%j(m + 1:, n) = self%j(n, m + 1:)
+         self%inverse(:m, m + n) = coupling(:, n)/scale(n)
+      end do
+      self%inverse(m + 1:, :m) = transpose(self%inverse(:m, m + 1:))
+      self%inverse(m + 1:, m + 1:) = -matmul(matmul(self%inverse(m + 1:, :m), self%j(:m, :m)), self%inverse(:m, m + 1:))
+      product = matmul(self%j, self%inverse)
+      do i = 1, 2*m
+         product(i, i) = product(i, i) - 1
+      end do
+      if (info == 0 .and. maxval(abs(product)) < regular) then
+         self%centre = centres(system)
+      else
+         self%centre = [real(dp) ::]
+      end if
+   end subroutine setup
+
+   !> Where all amplitudes of kappa are real, counted from there; 0 where no kappa varies.
+   pure function centres(system) result(centre)
+      type(system_type), intent(in) :: system
+      real(dp), allocatable :: centre(:)
+      logical, allocatable :: even(:)
+      complex(dp) :: amplitude
+      integer :: h, i, k, n
+
+      centre = [0.0_dp]
+      even = [.true.]
+      n = 0
+      do k = 1, system%meshes
+         associate (s => system%mesh_stiffness(k))
+            do h = 1, size(s%amplitude)
+               if (.not. abs(s%amplitude(h)) > 0) cycle
+               if (n == 0) then
+                  n = 2*h*s%order
+                  centre = [(modulo(2*pi*i/n - atan2(s%amplitude(h)%im, s%amplitude(h)%re)*2/n, 2*pi), i=0, n - 1)]
+                  even = [(.true., i=1, n)]
+               end if
+               do i = 1, n
+                  amplitude = s%amplitude(h)*exp(cmplx(0, h*s%order*centre(i), dp))
+                  even(i) = even(i) .and. abs(amplitude%im) <= rounding*h*s%order*abs(amplitude)
+               end do
+            end do
+         end associate
+      end do
+      centre = pack(centre, even)
+   end function centres
+
+   !> The instant nearest to `middle` about which every kappa is even; `middle` itself where none of a mesh in contact varies.
+   !> Minus infinity, as good as: there is none.
+   pure real(dp) function centre_near(self, contact, frequency_ratio, middle)
+      class(time_reversal_type), intent(in) :: self
+      integer, intent(in) :: contact(:)
+      real(dp), intent(in) :: frequency_ratio, middle
+      real(dp) :: offset, least
+      integer :: i
+
+      centre_near = -huge(1.0_dp)
+      if (size(self%centre) == 0) return
+      centre_near = middle
+      if (.not. any(self%varies .and. contact /= 0)) return
+      least = huge(1.0_dp)
+      do i = 1, size(self%centre)
+         offset = middle*frequency_ratio - self%centre(i)
+         offset = 2*pi*anint(offset/(2*pi)) - offset
+         if (abs(offset) < abs(least)) least = offset
+      end do
+      centre_near = middle + least/frequency_ratio
+   end function centre_near
+
+   !> From the transposed matrix of the second half to that of the whole: J Phi J^-1 Phi^T.
+   subroutine complete(self, half, whole, work)
+      class(time_reversal_type), intent(in) :: self
+      real(dp), intent(in) :: half(:, :)
+      real(dp), intent(inout) :: whole(:, :), work(:, :)
+      integer :: n
+
+      n = size(half, 1)
+      call dgemm('N', 'N', n, n, n, 1.0_dp, self%inverse, n, half, n, 0.0_dp, whole, n)
+      call dgemm('T', 'N', n, n, n, 1.0_dp, half, n, whole, n, 0.0_dp, work, n)
+      call dgemm('N', 'N', n, n, n, 1.0_dp, self%j, n, work, n, 0.0_dp, whole, n)
+   end subroutine complete
+
+end module geartrain_floquet_time_reversal

@@ -1,0 +1,197 @@
+!> Whether the flow from a state that is not yet steady goes to a known attracting orbit, told long before it is there.
+!>
+!> Near the orbit a distance d becomes M d + e over a period of the orbit, M the monodromy matrix, e of higher order. The weight
+!> Q = sum over k of M^k' M^k makes v = d'Q d fall by exactly |d|^2 a period where e = 0. The flow counts as caught where v has
+!> fallen by at least half of that over some periods, by several times what e can make of it, and at the rate of the slowest
+!> multiplier, so that no slow direction, along which another orbit might lie, hides behind a fast one. How large e may become is
+!> looked up beforehand along the way that M foretells, where slow vibrations that add up may open a mesh.
+module geartrain_flow_attraction
+   use geartrain_base_kinds, only: dp, pi
+   use geartrain_floquet_multipliers, only: eigenvalues, is_neutral, is_stable
+   use geartrain_flow_energy, only: energy_type
+   use geartrain_flow_flow, only: flow_type
+   use geartrain_flow_orbit, only: flow_order, flow_tolerance
+   use geartrain_model_system, only: system_type
+   implicit none (type, external)
+   private
+   public :: attraction_type
+
+   !> The fall of v over the periods watched in its smallest share of what M foretells, and in units of the largest e (log v).
+   real(dp), parameter :: least_share = 0.5_dp, least_fall = 8
+   !> Largest rate at which v may fall, over that of the slowest multiplier.
+   real(dp), parameter :: largest_rate = 1.5_dp
+   !> So small an e over d that it cannot halt even the slowest direction: this share of what that one decays by.
+   real(dp), parameter :: harmless = 0.25_dp
+   !> Doublings of the number of periods that M foretells the way for.
+   integer, parameter :: octaves = 10
+
+   type :: attraction_type
+      !> Mesh periods; 0: no orbit is known.
+      integer :: period = 0
+      !> Of the orbit at phase 0, (2*coordinates); largest magnitude first, (2*coordinates).
+      real(dp), allocatable :: state(:)
+      complex(dp), allocatable :: multipliers(:)
+      !> Last Newton step that found the orbit, relative [1].
+      real(dp) :: accuracy = 0
+      !> Some multiplier lies outside the unit circle.
+      logical :: repels = .false.
+      !> v falls as the flow goes on.
+      logical :: comes_near = .false.
+      type(energy_type), private :: energy
+      type(flow_type), private :: flow
+      real(dp), private :: frequency_ratio = 1
+      !> M and Q in energy coordinates, (state, state).
+      real(dp), allocatable, private :: monodromy(:, :), weight(:, :)
+      !> Share of v that the slowest direction loses a period.
+      real(dp), private :: slowest = 0
+      !> Distance at the last look, in energy coordinates, not allocated before the first one.
+      real(dp), allocatable, private :: before(:)
+      !> Periods of the orbit watched, and after how many the watch begins anew, so that what lies far back does not count.
+      integer, private :: watched = 0, watch = 1
+      !> v at the beginning of the watch and its sum over the periods, the fall of v that M foretells, the largest |e| over |d|.
+      real(dp), private :: first = 0, total = 0, foretold = 0, largest = 0
+      !> Largest |e| over |d| along the way foretold; negative: not looked up yet.
+      real(dp), private :: ahead = -1
+   contains
+      procedure :: setup
+      procedure :: follow
+      procedure, private :: value
+      procedure, private :: look_ahead
+   end type attraction_type
+
+contains
+
+   !> Takes an orbit; period = 0 where it does not attract.
+   subroutine setup(self, system, frequency_ratio, period, state, monodromy, accuracy)
+      class(attraction_type), intent(out) :: self
+      type(system_type), intent(in) :: system
+      !> Lambda [1].
+      real(dp), intent(in) :: frequency_ratio
+      !> Mesh periods.
+      integer, intent(in) :: period
+      !> (2*coordinates), (state, state).
+      real(dp), intent(in) :: state(:), monodromy(:, :)
+      !> Last Newton step that found the orbit, relative [1].
+      real(dp), intent(in) :: accuracy
+      real(dp), allocatable :: power(:, :)
+      integer :: i
+
+      power = monodromy
+      allocate (self%multipliers(size(state)))
+      call eigenvalues(power, self%multipliers)
+      self%state = state
+      self%accuracy = accuracy
+      self%repels = .not. (is_stable(self%multipliers) .or. is_neutral(self%multipliers))
+      if (.not. is_stable(self%multipliers)) return
+      self%period = period
+      self%frequency_ratio = frequency_ratio
+      self%slowest = 1 - abs(self%multipliers(1))**2
+      call self%energy%setup(system)
+      call self%flow%setup(system, 1, flow_order, flow_tolerance)
+      self%monodromy = self%energy%transform(monodromy)
+      allocate (self%weight(size(state), size(state)), source=0.0_dp)
+      do i = 1, size(state)
+         self%weight(i, i) = 1
+      end do
+      power = self%monodromy
+      do i = 1, 64
+         self%weight = self%weight + matmul(transpose(power), matmul(self%weight, power))
+         power = matmul(power, power)
+         if (maxval(abs(power)) < 1e-9_dp) exit
+      end do
+   end subroutine setup
+
+   !> Looks at the section of the flow, a period of the orbit after the last look.
+   subroutine follow(self, section, tolerance, caught)
+      class(attraction_type), intent(inout) :: self
+      !> (2*coordinates) at phase 0; distance to the orbit over the state that counts as nothing.
+      real(dp), intent(in) :: section(:), tolerance
+      !> The flow goes to this orbit.
+      logical, intent(out) :: caught
+      real(dp) :: distance(size(section)), v, v_before, fall
+
+      caught = maxval(abs(section - self%state)) <= tolerance*maxval(abs(self%state))
+      if (caught) return
+      distance = self%energy%coordinates(section - self%state)
+      v = self%value(distance)
+      if (allocated(self%before)) then
+         v_before = self%value(self%before)
+         self%watched = self%watched + 1
+         self%total = self%total + v_before
+         self%foretold = self%foretold + sum(self%before**2)
+         self%largest = max(self%largest, sqrt(self%value(distance - matmul(self%monodromy, self%before))/v_before))
+         self%comes_near = v < self%first
+         fall = log(self%first/v)
+         if (may_be_caught()) then
+            if (self%ahead < 0) call self%look_ahead(distance)
+            self%largest = max(self%largest, self%ahead)
+            caught = may_be_caught()
+            if (caught) return
+         end if
+         if (self%watched >= self%watch) then
+            self%watch = 2*self%watch
+            self%watched = 0
+         end if
+      end if
+      self%before = distance
+      if (self%watched > 0) return
+      self%first = v
+      self%total = 0
+      self%foretold = 0
+      self%largest = 0
+      self%ahead = -1
+
+   contains
+
+      logical function may_be_caught()
+
+         may_be_caught = self%largest <= harmless*self%slowest/2
+         if (may_be_caught) return
+         may_be_caught = self%first - v >= least_share*self%foretold .and. fall >= least_fall*self%largest &
+                         .and. self%foretold <= largest_rate*self%slowest*self%total
+      end function may_be_caught
+
+   end subroutine follow
+
+   !> v of a distance in energy coordinates.
+   pure real(dp) function value(self, distance)
+      class(attraction_type), intent(in) :: self
+      real(dp), intent(in) :: distance(:)
+
+      value = max(dot_product(distance, matmul(self%weight, distance)), tiny(1.0_dp))
+   end function value
+
+   !> Sets `ahead`: the flow is tried where M foretells the largest displacement of a mesh, in each octave of periods.
+   subroutine look_ahead(self, distance)
+      class(attraction_type), intent(inout) :: self
+      !> From the orbit, in energy coordinates, (2*coordinates).
+      real(dp), intent(in) :: distance(:)
+      real(dp) :: now(size(distance)), worst(size(distance)), state(size(distance)), largest, reach
+      integer :: i, k, octave
+
+      self%ahead = 0
+      now = distance
+      do octave = 0, octaves
+         largest = -1
+         do k = 1, 2**octave
+            now = matmul(self%monodromy, now)
+            state = self%energy%state(now)
+            associate (system => self%flow%system)
+               reach = maxval(abs(state(pack(system%mesh_element, system%mesh_element <= system%coordinates))))
+            end associate
+            if (reach <= largest) cycle
+            largest = reach
+            worst = now
+         end do
+         self%flow%x(1, :) = self%state + self%energy%state(worst)
+         do i = 1, self%period
+            call self%flow%start(self%frequency_ratio, 0.0_dp)
+            call self%flow%advance(2*pi/self%frequency_ratio)
+         end do
+         state = self%energy%coordinates(self%flow%x(1, :) - self%state) - matmul(self%monodromy, worst)
+         self%ahead = max(self%ahead, sqrt(self%value(state)/self%value(worst)))
+         if (self%value(now) < 1e-3_dp*self%value(distance)) exit
+      end do
+   end subroutine look_ahead
+
+end module geartrain_flow_attraction

@@ -1,0 +1,296 @@
+!> The fields of motions: one by one, in a sweep (the group /integration) and in a search (the group /attractors).
+module geartrain_flow_fields
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_base_carry, only: carry, carry_text
+   use geartrain_base_field, only: row => field_type
+   use geartrain_base_fields, only: fields_type, listing, reading
+   use geartrain_base_kinds, only: dp
+   use geartrain_flow_attractors_settings, only: attractors_type
+   use geartrain_flow_integration_settings, only: sweep_type
+   use geartrain_mesh_law_mesh_load, only: mesh_load_type
+   implicit none (type, external)
+   private
+   public :: carry_loads, coefficient_axis, visit_attractors, visit_motions, visit_sweep
+   public :: about_coefficients, about_frequency, about_maximum, about_mean, about_mesh, about_minimum, about_multipliers, &
+      about_rms, about_stable, about_true_ac_rms, about_undecided, on_stability
+
+   !> Wording that several groups have in common.
+   character(*), parameter :: about_frequency = 'Lambda: fundamental mesh frequency [rad/s] / characteristic_frequency'
+   character(*), parameter :: about_mesh = 'mesh, in the order of the train'
+   character(*), parameter :: about_rms = 'mesh displacement / characteristic_length, the rms of Al-shyyab and Kahraman &
+      &(2007): square root of the sum of squared harmonic amplitudes, mean left out; sqrt(2) times the true AC rms'
+   character(*), parameter :: about_true_ac_rms = 'mesh displacement / characteristic_length, root mean square over time &
+      &of the displacement less its mean; rms / sqrt(2)'
+   character(*), parameter :: about_mean = 'mean mesh displacement / characteristic_length'
+   character(*), parameter :: about_minimum = 'smallest mesh displacement over the period / characteristic_length'
+   character(*), parameter :: about_maximum = 'largest mesh displacement over the period / characteristic_length'
+   character(*), parameter :: about_coefficients = 'Fourier coefficients of mesh displacement / characteristic_length: &
+      &mean, cos 1, sin 1, cos 2, ... of the fundamental frequency Lambda/period'
+   character(*), parameter :: about_multipliers = 'Floquet multipliers over one period of the motion'
+   character(*), parameter :: about_stable = '1 = stable: every Floquet multiplier lies inside the unit circle; 0 = not'
+   character(*), parameter :: about_undecided = '1 = undecided, `stable` is a guess: the largest multiplier is as near to the unit &
+      &circle as it is uncertain, the error of the motion is itself doubtful, or nothing confirms the multipliers; 0 = not'
+   character(*), parameter :: on_stability = 'with `stability`'
+
+   type(row), parameter :: loads(4) = [ &
+      row('mesh_force_maximum', 'mesh', 'N', &
+          'largest mesh force over the period, damping included, in the direction of the static force', optional=.true.), &
+      row('dynamic_factor', 'mesh', '1', 'largest mesh force / static (mean) mesh force; NaN where there is no static force', &
+          optional=.true., none_is_negative=.true.), &
+      row('separation_fraction', 'mesh', '1', &
+          'share of the period with the teeth apart, |p| < half_backlash; 0 without backlash', optional=.true.), &
+      row('back_contact_fraction', 'mesh', '1', 'share of the period with the back flanks in contact, p < -half_backlash; &
+          &0 without backlash; under a negative torque these bear the load', optional=.true.)]
+
+   interface carry_loads
+      module procedure :: carry_loads_1, carry_loads_2
+   end interface carry_loads
+
+contains
+
+   !> The motions of a sweep; those at the end without a frequency are still to come.
+   subroutine visit_sweep(sweep, points, fields)
+      type(sweep_type), allocatable, intent(inout) :: sweep
+      !> Motions that the sweep has in the end.
+      integer, intent(in) :: points
+      class(fields_type), intent(inout) :: fields
+      type(motion_type), allocatable :: motions(:)
+      character(4), allocatable :: direction(:)
+      integer :: n, i
+
+      if (.not. fields%enter('/integration', 'time integration to steady motion over a range of frequencies, each begun with &
+                             &the state that the one before ended in', allocated(sweep))) return
+      if (.not. allocated(sweep)) allocate (sweep)
+      n = 0
+      if (allocated(sweep%motions)) n = count(sweep%motions%frequency_ratio > 0)
+      if (n > 0) call fields%describe('coordinates', 'frequency direction')
+      call carry_text(fields, row('ended', '', '', 'why it ended, in words, and whether the train floats in its gaps'), &
+                      sweep%ended, 'not yet: these are the points so far')
+      call carry(fields, row('complete', '', '', '1: all points are done'), sweep%complete)
+      call fields%index_axis('point', n, 'point, in the order visited')
+      if (allocated(fields%wrong)) return
+      if (fields%way == reading) then
+         call fields%check(n <= points .and. (n == points .or. .not. sweep%complete), 'point')
+         if (allocated(fields%wrong)) return
+         ! One that has not ended goes on, with room for all.
+         allocate (sweep%motions(merge(n, points, allocated(sweep%ended))))
+         allocate (sweep%direction(size(sweep%motions)), source='    ')
+         allocate (direction(n))
+      else if (allocated(sweep%motions)) then
+         direction = sweep%direction(:n)
+      end if
+      if (n == 0 .and. fields%way /= listing) return
+      call move_alloc(sweep%motions, motions)
+      call visit_motions(motions, 'point', fields)
+      call move_alloc(motions, sweep%motions)
+      if (fields%way == reading) &
+         call fields%check(all([(allocated(sweep%motions(i)%state) .and. sweep%motions(i)%frequency_ratio > 0, i=1, n)]), &
+                           'initial_state')
+      call carry(fields, row('direction', 'point', '', '`up` or `down`: the way in which the sweep went'), direction)
+      if (fields%way == reading .and. .not. allocated(fields%wrong)) sweep%direction(:n) = direction
+   end subroutine visit_sweep
+
+   subroutine visit_attractors(found, starts, fields)
+      type(attractors_type), allocatable, intent(inout) :: found
+      !> Starts that the search has in the end.
+      integer, intent(in) :: starts
+      class(fields_type), intent(inout) :: fields
+      integer :: n
+
+      if (.not. fields%enter('/attractors', 'steady motions that random starts settle on at one frequency', &
+                             allocated(found))) return
+      if (.not. allocated(found)) allocate (found)
+      n = 0
+      if (allocated(found%motions)) n = size(found%motions)
+      call carry_text(fields, row('ended', '', '', 'why it ended, in words, and whether the train floats in its gaps'), &
+                      found%ended, 'not yet: these are the motions so far')
+      call carry(fields, row('complete', '', '', '1: all starts are done'), found%complete)
+      call carry(fields, row('frequency', '', '', 'Lambda'), found%frequency_ratio)
+      call carry(fields, row('starts', '', '', 'starts done', least=0, most=starts), found%starts)
+      call carry(fields, row('random_seed', '', '', 'what the starts were made from'), found%random_seed)
+      call carry(fields, row('unsettled', '', '', 'share of the starts that settled on no motion within `max_periods`, or ran &
+                             &away: with `share` it sums to 1'), found%unsettled)
+      call fields%index_axis('motion', n, 'motion, largest share first')
+      if (allocated(fields%wrong)) return
+      if (fields%way == reading) then
+         call fields%check(.not. found%complete .or. found%starts == starts, 'starts')
+         allocate (found%motions(n))
+      end if
+      if (n > 0 .or. fields%way == listing) call visit_motions(found%motions, 'motion', fields)
+   end subroutine visit_attractors
+
+   !> Motions along a dimension whose axis stands already: as many as it is long.
+   subroutine visit_motions(motions, along, fields)
+      type(motion_type), allocatable, intent(inout) :: motions(:)
+      character(*), intent(in) :: along
+      class(fields_type), intent(inout) :: fields
+      type(motion_type), allocatable :: none(:)
+      integer :: i, n, meshes, terms, coordinates, states
+
+      n = fields%length_of(along)
+      meshes = max(0, fields%length_of('mesh'))
+      terms = 0
+      coordinates = 0
+      states = 0
+      ! There are none where fields are listed.
+      if (.not. allocated(motions)) allocate (motions(0))
+      if (fields%way /= reading) then
+         do i = 1, min(n, size(motions))
+            if (allocated(motions(i)%coefficients)) then
+               meshes = size(motions(i)%coefficients, 2)
+               terms = max(terms, size(motions(i)%coefficients, 1))
+            end if
+            if (allocated(motions(i)%state)) coordinates = max(coordinates, size(motions(i)%state))
+            if (allocated(motions(i)%multipliers)) states = max(states, size(motions(i)%multipliers))
+         end do
+         call coefficient_axis(terms, 'period', fields)
+      end if
+      call fields%index_axis('mesh', meshes, about_mesh)
+      if (fields%has('initial_state', coordinates > 0)) call fields%index_axis('coordinate', coordinates, &
+         'coordinate of the state: the displacement of every elastic element, then the velocities')
+      if (fields%has('multipliers', states > 0)) call fields%index_axis('state', states, &
+                                                   'number of the multiplier, in no order that holds between '//along//'s')
+      call fields%begin_list(along)
+      if (fields%way == listing) then
+         allocate (none(1))
+         call fields%visit_item(1)
+         call visit_motion(none(1), fields)
+      else
+         do i = 1, n
+            call fields%visit_item(i)
+            call visit_motion(motions(i), fields)
+         end do
+      end if
+      call fields%end_list()
+   end subroutine visit_motions
+
+   subroutine visit_motion(motion, fields)
+      type(motion_type), intent(inout) :: motion
+      class(fields_type), intent(inout) :: fields
+      real(dp), allocatable :: ac(:)
+      real(dp) :: exponent
+
+      call carry(fields, row('frequency', '', '1', about_frequency), motion%frequency_ratio)
+      call carry(fields, row('period', '', '1', 'period of the motion in fundamental mesh periods, 1 to 16; 0 = none found, the &
+                             &figures are then of the last 16 mesh periods', least=0), motion%period)
+      call carry(fields, row('kind', '', '', 'periodic; where no period was found chaotic, quasi-periodic, still settling (or of &
+                             &a longer period than 16), undecided, or unbounded (given up, without figures)'), motion%kind)
+      call carry(fields, row('rms', 'mesh', '1', about_rms, optional=.true.), motion%rms)
+      if (allocated(motion%rms)) ac = motion%rms/sqrt(2.0_dp)
+      if (fields%derives()) call carry(fields, row('true_ac_rms', 'mesh', '1', about_true_ac_rms), ac)
+      call carry(fields, row('mean', 'mesh', '1', about_mean, optional=.true.), motion%mean)
+      call carry(fields, row('minimum', 'mesh', '1', about_minimum, optional=.true.), motion%minimum)
+      call carry(fields, row('maximum', 'mesh', '1', about_maximum, optional=.true.), motion%maximum)
+      call carry_loads(fields, motion%mesh_load)
+      call carry(fields, row('coefficients', 'mesh coefficient', '1', about_coefficients//'; where no period was found, of &
+                             &Lambda/16', optional=.true.), motion%coefficients)
+      if (fields%has('error_estimate', motion%error_estimate >= 0)) &
+         call carry(fields, row('error_estimate', '', '1', 'estimated relative error of the waveform', &
+                                'where there is an estimate', none_is_negative=.true.), motion%error_estimate)
+      exponent = ieee_value(exponent, ieee_quiet_nan)
+      if (allocated(motion%lyapunov_exponent)) exponent = motion%lyapunov_exponent
+      if (fields%has('lyapunov_exponent', allocated(motion%lyapunov_exponent))) then
+         call carry(fields, row('lyapunov_exponent', '', '1', 'largest Lyapunov exponent per unit of time &
+                                &(1/characteristic_frequency): positive = chaos, about 0 = quasi-periodic; of a periodic motion &
+                                &ln(largest multiplier)/time', 'of what integration gave'), exponent)
+         call carry(fields, row('lyapunov_error', '', '1', 'uncertainty of lyapunov_exponent at 95 %; 0 for a periodic motion', &
+                                'of what integration gave'), motion%lyapunov_error)
+         if (ieee_is_nan(motion%lyapunov_error)) motion%lyapunov_error = 0
+      end if
+      if (fields%way == reading .and. .not. ieee_is_nan(exponent)) motion%lyapunov_exponent = exponent
+      if (fields%has('floating', motion%floating)) &
+         call carry(fields, row('floating', '', '1', '1 = some mesh bears on neither flank and no mean torque holds it: its mean &
+                                &position in the gap is not unique, any other would do', 'where there is such a motion'), &
+                    motion%floating)
+      if (fields%has('multipliers', allocated(motion%multipliers))) then
+         call carry(fields, row('stable', '', '1', about_stable//'; 0 also where no period was found', on_stability), motion%stable)
+         call carry(fields, row('undecided', '', '1', about_undecided, on_stability), motion%undecided)
+         call carry(fields, row('multipliers', 'state complex', '1', about_multipliers//'; NaN where no period was found', &
+                                on_stability), motion%multipliers)
+      end if
+      if (fields%has('initial_state', allocated(motion%state))) &
+         call carry(fields, row('initial_state', 'coordinate', '1', 'state at time 0: the displacement of every elastic element / &
+                                &characteristic_length, then its velocity per 1/characteristic_frequency; see `Motion.state` in &
+                                &Python', 'of what integration gave', optional=.true.), motion%state)
+      if (fields%way == reading) call fields%check(all([allocated(motion%rms), allocated(motion%mean), allocated(motion%minimum), &
+                                                        allocated(motion%maximum)] .eqv. allocated(motion%coefficients)), 'rms')
+      if (fields%has('share', motion%share >= 0)) &
+         call carry(fields, row('share', '', '1', 'share of the starts that settled on the motion', 'of attractors', &
+                                none_is_negative=.true.), motion%share)
+   end subroutine visit_motion
+
+   !> The labels of coefficients: mean, cos 1, sin 1, cos 2, ...
+   subroutine coefficient_axis(terms, period, fields)
+      integer, intent(in) :: terms
+      !> What they are of, over Lambda: 'period' or 'subharmonic'.
+      character(*), intent(in) :: period
+      class(fields_type), intent(inout) :: fields
+      character(16) :: labels(terms)
+      integer :: i
+
+      do i = 1, terms
+         write (labels(i), '(a, i0)') merge('cos ', 'sin ', mod(i, 2) == 0), i/2
+      end do
+      if (terms > 0) labels(1) = 'mean'
+      call fields%text_axis('coefficient', labels, 'order of the coefficient in multiples of Lambda/'//period)
+   end subroutine coefficient_axis
+
+   !> What the meshes of one motion bear, (mesh).
+   subroutine carry_loads_1(fields, load)
+      class(fields_type), intent(inout) :: fields
+      type(mesh_load_type), allocatable, intent(inout) :: load(:)
+      real(dp), allocatable :: force(:), factor(:), apart(:), back(:)
+
+      if (allocated(load) .and. fields%way /= reading) then
+         force = load%force_maximum
+         factor = load%dynamic_factor
+         apart = load%separation
+         back = load%back_contact
+      end if
+      call carry(fields, loads(1), force)
+      call carry(fields, loads(2), factor)
+      call carry(fields, loads(3), apart)
+      call carry(fields, loads(4), back)
+      if (fields%derives() .or. &
+          .not. (allocated(force) .and. allocated(factor) .and. allocated(apart) .and. allocated(back))) return
+      if (allocated(load)) deallocate (load)
+      allocate (load(size(force)))
+      load%force_maximum = force
+      load%dynamic_factor = factor
+      load%separation = apart
+      load%back_contact = back
+   end subroutine carry_loads_1
+
+   !> What the meshes bear at each point of a branch, (mesh, point).
+   subroutine carry_loads_2(fields, load, points)
+      class(fields_type), intent(inout) :: fields
+      type(mesh_load_type), allocatable, intent(inout) :: load(:, :)
+      !> In use.
+      integer, intent(in) :: points
+      real(dp), allocatable :: force(:, :), factor(:, :), apart(:, :), back(:, :)
+      type(row) :: about(4)
+
+      about = loads
+      about%dimensions = 'point mesh'
+      if (allocated(load) .and. fields%way /= reading) then
+         force = load(:, :points)%force_maximum
+         factor = load(:, :points)%dynamic_factor
+         apart = load(:, :points)%separation
+         back = load(:, :points)%back_contact
+      end if
+      call carry(fields, about(1), force)
+      call carry(fields, about(2), factor)
+      call carry(fields, about(3), apart)
+      call carry(fields, about(4), back)
+      if (fields%derives() .or. &
+          .not. (allocated(force) .and. allocated(factor) .and. allocated(apart) .and. allocated(back))) return
+      if (allocated(load)) deallocate (load)
+      allocate (load(size(force, 1), size(force, 2)))
+      load%force_maximum = force
+      load%dynamic_factor = factor
+      load%separation = apart
+      load%back_contact = back
+   end subroutine carry_loads_2
+
+end module geartrain_flow_fields

@@ -1,0 +1,408 @@
+!> The flow of the equations of motion by Taylor series with located contact events.
+!>
+!> Between contact events the equations are linear with analytic coefficients, so the Taylor coefficients of the solution
+!> follow from a short recurrence, to any order; the series is its own dense output, in which the events are found. The
+!> force is continuous at an event, so tangents pass it unchanged (the saltation matrix is the identity).
+!>
+!> A state is the displacement of the elements that are coordinates (a mesh: p; a shaft: its twist less that at rest), then the
+!> velocities. Elements that close loops follow from these.
+module geartrain_flow_flow
+   use geartrain_base_kinds, only: dp
+   use geartrain_flow_taylor, only: add_series, last_term, recur, sum_series
+   use geartrain_linalg_first_root, only: first_root
+   use geartrain_model_system, only: series_type, system_type
+   implicit none (type, external)
+   private
+   public :: flow_type, contact_at
+
+   !> Events one after another without time passing, at most, before one is passed over.
+   integer, parameter :: most_stuck = 3
+
+   type :: flow_type
+      type(system_type) :: system
+      real(dp) :: frequency_ratio = 1
+      !> Columns of `x`: the first is the state, the others are tangents to the flow.
+      integer :: columns = 1
+      !> Time [1] and columns, (column, 2*coordinates).
+      real(dp) :: time = 0
+      real(dp), allocatable :: x(:, :)
+      !> Present contact of each mesh: +1 drive flank, 0 separation, -1 back flank; 1 for a mesh without backlash.
+      integer, allocatable :: contact(:)
+      !> Events met in the latest `step` (0 or 1) and the smallest impact or release speed of all since `start`.
+      logical :: event = .false.
+      real(dp) :: slowest_event = huge(1.0_dp)
+      integer :: events = 0
+      !> Length of the latest step; its series p and velocity of all elements, (column, element, 0:order).
+      real(dp) :: length = 0
+      real(dp), allocatable :: p(:, :, :), v(:, :, :)
+      !> Displacement below which a state counts as nothing [1]: errors are relative to what is larger.
+      real(dp) :: smallest = 1e-3_dp
+      integer :: order = 20
+      real(dp) :: tolerance = 1e-15_dp
+      real(dp), allocatable, private :: phi(:, :), kappa(:, :), excitation(:, :)
+      !> Taylor coefficients of what closes loops while the coordinates are 0, (0:order + 1, loop).
+      real(dp), allocatable, private :: loop(:, :)
+      integer, private :: event_mesh = 0, event_side = 0, stuck = 0
+      !> Since `setup`, events followed one another without time passing, and one was passed over, or a state without bound left no
+      !> step to go on with: the state is not to be trusted.
+      logical :: lost = .false.
+      !> Length within which the series in hand hold: kappa is cut where it does not show there; 0: all terms.
+      real(dp), private :: reach = 0
+   contains
+      procedure :: setup
+      procedure :: start
+      procedure :: step
+      procedure :: advance
+      procedure :: displacement
+      procedure :: velocity
+      procedure :: mesh_now
+      procedure, private :: expand
+      procedure, private :: expand_loops
+      procedure, private :: step_length
+      procedure, private :: first_event
+   end type flow_type
+
+contains
+
+   !> Prepares for `columns` columns.
+   subroutine setup(self, system, columns, order, tolerance)
+      class(flow_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: columns
+      integer, intent(in) :: order
+      !> Relative error of one step.
+      real(dp), intent(in) :: tolerance
+
+      self%system = system
+      self%columns = columns
+      self%order = order
+      self%tolerance = tolerance
+      if (allocated(self%x)) deallocate (self%x, self%p, self%v, self%phi, self%kappa, self%excitation, self%contact, &
+                                         self%loop)
+      associate (n => system%elements)
+         allocate (self%x(columns, 2*system%coordinates), self%p(columns, n, 0:order), self%v(columns, n, 0:order), &
+                   self%phi(columns, n), self%kappa(0:order, system%meshes), self%excitation(0:order, n), &
+                   self%contact(system%meshes), self%loop(0:order + 1, n - system%coordinates))
+      end associate
+      self%contact = 1
+      self%lost = .false.
+      self%smallest = 1e-3_dp*maxval(abs(system%static_force(system%mesh_element)) + system%half_backlash)
+      if (.not. self%smallest > 0) self%smallest = sqrt(tiny(1.0_dp))
+   end subroutine setup
+
+   !> Begins at a time with `x` set by the caller; contacts follow from the state.
+   subroutine start(self, frequency_ratio, time)
+      class(flow_type), intent(inout) :: self
+      real(dp), intent(in) :: frequency_ratio, time
+      real(dp) :: p, v
+      integer :: j
+
+      self%frequency_ratio = frequency_ratio
+      self%time = time
+      self%length = 0
+      self%reach = 0
+      self%event_mesh = 0
+      self%stuck = 0
+      self%events = 0
+      self%slowest_event = huge(1.0_dp)
+      do j = 1, self%system%meshes
+         call self%mesh_now(j, p, v)
+         self%contact(j) = contact_at(p, v, self%system%half_backlash(j))
+      end do
+   end subroutine start
+
+   !> Contact of a mesh at displacement p with velocity v (which decides exactly on a wall); 1 without backlash.
+   pure integer function contact_at(p, v, half_backlash)
+      real(dp), intent(in) :: p, v, half_backlash
+
+      contact_at = 1
+      if (.not. half_backlash > 0) return
+      if (p > half_backlash) return
+      if (.not. p < half_backlash .and. v > 0) return
+      contact_at = -1
+      if (p < -half_backlash) return
+      if (.not. p > -half_backlash .and. v < 0) return
+      contact_at = 0
+   end function contact_at
+
+   !> Advances to `end_time`, or less far where it is interrupted.
+   subroutine advance(self, end_time)
+      class(flow_type), intent(inout) :: self
+      real(dp), intent(in) :: end_time
+
+      do while (self%time < end_time)
+         if (self%system%interrupt%raised()) return
+         call self%step(end_time)
+      end do
+   end subroutine advance
+
+   !> One step, at most to `end_time`, ending at the first contact event.
+   subroutine step(self, end_time)
+      class(flow_type), intent(inout) :: self
+      real(dp), intent(in) :: end_time
+      real(dp) :: h
+      integer :: n, mesh, side
+      logical :: reaches_end
+
+      call self%expand()
+      h = self%step_length()
+      if (self%reach > 0) h = min(h, self%reach)
+      ! The next step may be longer, but not by much, even where an event or the end cuts this one short.
+      self%reach = 2*h
+      reaches_end = h >= end_time - self%time
+      if (.not. (reaches_end .or. self%time + h > self%time)) then
+         self%lost = .true.
+         self%x = huge(1.0_dp)
+         self%time = end_time
+         return
+      end if
+      if (reaches_end) h = end_time - self%time
+      self%event = .false.
+      call self%first_event(h, self%event, mesh, side)
+      n = self%system%coordinates
+      call sum_series(self%columns*n, self%columns*self%system%elements, self%order, self%p, h, self%x(:, :n))
+      call sum_series(self%columns*n, self%columns*self%system%elements, self%order, self%v, h, self%x(:, n + 1:))
+      self%length = h
+      if (self%event) then
+         self%time = self%time + h
+         call enter(self, mesh, side, h)
+      else
+         self%event_mesh = 0
+         self%stuck = 0
+         self%time = self%time + h
+         if (reaches_end) self%time = end_time
+      end if
+   end subroutine step
+
+   !> Changes the contact of `mesh` at the wall `side`.
+   subroutine enter(self, mesh, side, h)
+      class(flow_type), intent(inout) :: self
+      integer, intent(in) :: mesh, side
+      real(dp), intent(in) :: h
+      real(dp) :: p, v
+
+      associate (n => self%system%mesh_element(mesh))
+         if (n <= self%system%coordinates) self%x(1, n) = side*self%system%half_backlash(mesh)
+         self%contact(mesh) = merge(0, side, self%contact(mesh) /= 0)
+         call self%mesh_now(mesh, p, v)
+         self%slowest_event = min(self%slowest_event, abs(v))
+      end associate
+      self%events = self%events + 1
+      self%event_mesh = mesh
+      self%event_side = side
+      if (h > 0) then
+         self%stuck = 0
+      else
+         self%stuck = self%stuck + 1
+         if (self%stuck > most_stuck) self%lost = .true.
+      end if
+   end subroutine enter
+
+   !> Taylor coefficients of all columns at the present time.
+   subroutine expand(self)
+      class(flow_type), intent(inout) :: self
+      real(dp) :: spring(self%system%elements), reach
+      integer :: j, n, terms(self%system%meshes)
+
+      associate (system => self%system)
+         n = system%coordinates
+         self%p(:, :n, 0) = self%x(:, :n)
+         self%v(:, :n, 0) = self%x(:, n + 1:)
+         if (system%elements > n) call self%expand_loops(self%order + 1, self%loop)
+         spring = 1
+         terms = -1
+         reach = huge(1.0_dp)
+         if (self%reach > 0) reach = self%reach
+         do j = 1, system%meshes
+            n = system%mesh_element(j)
+            if (self%contact(j) == 0) spring(n) = 0
+            if (self%contact(j) == 0 .or. size(system%mesh_stiffness(j)%amplitude) == 0) cycle
+            spring(n) = 0
+            self%kappa(:, j) = 0
+            self%kappa(0, j) = 1
+            call add_series(system%mesh_stiffness(j), self%frequency_ratio, self%time, self%kappa(:, j))
+            terms(j) = last_term(self%kappa(:, j), reach, 0.01_dp*self%tolerance)
+         end do
+         call expand_excitation(self)
+         call recur(self%columns, system%elements, system%meshes, self%order, spring, terms, self%kappa, system, &
+                    self%contact, self%excitation, self%loop, self%phi, self%p, self%v)
+      end associate
+   end subroutine expand
+
+   !> Taylor coefficients of the displacements of what closes loops while the coordinates are 0, (0:highest, loop).
+   pure subroutine expand_loops(self, highest, coefficient)
+      class(flow_type), intent(in) :: self
+      integer, intent(in) :: highest
+      real(dp), intent(out) :: coefficient(0:, :)
+      real(dp) :: error(0:highest)
+      integer :: i, j
+
+      associate (system => self%system)
+         coefficient = 0
+         coefficient(0, :) = system%loop_offset
+         do j = 1, system%meshes
+            if (size(system%transmission_error(j)%amplitude) == 0) cycle
+            error = 0
+            call add_series(system%transmission_error(j), self%frequency_ratio, self%time, error)
+            associate (n => system%mesh_element(j))
+               do i = 1, size(coefficient, 2)
+                  if (n > system%coordinates) then
+                     if (n == system%coordinates + i) coefficient(:, i) = coefficient(:, i) + error
+                  else
+                     coefficient(:, i) = coefficient(:, i) - system%network%loop(i, n)*error
+                  end if
+               end do
+            end associate
+         end do
+         do i = 1, size(coefficient, 2)
+            associate (n => system%coordinates + i)
+               if (system%element_shaft(n) > 0) coefficient(0, i) = coefficient(0, i) - system%static_force(n)
+            end associate
+         end do
+      end associate
+   end subroutine expand_loops
+
+   !> Displacement and velocity of a mesh at the present state.
+   pure subroutine mesh_now(self, mesh, p, v)
+      class(flow_type), intent(in) :: self
+      integer, intent(in) :: mesh
+      real(dp), intent(out) :: p, v
+      real(dp), allocatable :: loop(:, :)
+
+      associate (n => self%system%mesh_element(mesh), e => self%system%coordinates)
+         if (n <= e) then
+            p = self%x(1, n)
+            v = self%x(1, e + n)
+         else
+            allocate (loop(0:1, self%system%elements - e))
+            call self%expand_loops(1, loop)
+            p = dot_product(self%system%network%loop(n - e, :), self%x(1, :e)) + loop(0, n - e)
+            v = dot_product(self%system%network%loop(n - e, :), self%x(1, e + 1:)) + loop(1, n - e)
+         end if
+      end associate
+   end subroutine mesh_now
+
+   !> Torque harmonics and second derivative of the transmission errors as accelerations.
+   subroutine expand_excitation(self)
+      class(flow_type), intent(inout) :: self
+      type(series_type) :: second
+      real(dp) :: torque(0:self%order)
+      integer :: j, h, n
+
+      self%excitation = 0
+      associate (system => self%system)
+         do j = 1, size(system%torque)
+            if (size(system%torque(j)%amplitude) == 0) cycle
+            torque = 0
+            call add_series(system%torque(j), self%frequency_ratio, self%time, torque)
+            do n = 1, system%elements
+               self%excitation(:, n) = self%excitation(:, n) + system%torque_gain(n, j)*torque
+            end do
+         end do
+         do j = 1, system%meshes
+            if (size(system%transmission_error(j)%amplitude) == 0) cycle
+            second = system%transmission_error(j)
+            do h = 1, size(second%amplitude)
+               second%amplitude(h) = -(h*second%order*self%frequency_ratio)**2*second%amplitude(h)
+            end do
+            call add_series(second, self%frequency_ratio, self%time, self%excitation(:, system%mesh_element(j)))
+         end do
+      end associate
+   end subroutine expand_excitation
+
+   !> Step at which the last two terms fall below the tolerance, for the state and for the tangents.
+   pure real(dp) function step_length(self) result(h)
+      class(flow_type), intent(in) :: self
+
+      h = huge(1.0_dp)
+      call limit(1, 1, self%smallest)
+      if (self%columns > 1) call limit(2, self%columns, sqrt(tiny(1.0_dp)))
+
+   contains
+
+      pure subroutine limit(from, to, floor_)
+         integer, intent(in) :: from, to
+         real(dp), intent(in) :: floor_
+         real(dp) :: size_, last
+         integer :: k
+
+         size_ = max(maxval(abs(self%x(from:to, :))), floor_)
+         do k = self%order - 1, self%order
+            last = max(maxval(abs(self%p(from:to, :, k))), maxval(abs(self%v(from:to, :, k))))
+            if (last > 0) h = min(h, (self%tolerance*size_/last)**(1.0_dp/k))
+         end do
+      end subroutine limit
+
+   end function step_length
+
+   !> The first instant in (0, h] at which a mesh leaves its present contact; h is shortened to it.
+   subroutine first_event(self, h, found, mesh, side)
+      class(flow_type), intent(in) :: self
+      real(dp), intent(inout) :: h
+      logical, intent(out) :: found
+      integer, intent(out) :: mesh, side
+      real(dp) :: f(0:self%order), root
+      integer :: j, s, n
+      logical :: hit
+
+      found = .false.
+      mesh = 0
+      side = 0
+      if (self%stuck > most_stuck) return
+      do j = 1, self%system%meshes
+         if (.not. self%system%half_backlash(j) > 0) cycle
+         n = self%system%mesh_element(j)
+         do s = -1, 1, 2
+            if (self%contact(j) == -s) cycle
+            ! Distance from the wall s b, positive while the present contact lasts.
+            f = self%p(1, n, :)
+            f(0) = f(0) - s*self%system%half_backlash(j)
+            if (self%contact(j) == 0) then
+               f = -s*f
+            else
+               f = s*f
+            end if
+            if (j == self%event_mesh .and. s == self%event_side) then
+               ! Just left this wall: divide the known root at 0 out.
+               f(0:self%order - 1) = f(1:self%order)
+               f(self%order) = 0
+            end if
+            call first_root(f, h, root, hit)
+            if (.not. hit) cycle
+            h = root
+            found = .true.
+            mesh = j
+            side = s
+         end do
+      end do
+   end subroutine first_event
+
+   !> Displacement of a mesh at time tau into the latest step (0 <= tau <= length).
+   pure real(dp) function displacement(self, mesh, tau)
+      class(flow_type), intent(in) :: self
+      integer, intent(in) :: mesh
+      real(dp), intent(in) :: tau
+      integer :: k, n
+
+      n = self%system%mesh_element(mesh)
+      displacement = self%p(1, n, self%order)
+      do k = self%order - 1, 0, -1
+         displacement = displacement*tau + self%p(1, n, k)
+      end do
+   end function displacement
+
+   !> Its derivative with respect to time.
+   pure real(dp) function velocity(self, mesh, tau)
+      class(flow_type), intent(in) :: self
+      integer, intent(in) :: mesh
+      real(dp), intent(in) :: tau
+      integer :: k, n
+
+      n = self%system%mesh_element(mesh)
+      velocity = self%v(1, n, self%order)
+      do k = self%order - 1, 0, -1
+         velocity = velocity*tau + self%v(1, n, k)
+      end do
+   end function velocity
+
+end module geartrain_flow_flow

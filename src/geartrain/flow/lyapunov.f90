@@ -1,0 +1,148 @@
+!> The largest Lyapunov exponent of a motion for which no period was found, and what it is uncertain by.
+module geartrain_flow_lyapunov
+   use geartrain_base_kinds, only: dp, pi
+   use geartrain_base_observer, only: observer_type
+   use geartrain_flow_energy, only: energy_type
+   use geartrain_flow_flow, only: flow_type
+   use geartrain_flow_orbit, only: flow_order, flow_tolerance
+   use geartrain_model_system, only: system_type
+   implicit none (type, external)
+   private
+   public :: find_exponent, kind_of, largest_exponent
+
+   !> Share of the periods in which the tangent turns to the direction that grows fastest, not counted.
+   real(dp), parameter :: turning = 0.2_dp
+   !> Time over which growth is averaged at first [1] and fewest mesh periods.
+   real(dp), parameter :: average_over = 3000
+   integer, parameter :: fewest = 200
+   !> Uncertainties (times the mesh period) above which an exponent around 0 tells nothing, and below which it is known well enough.
+   real(dp), parameter :: largest_neutral = 2e-3_dp, precise = 1e-4_dp
+   !> Blocks whose averages tell the uncertainty; Student's t for 95 % with one degree of freedom less.
+   integer, parameter :: blocks = 6
+   real(dp), parameter :: student = 2.57_dp
+
+contains
+
+   !> What a motion is for which no period was found: `kind` of geartrain_balance_motion.
+   pure function kind_of(frequency_ratio, exponent, error) result(kind)
+      !> Lambda [1].
+      real(dp), intent(in) :: frequency_ratio
+      !> Largest Lyapunov exponent and its uncertainty, per unit of time [1].
+      real(dp), intent(in) :: exponent, error
+      character(14) :: kind
+
+      kind = 'undecided'
+      if (error < largest_neutral*frequency_ratio/(2*pi)) kind = 'quasi-periodic'
+      if (exponent > error) kind = 'chaotic'
+      if (exponent < -error) kind = 'still settling'
+   end function kind_of
+
+   !> Averages over 3000 units of time or 200 mesh periods, if that is more, and over twice as much again while neither the sign
+   !> is known nor that the exponent is next to 0; at most over `most` mesh periods. Not allocated where the observer or the state,
+   !> which ran away, ended it.
+   subroutine find_exponent(system, frequency_ratio, state, most, exponent, error, observer)
+      type(system_type), intent(in) :: system
+      !> Lambda [1].
+      real(dp), intent(in) :: frequency_ratio
+      !> (2*coordinates) at phase 0.
+      real(dp), intent(in) :: state(:)
+      integer, intent(in) :: most
+      !> Per unit of time [1], and its uncertainty.
+      real(dp), allocatable, intent(out) :: exponent
+      real(dp), intent(out) :: error
+      class(observer_type), intent(inout), optional :: observer
+      integer :: first
+
+      first = max(fewest, ceiling(min(1e8_dp, average_over*frequency_ratio/(2*pi))))
+      call average(system, frequency_ratio, state, min(first, most), most, exponent, error, observer)
+   end subroutine find_exponent
+
+   !> The same over a given number of mesh periods.
+   subroutine largest_exponent(system, frequency_ratio, state, periods, exponent, error, observer)
+      type(system_type), intent(in) :: system
+      real(dp), intent(in) :: frequency_ratio, state(:)
+      integer, intent(in) :: periods
+      real(dp), allocatable, intent(out) :: exponent
+      real(dp), intent(out) :: error
+      class(observer_type), intent(inout), optional :: observer
+
+      call average(system, frequency_ratio, state, periods, periods, exponent, error, observer)
+   end subroutine largest_exponent
+
+   !> Carries a tangent along, made a unit vector after each mesh period (Benettin), in the norm of the energy.
+   subroutine average(system, frequency_ratio, state, least, most, exponent, error, observer)
+      type(system_type), intent(in) :: system
+      real(dp), intent(in) :: frequency_ratio, state(:)
+      !> Mesh periods; those after which it may end.
+      integer, intent(in) :: least, most
+      real(dp), allocatable, intent(out) :: exponent
+      real(dp), intent(out) :: error
+      class(observer_type), intent(inout), optional :: observer
+      type(flow_type) :: flow
+      type(energy_type) :: energy
+      real(dp), allocatable :: growth(:)
+      real(dp) :: length, value
+      integer :: k, next
+      logical :: keep_going
+
+      error = 0
+      call energy%setup(system)
+      call flow%setup(system, 2, flow_order, flow_tolerance)
+      flow%x(1, :) = state
+      flow%x(2, :) = 1
+      flow%x(2, :) = flow%x(2, :)/norm2(energy%coordinates(flow%x(2, :)))
+      next = least
+      allocate (growth(next), source=0.0_dp)
+      do k = 1, most
+         call flow%start(frequency_ratio, 0.0_dp)
+         call flow%advance(2*pi/frequency_ratio)
+         if (system%interrupt%raised() .or. .not. all(abs(flow%x) < 1e100_dp)) return
+         length = norm2(energy%coordinates(flow%x(2, :)))
+         if (.not. length > 0) return
+         growth(k) = log(length)*frequency_ratio/(2*pi)
+         flow%x(2, :) = flow%x(2, :)/length
+         if (k >= next) then
+            call exponent_of(growth(int(turning*k) + 1:k), value, error)
+            if (k == most .or. abs(value) > error .or. error < precise*frequency_ratio/(2*pi)) exit
+            next = min(2*next, most)
+            growth = [growth, spread(0.0_dp, 1, next - k)]
+         end if
+         if (.not. present(observer)) cycle
+         keep_going = .true.
+         call observer%on_step('settling', k, frequency_ratio, keep_going)
+         if (.not. keep_going) return
+      end do
+      exponent = value
+   end subroutine average
+
+   !> Mean rate of growth and its uncertainty at 95 %. The mean weighs the middle most and the ends not at all, with all
+   !> derivatives, so that of what grows and shrinks in turn nothing is left. The uncertainty is that of the means of six blocks.
+   pure subroutine exponent_of(growth, exponent, error)
+      !> Rate of growth over each mesh period [1].
+      real(dp), intent(in) :: growth(:)
+      real(dp), intent(out) :: exponent, error
+      real(dp) :: part(blocks)
+      integer :: i, n
+
+      n = max(1, size(growth)/blocks)
+      part = [(weighted_mean(growth((i - 1)*n + 1:min(i*n, size(growth)))), i=1, blocks)]
+      exponent = weighted_mean(growth)
+      error = student*sqrt(sum((part - sum(part)/blocks)**2)/(blocks*(blocks - 1)))
+   end subroutine exponent_of
+
+   !> Mean with the weights exp(-1/(t (1 - t))), t from 0 to 1.
+   pure real(dp) function weighted_mean(values) result(mean)
+      real(dp), intent(in) :: values(:)
+      real(dp) :: weight(size(values)), t
+      integer :: i
+
+      mean = 0
+      if (size(values) == 0) return
+      do i = 1, size(values)
+         t = (i - 0.5_dp)/size(values)
+         weight(i) = exp(4 - 1/(t*(1 - t)))
+      end do
+      mean = sum(weight*values)/sum(weight)
+   end function weighted_mean
+
+end module geartrain_flow_lyapunov

@@ -1,0 +1,205 @@
+!> A known periodic orbit of the flow: its waveform and what is read off it, its monodromy matrix.
+module geartrain_flow_orbit
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_base_kinds, only: dp, pi
+   use geartrain_flow_floating, only: is_floating
+   use geartrain_flow_flow, only: flow_type
+   use geartrain_linalg_fftw, only: transform_type
+   use geartrain_linalg_trigonometric, only: transform_length
+   use geartrain_mesh_law_mesh_load, only: elastic, mesh_load_type, put_force, stiffness_samples
+   use geartrain_model_excitation, only: excited_harmonics, reach_of_sources
+   use geartrain_model_system, only: system_type
+   implicit none (type, external)
+   private
+   public :: begin_tangents, measure, stored_harmonics, sample_orbit, propagate, flow_order, flow_tolerance
+
+   !> Order and relative error of a step of the Taylor series, for states and shooting.
+   integer, parameter :: flow_order = 20
+   real(dp), parameter :: flow_tolerance = 1e-15_dp
+   !> Samples of the slowest and of the fastest mesh's period, at least: the coefficients of a motion with contact events fall as
+   !> k^-4, so aliasing is near 1e-12; and samples of the period of a harmonic that is stored.
+   integer, parameter :: samples_per_period = 1024, samples_per_tooth = 256, samples_per_harmonic = 4
+   !> Harmonics that are stored, where it is left to the program: of the fastest mesh's frequency, and of the highest that is
+   !> excited.
+   integer, parameter :: harmonics_per_tooth = 16, harmonics_per_source = 2
+
+contains
+
+   !> Carries a state and the identity over `period` mesh periods: the state reached and the monodromy matrix.
+   subroutine propagate(system, frequency_ratio, period, state, final, monodromy, slowest_event)
+      type(system_type), intent(in) :: system
+      real(dp), intent(in) :: frequency_ratio, state(:)
+      integer, intent(in) :: period
+      real(dp), intent(out) :: final(:), monodromy(:, :)
+      !> Smallest speed at a contact event: near 0 is grazing.
+      real(dp), intent(out), optional :: slowest_event
+      type(flow_type) :: flow
+      integer :: i, n
+
+      n = size(state)
+      call flow%setup(system, n + 1, flow_order, flow_tolerance)
+      call begin_tangents(flow, state)
+      if (present(slowest_event)) slowest_event = huge(1.0_dp)
+      do i = 1, period
+         call flow%start(frequency_ratio, 0.0_dp)
+         call flow%advance(2*pi/frequency_ratio)
+         if (present(slowest_event)) slowest_event = min(slowest_event, flow%slowest_event)
+      end do
+      final = flow%x(1, :)
+      monodromy = transpose(flow%x(2:, :))
+   end subroutine propagate
+
+   !> Sets the state and the identity as tangents of a flow of 2*coordinates + 1 columns.
+   pure subroutine begin_tangents(flow, state)
+      type(flow_type), intent(inout) :: flow
+      real(dp), intent(in) :: state(:)
+      integer :: i
+
+      flow%x = 0
+      flow%x(1, :) = state
+      do i = 1, size(state)
+         flow%x(i + 1, i) = 1
+      end do
+   end subroutine begin_tangents
+
+   !> Mesh displacement, and mesh force over k b_c where asked for, at `samples` equidistant instants of one period of the
+   !> orbit, (samples, mesh); shares of the period that each mesh spends on the back flank, in separation and on the drive flank.
+   subroutine sample_orbit(system, frequency_ratio, period, state, displacement, force, share)
+      type(system_type), intent(in) :: system
+      real(dp), intent(in) :: frequency_ratio, state(:)
+      integer, intent(in) :: period
+      real(dp), intent(out) :: displacement(:, :)
+      real(dp), intent(out), optional :: force(:, :)
+      !> (-1:1, mesh)
+      real(dp), intent(out), optional :: share(-1:, :)
+      type(flow_type) :: flow
+      real(dp) :: spacing, mesh_period, begun, spent(-1:1, system%meshes), velocity(size(displacement, 1), system%meshes)
+      integer :: i, j, q, contact(system%meshes)
+
+      call flow%setup(system, 1, flow_order, flow_tolerance)
+      flow%x(1, :) = state
+      mesh_period = 2*pi/frequency_ratio
+      spacing = period*mesh_period/size(displacement, 1)
+      call flow%start(frequency_ratio, 0.0_dp)
+      do j = 1, system%meshes
+         call flow%mesh_now(j, displacement(1, j), velocity(1, j))
+      end do
+      spent = 0
+      q = 2
+      do i = 1, period
+         call flow%start(frequency_ratio, 0.0_dp)
+         do while (flow%time < mesh_period)
+            if (system%interrupt%raised()) exit
+            begun = flow%time
+            contact = flow%contact
+            call flow%step(mesh_period)
+            do j = 1, system%meshes
+               spent(contact(j), j) = spent(contact(j), j) + flow%length
+            end do
+            do while (q <= size(displacement, 1))
+               associate (t => (q - 1)*spacing - (i - 1)*mesh_period)
+                  if (t > flow%time) exit
+                  do j = 1, system%meshes
+                     displacement(q, j) = flow%displacement(j, t - begun)
+                     velocity(q, j) = flow%velocity(j, t - begun)
+                  end do
+               end associate
+               q = q + 1
+            end do
+         end do
+      end do
+      if (system%interrupt%raised()) then
+         displacement = 0
+         velocity = 0
+      end if
+      if (present(share)) share = spent/(period*mesh_period)
+      if (.not. present(force)) return
+      force = stiffness_samples(system, period, size(force, 1))
+      do j = 1, system%meshes
+         force(:, j) = force(:, j)*elastic(displacement(:, j), system%half_backlash(j)) &
+                       + system%damping(system%mesh_element(j))*velocity(:, j)
+      end do
+   end subroutine sample_orbit
+
+   !> Harmonics of Lambda that tell what a motion is made of, where nobody says how many to store.
+   pure integer function stored_harmonics(system)
+      type(system_type), intent(in) :: system
+
+      stored_harmonics = maxval([harmonics_per_tooth*reach_of_sources(system), harmonics_per_source*excited_harmonics(system)])
+   end function stored_harmonics
+
+   !> Fills in a motion of given frequency, period and state: coefficients up to `harmonics` of Lambda (harmonics*period of
+   !> Lambda/period), rms over all harmonics, mean and extremes, what the meshes bear, whether
+   !> one of them floats.
+   subroutine measure(system, wanted, motion)
+      type(system_type), intent(in) :: system
+      !> Harmonics of Lambda; 0: `stored_harmonics`.
+      integer, intent(in) :: wanted
+      type(motion_type), intent(inout) :: motion
+      type(transform_type) :: transform
+      real(dp), allocatable :: p(:, :), force(:, :)
+      real(dp) :: share(-1:1, system%meshes)
+      integer :: harmonics, j, k, q
+
+      harmonics = wanted
+      if (wanted == 0) harmonics = stored_harmonics(system)
+      q = motion%period*transform_length(max(samples_per_period, samples_per_tooth*reach_of_sources(system), &
+                                             samples_per_harmonic*harmonics))
+      allocate (p(q, system%meshes), force(q, system%meshes))
+      call sample_orbit(system, motion%frequency_ratio, motion%period, motion%state, p, force, share)
+      call transform%plan(q)
+      if (allocated(motion%coefficients)) deallocate (motion%coefficients)
+      allocate (motion%coefficients(1 + 2*harmonics*motion%period, system%meshes))
+      motion%mean = sum(p, 1)/q
+      motion%rms = [(sqrt(2*sum((p(:, j) - motion%mean(j))**2)/q), j=1, system%meshes)]
+      motion%minimum = [(-peak(-p(:, j)), j=1, system%meshes)]
+      motion%maximum = [(peak(p(:, j)), j=1, system%meshes)]
+      if (allocated(motion%mesh_load)) deallocate (motion%mesh_load)
+      allocate (motion%mesh_load(system%meshes))
+      do j = 1, system%meshes
+         call put_force(system, j, peak(force(:, j)), peak(-force(:, j)), motion%mesh_load(j))
+         if (.not. system%half_backlash(j) > 0) cycle
+         motion%mesh_load(j)%separation = share(0, j)
+         motion%mesh_load(j)%back_contact = share(-1, j)
+      end do
+      motion%floating = is_floating(system, motion)
+      do j = 1, system%meshes
+         transform%sample = p(:, j)
+         call transform%to_coefficients()
+         motion%coefficients(1, j) = motion%mean(j)
+         do k = 1, harmonics*motion%period
+            motion%coefficients(2*k, j) = 2*real(transform%coefficient(k + 1), dp)/q
+            motion%coefficients(2*k + 1, j) = -2*aimag(transform%coefficient(k + 1))/q
+         end do
+      end do
+   end subroutine measure
+
+   !> Largest value of a periodic sequence: of the polynomial through the largest sample and two neighbours on either side.
+   pure real(dp) function peak(p)
+      real(dp), intent(in) :: p(:)
+      !> Differences from the largest sample.
+      real(dp) :: d(-2:2), c(4), x, slope, curvature
+      integer :: i, k, n
+
+      n = size(p)
+      i = maxloc(p, 1)
+      peak = p(i)
+      do k = -2, 2
+         d(k) = p(modulo(i - 1 + k, n) + 1) - p(i)
+      end do
+      ! c(1) x + c(2) x**2 + c(3) x**3 + c(4) x**4, x counting samples from the largest.
+      c(1) = (8*(d(1) - d(-1)) - (d(2) - d(-2)))/12
+      c(2) = (16*(d(1) + d(-1)) - (d(2) + d(-2)))/24
+      c(3) = ((d(2) - d(-2)) - 2*(d(1) - d(-1)))/12
+      c(4) = ((d(2) + d(-2)) - 4*(d(1) + d(-1)))/24
+      x = 0
+      do k = 1, 4
+         slope = c(1) + x*(2*c(2) + x*(3*c(3) + x*4*c(4)))
+         curvature = 2*c(2) + x*(6*c(3) + x*12*c(4))
+         if (.not. curvature < 0) return
+         x = max(-1.0_dp, min(1.0_dp, x - slope/curvature))
+      end do
+      peak = max(peak, p(i) + x*(c(1) + x*(c(2) + x*(c(3) + x*c(4)))))
+   end function peak
+
+end module geartrain_flow_orbit

@@ -1,0 +1,107 @@
+!> Periodic orbits near the way of the flow, whether they attract or repel: starts for a branch where the flow settles on no motion
+!> of the period that is wanted.
+module geartrain_flow_orbit_search
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_base_kinds, only: dp, pi
+   use geartrain_base_observer, only: observer_type
+   use geartrain_flow_flow, only: flow_type
+   use geartrain_flow_orbit, only: flow_order, flow_tolerance, measure
+   use geartrain_flow_settling, only: most_states
+   use geartrain_flow_shooting, only: find_orbit
+   use geartrain_flow_start_state, only: resting_state
+   use geartrain_model_system, only: system_type
+   implicit none (type, external)
+   private
+   public :: orbit_search_type
+
+   !> Sections that Newton's method is tried on, and its steps at most.
+   integer, parameter :: most_sections = 128, most_steps = 15
+   !> States of one orbit agree to this (relative).
+   real(dp), parameter :: same = 1e-6_dp
+
+   type :: orbit_search_type
+      !> Lambda [1], longest period [mesh periods], harmonics of Lambda that an orbit is described by.
+      real(dp), private :: frequency_ratio = 1
+      integer, private :: longest = 1, harmonics = 1
+      !> Mesh periods so far; the trial that comes next there: 2*period - 1 and 2*period.
+      integer, private :: periods = 0, trial = 1
+      !> The latest sections, the last one first, (2*coordinates, 0:longest).
+      real(dp), allocatable, private :: section(:, :)
+      !> States of the orbits found, (2*coordinates, orbit).
+      real(dp), allocatable, private :: known(:, :)
+      type(flow_type), private :: flow
+   contains
+      procedure :: begin
+      procedure :: next
+   end type orbit_search_type
+
+contains
+
+   !> From rest, for orbits whose period divides `longest`.
+   subroutine begin(self, system, frequency_ratio, longest, harmonics)
+      class(orbit_search_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      real(dp), intent(in) :: frequency_ratio
+      integer, intent(in) :: longest, harmonics
+
+      self%frequency_ratio = frequency_ratio
+      self%longest = longest
+      self%harmonics = harmonics
+      self%periods = 0
+      self%trial = 2*longest + 1
+      call self%flow%setup(system, 1, flow_order, flow_tolerance)
+      self%flow%x(1, :) = resting_state(system)
+      if (allocated(self%section)) deallocate (self%section)
+      allocate (self%section(size(self%flow%x, 2), 0:longest))
+      self%section = spread(self%flow%x(1, :), 2, longest + 1)
+      if (allocated(self%known)) deallocate (self%known)
+      allocate (self%known(size(self%flow%x, 2), 0))
+   end subroutine begin
+
+   !> The next orbit that was not found before. Not found where the sections are used up, the flow runs away, or the
+   !> observer ends it.
+   subroutine next(self, motion, found, observer)
+      class(orbit_search_type), intent(inout) :: self
+      type(motion_type), intent(out) :: motion
+      logical, intent(out) :: found
+      class(observer_type), intent(inout), optional :: observer
+      real(dp) :: state(size(self%flow%x, 2)), monodromy(size(self%flow%x, 2), size(self%flow%x, 2)), length
+      logical :: keep_going
+      integer :: i
+
+      found = .false.
+      if (size(state) > most_states) return
+      do
+         if (self%trial > 2*self%longest) then
+            if (self%periods == most_sections) return
+            self%periods = self%periods + 1
+            self%trial = 1
+            call self%flow%start(self%frequency_ratio, 0.0_dp)
+            call self%flow%advance(2*pi/self%frequency_ratio)
+            if (self%flow%system%interrupt%raised() .or. .not. all(abs(self%flow%x) < 1e100_dp)) return
+            self%section = eoshift(self%section, -1, dim=2)
+            self%section(:, 0) = self%flow%x(1, :)
+            keep_going = .true.
+            if (present(observer)) call observer%on_step('settling', self%periods, self%frequency_ratio, keep_going)
+            if (.not. keep_going) return
+         end if
+         motion%period = (self%trial + 1)/2
+         self%trial = self%trial + 1
+         if (mod(self%longest, motion%period) /= 0) cycle
+         state = self%section(:, 0)
+         ! An orbit that a period doubling has left unstable lies between the two halves of the doubled one.
+         if (mod(self%trial, 2) > 0) state = (state + self%section(:, motion%period))/2
+         call find_orbit(self%flow%system, self%frequency_ratio, motion%period, most_steps, state, monodromy, length, found)
+         if (.not. found) cycle
+         found = .not. any([(maxval(abs(self%known(:, i) - state)) < same*maxval(abs(state)), i=1, size(self%known, 2))])
+         if (.not. found) cycle
+         self%known = reshape([self%known, state], [size(state), size(self%known, 2) + 1])
+         motion%frequency_ratio = self%frequency_ratio
+         motion%state = state
+         motion%error_estimate = length
+         call measure(self%flow%system, self%harmonics, motion)
+         return
+      end do
+   end subroutine next
+
+end module geartrain_flow_orbit_search

@@ -1,0 +1,156 @@
+!> One linearized flight over the period of an orbit, for shooting: the states at the beginnings of its sections, and how what is
+!> missed where one ends and the next begins depends on the first of them and on Lambda.
+!>
+!> The tangents go through from section to section, so several sections cost no more than one. What Newton's method changes is the
+!> state at time 0 (y) and Lambda (l); those at the other beginnings follow from them:
+!>    change of state k = transfer(k) y + drift(k) l + missed(k),   closed where k = sections + 1 changes as k = 1 does.
+module geartrain_flow_sections
+   use geartrain_base_kinds, only: dp, pi
+   use geartrain_flow_flow, only: flow_type
+   use geartrain_flow_orbit, only: flow_order, flow_tolerance
+   use geartrain_model_system, only: system_type
+   implicit none (type, external)
+   private
+   public :: sections_type
+
+   !> Relative difference of Lambda for the drift, by a central difference: rounding leaves 1e-13 over it, which a Newton step
+   !> bears.
+   real(dp), parameter :: difference = 1e-7_dp
+
+   type :: sections_type
+      !> In mesh periods; sections of the whole.
+      integer :: period = 1, sections = 1
+      logical, private :: moves = .false.
+      !> (2*coordinates, 2*coordinates, 2:sections) and (2*coordinates, 2:sections + 1).
+      real(dp), allocatable :: transfer(:, :, :), drift(:, :), missed(:, :)
+      !> (2*coordinates, 2*coordinates): the transfer over all of them.
+      real(dp), allocatable :: monodromy(:, :)
+      type(flow_type), private :: flow, single
+   contains
+      procedure :: setup
+      procedure :: fly
+      procedure :: guess
+      procedure :: step_at
+      procedure :: interrupted
+   end type sections_type
+
+contains
+
+   !> Prepares for orbits of `period` mesh periods, each of them in `parts` sections.
+   subroutine setup(self, system, period, parts, moves)
+      class(sections_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: period, parts
+      !> Lambda is to change as well.
+      logical, intent(in) :: moves
+      integer :: columns
+
+      self%period = period
+      self%sections = period*parts
+      self%moves = moves
+      columns = 2*system%coordinates + 1
+      ! One section at constant Lambda needs no more; else what is missed, and the drift.
+      if (self%sections > 1) columns = columns + 1
+      if (moves) columns = columns + 1
+      associate (n => 2*system%coordinates, m => self%sections)
+         if (allocated(self%transfer)) deallocate (self%transfer, self%drift, self%missed, self%monodromy)
+         allocate (self%transfer(n, n, 2:m), self%drift(n, 2:m + 1), self%missed(n, 2:m + 1), self%monodromy(n, n))
+         call self%flow%setup(system, columns, flow_order, flow_tolerance)
+      end associate
+      if (columns > 2*system%coordinates + 1) call self%single%setup(system, 1, flow_order, flow_tolerance)
+   end subroutine setup
+
+   !> The states at the beginnings of all sections by the flow from the first, (2*coordinates, section).
+   subroutine guess(self, frequency_ratio, states)
+      class(sections_type), intent(inout) :: self
+      real(dp), intent(in) :: frequency_ratio
+      real(dp), intent(inout) :: states(:, :)
+      integer :: k
+
+      do k = 1, self%sections - 1
+         states(:, k + 1) = states(:, k)
+         call carry(self%single, k, self%sections/self%period, frequency_ratio, states(:, k + 1))
+      end do
+   end subroutine guess
+
+   !> Flies all sections from `states`, (2*coordinates, section).
+   subroutine fly(self, frequency_ratio, states)
+      class(sections_type), intent(inout) :: self
+      real(dp), intent(in) :: frequency_ratio, states(:, :)
+      real(dp) :: ahead(size(states, 1)), behind(size(states, 1)), gap(size(states, 1))
+      integer :: k, n, parts
+
+      n = size(states, 1)
+      parts = self%sections/self%period
+      self%flow%x = 0
+      do k = 1, n
+         self%flow%x(k + 1, k) = 1
+      end do
+      self%drift = 0
+      self%missed = 0
+      associate (last => self%flow%columns)
+         do k = 1, self%sections
+            if (k > 1) self%transfer(:, :, k) = transpose(self%flow%x(2:n + 1, :))
+            self%flow%x(1, :) = states(:, k)
+            call fly_section(self%flow, k, parts, frequency_ratio)
+            gap = self%flow%x(1, :) - states(:, mod(k, self%sections) + 1)
+            if (self%sections > 1) then
+               self%flow%x(n + 2, :) = self%flow%x(n + 2, :) + gap
+               gap = self%flow%x(n + 2, :)
+            end if
+            self%missed(:, k + 1) = gap
+            if (.not. self%moves) cycle
+            ahead = states(:, k)
+            call carry(self%single, k, parts, (1 + difference)*frequency_ratio, ahead)
+            behind = states(:, k)
+            call carry(self%single, k, parts, (1 - difference)*frequency_ratio, behind)
+            self%flow%x(last, :) = self%flow%x(last, :) + (ahead - behind)/(2*difference*frequency_ratio)
+            self%drift(:, k + 1) = self%flow%x(last, :)
+         end do
+      end associate
+      self%monodromy = transpose(self%flow%x(2:n + 1, :))
+   end subroutine fly
+
+   !> Whether the flight may have ended before its time.
+   logical function interrupted(self)
+      class(sections_type), intent(in) :: self
+
+      interrupted = self%flow%system%interrupt%raised()
+   end function interrupted
+
+   !> What state k changes by, but for what it misses, where the first changes by `first` and Lambda by `frequency_ratio`.
+   pure function step_at(self, k, first, frequency_ratio) result(step)
+      class(sections_type), intent(in) :: self
+      integer, intent(in) :: k
+      real(dp), intent(in) :: first(:), frequency_ratio
+      real(dp) :: step(size(first))
+
+      step = first
+      if (k > 1) step = matmul(self%transfer(:, :, k), first) + frequency_ratio*self%drift(:, k)
+   end function step_at
+
+   !> Carries a state over section k.
+   subroutine carry(flow, k, parts, frequency_ratio, state)
+      type(flow_type), intent(inout) :: flow
+      integer, intent(in) :: k, parts
+      real(dp), intent(in) :: frequency_ratio
+      real(dp), intent(inout) :: state(:)
+
+      flow%x(1, :) = state
+      call fly_section(flow, k, parts, frequency_ratio)
+      state = flow%x(1, :)
+   end subroutine carry
+
+   !> Over section k, of which a mesh period has `parts`, with the columns that the flow has.
+   subroutine fly_section(flow, k, parts, frequency_ratio)
+      type(flow_type), intent(inout) :: flow
+      integer, intent(in) :: k, parts
+      real(dp), intent(in) :: frequency_ratio
+      integer :: part
+
+      part = mod(k - 1, parts)
+      call flow%start(frequency_ratio, 2*pi/frequency_ratio*part/parts)
+      call flow%advance(2*pi/frequency_ratio*(part + 1)/parts)
+   end subroutine fly_section
+
+end module geartrain_flow_sections

@@ -1,0 +1,177 @@
+!> Shooting: a periodic orbit to integration accuracy by Newton on the flow over its period, in one piece or, where that does not
+!> do, in sections. The force is continuous at contact events, so the monodromy matrix that comes with the flow is the exact
+!> derivative.
+module geartrain_flow_shooting
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_balance_repetition, only: divide_orders, repeat_motion, repetitions_of, take_one
+   use geartrain_base_error, only: error_type, fatal, status_ended_early
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: text
+   use geartrain_floquet_multipliers, only: eigenvalues, is_neutral, is_stable
+   use geartrain_flow_multiple_shooting, only: find_orbit_in_sections, has_converged, max_iterations, most_parts, &
+      section_states
+   use geartrain_flow_orbit, only: measure, propagate, stored_harmonics
+   use geartrain_flow_sections, only: sections_type
+   use geartrain_flow_start_state, only: state_of
+   use geartrain_linalg_elimination, only: factor_matrix, solve_factored
+   use geartrain_model_check, only: check_train
+   use geartrain_model_system, only: build_system, system_type
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: find_orbit, newton_step, refine
+
+contains
+
+   !> Polishes a motion: the same orbit to about 1e-11, its multipliers, its state at time 0. On failure the motion is left
+   !> as it was and the error says why.
+   subroutine refine(train, motion, error, in_sections, harmonics)
+      type(train_type), intent(in) :: train
+      type(motion_type), intent(inout) :: motion
+      type(error_type), allocatable, intent(out) :: error
+      !> The period in sections, which finds more orbits of strong instability and costs some time; left to the program it is tried
+      !> where one piece does not do.
+      logical, intent(in), optional :: in_sections
+      !> Of Lambda, that the motion is to have then; else as many as it has, and at least `stored_harmonics`.
+      integer, intent(in), optional :: harmonics
+      type(system_type) :: system
+      type(sections_type) :: sections
+      type(motion_type) :: guess, refined
+      real(dp), allocatable :: state(:), states(:, :), monodromy(:, :)
+      real(dp) :: frequency_ratio, length
+      integer :: n, times, kept
+      logical :: found, pieces(2)
+
+      call check_train(train, error)
+      if (allocated(error)) return
+      if (motion%period < 1) then
+         call fatal(error, 'refine: no period was found for this motion, so there is no orbit to refine')
+         return
+      end if
+      if (.not. (allocated(motion%state) .or. allocated(motion%coefficients))) then
+         call fatal(error, 'refine: the motion has neither a state nor coefficients')
+         return
+      end if
+      call build_system(train, system)
+      n = 2*system%coordinates
+      if (allocated(motion%state)) then
+         if (size(motion%state) /= n) call fatal(error, 'refine: a state of '//text(size(motion%state))//' values: must have ' &
+                                                 //text(n)//' (displacement of each elastic element, then the velocities)')
+      end if
+      if (.not. motion%frequency_ratio > 0) call fatal(error, 'refine: frequency = '//text(motion%frequency_ratio)//': must be > 0')
+      if (allocated(error)) return
+      kept = stored_harmonics(system)
+      if (allocated(motion%coefficients)) kept = max(kept, ((size(motion%coefficients, 1) - 1)/2)/motion%period)
+      if (present(harmonics)) kept = harmonics
+      guess = motion
+      times = repetitions_of(system, motion)
+      if (times > 1) then
+         call divide_orders(times, system)
+         call take_one(times, guess)
+      end if
+      ! In one piece, in sections.
+      pieces = .true.
+      if (present(in_sections)) pieces = [.not. in_sections, in_sections]
+      found = .false.
+      frequency_ratio = guess%frequency_ratio
+      if (pieces(1)) then
+         allocate (state(n), monodromy(n, n))
+         call state_of(system, guess, state)
+         call find_orbit(system, frequency_ratio, motion%period, max_iterations, state, monodromy, length, found)
+      end if
+      if (pieces(2) .and. .not. (found .or. system%interrupt%raised())) then
+         call sections%setup(system, motion%period, most_parts(system, motion%period), moves=.false.)
+         call section_states(system, guess, sections, states)
+         call find_orbit_in_sections(sections, frequency_ratio, states, length, found)
+         state = states(:, 1)
+         monodromy = sections%monodromy
+      end if
+      if (system%interrupt%raised()) then
+         call fatal(error, 'refine: interrupted', status_ended_early)
+      else if (found) then
+         call finish()
+      else
+         call fatal(error, 'refine: shooting does not converge at Lambda = '//text(motion%frequency_ratio)//' (period ' &
+                    //text(motion%period)//', last relative step '//text(length)//')', status_ended_early)
+      end if
+
+   contains
+
+      subroutine finish()
+         refined%frequency_ratio = guess%frequency_ratio
+         refined%period = motion%period
+         refined%share = motion%share
+         refined%state = state
+         refined%error_estimate = length
+         call measure(system, max(1, kept/times), refined)
+         allocate (refined%multipliers(n))
+         call eigenvalues(monodromy, refined%multipliers)
+         if (times > 1) call repeat_motion(times, kept, refined)
+         refined%frequency_ratio = motion%frequency_ratio
+         refined%stable = is_stable(refined%multipliers)
+         refined%undecided = is_neutral(refined%multipliers)
+         motion = refined
+      end subroutine finish
+
+   end subroutine refine
+
+   !> Newton on the flow over `period` mesh periods, from `state` to the state of an orbit near it.
+   subroutine find_orbit(system, frequency_ratio, period, most, state, monodromy, length, found, flights)
+      type(system_type), intent(in) :: system
+      !> Lambda [1].
+      real(dp), intent(in) :: frequency_ratio
+      !> Mesh periods; Newton steps at most.
+      integer, intent(in) :: period, most
+      !> (2*coordinates) at phase 0; where no orbit is found it is what the last step left.
+      real(dp), intent(inout) :: state(:)
+      !> Of the orbit found, (state, state).
+      real(dp), intent(out) :: monodromy(:, :)
+      !> Last Newton step relative to the state [1].
+      real(dp), intent(out) :: length
+      logical, intent(out) :: found
+      !> Times that the state and its tangents were carried over the period.
+      integer, intent(out), optional :: flights
+      real(dp) :: final(size(state)), step(size(state)), before, scale, gap
+      integer :: i, info
+
+      found = .false.
+      length = 0
+      before = huge(1.0_dp)
+      do i = 1, most
+         if (present(flights)) flights = i
+         call propagate(system, frequency_ratio, period, state, final, monodromy)
+         if (system%interrupt%raised()) return
+         call newton_step(state, final, monodromy, step, info)
+         scale = max(maxval(abs(state)), tiny(1.0_dp))
+         gap = maxval(abs(final - state))/scale
+         length = maxval(abs(step))/scale
+         if (info /= 0 .or. .not. length < 10) return
+         state = state + step
+         found = has_converged(length, before, gap)
+         if (found) return
+         before = length
+      end do
+   end subroutine find_orbit
+
+   !> The step of Newton's method towards a state that the flow carries into itself.
+   subroutine newton_step(state, final, monodromy, step, info)
+      !> A state, what the flow makes of it, (2*coordinates).
+      real(dp), intent(in) :: state(:), final(:)
+      !> Derivative of `final`, (state, state).
+      real(dp), intent(in) :: monodromy(:, :)
+      real(dp), intent(out) :: step(:)
+      !> 0: there is a step.
+      integer, intent(out) :: info
+      real(dp) :: matrix(size(state), size(state))
+      integer :: pivot(size(state)), k
+
+      step = state - final
+      matrix = monodromy
+      do k = 1, size(state)
+         matrix(k, k) = matrix(k, k) - 1
+      end do
+      call factor_matrix(size(state), matrix, pivot, info)
+      if (info == 0) call solve_factored(size(state), 1, matrix, pivot, step)
+   end subroutine newton_step
+
+end module geartrain_flow_shooting

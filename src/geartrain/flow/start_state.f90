@@ -1,0 +1,94 @@
+!> States at time 0: at rest under the mean load, or of a motion given by its Fourier coefficients.
+module geartrain_flow_start_state
+   use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_base_kinds, only: dp, pi
+   use geartrain_model_receptance, only: linear_displacements
+   use geartrain_model_system, only: system_type
+   implicit none (type, external)
+   private
+   public :: resting_state, state_of, states_of
+
+contains
+
+   !> At rest, every mesh in contact under its mean load (see geartrain_flow_flow for what a state is), (2*coordinates).
+   pure function resting_state(system) result(state)
+      type(system_type), intent(in) :: system
+      real(dp) :: state(2*system%coordinates)
+      integer :: j
+
+      state = 0
+      do j = 1, system%meshes
+         associate (n => system%mesh_element(j))
+            if (n > system%coordinates) cycle
+            state(n) = system%static_force(n) + sign(system%half_backlash(j), system%static_force(n))
+         end associate
+      end do
+   end function resting_state
+
+   !> State at time 0 of a motion: its own where integration gave one, else from its coefficients.
+   subroutine state_of(system, motion, state)
+      type(system_type), intent(in) :: system
+      type(motion_type), intent(in) :: motion
+      real(dp), intent(out) :: state(:)
+      real(dp) :: states(size(state), 1)
+
+      if (allocated(motion%state)) then
+         state = motion%state
+         return
+      end if
+      call states_of(system, motion, states)
+      state = states(:, 1)
+   end subroutine state_of
+
+   !> States of a motion at equidistant instants of its period from time 0 on, (2*coordinates, instant), from its coefficients, with
+   !> the shafts' twists recovered from the mesh forces.
+   subroutine states_of(system, motion, states)
+      type(system_type), intent(in) :: system
+      type(motion_type), intent(in) :: motion
+      real(dp), intent(out) :: states(:, :)
+      type(balance_type) :: balance
+      real(dp), allocatable :: u(:, :)
+      complex(dp), allocatable :: amplitudes(:, :), turned(:)
+      real(dp) :: mean(system%elements)
+      integer :: highest, i, k
+
+      highest = (size(motion%coefficients, 1) - 1)/2
+      call balance%setup(system, highest, motion%period, 0)
+      allocate (u(balance%block, balance%unknowns), amplitudes(system%elements, size(balance%harmonic)))
+      do i = 1, balance%unknowns
+         u(1, i) = motion%coefficients(1, balance%mesh(i))
+         do k = 1, size(balance%harmonic)
+            associate (r => balance%harmonic(k))
+               u(2*k:2*k + 1, i) = motion%coefficients(2*r:2*r + 1, balance%mesh(i))
+            end associate
+         end do
+      end do
+      call balance%evaluate(u, motion%frequency_ratio)
+      do k = 1, size(balance%harmonic)
+         amplitudes(system%cut%element, k) = cmplx(u(2*k, :), -u(2*k + 1, :), dp)
+         call linear_displacements(system, motion%frequency_ratio, balance%harmonic(k), motion%period, &
+                                   cmplx(balance%force(2*k, :), -balance%force(2*k + 1, :), dp), amplitudes(:, k))
+      end do
+      ! The twist of a shaft is counted from that at rest.
+      do i = 1, system%elements
+         mean(i) = merge(system%static_force(i), 0.0_dp, system%element_mesh(i) > 0) &
+                   + system%mean%linear_displacement(system%cut, i, balance%force(1, :), system%static_force)
+      end do
+      mean(system%cut%element) = u(1, :)
+      do i = 1, size(states, 2)
+         associate (phase => 2*pi*(i - 1)/size(states, 2), state => states(:, i), e => system%coordinates)
+            state = 0
+            state(:e) = mean(:e)
+            do k = 1, size(balance%harmonic)
+               associate (r => balance%harmonic(k))
+                  turned = amplitudes(:e, k)*exp(cmplx(0, r*phase, dp))
+                  state(:e) = state(:e) + turned%re
+                  state(e + 1:) = state(e + 1:) - r*motion%frequency_ratio/motion%period*turned%im
+               end associate
+            end do
+         end associate
+      end do
+   end subroutine states_of
+
+end module geartrain_flow_start_state

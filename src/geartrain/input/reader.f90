@@ -1,0 +1,176 @@
+!> Reads a case file: all that is wrong with it is told at once, and nothing is taken over unless all is well.
+module geartrain_input_reader
+   use geartrain_analyses_case, only: case_type
+   use geartrain_analyses_stability_map_variables, only: visit_stability_map
+   use geartrain_base_error, only: error_type, fatal
+   use geartrain_base_numbers, only: integer_text
+   use geartrain_base_problems, only: problems_type
+   use geartrain_base_regular_file, only: is_regular_file
+   use geartrain_continuation_variables, only: visit_response
+   use geartrain_flow_variables, only: visit_attractors, visit_integration
+   use geartrain_input_assigner, only: assigner_type
+   use geartrain_input_check, only: check_analyses
+   use geartrain_input_order, only: check_order
+   use geartrain_input_scanner, only: group_type, scan_text
+   use geartrain_input_table, only: is_variable, list_variables, row_type, take_keyword, unknown_variable
+   use geartrain_input_variables, only: groups, visit_modes, visit_output
+   use geartrain_model_check, only: check_consistency
+   use geartrain_model_variables, only: visit_body, visit_mesh, visit_shaft, visit_train
+   implicit none (type, external)
+   private
+   public :: read_case, read_case_text
+
+   integer, parameter :: most_bytes = 10000000
+
+contains
+
+   !> Reads the case file `path`.
+   subroutine read_case(path, case, error)
+      character(*), intent(in) :: path
+      type(case_type), intent(out) :: case
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: text
+
+      call load(path, text, error)
+      if (allocated(error)) return
+      call read_case_text(text, path, case, error)
+   end subroutine read_case
+
+   !> Reads a case from text.
+   subroutine read_case_text(text, name, case, error)
+      character(*), intent(in) :: text
+      !> What messages call the file, 'fig03.nml:14:4: error: ...'; '': they name the group alone, '&mesh 2: ...'.
+      character(*), intent(in) :: name
+      type(case_type), intent(out) :: case
+      type(error_type), allocatable, intent(out) :: error
+      type(assigner_type) :: reader
+      type(case_type) :: found
+      type(row_type), allocatable :: rows(:)
+      integer :: i, in_order
+
+      call scan_text(text, reader%groups, reader%problems)
+      if (reader%problems%count > 0 .and. size(reader%groups) == 0) then
+         call reader%problems%raise(name, error)
+         return
+      end if
+      call check_order(reader%groups, reader%problems)
+      in_order = reader%problems%count
+      call list_variables(rows)
+      do i = 1, size(reader%groups)
+         call check_names(reader%groups(i), rows, reader%problems)
+      end do
+      call read_groups(found, reader)
+      if (in_order == 0) call check_consistency(found%train, reader)
+      ! The text of a call has no name; the call may have a seed, and checks that by itself.
+      call check_analyses(found, name == '', reader)
+      call reader%locate()
+      call reader%problems%raise(name, error)
+      if (.not. allocated(error)) case = found
+   end subroutine read_case_text
+
+   !> Every variable is one of its group and stands there once.
+   subroutine check_names(group, rows, problems)
+      type(group_type), intent(inout) :: group
+      type(row_type), intent(in) :: rows(:)
+      type(problems_type), intent(inout) :: problems
+      character(:), allocatable :: text, meant
+      integer :: i, j
+
+      if (.not. any(groups%name == group%name)) return
+      do i = 1, size(group%assignments)
+         associate (this => group%assignments(i))
+            call take_keyword(this%name, group%name, rows)
+            if (.not. is_variable(this%name, group%name, rows)) then
+               call unknown_variable(this%name, group%name, rows, text, meant)
+               call problems%add(text, group%name, group%index, meant, this%line, this%column, names_group=.true.)
+               this%bad = .true.
+               cycle
+            end if
+            do j = 1, i - 1
+               if (group%assignments(j)%name /= this%name) cycle
+               call problems%add(this%name//' is given twice; the first is on line '// &
+                                 integer_text(group%assignments(j)%line), group%name, group%index, &
+                                 line=this%line, column=this%column)
+               this%bad = .true.
+               exit
+            end do
+         end associate
+      end do
+   end subroutine check_names
+
+   !> Leads the reader over the groups of the file, each with the part of the case that it fills.
+   subroutine read_groups(case, reader)
+      type(case_type), intent(inout) :: case
+      type(assigner_type), intent(inout) :: reader
+      integer :: i
+
+      allocate (case%train%shafts(reader%count_of('shaft')), case%train%meshes(reader%count_of('mesh')))
+      if (reader%count_of('body') > 0) allocate (case%train%bodies(reader%count_of('body')))
+      case%output_file = ''
+      case%train%title = ''
+      do i = 1, size(reader%groups)
+         associate (n => reader%groups(i)%index)
+            if (n > 1 .and. .not. any(reader%groups(i)%name == ['body ', 'shaft', 'mesh '])) cycle
+            select case (reader%groups(i)%name)
+            case ('train')
+               call visit_train(case%train, reader)
+            case ('body')
+               call visit_body(case%train%bodies(n), n, reader)
+            case ('shaft')
+               call visit_shaft(case%train%shafts(n), n, reader)
+            case ('mesh')
+               call visit_mesh(case%train%meshes(n), n, .not. allocated(case%train%bodies), reader)
+            case ('modes')
+               case%modes = .true.
+               call visit_modes(reader)
+            case ('response')
+               allocate (case%response)
+               call visit_response(case%response, reader)
+            case ('integration')
+               allocate (case%integration)
+               call visit_integration(case%integration, reader)
+            case ('attractors')
+               allocate (case%attractors)
+               call visit_attractors(case%attractors, reader)
+            case ('stability_map')
+               allocate (case%stability_map)
+               call visit_stability_map(case%stability_map, reader)
+            case ('output')
+               call visit_output(case%output_file, reader)
+            end select
+         end associate
+      end do
+   end subroutine read_groups
+
+   !> The whole file as text.
+   subroutine load(path, text, error)
+      character(*), intent(in) :: path
+      character(:), allocatable, intent(out) :: text
+      type(error_type), allocatable, intent(out) :: error
+      character(200) :: why
+      integer :: unit, status, bytes
+      logical :: exists
+
+      inquire (file=path, exist=exists)
+      if (.not. exists) then
+         call fatal(error, path//': error: there is no such file')
+         return
+      end if
+      bytes = -1
+      if (is_regular_file(path)) inquire (file=path, size=bytes)
+      if (bytes < 0 .or. bytes > most_bytes) then
+         call fatal(error, path//': error: a case file must be a regular file of at most 10 MB')
+         return
+      end if
+      open (newunit=unit, file=path, access='stream', form='unformatted', status='old', action='read', iostat=status, iomsg=why)
+      if (status /= 0) then
+         call fatal(error, path//': error: cannot be opened: '//trim(why))
+         return
+      end if
+      allocate (character(bytes) :: text)
+      read (unit, iostat=status, iomsg=why) text
+      close (unit)
+      if (status /= 0) call fatal(error, path//': error: cannot be read: '//trim(why))
+   end subroutine load
+
+end module geartrain_input_reader

@@ -1,0 +1,234 @@
+!> A case as text: the resolved namelist with every default, the commented template, and the reference tables.
+module geartrain_input_text
+   use geartrain_analyses_case, only: case_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: integer_text, real_text
+   use geartrain_base_variable, only: largest, smallest, variable_type, visitor_type
+   use geartrain_input_table, only: list_variables, row_type
+   use geartrain_input_variables, only: groups, visit_case
+   implicit none (type, external)
+   private
+   public :: case_text, commented_text, reference_text
+
+   !> Writes down the values that it is led over.
+   type, extends(visitor_type) :: writer_type
+      character(:), allocatable :: text
+      !> The group is explained: unit, range and description behind each variable, those not in force as comments.
+      logical :: commented = .false., explain = .false.
+   contains
+      procedure :: enter => begin_group
+      procedure :: leave => end_group
+      procedure :: on_real => write_real
+      procedure :: on_integer => write_integer
+      procedure :: on_logical => write_logical
+      procedure :: on_text => write_text
+      procedure :: on_list => write_list
+      procedure :: on_names => write_names
+      procedure, private :: write_line
+   end type writer_type
+
+   character(*), parameter :: newline = new_line('a')
+
+contains
+
+   !> The resolved namelist; numbers have the digits, up to 17, that read back to identical bits.
+   subroutine case_text(case, text)
+      type(case_type), intent(in) :: case
+      character(:), allocatable, intent(out) :: text
+      type(writer_type) :: writer
+      type(case_type) :: copy
+
+      copy = case
+      writer%text = ''
+      call visit_case(copy, writer)
+      call move_alloc(writer%text, text)
+   end subroutine case_text
+
+   !> The same with every variable explained where it first occurs.
+   subroutine commented_text(case, text)
+      type(case_type), intent(in) :: case
+      character(:), allocatable, intent(out) :: text
+      type(writer_type) :: writer
+      type(case_type) :: copy
+
+      copy = case
+      writer%text = ''
+      writer%commented = .true.
+      call visit_case(copy, writer)
+      call move_alloc(writer%text, text)
+   end subroutine commented_text
+
+   !> The groups and variables as Markdown tables, for docs/reference.md.
+   subroutine reference_text(text)
+      character(:), allocatable, intent(out) :: text
+      type(row_type), allocatable :: rows(:)
+      integer :: i, j
+
+      call list_variables(rows)
+      text = 'A real number that is not 0 has a magnitude from '//real_text(smallest)//' to '//real_text(largest)// &
+             '; in a list smaller ones count as well.'//newline// &
+             '`start` and `stop`, the keywords of calls, may stand for `from` and `to`, also at the end of a name.'//newline
+      do i = 1, size(groups)
+         text = text//newline//'### `&'//trim(groups(i)%name)//'`'//newline//newline//trim(groups(i)%description)//newline
+         if (.not. any(rows%group == groups(i)%name)) cycle
+         text = text//newline//'| Variable | Type | Unit | Default | Allowed | Meaning |'//newline// &
+                '|---|---|---|---|---|---|'//newline
+         do j = 1, size(rows)
+            if (rows(j)%group == groups(i)%name) call add_row(rows(j), text)
+         end do
+      end do
+   end subroutine reference_text
+
+   !> Adds the row of a Markdown table.
+   subroutine add_row(row, text)
+      type(row_type), intent(in) :: row
+      character(:), allocatable, intent(inout) :: text
+      character(:), allocatable :: default
+
+      default = trim(row%default)
+      if (row%variable%required) default = 'required'
+      text = text//'| `'//trim(row%variable%name)//'` | '//trim(row%kind)//' | '//trim(row%variable%unit)//' | '//default// &
+             ' | '//trim(row%variable%range())//' | '//trim(row%variable%description)//' |'//newline
+   end subroutine add_row
+
+   subroutine begin_group(self, group, index)
+      class(writer_type), intent(inout) :: self
+      character(*), intent(in) :: group
+      integer, intent(in) :: index
+      integer :: i
+
+      self%group = group
+      self%index = index
+      self%explain = self%commented .and. index == 1
+      if (self%explain) then
+         i = findloc(groups%name == group, .true., dim=1)
+         self%text = self%text//newline//'! '//trim(groups(i)%description)//newline
+      end if
+      self%text = self%text//'&'//group//newline
+   end subroutine begin_group
+
+   subroutine end_group(self)
+      class(writer_type), intent(inout) :: self
+
+      self%text = self%text//'/'//newline
+      self%group = ''
+   end subroutine end_group
+
+   subroutine write_real(self, variable, value, in_force)
+      class(writer_type), intent(inout) :: self
+      type(variable_type), intent(in) :: variable
+      real(dp), intent(inout) :: value
+      logical, intent(inout), optional :: in_force
+
+      if (present(in_force)) then
+         call self%write_line(variable, real_text(value), in_force)
+      else
+         call self%write_line(variable, real_text(value), .true.)
+      end if
+   end subroutine write_real
+
+   subroutine write_integer(self, variable, value)
+      class(writer_type), intent(inout) :: self
+      type(variable_type), intent(in) :: variable
+      integer, intent(inout) :: value
+
+      call self%write_line(variable, integer_text(value), .true.)
+   end subroutine write_integer
+
+   subroutine write_logical(self, variable, value)
+      class(writer_type), intent(inout) :: self
+      type(variable_type), intent(in) :: variable
+      logical, intent(inout) :: value
+
+      call self%write_line(variable, trim(merge('.true. ', '.false.', value)), .true.)
+   end subroutine write_logical
+
+   subroutine write_text(self, variable, value)
+      class(writer_type), intent(inout) :: self
+      type(variable_type), intent(in) :: variable
+      character(:), allocatable, intent(inout) :: value
+      character(:), allocatable :: word
+
+      word = "''"
+      if (allocated(value)) call quote(value, word)
+      call self%write_line(variable, word, .true.)
+   end subroutine write_text
+
+   !> A quote inside the text is doubled.
+   pure subroutine quote(value, quoted)
+      character(*), intent(in) :: value
+      character(:), allocatable, intent(out) :: quoted
+      integer :: i
+
+      quoted = "'"
+      do i = 1, len(value)
+         quoted = quoted//value(i:i)
+         if (value(i:i) == "'") quoted = quoted//"'"
+      end do
+      quoted = quoted//"'"
+   end subroutine quote
+
+   subroutine write_names(self, variable, value)
+      class(writer_type), intent(inout) :: self
+      type(variable_type), intent(in) :: variable
+      character(*), intent(inout) :: value(:)
+      character(:), allocatable :: joined, word
+      integer :: i
+
+      joined = ''
+      do i = 1, size(value)
+         call quote(trim(value(i)), word)
+         if (i > 1) joined = joined//', '
+         joined = joined//word
+      end do
+      call self%write_line(variable, joined, any(value /= ''))
+   end subroutine write_names
+
+   !> An empty list is left out: a namelist has no word for it. Explained, it is a comment with a zero to start from.
+   subroutine write_list(self, variable, value)
+      class(writer_type), intent(inout) :: self
+      type(variable_type), intent(in) :: variable
+      real(dp), allocatable, intent(inout) :: value(:)
+      character(:), allocatable :: joined
+      integer :: i
+
+      joined = ''
+      if (allocated(value)) then
+         do i = 1, size(value)
+            if (i > 1) joined = joined//', '
+            joined = joined//real_text(value(i))
+         end do
+      end if
+      if (joined == '') then
+         call self%write_line(variable, '0.0', .false.)
+      else
+         call self%write_line(variable, joined, .true.)
+      end if
+   end subroutine write_list
+
+   !> name = value, and where it is explained ! unit, range: description.
+   subroutine write_line(self, variable, value, in_force)
+      class(writer_type), intent(inout) :: self
+      type(variable_type), intent(in) :: variable
+      character(*), intent(in) :: value
+      logical, intent(in) :: in_force
+      character(:), allocatable :: line, note
+
+      if (.not. in_force .and. .not. self%explain) return
+      line = '   '
+      if (.not. in_force) line = '   ! '
+      line = line//trim(variable%name)//' = '//value
+      if (self%explain) then
+         note = trim(variable%unit)
+         if (variable%range() /= '') then
+            if (note /= '') note = note//', '
+            note = note//trim(variable%range())
+         end if
+         if (note /= '') note = note//': '
+         if (len(line) < 40) line = line//repeat(' ', 40 - len(line))
+         line = line//' ! '//note//trim(variable%description)
+      end if
+      self%text = self%text//line//newline
+   end subroutine write_line
+
+end module geartrain_input_text

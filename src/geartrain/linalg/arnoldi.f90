@@ -1,0 +1,162 @@
+!> Leading eigenvalues of a matrix known by its products alone: block Arnoldi, two vectors at a time, driven from outside: multiply
+!> the vectors of `latest`, hand the products to `extend`, ask `ritz` now and then.
+module geartrain_linalg_arnoldi
+   use geartrain_base_kinds, only: dp
+   use geartrain_linalg_lapack, only: dgeev, dgemm
+   implicit none (type, external)
+   private
+   public :: arnoldi_type, pair
+
+   !> Vectors of a block: as many columns as the propagator likes to carry at least.
+   integer, parameter :: pair = 2
+   !> What orthogonalisation may leave of a product before the space counts as exhausted.
+   real(dp), parameter :: nothing = 1e-13_dp
+
+   type :: arnoldi_type
+      !> Dimension of the space whose products are known.
+      integer :: dimension = 0
+      integer, private :: n = 0
+      !> Orthonormal basis, (n, most + pair); products of the basis in it, (most + pair, most).
+      real(dp), allocatable, private :: basis(:, :), projected(:, :)
+      !> Eigenvectors of the projection as LAPACK leaves them, and which of them is the first: of the latest `ritz`.
+      real(dp), allocatable, private :: vectors(:, :)
+      integer, private :: first = 1
+   contains
+      procedure :: begin
+      procedure :: latest
+      procedure :: extend
+      procedure :: ritz
+      procedure :: leading_vector
+   end type arnoldi_type
+
+contains
+
+   !> For a matrix of n rows and a space of at most `most` (even) dimensions.
+   subroutine begin(self, n, most)
+      class(arnoldi_type), intent(inout) :: self
+      integer, intent(in) :: n, most
+      integer :: i, k
+      logical :: independent
+
+      if (allocated(self%basis)) then
+         if (any(shape(self%basis) /= [n, most + pair])) deallocate (self%basis, self%projected)
+      end if
+      if (.not. allocated(self%basis)) allocate (self%basis(n, most + pair), self%projected(most + pair, most))
+      self%n = n
+      self%dimension = 0
+      self%projected = 0
+      ! Any vectors will do that have a share of every eigenvector; always the same, so that results do not depend on history.
+      do k = 1, pair
+         do i = 1, n
+            self%basis(i, k) = modulo(real(i, dp)*(sqrt(2.0_dp) + k)*sqrt(3.0_dp)*(i + 7*k), 1.0_dp) - 0.5_dp
+         end do
+      end do
+      call orthonormalise(self, 0, independent)
+   end subroutine begin
+
+   !> The two vectors whose products are wanted, (n, pair).
+   pure subroutine latest(self, vectors)
+      class(arnoldi_type), intent(in) :: self
+      real(dp), intent(out) :: vectors(:, :)
+
+      vectors = self%basis(:, self%dimension + 1:self%dimension + pair)
+   end subroutine latest
+
+   !> Takes the products of the latest vectors, (n, pair). Not independent: the space cannot be extended.
+   subroutine extend(self, products, independent)
+      class(arnoldi_type), intent(inout) :: self
+      real(dp), intent(in) :: products(:, :)
+      logical, intent(out) :: independent
+      integer :: m
+
+      m = self%dimension + pair
+      self%basis(:, m + 1:m + pair) = products
+      self%dimension = m
+      call orthonormalise(self, m, independent)
+   end subroutine extend
+
+   !> Makes the pair of vectors after the first m orthonormal to them and to each other; the factors go into the projection.
+   !> Twice is enough (Kahan and Parlett).
+   subroutine orthonormalise(self, m, independent)
+      class(arnoldi_type), intent(inout) :: self
+      integer, intent(in) :: m
+      logical, intent(out) :: independent
+      real(dp) :: factors(m + pair, pair), length, before
+      integer :: i, j, k, turn
+
+      independent = .true.
+      associate (v => self%basis, h => self%projected)
+         do turn = 1, 2
+            if (m == 0) exit
+            call dgemm('T', 'N', m, pair, self%n, 1.0_dp, v, self%n, v(:, m + 1:), self%n, 0.0_dp, factors, m + pair)
+            call dgemm('N', 'N', self%n, pair, m, -1.0_dp, v, self%n, factors, m + pair, 1.0_dp, v(:, m + 1:), self%n)
+            h(:m, m - pair + 1:m) = h(:m, m - pair + 1:m) + factors(:m, :)
+         end do
+         do k = m + 1, m + pair
+            before = norm2(v(:, k))
+            do turn = 1, 2
+               do j = m + 1, k - 1
+                  length = dot_product(v(:, j), v(:, k))
+                  v(:, k) = v(:, k) - length*v(:, j)
+                  if (m > 0) h(j, k - pair) = h(j, k - pair) + length
+               end do
+            end do
+            length = norm2(v(:, k))
+            independent = independent .and. length > nothing*before .and. length > nothing
+            if (.not. independent) return
+            do i = 1, self%n
+               v(i, k) = v(i, k)/length
+            end do
+            if (m > 0) h(k, k - pair) = length
+         end do
+      end associate
+   end subroutine orthonormalise
+
+   !> The eigenvalues of largest magnitude in the space, largest first, and the largest residual |A x - value x| of a unit vector x
+   !> among them.
+   subroutine ritz(self, values, residual)
+      class(arnoldi_type), intent(inout) :: self
+      complex(dp), intent(out) :: values(:)
+      real(dp), intent(out) :: residual
+      real(dp) :: h(self%dimension, self%dimension), re(self%dimension), im(self%dimension), work(34*self%dimension), empty(1, 1)
+      complex(dp) :: tail(pair)
+      logical :: left(self%dimension)
+      integer :: i, k, m, info
+
+      m = self%dimension
+      residual = huge(1.0_dp)
+      if (m < size(values)) return
+      h = self%projected(:m, :m)
+      if (allocated(self%vectors)) deallocate (self%vectors)
+      allocate (self%vectors(m, m))
+      call dgeev('N', 'V', m, h, m, re, im, empty, 1, self%vectors, m, work, size(work), info)
+      if (info /= 0) return
+      residual = 0
+      left = .true.
+      associate (last => self%vectors(m - pair + 1:, :), next => self%projected(m + 1:m + pair, m - pair + 1:m))
+         do i = 1, size(values)
+            k = maxloc(hypot(re, im), 1, left)
+            left(k) = .false.
+            values(i) = cmplx(re(k), im(k), dp)
+            ! A pair has its real part in one column and the imaginary part in the next.
+            if (im(k) > 0) tail = cmplx(last(:, k), last(:, k + 1), dp)
+            if (im(k) < 0) tail = cmplx(last(:, k - 1), -last(:, k), dp)
+            if (.not. abs(im(k)) > 0) tail = last(:, k)
+            residual = max(residual, norm2(abs(matmul(next, tail))))
+            if (i == 1) self%first = merge(k - 1, k, im(k) < 0)
+         end do
+      end associate
+   end subroutine ritz
+
+   !> Real and imaginary part of the eigenvector of the first value of the latest `ritz` (or of its conjugate), (n, pair).
+   subroutine leading_vector(self, value, vector)
+      class(arnoldi_type), intent(in) :: self
+      complex(dp), intent(in) :: value
+      real(dp), intent(out) :: vector(:, :)
+
+      vector(:, 1) = matmul(self%basis(:, :self%dimension), self%vectors(:, self%first))
+      vector(:, 2) = 0
+      if (abs(value%im) > 0) vector(:, 2) = matmul(self%basis(:, :self%dimension), self%vectors(:, self%first + 1))
+   end subroutine leading_vector
+
+end module geartrain_linalg_arnoldi

@@ -1,0 +1,150 @@
+!> LU factors of square matrices. Up to a few dozen rows plain loops are several times faster than a library, whose calls, packing
+!> and threads are made for large matrices; those go to LAPACK.
+module geartrain_linalg_elimination
+   use geartrain_base_kinds, only: dp
+   use geartrain_linalg_lapack, only: dgetrf, dgetrs
+   implicit none (type, external)
+   private
+   public :: factor_matrix, solve_factored
+
+   !> Most rows of a matrix that is eliminated here; columns that are solved for at a time.
+   integer, parameter :: most_rows = 32, most_columns = 32
+
+contains
+
+   !> LU factors in place, with row exchanges: row k was exchanged with row pivot(k). info = 0 when regular.
+   pure subroutine factor_matrix(n, a, pivot, info)
+      integer, intent(in) :: n
+      real(dp), intent(inout) :: a(n, n)
+      integer, intent(out) :: pivot(n), info
+      real(dp) :: held, largest
+      integer :: i, j, k, p
+
+      if (n > most_rows) then
+         call dgetrf(n, n, a, n, pivot, info)
+         return
+      end if
+      info = 0
+      do k = 1, n
+         p = k
+         largest = abs(a(k, k))
+         do i = k + 1, n
+            if (abs(a(i, k)) > largest) then
+               largest = abs(a(i, k))
+               p = i
+            end if
+         end do
+         pivot(k) = p
+         if (.not. largest > tiny(largest)) then
+            info = k
+            return
+         end if
+         if (p /= k) then
+            do j = 1, n
+               held = a(k, j)
+               a(k, j) = a(p, j)
+               a(p, j) = held
+            end do
+         end if
+         held = 1/a(k, k)
+         do i = k + 1, n
+            a(i, k) = held*a(i, k)
+         end do
+         do j = k + 1, n
+            do i = k + 1, n
+               a(i, j) = a(i, j) - a(k, j)*a(i, k)
+            end do
+         end do
+      end do
+   end subroutine factor_matrix
+
+   !> Solves in place for the columns of b with the factors of `factor_matrix`.
+   pure subroutine solve_factored(n, columns, a, pivot, b)
+      integer, intent(in) :: n, columns, pivot(n)
+      real(dp), intent(in) :: a(n, n)
+      real(dp), intent(inout) :: b(n, columns)
+      integer :: first, info
+
+      if (n > most_rows) then
+         call dgetrs('N', n, columns, a, n, pivot, b, n, info)
+         return
+      end if
+      if (columns == 1) then
+         call solve_column(n, a, pivot, b)
+         return
+      end if
+      do first = 1, columns, most_columns
+         call solve_columns(n, min(most_columns, columns - first + 1), a, pivot, b(1, first))
+      end do
+   end subroutine solve_factored
+
+   !> Row by row, so that the inner loops run over all columns.
+   pure subroutine solve_columns(n, columns, a, pivot, b)
+      integer, intent(in) :: n, columns, pivot(n)
+      real(dp), intent(in) :: a(n, n)
+      real(dp), intent(inout) :: b(n, columns)
+      real(dp) :: rows(most_columns, most_rows), held
+      integer :: i, k
+
+      rows(:columns, :n) = transpose(b)
+      do k = 1, n
+         if (pivot(k) == k) cycle
+         do i = 1, columns
+            held = rows(i, k)
+            rows(i, k) = rows(i, pivot(k))
+            rows(i, pivot(k)) = held
+         end do
+      end do
+      do k = 1, n - 1
+         do i = k + 1, n
+            call subtract(columns, a(i, k), rows(:, k), rows(:, i))
+         end do
+      end do
+      do k = n, 1, -1
+         held = 1/a(k, k)
+         rows(:columns, k) = held*rows(:columns, k)
+         do i = 1, k - 1
+            call subtract(columns, a(i, k), rows(:, k), rows(:, i))
+         end do
+      end do
+      b = transpose(rows(:columns, :n))
+   end subroutine solve_columns
+
+   pure subroutine subtract(columns, factor, row, from)
+      integer, intent(in) :: columns
+      real(dp), intent(in) :: factor, row(columns)
+      real(dp), intent(inout) :: from(columns)
+      integer :: i
+
+      !GCC$ unroll 1
+      do i = 1, columns
+         from(i) = from(i) - factor*row(i)
+      end do
+   end subroutine subtract
+
+   pure subroutine solve_column(n, a, pivot, b)
+      integer, intent(in) :: n, pivot(n)
+      real(dp), intent(in) :: a(n, n)
+      real(dp), intent(inout) :: b(n)
+      real(dp) :: held
+      integer :: i, k
+
+      do k = 1, n
+         held = b(k)
+         b(k) = b(pivot(k))
+         b(pivot(k)) = held
+      end do
+      do k = 1, n - 1
+         do i = k + 1, n
+            b(i) = b(i) - b(k)*a(i, k)
+         end do
+      end do
+      do k = n, 1, -1
+         b(k) = b(k)/a(k, k)
+         do i = 1, k - 1
+            b(i) = b(i) - b(k)*a(i, k)
+         end do
+      end do
+   end subroutine solve_column
+
+end module geartrain_linalg_elimination

@@ -1,0 +1,38 @@
+!> Results read back from their file, with the case that they are of.
+module geartrain_run_read_results
+   use geartrain_analyses_case, only: case_type
+   use geartrain_base_error, only: error_type, fatal, status_file
+   use geartrain_base_fields, only: fields_type
+   use geartrain_input_reader, only: read_case_text
+   use geartrain_run_results, only: open_results, results_type, take_results
+   implicit none (type, external)
+   private
+   public :: read_results
+
+contains
+
+   !> Reads a results file, or the checkpoint of a run under way. One of which any bit is not what this version of geartrain wrote
+   !> is refused.
+   subroutine read_results(path, case, results, error)
+      character(*), intent(in) :: path
+      type(case_type), intent(out) :: case
+      type(results_type), intent(out) :: results
+      type(error_type), allocatable, intent(out) :: error
+      type(fields_type) :: fields
+      character(:), allocatable :: input, written_by, wrong
+
+      call open_results(path, fields, input, written_by, wrong)
+      if (fields%count == 0) wrong = wrong//', or of an earlier version (format 1): run its case again'
+      if (wrong == '') then
+         call read_case_text(input, '', case, error)
+         if (allocated(error)) wrong = 'its case is none: '//error%message
+      end if
+      if (wrong == '') then
+         call take_results(fields, case, results, wrong)
+         if (wrong /= '') wrong = wrong//' in it does not agree with the rest'
+      end if
+      if (allocated(error)) deallocate (error)
+      if (wrong /= '') call fatal(error, path//': error: cannot be read as results: '//wrong, status_file)
+   end subroutine read_results
+
+end module geartrain_run_read_results
