@@ -85,7 +85,7 @@ contains
       if (success) call self%find_tangent(solution)
    end subroutine correct
 
-   !> Tangent at a solved solution point (after `solve_at`), Lambda growing or falling with `direction` = +1 or -1.
+   !> Tangent at a solution point (after `solve_at`), Lambda growing or falling with `direction` = +1 or -1.
    subroutine orient(self, solution, direction)
       class(corrector_type), intent(inout) :: self
       type(solution_point_type), intent(inout) :: solution
@@ -205,7 +205,7 @@ contains
       solution%tangent_frequency = y/length
    end subroutine find_tangent
 
-   !> Puts the coefficients of a solved solution point onto the present harmonics. Not by their order: fewer harmonics of Lambda are
+   !> Puts the coefficients of a solution point onto the present harmonics. Not by their order: fewer harmonics of Lambda are
    !> not always the first ones of more (needed_harmonics.f90).
    pure subroutine refit(self, solution)
       class(corrector_type), intent(in) :: self

@@ -114,7 +114,7 @@ contains
       end associate
    end subroutine visit_trace
 
-   !> A solved solution point of harmonics up to `highest`, of as many unknown meshes as the train has or less.
+   !> A solution point of harmonics up to `highest`, of as many unknown meshes as the train has or less.
    subroutine visit_place(solution, home, highest, meshes, fields)
       type(solution_point_type), intent(inout) :: solution
       character(*), intent(in) :: home

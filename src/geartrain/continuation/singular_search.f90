@@ -36,7 +36,7 @@ contains
       if (success) frequency_ratio = solution%frequency_ratio
    end subroutine find_crossing
 
-   !> From a solved solution point of the branch outwards; the unit critical vector is the tangent of what is found.
+   !> From a solution point of the branch outwards; the unit critical vector is the tangent of what is found.
    subroutine find_nearest(matrix, from, h, solution, success, taken, again)
       type(singular_type), intent(inout) :: matrix
       type(solution_point_type), intent(in) :: from

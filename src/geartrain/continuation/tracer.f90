@@ -18,8 +18,7 @@ module geartrain_continuation_tracer
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: tracer_type
-   public :: reached_end, came_back, closed_loop, left_by_amplitude, cancelled, stuck, full, met_half_period
+   public :: tracer_type, reached_end, came_back, closed_loop, left_by_amplitude, cancelled, stuck, full, met_half_period
 
    !> How a trace ended.
    integer, parameter :: reached_end = 1, came_back = 2, closed_loop = 3, left_by_amplitude = 4, cancelled = 5, stuck = 6, &
@@ -38,7 +37,7 @@ module geartrain_continuation_tracer
       type(recorder_type) :: recorder
       !> What the observer is told: 'response', or 'branch' for a further one.
       character(8) :: analysis = 'response'
-      !> Number of the part of the branch that is traced.
+      !> Number of the segment of the branch that is traced.
       integer :: segment = 1
       !> Points and special points of the branch before the step under way.
       integer :: kept(2) = 0
@@ -52,8 +51,7 @@ module geartrain_continuation_tracer
       !> Change of the tangent's Lambda part along the branch, at the latest step.
       real(dp), private :: curvature = 0
    contains
-      procedure :: prepare, record, trace, adapt, estimate_error
-      procedure :: tell_missed, note_state, restore_state
+      procedure :: prepare, record, trace, adapt, estimate_error, tell_missed, note_state, restore_state
       procedure, private :: relax, solve_again, stop_at, add_fold, add_changes
    end type tracer_type
 
@@ -75,7 +73,7 @@ contains
       self%corrector%local_control = self%settings%control == 'local'
    end subroutine prepare
 
-   !> Adds a solved solution point, the last one that `corrector` worked on, to the branch.
+   !> Adds a solution point, the last one that `corrector` worked on, to the branch.
    subroutine record(self, solution, branch)
       class(tracer_type), intent(inout) :: self
       type(solution_point_type), intent(in) :: solution
@@ -86,21 +84,21 @@ contains
       call self%recorder%add(self%corrector%balance, solution, self%estimate, self%segment, branch)
    end subroutine record
 
-   !> Error estimate of a solved solution point, the last one that `corrector` worked on. It may be known already.
+   !> Estimates the error of the solution point that `corrector` worked on last, unless it is known.
    subroutine estimate_error(self, solution)
       class(tracer_type), intent(inout) :: self
       type(solution_point_type), intent(in) :: solution
 
       if (self%estimated == self%corrector%evaluations) return
       self%estimated = self%corrector%evaluations
-      call find_error_estimate(self%corrector%balance, solution%u, solution%frequency_ratio, solution%tangent, &
-                               solution%tangent_frequency, self%curvature, &
-                               self%corrector%units%frequency_ratio, self%corrector%matrix, self%estimate)
+      associate (c => self%corrector, s => solution)
+         call find_error_estimate(c%balance, s%u, s%frequency_ratio, s%tangent, s%tangent_frequency, self%curvature, &
+                                  c%units%frequency_ratio, c%matrix, self%estimate)
+      end associate
    end subroutine estimate_error
 
    !> Follows the branch from `here` (solved, oriented, already a point of the branch) within [low, high]. Of the two bounds
-   !> `target` is the end and the other one a return. `here` becomes the solution point where the branch left by the amplitude
-   !> limit, if so.
+   !> `target` is the end and the other one a return. Where the branch passes the amplitude limit `here` becomes that point.
    subroutine trace(self, here, low, high, target, branch, outcome, reason, observer, began, point)
       class(tracer_type), intent(inout) :: self
       type(solution_point_type), intent(inout) :: here
@@ -155,8 +153,8 @@ contains
             call self%stop_at(merge(low, high, next%frequency_ratio < low), here, next, h, success)
             way = way_to(here, next, self%corrector%units)
          else if (success .and. .not. closing) then
-            longer = next_step(self%corrector, here, next, h, self%settings%step*max(1.0_dp, &
-                                                                                     self%corrector%length_of(next%u)/large))
+            longer = next_step(self%corrector, here, next, h, &
+                               self%settings%step*max(1.0_dp, self%corrector%length_of(next%u)/large))
             self%curvature = (next%tangent_frequency - here%tangent_frequency)/h
             crosses = crosses_branch(here, next)
             if (crosses) call find_crossing(self%corrector, here, h, crossing, located)
@@ -350,9 +348,8 @@ contains
       end associate
    end subroutine add_changes
 
-   !> Where the number of harmonics is left to the program: raises it until `solution`, just solved, is within the tolerance; the
-   !> solution points that go with it are padded alike. Where the balance of more harmonics finds no solution, all is as it was and
-   !> `success` is false.
+   !> With `harmonics = 0`: raises their number until `solution`, just solved, is within the tolerance; `here` and `origin` are
+   !> padded alike. Where the balance of more harmonics finds no solution, all is as it was and `success` is false.
    subroutine adapt(self, solution, success, here, origin, fixed)
       class(tracer_type), intent(inout) :: self
       type(solution_point_type), intent(inout) :: solution
