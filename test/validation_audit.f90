@@ -115,7 +115,7 @@ contains
       call tests%is_true(audit%as_estimated == 0 .and. all(audit%rows(:8)%estimate_wrong .or. audit%rows(:8)%doubtful), &
                          'points that are no motions')
       forged = branch
-      forged%special_points(1)%kind = 'torus'
+      forged%special_points(1)%kind = 'neimark-sacker'
       forged%special_points(2)%kind = 'period doubling'
       call audit_branch(paper_train(), forged, 0, 0, audit, error)
       call tests%is_true(count(audit%rows%verdict_wrong) == 2 .and. audit%confirmed == size(branch%special_points) - 2, &

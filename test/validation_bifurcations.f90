@@ -105,7 +105,7 @@ contains
    end subroutine antisymmetric_doublings
 
    !> With a soft shaft a symmetric and an antisymmetric doubling lie within one step; that shaft's own mode is on the unit circle
-   !> to 1e-9 where it has no damping, and no torus of the branch.
+   !> to 1e-9 where it has no damping, and no Neimark-Sacker point of the branch.
    subroutine doublings_together(tests)
       class(tests_type), intent(inout) :: tests
       type(branch_type) :: branch
@@ -123,7 +123,7 @@ contains
             call response(equal_stages(stiffness(i), ratio(i)), settings, branch, error)
             call tests%is_true(size(branch%special_points) == 4, 'four special points, whatever the step')
             if (size(branch%special_points) /= 4) cycle
-            call tests%is_true(all(branch%special_points%kind == 'period doubling'), 'doublings, no torus')
+            call tests%is_true(all(branch%special_points%kind == 'period doubling'), 'doublings, no Neimark-Sacker point')
             call tests%is_close(maxval(abs(branch%special_points%frequency_ratio - expected(:, i))), 0.0_dp, 2e-8_dp, &
                                 'their places')
          end do

@@ -85,7 +85,7 @@ def test_shapes_of_the_response(path):
             assert group[name].shape == (points, 1), name
         assert group["coefficients"].shape == (points, 1, 9)
         assert group["multipliers"].shape == (points, 2, 2)
-        for name in ("stable", "error_estimate", "estimate_doubtful", "harmonics", "part"):
+        for name in ("stable", "error_estimate", "estimate_doubtful", "harmonics", "segment"):
             assert group[name].shape == (points,), name
         assert group.attrs["harmonics"] == 4
         assert group.attrs["subharmonic"] == 1
@@ -127,7 +127,7 @@ def test_xarray_opens_each_group(path):
     assert list(modes.element.values) == ["mesh 1"]
 
     special = xarray.open_dataset(path, group="response/special_points", engine="h5netcdf")
-    assert set(special.kind.values) <= {"fold", "period doubling", "torus", "branch point"}
+    assert set(special.kind.values) <= {"fold", "period doubling", "neimark-sacker", "branch point"}
     assert special.rms.dims == ("special_point", "mesh")
 
 

@@ -41,7 +41,7 @@ module geartrain_analyses_audit_special_point
    type, extends(orbit_test_type) :: neimark_sacker_test_type
       integer :: pair = 1
    contains
-      procedure :: value => value_of_torus
+      procedure :: value => value_of_neimark_sacker
    end type neimark_sacker_test_type
 
 contains
@@ -66,7 +66,7 @@ contains
       end associate
    end function value_of_branching
 
-   pure real(dp) function value_of_torus(self, orbit) result(value)
+   pure real(dp) function value_of_neimark_sacker(self, orbit) result(value)
       class(neimark_sacker_test_type), intent(in) :: self
       type(orbit_type), intent(in) :: orbit
       integer :: i, n
@@ -79,7 +79,7 @@ contains
          value = abs(orbit%multipliers(i)) - 1
          return
       end do
-   end function value_of_torus
+   end function value_of_neimark_sacker
 
    !> Fills in the row of special point number `special`: where the exact one is, the counts, and what is wrong.
    subroutine audit_special_point(corrector, branch, special, row, exact)
@@ -216,7 +216,7 @@ contains
          end associate
       case ('period doubling')
          sense = -change
-      case ('torus')
+      case ('neimark-sacker')
          sense = max(-1, min(1, change))
       case default
          sense = 0
@@ -298,7 +298,7 @@ contains
          changes = min(abs(first%tangent_frequency), abs(last%tangent_frequency)) > level
       case ('period doubling')
          allocate (doubling_test_type :: test)
-      case ('torus')
+      case ('neimark-sacker')
          pairs = [pairs_outside(first%multipliers), pairs_outside(last%multipliers)]
          allocate (test, source=neimark_sacker_test_type(maxval(pairs)))
          changes = pairs(1) /= pairs(2)
@@ -317,7 +317,7 @@ contains
       complex(dp), intent(in) :: multipliers(:)
 
       select case (kind)
-      case ('torus')
+      case ('neimark-sacker')
          critical = pairs_outside(multipliers)
       case ('period doubling')
          critical = mod(count(is_real(multipliers) .and. multipliers%re < -1), 2)

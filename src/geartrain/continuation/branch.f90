@@ -42,8 +42,8 @@ module geartrain_continuation_branch
 
    !> A place on the branch that a reader looks for.
    type :: special_point_type
-      !> 'fold', 'period doubling', 'torus' (a pair of multipliers leaves the unit circle) or 'branch point' (another branch of the
-      !> same period crosses; a multiplier passes +1 without a fold).
+      !> 'fold', 'period doubling', 'neimark-sacker' (a pair of multipliers leaves the unit circle) or 'branch point' (another
+      !> branch of the same period crosses; a multiplier passes +1 without a fold).
       character(16) :: kind = ''
       real(dp) :: frequency_ratio = 0
       !> Index of the point before it.
@@ -117,7 +117,7 @@ module geartrain_continuation_branch
       logical, allocatable :: estimate_doubtful(:)
       !> Harmonics that each point was solved with, at most `harmonics`, (point).
       integer, allocatable :: point_harmonics(:)
-      !> Number of the part that a point belongs to, (point): a new one begins where the branch comes back from beyond the
+      !> Number of the segment that a point belongs to, (point): a new one begins where the branch comes back from beyond the
       !> amplitude limit, and with the points traced from `stop` where those from `start` do not get there.
       integer, allocatable :: segment(:)
       type(special_point_type), allocatable :: special_points(:)
@@ -188,7 +188,8 @@ contains
                              &beyond 0.1; 0 = not', optional=none), branch%estimate_doubtful)
       call carry(fields, row('harmonics', 'point', '1', 'harmonics of Lambda/subharmonic that the point was solved with', &
                              optional=none, most=branch%harmonics), branch%point_harmonics)
-      call carry(fields, row('part', 'point', '1', 'number of the part: a new one begins where the branch comes back from beyond &
+      call carry(fields, row('segment', 'point', '1', &
+                             'number of the segment: a new one begins where the branch comes back from beyond &
                              &the amplitude limit, or with the points traced from `to`: where those from `from` do not get there, &
                              &or get there at another motion than the one from rest', optional=none, least=1), branch%segment)
       if (fields%has('correction', allocated(branch%correction))) then

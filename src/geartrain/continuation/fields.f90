@@ -79,9 +79,10 @@ contains
       integer, intent(in) :: points
       class(fields_type), intent(inout) :: fields
 
-      call carry(fields, row('kind', '', '', 'fold; period doubling; torus: a pair of multipliers leaves the unit circle; branch &
-                             &point: another branch of the same period crosses, a multiplier passes +1 without a fold'), &
+      call carry(fields, row('kind', '', '', 'fold; period doubling; neimark-sacker: a pair of multipliers leaves the unit circle; &
+                             &branch point: another branch of the same period crosses, a multiplier passes +1 without a fold'), &
                  special%kind)
+      if (special%kind == 'torus') special%kind = 'neimark-sacker'
       call carry(fields, row('frequency', '', '1', about_frequency), special%frequency_ratio)
       call carry(fields, row('after_point', '', '1', 'the point of the branch before it', least=0, most=points), special%point)
       call carry(fields, row('rms', 'mesh', '1', about_rms), special%rms)
@@ -103,7 +104,7 @@ contains
          call carry(fields, row('steps', least=0), trace%steps)
          call carry(fields, row('harmonics', least=merge(1, 0, trace%steps > 0)), trace%harmonics)
          call carry(fields, row('step'), trace%step)
-         call carry(fields, row('bend'), trace%curvature)
+         call carry(fields, row('curvature'), trace%curvature)
          call carry(fields, row('missed', least=0), trace%missed)
          call carry(fields, row('sense'), trace%sense)
          call carry_text(fields, row('before', optional=.true.), trace%before)

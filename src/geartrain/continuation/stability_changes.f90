@@ -16,8 +16,8 @@ module geartrain_continuation_stability_changes
    public :: add_stability_changes
 
    !> Kinds of multipliers outside the circle: real below -1, complex pairs, real above +1.
-   integer, parameter :: doubling = 1, torus = 2, beyond_one = 3
-   character(*), parameter :: names(*) = [character(15) :: 'period doubling', 'torus']
+   integer, parameter :: doubling = 1, neimark_sacker = 2, beyond_one = 3
+   character(*), parameter :: names(*) = [character(15) :: 'period doubling', 'neimark-sacker']
    !> Beside a multiplier larger than this those near the unit circle are rounding: over a period of many teeth an unstable motion
    !> has such ones. Nothing is said of changes there.
    real(dp), parameter :: drowning = 1e11_dp
@@ -66,7 +66,7 @@ contains
          outside(doubling) = count(real_ones .and. multipliers%re < -1 - neutral)
          outside(beyond_one) = count(real_ones .and. multipliers%re > 1 + neutral)
          ! Of the leading multipliers of many the last one may lack its conjugate.
-         outside(torus) = (count(.not. real_ones .and. size > 1 + neutral) + 1)/2
+         outside(neimark_sacker) = (count(.not. real_ones .and. size > 1 + neutral) + 1)/2
       end associate
    end function outside
 
@@ -92,11 +92,11 @@ contains
       logical :: success
 
       change = outside(last) - outside(first)
-      if (change(doubling) == 0 .and. change(torus) == 0) return
+      if (change(doubling) == 0 .and. change(neimark_sacker) == 0) return
       if (all(mod(change([doubling, beyond_one]), 2) == 0) .and. stays(first, last)) return
-      if (abs(change(doubling)) == 1 .and. change(torus) == 0 .or. &
-          abs(change(torus)) == 1 .and. change(doubling) == 0 .and. change(beyond_one) == 0) then
-         kind = merge(doubling, torus, change(torus) == 0)
+      if (abs(change(doubling)) == 1 .and. change(neimark_sacker) == 0 .or. &
+          abs(change(neimark_sacker)) == 1 .and. change(doubling) == 0 .and. change(beyond_one) == 0) then
+         kind = merge(doubling, neimark_sacker, change(neimark_sacker) == 0)
          call locate(corrector, monodromy, piece, a, b, first, last, kind, solution)
          call add_special_point(branch, trim(names(kind)), solution%frequency_ratio, after - 1, branch%rms(:, after))
          return
@@ -109,9 +109,9 @@ contains
          return
       end if
       ! A pair became two real multipliers, or the reverse: what is left of the change is a crossing.
-      if (change(doubling)*change(torus) < 0) change = [mod(change(doubling), 2), 0, 0]
-      if (change(beyond_one)*change(torus) < 0) change(torus) = 0
-      do kind = doubling, torus
+      if (change(doubling)*change(neimark_sacker) < 0) change = [mod(change(doubling), 2), 0, 0]
+      if (change(beyond_one)*change(neimark_sacker) < 0) change(neimark_sacker) = 0
+      do kind = doubling, neimark_sacker
          do i = 1, abs(change(kind))
             call add_special_point(branch, trim(names(kind)), solution%frequency_ratio, after - 1, branch%rms(:, after))
          end do
