@@ -3,6 +3,7 @@ module audits
    use arguments, only: file_name_type
    use geartrain, only: audit_branch, audit_text, audit_type, branch_type, case_type, error_type, read_case, results_type, &
                         run_case, status_ended_early, status_input
+   use geartrain_analyses_dependencies, only: keep_branches
    use progress, only: begin_progress, progress_type
    use terminal, only: complain, hand_over, output_unit
    implicit none (type, external)
@@ -56,13 +57,7 @@ contains
       character(:), allocatable :: lines
       integer :: i
 
-      ! What no branch comes from is left out.
-      case%modes = .false.
-      if (allocated(case%integration)) deallocate (case%integration)
-      if (allocated(case%stability_map)) deallocate (case%stability_map)
-      if (allocated(case%attractors)) then
-         if (.not. case%attractors%follow) deallocate (case%attractors)
-      end if
+      call keep_branches(case)
       call begin_progress(progress, shown=alone)
       call run_case(case, '', results, error, progress)
       status = 0

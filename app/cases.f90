@@ -3,8 +3,10 @@ module cases
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_null_char, c_ptr
    use arguments, only: file_name_type
    use geartrain, only: case_type, error_type, read_case, results_type, run_case, status_ended_early, status_input
+   use geartrain_analyses_analysis, only: analysis_type
+   use geartrain_analyses_list, only: analyses, find_analysis
+   use geartrain_analyses_response, only: report_branches
    use progress, only: begin_progress, progress_type
-   use report, only: report_attractors, report_branches, report_integration, report_modes, report_response, report_stability_map
    use terminal, only: complain, hand_over, output_unit, tell_of_interrupts
    implicit none (type, external)
    private
@@ -211,25 +213,32 @@ contains
    end subroutine run
 
    subroutine report(job, results, progress)
-      type(job_type), intent(in) :: job
-      type(results_type), intent(in) :: results
+      type(job_type), intent(in), target :: job
+      type(results_type), intent(in), target :: results
       type(progress_type), intent(in) :: progress
+      class(analysis_type), allocatable :: analysis
+      integer :: i
 
-      if (allocated(results%modes)) call report_modes(results%modes)
-      if (allocated(results%response)) call report_response(results%response, progress%response_seconds)
-      if (allocated(results%integration)) call report_integration(results%integration, progress%integration_seconds)
-      if (allocated(results%attractors)) call report_attractors(results%attractors, progress%attractors_seconds)
-      if (allocated(results%stability_map)) call report_stability_map(results%stability_map, progress%map_seconds)
-      if (allocated(results%branches)) call report_branches(results%branches, progress%branch_seconds)
+      do i = 1, size(analyses)
+         call find_analysis(i, job%case, results, analysis)
+         if (analysis%begun) call analysis%report(output_unit, progress%seconds(i))
+      end do
+      if (allocated(results%branches)) call report_branches(results%branches, output_unit, progress%branch_seconds)
       if (job%status == 0 .or. job%status == status_ended_early) write (output_unit, '(2a)') 'Written: ', job%path
       call hand_over()
    end subroutine report
 
-   pure logical function asks_for_something(case)
-      type(case_type), intent(in) :: case
+   logical function asks_for_something(case)
+      type(case_type), intent(in), target :: case
+      type(results_type), target :: none
+      class(analysis_type), allocatable :: analysis
+      integer :: i
 
-      asks_for_something = case%modes .or. allocated(case%response) .or. allocated(case%integration) .or. &
-                           allocated(case%attractors) .or. allocated(case%stability_map)
+      asks_for_something = .false.
+      do i = 1, size(analyses)
+         call find_analysis(i, case, none, analysis)
+         asks_for_something = asks_for_something .or. analysis%asked
+      end do
    end function asks_for_something
 
    !> --output, else &output, else the name of the case with .h5, in the working directory.

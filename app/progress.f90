@@ -3,6 +3,8 @@ module progress
    use, intrinsic :: iso_c_binding, only: c_int
    use, intrinsic :: iso_fortran_env, only: error_unit, int64
    use geartrain, only: dp, observer_type
+   use geartrain_analyses_analysis, only: spoken
+   use geartrain_analyses_list, only: analyses, number_of
    implicit none (type, external)
    private
    public :: progress_type, begin_progress
@@ -11,8 +13,8 @@ module progress
       logical, private :: shown = .false.
       !> Clock counts: of the last line written, between two lines, of the last step.
       integer(int64), private :: last = 0, pause = 0, step = 0, rate = 1
-      !> Time spent on each analysis [s], a response with its refinement.
-      real(dp) :: response_seconds = 0, branch_seconds = 0, integration_seconds = 0, attractors_seconds = 0, map_seconds = 0
+      !> Time spent on each analysis of the list [s], a response with its refinement; on the further branches.
+      real(dp) :: seconds(size(analyses)) = 0, branch_seconds = 0
    contains
       procedure :: on_step
       procedure :: clear
@@ -51,35 +53,41 @@ contains
       real(dp), intent(in) :: frequency_ratio
       logical, intent(inout) :: keep_going
       integer(int64) :: now
-      integer :: status
+      integer :: status, number
+      character(len(analyses%steps)) :: steps
       real(dp) :: seconds
 
       call system_clock(now)
       seconds = real(now - self%step, dp)/real(self%rate, dp)
       self%step = now
-      select case (analysis)
-      case ('response', 'refinement')
-         self%response_seconds = self%response_seconds + seconds
-      case ('branch')
-         self%branch_seconds = self%branch_seconds + seconds
-      case ('attractors')
-         self%attractors_seconds = self%attractors_seconds + seconds
-      case ('stability map')
-         self%map_seconds = self%map_seconds + seconds
-      case default
-         self%integration_seconds = self%integration_seconds + seconds
-      end select
+      number = number_of_spoken(analysis)
+      if (number > 0) self%seconds(number) = self%seconds(number) + seconds
+      if (analysis == 'branch') self%branch_seconds = self%branch_seconds + seconds
       if (.not. self%shown .or. .not. keep_going .or. analysis == 'settling') return
       if (now - self%last < self%pause) return
       self%last = now
-      if (analysis == 'stability map') then
-         write (error_unit, '(3a, i0, a)', advance='no', iostat=status) to_line_start, analysis, ': ', done, ' rows'
-      else
-         write (error_unit, '(3a, i0, a, f8.4)', advance='no', iostat=status) to_line_start, analysis, ': ', done, &
-            trim(merge(' starts, Lambda =', ' points, Lambda =', analysis == 'attractors')), frequency_ratio
-      end if
+      steps = 'points'
+      if (number > 0) steps = analyses(number)%steps
+      write (error_unit, '(3a, i0, 2a)', advance='no', iostat=status) to_line_start, analysis, ': ', done, ' ', trim(steps)
+      if (steps /= 'rows') write (error_unit, '(a, f8.4)', advance='no', iostat=status) ', Lambda =', frequency_ratio
       flush (error_unit, iostat=status)
    end subroutine on_step
+
+   !> Number in the list of the analysis that an observer is told of, 0 where it is none: settling is that of time integration.
+   pure integer function number_of_spoken(analysis) result(number)
+      character(*), intent(in) :: analysis
+
+      select case (analysis)
+      case ('refinement')
+         number = number_of('response')
+      case ('settling')
+         number = number_of('integration')
+      case default
+         do number = size(analyses), 1, -1
+            if (spoken(analyses(number)%name) == analysis) return
+         end do
+      end select
+   end function number_of_spoken
 
    subroutine clear(self)
       class(progress_type), intent(in) :: self

@@ -1,11 +1,14 @@
 !> The public module of geartrain: everything that a Fortran caller needs, re-exported.
 module geartrain
+   use geartrain_analyses_attractors, only: attractors, attractors_settings_type, attractors_type, follow_attractors
    use geartrain_analyses_audit, only: audit_branch
    use geartrain_analyses_audit_result, only: audit_row_type, audit_type
    use geartrain_analyses_audit_text, only: audit_text
-   use geartrain_analyses_case, only: case_type
+   use geartrain_analyses_dependencies, only: locate_edges
+   use geartrain_analyses_integration, only: integrate, sweep, sweep_type
+   use geartrain_analyses_list, only: case_type, results_type
+   use geartrain_analyses_stability_grid, only: stability_map_settings_type, stability_map_type
    use geartrain_analyses_stability_map, only: stability_map
-   use geartrain_analyses_stability_map_settings, only: stability_map_settings_type, stability_map_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_error, only: error_type, status_ended_early, status_file, status_input
    use geartrain_base_interrupt, only: interrupt_by, interrupt_type
@@ -15,19 +18,14 @@ module geartrain
    use geartrain_continuation_branch, only: branch_type, response_settings_type, special_point_type
    use geartrain_continuation_contact_edges, only: locate_contact_edges
    use geartrain_continuation_contact_ranges, only: back_collision_ranges, separation_ranges
-   use geartrain_continuation_islands, only: follow_attractors
    use geartrain_continuation_jumps, only: jump_type, jumps
    use geartrain_continuation_refinement, only: refine_branch
    use geartrain_continuation_response, only: response
    use geartrain_continuation_solutions, only: solutions_at
    use geartrain_continuation_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
    use geartrain_continuation_switching, only: period_doubled
-   use geartrain_flow_attractors, only: attractors
-   use geartrain_flow_attractors_settings, only: attractors_settings_type, attractors_type
-   use geartrain_flow_integration, only: integrate
-   use geartrain_flow_integration_settings, only: integration_settings_type, sweep_type
+   use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_flow_shooting, only: refine
-   use geartrain_flow_sweep, only: sweep
    use geartrain_flow_waveform, only: waveform
    use geartrain_input_reader, only: read_case, read_case_text
    use geartrain_input_template, only: template_text
@@ -39,9 +37,8 @@ module geartrain
    use geartrain_model_modes, only: modes_type, natural_modes
    use geartrain_model_shaft, only: shaft_type
    use geartrain_model_train, only: train_type
-   use geartrain_run_edges, only: locate_edges
    use geartrain_run_read_results, only: read_results
-   use geartrain_run_results, only: results_type, write_results
+   use geartrain_run_results, only: write_results
    use geartrain_run_run_case, only: run_case
    implicit none (type, external)
    public

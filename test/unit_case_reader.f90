@@ -1,6 +1,6 @@
 !> Case files, good and bad: what is read, and the messages word for word.
 module unit_case_reader
-   use geartrain_analyses_case, only: case_type
+   use geartrain_analyses_list, only: case_type
    use geartrain_base_error, only: error_type, status_input
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text

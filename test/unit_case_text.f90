@@ -1,7 +1,7 @@
 !> A case as text: what is written reads back to the same bits; the template and the reference page agree with the table.
 module unit_case_text
    use, intrinsic :: iso_fortran_env, only: int64
-   use geartrain_analyses_case, only: case_type
+   use geartrain_analyses_list, only: case_type
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: real_text

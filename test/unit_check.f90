@@ -1,14 +1,14 @@
 !> Trains and settings that a Fortran caller fills: what is refused, word for word.
 module unit_check
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use geartrain_analyses_case, only: case_type
+   use geartrain_analyses_attractors, only: attractors_settings_type, check_attractors
+   use geartrain_analyses_integration, only: check_integration
+   use geartrain_analyses_list, only: case_type
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: response_settings_type
    use geartrain_continuation_variables, only: check_response
-   use geartrain_flow_attractors_settings, only: attractors_settings_type
    use geartrain_flow_integration_settings, only: integration_settings_type
-   use geartrain_flow_variables, only: check_attractors, check_integration
    use geartrain_input_template, only: paper_case
    use geartrain_model_check, only: check_train
    use geartrain_model_train, only: train_type

@@ -3,12 +3,12 @@ module unit_results
    use hdf5, only: h5aclose_f, h5aopen_by_name_f, h5aread_f, h5dclose_f, h5dget_space_f, h5dopen_f, h5dread_f, h5fclose_f, &
       h5fget_obj_count_f, h5fopen_f, h5lexists_f, h5sclose_f, h5sget_simple_extent_dims_f, h5f_acc_rdonly_f, &
       h5f_obj_all_f, h5t_native_double, h5t_native_integer, hid_t, hsize_t, size_t
-   use geartrain_analyses_case, only: case_type
+   use geartrain_analyses_list, only: case_type, results_type
    use geartrain_base_error, only: error_type, status_file
    use geartrain_base_kinds, only: dp
    use geartrain_results_file, only: check_place
    use geartrain_run_reference, only: output_reference
-   use geartrain_run_results, only: results_type, write_results
+   use geartrain_run_results, only: write_results
    use testing, only: tests_type
    implicit none (type, external)
    private

@@ -1,12 +1,12 @@
 !> Running a case: what is computed, cancelled, kept while it runs and left at the end.
 module unit_results_run
-   use geartrain_analyses_case, only: case_type
+   use geartrain_analyses_list, only: case_type, results_type
    use geartrain_base_error, only: error_type, status_ended_early, status_file
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_input_reader, only: read_case_text
    use geartrain_run_checkpoint, only: checkpoint_type
-   use geartrain_run_results, only: results_type, write_results
+   use geartrain_run_results, only: write_results
    use geartrain_run_run_case, only: run_case
    use testing, only: tests_type
    implicit none (type, external)

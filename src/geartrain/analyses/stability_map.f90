@@ -1,16 +1,21 @@
-!> Stability over Lambda and one parameter of the train: of the linear train from its equations alone, of the train with backlash
-!> from the motions on the branch that each value of the parameter has. Rows, one a value of the parameter, are spread over
-!> threads; each is computed by itself, so that the numbers do not depend on how many threads there are.
+!> The analysis &stability_map: stability over Lambda and one parameter of the train: of the linear train from its equations alone,
+!> of the train with backlash from the motions on the branch that each value of the parameter has. Rows, one a value of the
+!> parameter, are spread over threads; each is computed by itself, so that the numbers do not depend on how many threads there are.
 module geartrain_analyses_stability_map
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64, int8
-   use geartrain_analyses_stability_map_settings, only: map_row_type, stability_map_settings_type, stability_map_type
-   use geartrain_analyses_stability_map_variables, only: check_stability_map, train_with, unit_of
+   use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
+   use geartrain_analyses_stability_grid, only: check_consistency, check_stability_map, map_row_type, &
+      stability_map_settings_type, stability_map_type, train_with, unit_of, visit_map, visit_stability_map
    use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type, fatal, status_ended_early
+   use geartrain_base_fields, only: fields_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
+   use geartrain_base_variable, only: visitor_type
    use geartrain_continuation_branch, only: branch_type, response_settings_type
    use geartrain_continuation_response, only: response
    use geartrain_continuation_solutions, only: record_crossings
@@ -23,12 +28,106 @@ module geartrain_analyses_stability_map
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: stability_map
+   public :: stability_map, stability_map_analysis_type, stability_map_row
+
+   type(group_row_type), parameter :: stability_map_row = group_row_type('stability_map', &
+      'Asks for the stability over frequency and one parameter of the train, a stability chart.', steps='rows', set_aside=.true.)
 
    !> Motions of one row at one Lambda whose figures agree to this, relative to the largest displacement, are one.
    real(dp), parameter :: same = 1e-6_dp
 
+   type, extends(analysis_type) :: stability_map_analysis_type
+      type(stability_map_settings_type), pointer :: settings => null()
+      type(stability_map_type), pointer :: result => null()
+   contains
+      procedure :: visit_variables
+      procedure :: check
+      procedure :: give_example
+      procedure :: run
+      procedure :: tell_end
+      procedure :: visit_fields
+      procedure :: report
+   end type stability_map_analysis_type
+
 contains
+
+   subroutine visit_variables(self, visitor)
+      class(stability_map_analysis_type), intent(inout) :: self
+      class(visitor_type), intent(inout) :: visitor
+
+      call visit_stability_map(self%settings, visitor)
+   end subroutine visit_variables
+
+   subroutine check(self, train, seeded, checker)
+      class(stability_map_analysis_type), intent(in) :: self
+      type(train_type), intent(in) :: train
+      logical, intent(in) :: seeded
+      class(checker_type), intent(inout) :: checker
+
+      call check_consistency(train, self%settings, checker)
+   end subroutine check
+
+   subroutine give_example(self)
+      class(stability_map_analysis_type), intent(inout) :: self
+
+      self%settings%start = 0.2_dp
+      self%settings%stop = 4.2_dp
+      self%settings%parameter_stop = 0.5_dp
+   end subroutine give_example
+
+   subroutine run(self, train, error, observer, start)
+      class(stability_map_analysis_type), intent(inout) :: self
+      type(train_type), intent(in) :: train
+      type(error_type), allocatable, intent(out) :: error
+      class(observer_type), intent(inout) :: observer
+      type(motion_type), intent(in), optional :: start
+
+      if (.not. allocated(self%result%ended)) call stability_map(train, self%settings, self%result, error, observer)
+   end subroutine run
+
+   subroutine tell_end(self, complete, ended)
+      class(stability_map_analysis_type), intent(in) :: self
+      logical, intent(out) :: complete
+      character(:), allocatable, intent(out) :: ended
+
+      complete = self%result%complete
+      ended = ''
+      if (allocated(self%result%ended)) ended = self%result%ended
+   end subroutine tell_end
+
+   subroutine visit_fields(self, train, fields, summary)
+      class(stability_map_analysis_type), intent(inout) :: self
+      type(train_type), intent(in) :: train
+      class(fields_type), intent(inout) :: fields
+      logical, intent(in) :: summary
+
+      call visit_map(self%result, self%settings, fields)
+   end subroutine visit_fields
+
+   subroutine report(self, unit, seconds)
+      class(stability_map_analysis_type), intent(in) :: self
+      integer, intent(in) :: unit
+      real(dp), intent(in) :: seconds
+      integer :: points
+
+      associate (map => self%result)
+         write (unit, '(a, 2(i0, a), 5a)') 'Stability map: ', size(map%parameter), ' values of ', size(map%frequency_ratio), &
+            ' frequencies each, ', map%name, ' and Lambda, in ', fixed(seconds, 2), ' s'
+         points = size(map%frequency_ratio)*count(map%done)
+         if (points > 0) then
+            call report_share('no stable motion', count(map%stable_motions == 0), points, unit)
+            call report_share('several stable motions', count(map%stable_motions > 1), points, unit)
+         end if
+         if (allocated(map%ended)) write (unit, '(2a)') '    ended: ', map%ended
+      end associate
+   end subroutine report
+
+   subroutine report_share(what, part, whole, unit)
+      character(*), intent(in) :: what
+      integer, intent(in) :: part, whole, unit
+
+      if (part > 0) write (unit, '(6a)') '    ', what, ' on ', fixed(100*real(part, dp)/whole, 2), ' % of the map'
+   end subroutine report_share
 
    !> Computes the map. The observer is called after each row, by one thread at a time. A map under way (its rows are there, why it
    !> ended is not, as in a checkpoint of the same case) is taken up; one that is ended before all rows are done holds those done.

@@ -1,17 +1,15 @@
-!> The fields of motions: one by one, in a sweep (the group /integration) and in a search (the group /attractors).
+!> The fields of motions, of which an analysis gives a list.
 module geartrain_flow_fields
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
    use geartrain_balance_motion, only: motion_type
-   use geartrain_base_carry, only: carry, carry_text
+   use geartrain_base_carry, only: carry
    use geartrain_base_field, only: row => field_type
    use geartrain_base_fields, only: fields_type, listing, reading
    use geartrain_base_kinds, only: dp
-   use geartrain_flow_attractors_settings, only: attractors_type
-   use geartrain_flow_integration_settings, only: sweep_type
    use geartrain_mesh_law_mesh_load, only: mesh_load_type
    implicit none (type, external)
    private
-   public :: carry_loads, coefficient_axis, visit_attractors, visit_motions, visit_sweep
+   public :: carry_loads, coefficient_axis, visit_motions
    public :: about_coefficients, about_frequency, about_maximum, about_mean, about_mesh, about_minimum, about_multipliers, &
       about_rms, about_stable, about_true_ac_rms, about_undecided, on_stability
 
@@ -48,77 +46,6 @@ module geartrain_flow_fields
    end interface carry_loads
 
 contains
-
-   !> The motions of a sweep; those at the end without a frequency are still to come.
-   subroutine visit_sweep(sweep, points, fields)
-      type(sweep_type), allocatable, intent(inout) :: sweep
-      !> Motions that the sweep has in the end.
-      integer, intent(in) :: points
-      class(fields_type), intent(inout) :: fields
-      type(motion_type), allocatable :: motions(:)
-      character(4), allocatable :: direction(:)
-      integer :: n, i
-
-      if (.not. fields%enter('/integration', 'time integration to steady motion over a range of frequencies, each begun with &
-                             &the state that the one before ended in', allocated(sweep))) return
-      if (.not. allocated(sweep)) allocate (sweep)
-      n = 0
-      if (allocated(sweep%motions)) n = count(sweep%motions%frequency_ratio > 0)
-      if (n > 0) call fields%describe('coordinates', 'frequency direction')
-      call carry_text(fields, row('ended', '', '', 'why it ended, in words, and whether the train floats in its gaps'), &
-                      sweep%ended, 'not yet: these are the points so far')
-      call carry(fields, row('complete', '', '', '1: all points are done'), sweep%complete)
-      call fields%index_axis('point', n, 'point, in the order visited')
-      if (allocated(fields%wrong)) return
-      if (fields%way == reading) then
-         call fields%check(n <= points .and. (n == points .or. .not. sweep%complete), 'point')
-         if (allocated(fields%wrong)) return
-         ! One that has not ended goes on, with room for all.
-         allocate (sweep%motions(merge(n, points, allocated(sweep%ended))))
-         allocate (sweep%direction(size(sweep%motions)), source='    ')
-         allocate (direction(n))
-      else if (allocated(sweep%motions)) then
-         direction = sweep%direction(:n)
-      end if
-      if (n == 0 .and. fields%way /= listing) return
-      call move_alloc(sweep%motions, motions)
-      call visit_motions(motions, 'point', fields)
-      call move_alloc(motions, sweep%motions)
-      if (fields%way == reading) &
-         call fields%check(all([(allocated(sweep%motions(i)%state) .and. sweep%motions(i)%frequency_ratio > 0, i=1, n)]), &
-                           'initial_state')
-      call carry(fields, row('direction', 'point', '', '`up` or `down`: the way in which the sweep went'), direction)
-      if (fields%way == reading .and. .not. allocated(fields%wrong)) sweep%direction(:n) = direction
-   end subroutine visit_sweep
-
-   subroutine visit_attractors(found, starts, fields)
-      type(attractors_type), allocatable, intent(inout) :: found
-      !> Starts that the search has in the end.
-      integer, intent(in) :: starts
-      class(fields_type), intent(inout) :: fields
-      integer :: n
-
-      if (.not. fields%enter('/attractors', 'steady motions that random starts settle on at one frequency', &
-                             allocated(found))) return
-      if (.not. allocated(found)) allocate (found)
-      n = 0
-      if (allocated(found%motions)) n = size(found%motions)
-      call carry_text(fields, row('ended', '', '', 'why it ended, in words, and whether the train floats in its gaps'), &
-                      found%ended, 'not yet: these are the motions so far')
-      call carry(fields, row('complete', '', '', '1: all starts are done'), found%complete)
-      call carry(fields, row('frequency', '', '', 'Lambda'), found%frequency_ratio)
-      call carry(fields, row('starts', '', '', 'starts done', least=0, most=starts), found%starts)
-      call carry(fields, row('random_seed', '', '', 'what the starts were made from'), found%random_seed)
-      call carry(fields, row('unsettled', '', '', 'share of the starts that settled on no motion within `max_periods`, or ran &
-                             &away: with `share` it sums to 1'), found%unsettled)
-      call fields%index_axis('motion', n, 'motion, largest share first')
-      if (allocated(fields%wrong)) return
-      if (fields%way == reading) then
-         call fields%check(.not. found%complete .or. found%starts == starts, 'starts')
-         allocate (found%motions(n))
-      end if
-      if (n > 0 .or. fields%way == listing) call visit_motions(found%motions, 'motion', fields)
-   end subroutine visit_attractors
 
    !> Motions along a dimension whose axis stands already: as many as it is long.
    subroutine visit_motions(motions, along, fields)

@@ -1,10 +1,9 @@
-!> The variables of &integration and what a sweep gives.
+!> The variables of &integration, by which every settling goes.
 module geartrain_flow_integration_settings
-   use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
    private
-   public :: integration_settings_type, sweep_type
+   public :: integration_settings_type
 
    !> from and to are `start` and `stop`.
    type :: integration_settings_type
@@ -21,15 +20,5 @@ module geartrain_flow_integration_settings
       !> Floquet multipliers of each settled motion.
       logical :: stability = .false.
    end type integration_settings_type
-
-   type :: sweep_type
-      !> One motion a frequency visited, in that order; period 0 where none was found.
-      type(motion_type), allocatable :: motions(:)
-      !> 'up' or 'down', one a motion.
-      character(4), allocatable :: direction(:)
-      !> 'all points done', or why not; and that the train floats in its gaps, where it does.
-      character(:), allocatable :: ended
-      logical :: complete = .false.
-   end type sweep_type
 
 end module geartrain_flow_integration_settings

@@ -1,19 +1,17 @@
 !> Reads a case file: all that is wrong with it is told at once, and nothing is taken over unless all is well.
 module geartrain_input_reader
-   use geartrain_analyses_case, only: case_type
-   use geartrain_analyses_stability_map_variables, only: visit_stability_map
+   use geartrain_analyses_analysis, only: analysis_type
+   use geartrain_analyses_list, only: case_type, find_analysis, number_of, results_type
    use geartrain_base_error, only: error_type, fatal
    use geartrain_base_numbers, only: integer_text
    use geartrain_base_problems, only: problems_type
    use geartrain_base_regular_file, only: is_regular_file
-   use geartrain_continuation_variables, only: visit_response
-   use geartrain_flow_variables, only: visit_attractors, visit_integration
    use geartrain_input_assigner, only: assigner_type
    use geartrain_input_check, only: check_analyses
    use geartrain_input_order, only: check_order
    use geartrain_input_scanner, only: group_type, scan_text
    use geartrain_input_table, only: is_variable, list_variables, row_type, take_keyword, unknown_variable
-   use geartrain_input_variables, only: groups, visit_modes, visit_output
+   use geartrain_input_variables, only: groups, visit_output
    use geartrain_model_check, only: check_consistency
    use geartrain_model_variables, only: visit_body, visit_mesh, visit_shaft, visit_train
    implicit none (type, external)
@@ -100,9 +98,11 @@ contains
 
    !> Leads the reader over the groups of the file, each with the part of the case that it fills.
    subroutine read_groups(case, reader)
-      type(case_type), intent(inout) :: case
+      type(case_type), intent(inout), target :: case
       type(assigner_type), intent(inout) :: reader
-      integer :: i
+      type(results_type), target :: none
+      class(analysis_type), allocatable :: analysis
+      integer :: i, number
 
       allocate (case%train%shafts(reader%count_of('shaft')), case%train%meshes(reader%count_of('mesh')))
       if (reader%count_of('body') > 0) allocate (case%train%bodies(reader%count_of('body')))
@@ -120,23 +120,13 @@ contains
                call visit_shaft(case%train%shafts(n), n, reader)
             case ('mesh')
                call visit_mesh(case%train%meshes(n), n, .not. allocated(case%train%bodies), reader)
-            case ('modes')
-               case%modes = .true.
-               call visit_modes(reader)
-            case ('response')
-               allocate (case%response)
-               call visit_response(case%response, reader)
-            case ('integration')
-               allocate (case%integration)
-               call visit_integration(case%integration, reader)
-            case ('attractors')
-               allocate (case%attractors)
-               call visit_attractors(case%attractors, reader)
-            case ('stability_map')
-               allocate (case%stability_map)
-               call visit_stability_map(case%stability_map, reader)
             case ('output')
                call visit_output(case%output_file, reader)
+            case default
+               number = number_of(reader%groups(i)%name)
+               if (number == 0) cycle
+               call find_analysis(number, case, none, analysis, ask=.true.)
+               call analysis%visit_variables(reader)
             end select
          end associate
       end do

@@ -1,6 +1,7 @@
 !> The table of input variables as rows: which there are, their kinds and defaults; and the closest name to a misspelt one.
 module geartrain_input_table
-   use geartrain_analyses_case, only: case_type
+   use geartrain_analyses_analysis, only: analysis_type
+   use geartrain_analyses_list, only: analyses, case_type, find_analysis, results_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_nearest, only: nearest_name
    use geartrain_base_numbers, only: integer_text, real_text
@@ -40,11 +41,15 @@ contains
    subroutine list_variables(rows)
       type(row_type), allocatable, intent(out) :: rows(:)
       type(collector_type) :: collector
-      type(case_type) :: case
+      type(case_type), target :: case
+      type(results_type), target :: none
+      class(analysis_type), allocatable :: analysis
+      integer :: i
 
       allocate (collector%rows(64), case%train%bodies(1), case%train%shafts(1), case%train%meshes(1))
-      allocate (case%response, case%integration, &
-                case%attractors, case%stability_map)
+      do i = 1, size(analyses)
+         call find_analysis(i, case, none, analysis, ask=.true.)
+      end do
       call visit_case(case, collector)
       rows = collector%rows(:collector%count)
    end subroutine list_variables

@@ -1,6 +1,7 @@
 !> The case that a newcomer begins with: figure 3 of Al-shyyab and Kahraman (2007), explained line by line.
 module geartrain_input_template
-   use geartrain_analyses_case, only: case_type
+   use geartrain_analyses_analysis, only: analysis_type
+   use geartrain_analyses_list, only: analyses, case_type, find_analysis, results_type
    use geartrain_base_kinds, only: dp
    use geartrain_input_text, only: commented_text
    use geartrain_model_mesh, only: mesh_type
@@ -16,16 +17,18 @@ contains
       character(:), allocatable, intent(out) :: text
       character(*), parameter :: newline = new_line('a')
       character(:), allocatable :: groups
+      integer :: i
 
       call commented_text(paper_case(), groups)
-      call set_aside(groups, 'attractors')
-      call set_aside(groups, 'stability_map')
+      do i = 1, size(analyses)
+         if (analyses(i)%set_aside) call set_aside(groups, trim(analyses(i)%name))
+      end do
       text = '! A case for geartrain. Run it with: geartrain CASE.nml'//newline// &
              '! SI units throughout. Lines that begin with ! are comments: remove the ! to give that variable or group.'// &
              newline//groups
    end subroutine template_text
 
-   !> Turns a group of the text into comments: many random starts and long maps are for those who ask for them.
+   !> Turns a group of the text into comments.
    subroutine set_aside(text, group)
       character(:), allocatable, intent(inout) :: text
       character(*), intent(in) :: group
@@ -45,7 +48,10 @@ contains
 
    !> The train of table 1 and the analyses of figure 3, what coexists at Lambda = 0.6, and a map.
    function paper_case() result(case)
-      type(case_type) :: case
+      type(case_type), target :: case
+      type(results_type), target :: none
+      class(analysis_type), allocatable :: analysis
+      integer :: i
 
       associate (train => case%train)
          train%title = 'Al-shyyab and Kahraman 2007, figure 3'
@@ -63,17 +69,10 @@ contains
          train%meshes%driven_inertia = [0.037_dp, 0.074_dp]
          train%meshes%stiffness = [2.5e8_dp, 5.0e8_dp]
       end associate
-      case%modes = .true.
-      allocate (case%response, case%integration, case%attractors, case%stability_map)
-      case%response%start = 0.2_dp
-      case%response%stop = 2.6_dp
-      case%integration%start = 0.2_dp
-      case%integration%stop = 2.6_dp
-      case%integration%direction = 'both'
-      case%attractors%frequency_ratio = 0.6_dp
-      case%stability_map%start = 0.2_dp
-      case%stability_map%stop = 4.2_dp
-      case%stability_map%parameter_stop = 0.5_dp
+      do i = 1, size(analyses)
+         call find_analysis(i, case, none, analysis, ask=.true.)
+         call analysis%give_example()
+      end do
       case%output_file = ''
    end function paper_case
 

@@ -1,6 +1,6 @@
 !> A case as text: the resolved namelist with every default, the commented template, and the reference tables.
 module geartrain_input_text
-   use geartrain_analyses_case, only: case_type
+   use geartrain_analyses_list, only: case_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_base_variable, only: largest, smallest, variable_type, visitor_type

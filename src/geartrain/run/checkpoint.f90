@@ -1,7 +1,7 @@
 !> Keeps a readable file of the results so far while long work goes on, and takes them up again in another run.
 module geartrain_run_checkpoint
    use, intrinsic :: iso_fortran_env, only: int64, int8
-   use geartrain_analyses_case, only: case_type
+   use geartrain_analyses_list, only: case_type, results_type
    use geartrain_base_error, only: error_type, fatal, status_file
    use geartrain_base_fields, only: fields_type
    use geartrain_base_kinds, only: dp, version
@@ -9,7 +9,7 @@ module geartrain_run_checkpoint
    use geartrain_input_text, only: case_text
    use geartrain_results_file, only: exists, remove_file
    use geartrain_results_seal, only: read_seal
-   use geartrain_run_results, only: open_results, results_type, take_results, write_results
+   use geartrain_run_results, only: open_results, take_results, write_results
    implicit none (type, external)
    private
    public :: checkpoint_type, take_up_checkpoint, check_partial
@@ -151,8 +151,6 @@ contains
                     'begin anew, or name another file with --output')
       else
          call take_results(fields, case, results, wrong)
-         ! Modes are found again at once.
-         if (allocated(results%modes)) deallocate (results%modes)
          if (wrong /= '') call fatal(error, path//': error: cannot be resumed: '//wrong//' in it does not agree with the rest', &
                                      status_file)
       end if

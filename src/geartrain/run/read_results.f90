@@ -1,10 +1,10 @@
 !> Results read back from their file, with the case that they are of.
 module geartrain_run_read_results
-   use geartrain_analyses_case, only: case_type
+   use geartrain_analyses_list, only: case_type, results_type
    use geartrain_base_error, only: error_type, fatal, status_file
    use geartrain_base_fields, only: fields_type
    use geartrain_input_reader, only: read_case_text
-   use geartrain_run_results, only: open_results, results_type, take_results
+   use geartrain_run_results, only: open_results, take_results
    implicit none (type, external)
    private
    public :: read_results

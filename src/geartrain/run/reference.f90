@@ -1,9 +1,9 @@
 !> Every field that a results file can hold, as the reference page of the output tells them and as a reader of it looks them up.
 module geartrain_run_reference
-   use geartrain_analyses_case, only: case_type
+   use geartrain_analyses_list, only: case_type, results_type
    use geartrain_base_field, only: group_type, kind_integer
    use geartrain_base_fields, only: fields_type, listing
-   use geartrain_run_results, only: results_type, visit_results, visit_root
+   use geartrain_run_results, only: visit_results, visit_root
    implicit none (type, external)
    private
    public :: list_results, output_reference

@@ -1,24 +1,16 @@
 !> The results of a case, their file, and back: what is written is what is read, by a run that goes on as by whoever asks for it.
 module geartrain_run_results
    use, intrinsic :: iso_fortran_env, only: int8
-   use geartrain_analyses_case, only: case_type
-   use geartrain_analyses_stability_map_fields, only: visit_stability_map
-   use geartrain_analyses_stability_map_settings, only: stability_map_type
+   use geartrain_analyses_analysis, only: analysis_type
+   use geartrain_analyses_list, only: analyses, case_type, find_analysis, results_type
+   use geartrain_analyses_response, only: visit_whole_branch
    use geartrain_base_carry, only: carry, carry_text
    use geartrain_base_error, only: error_type, fatal, status_file
    use geartrain_base_field, only: row => field_type
    use geartrain_base_fields, only: fields_type, listing, reading
    use geartrain_base_kinds, only: version
    use geartrain_base_numbers, only: text
-   use geartrain_continuation_branch, only: branch_type
-   use geartrain_continuation_fields, only: visit_branch
-   use geartrain_continuation_summary_fields, only: visit_summary
-   use geartrain_flow_attractors_settings, only: attractors_type
-   use geartrain_flow_fields, only: visit_attractors, visit_sweep
-   use geartrain_flow_integration_settings, only: sweep_type
    use geartrain_input_text, only: case_text
-   use geartrain_model_fields, only: visit_modes
-   use geartrain_model_modes, only: modes_type
    use geartrain_model_network, only: coordinate_count
    use geartrain_results_file, only: replace_file
    use geartrain_results_hdf5_reader, only: read_groups
@@ -26,21 +18,10 @@ module geartrain_run_results
    use geartrain_results_seal, only: add_seal, seal_bytes
    implicit none (type, external)
    private
-   public :: open_results, results_type, take_results, visit_results, visit_root, write_results
+   public :: open_results, take_results, visit_results, visit_root, write_results
 
    !> Raised when a name or a shape in the file changes its meaning. 2: a file is sealed and holds all that is to be read back.
    integer, parameter :: format_version = 2
-
-   !> Allocated where it was computed.
-   type :: results_type
-      type(modes_type), allocatable :: modes
-      type(branch_type), allocatable :: response
-      type(sweep_type), allocatable :: integration
-      type(attractors_type), allocatable :: attractors
-      type(stability_map_type), allocatable :: stability_map
-      !> Further branches, each with its origin: those from period doublings of the response, then those through attractors.
-      type(branch_type), allocatable :: branches(:)
-   end type results_type
 
 contains
 
@@ -131,33 +112,24 @@ contains
 
    !> All that a case can give, in the order of the file.
    subroutine visit_results(results, case, fields, summary)
-      type(results_type), intent(inout) :: results
-      type(case_type), intent(in) :: case
+      type(results_type), intent(inout), target :: results
+      type(case_type), intent(in), target :: case
       class(fields_type), intent(inout) :: fields
       !> Whether what one reads off a branch is computed as well.
       logical, intent(in) :: summary
-      integer :: i, n, points, starts, states
+      class(analysis_type), allocatable :: analysis
+      integer :: i, n
 
-      states = 2*coordinate_count(case%train)
       call fields%expect('mesh', size(case%train%meshes))
-      call fields%expect('coordinate', states)
-      call fields%check(allocated(case%response) .or. fields%find_group('/response') == 0, 'response')
-      call fields%check(allocated(case%integration) .or. fields%find_group('/integration') == 0, 'integration')
-      call fields%check(allocated(case%attractors) .or. fields%find_group('/attractors') == 0, 'attractors')
-      call fields%check(allocated(case%stability_map) .or. fields%find_group('/stability_map') == 0, 'stability_map')
-      call visit_modes(results%modes, fields)
-      if (allocated(results%response) .or. fields%find_group('/response') > 0 .or. fields%way == listing) then
-         if (.not. allocated(results%response)) allocate (results%response)
-         call visit_whole_branch(results%response, '/response')
-      end if
-      points = 0
-      if (allocated(case%integration)) &
-         points = case%integration%points*merge(2, 1, case%integration%direction == 'both')
-      call visit_sweep(results%integration, points, fields)
-      starts = 0
-      if (allocated(case%attractors)) starts = case%attractors%starts
-      call visit_attractors(results%attractors, starts, fields)
-      call visit_stability_map(results%stability_map, case%stability_map, fields)
+      call fields%expect('coordinate', 2*coordinate_count(case%train))
+      do i = 1, size(analyses)
+         call find_analysis(i, case, results, analysis)
+         call fields%check(analysis%asked .or. .not. is_found(i), trim(analyses(i)%name))
+      end do
+      do i = 1, size(analyses)
+         call find_analysis(i, case, results, analysis, begin=is_found(i) .or. fields%way == listing)
+         if (analysis%begun) call analysis%visit_fields(case%train, fields, summary)
+      end do
       if (fields%way == reading) then
          n = 0
          do while (fields%find_group('/branch_'//text(n + 1)) > 0)
@@ -167,24 +139,18 @@ contains
       end if
       if (.not. allocated(results%branches)) return
       do i = 1, size(results%branches)
-         call visit_whole_branch(results%branches(i), '/branch_'//text(i))
+         call visit_whole_branch(results%branches(i), '/branch_'//text(i), case%train, fields, summary)
       end do
 
    contains
 
-      !> A branch and what one reads off it.
-      subroutine visit_whole_branch(branch, home)
-         type(branch_type), intent(inout) :: branch
-         character(*), intent(in) :: home
+      !> Whether an analysis is among the fields to be read.
+      logical function is_found(number)
+         integer, intent(in) :: number
 
-         call visit_branch(branch, home, fields)
-         if (fields%way == reading) then
-            call fields%check(branch%states <= states, home)
-            branch%half_backlash = case%train%meshes%half_backlash/case%train%characteristic_length
-         else if (summary .and. (branch%points > 0 .or. fields%way == listing)) then
-            call visit_summary(branch, home, fields)
-         end if
-      end subroutine visit_whole_branch
+         is_found = .false.
+         if (fields%way == reading) is_found = fields%find_group('/'//trim(analyses(number)%name)) > 0
+      end function is_found
 
    end subroutine visit_results
 

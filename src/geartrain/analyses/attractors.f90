@@ -1,0 +1,414 @@
+!> The analysis &attractors: the steady motions that random starts settle on at one frequency, and the share of each; and branches
+!> through those that lie on none that is known.
+module geartrain_analyses_attractors
+   use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
+   use geartrain_analyses_integration, only: most_harmonics
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_base_carry, only: carry, carry_text
+   use geartrain_base_checker, only: checker_type
+   use geartrain_base_error, only: error_type
+   use geartrain_base_field, only: field => field_type
+   use geartrain_base_fields, only: fields_type, listing, reading
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: text
+   use geartrain_base_observer, only: observer_type
+   use geartrain_base_random, only: begin_random, generator_type
+   use geartrain_base_variable, only: row => variable_type, visitor_type
+   use geartrain_continuation_bifurcations, only: add_branch
+   use geartrain_continuation_branch, only: branch_type, response_settings_type
+   use geartrain_continuation_response, only: response
+   use geartrain_continuation_solutions, only: beyond_limit, lies_on
+   use geartrain_continuation_variables, only: settings_for
+   use geartrain_flow_fields, only: visit_motions
+   use geartrain_flow_floating, only: note_of
+   use geartrain_flow_integration_settings, only: integration_settings_type
+   use geartrain_flow_settling, only: settle
+   use geartrain_flow_start_state, only: resting_state
+   use geartrain_model_check, only: check_train
+   use geartrain_model_limits, only: check_frequency, check_harmonics
+   use geartrain_model_system, only: build_system, system_type
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: attractors, attractors_analysis_type, attractors_row, attractors_settings_type, attractors_type, check_attractors, &
+      follow_attractors
+
+   type(group_row_type), parameter :: attractors_row = group_row_type('attractors', 'Asks for the steady motions that random &
+      &starts settle on at one frequency, and their shares.', steps='starts', set_aside=.true.)
+
+   real(dp), parameter :: zero = 0, one = 1
+   !> Motions whose rms, mean and extremes agree to this, relative to the largest displacement, are one.
+   real(dp), parameter :: same = 1e-5_dp
+   !> Starts between two reports to the observer: they run in parallel.
+   integer, parameter :: batch = 32
+
+   type :: attractors_settings_type
+      !> Lambda [1].
+      real(dp) :: frequency_ratio = 0
+      !> Random starts, and what makes them: the same seed gives the same starts.
+      integer :: starts = 200, random_seed = 0
+      !> Each motion found on no branch of the case is followed with the settings of &response.
+      logical :: follow = .false.
+      !> As in &integration.
+      integer :: harmonics = 0, max_periods = 2000
+      real(dp) :: tolerance = 1e-9_dp
+      logical :: stability = .true.
+   end type attractors_settings_type
+
+   type :: attractors_type
+      !> The motions found, each with its share, largest share first.
+      type(motion_type), allocatable :: motions(:)
+      real(dp) :: frequency_ratio = 0
+      !> Starts done.
+      integer :: starts = 0, random_seed = 0
+      !> Share of the starts that were not steady after max_periods, or ran away; with the shares of the motions it sums to 1.
+      real(dp) :: unsettled = 0
+      !> 'all starts done', or why not; and that the train floats in its gaps, where it does.
+      character(:), allocatable :: ended
+      logical :: complete = .false.
+   end type attractors_type
+
+   type, extends(analysis_type) :: attractors_analysis_type
+      type(attractors_settings_type), pointer :: settings => null()
+      type(attractors_type), pointer :: result => null()
+   contains
+      procedure :: visit_variables
+      procedure :: check => check_analysis
+      procedure :: give_example
+      procedure :: run
+      procedure :: tell_end
+      procedure :: visit_fields
+      procedure :: report
+   end type attractors_analysis_type
+
+contains
+
+   subroutine visit_variables(self, visitor)
+      class(attractors_analysis_type), intent(inout) :: self
+      class(visitor_type), intent(inout) :: visitor
+
+      call visit_attractors(self%settings, visitor)
+   end subroutine visit_variables
+
+   subroutine visit_attractors(settings, v)
+      type(attractors_settings_type), intent(inout) :: settings
+      class(visitor_type), intent(inout) :: v
+
+      call v%enter('attractors', 1)
+      call v%on_real(row('frequency', '', 'Lambda', required=.true., above=zero), settings%frequency_ratio)
+      call v%on_integer(row('starts', '', 'random starts: mesh displacements and velocities within three times the resting &
+                            &displacement', least=one, most=1e6*one), settings%starts)
+      call v%on_integer(row('random_seed', '', 'the same seed gives the same starts'), settings%random_seed)
+      call v%on_logical(row('follow', '', 'each motion found that lies on no branch of the case yet is followed as one, over the &
+                            &range of &response and with its settings'), settings%follow)
+      call v%on_integer(row('harmonics', '', 'harmonics of Lambda that are stored of each motion; 0: 16 of the highest &
+                            &mesh order', &
+                            least=one, most=most_harmonics*one, automatic=zero), settings%harmonics)
+      call v%on_integer(row('max_periods', '', 'mesh periods after which an unsettled start is given up', least=one), &
+                        settings%max_periods)
+      call v%on_real(row('tolerance', '', 'relative change over a period of the motion at which it counts as settled', &
+                         above=zero, most=one), settings%tolerance)
+      call v%on_logical(row('stability', '', 'Floquet multipliers of every motion'), settings%stability)
+      call v%leave()
+   end subroutine visit_attractors
+
+   subroutine check_analysis(self, train, seeded, checker)
+      class(attractors_analysis_type), intent(in) :: self
+      type(train_type), intent(in) :: train
+      logical, intent(in) :: seeded
+      class(checker_type), intent(inout) :: checker
+
+      call check_consistency(train, self%settings, checker)
+   end subroutine check_analysis
+
+   !> Checks the settings of a search for a train that is in order; the error tells every problem, one a line.
+   subroutine check_attractors(train, settings, error)
+      type(train_type), intent(in) :: train
+      type(attractors_settings_type), intent(in) :: settings
+      type(error_type), allocatable, intent(out) :: error
+      type(attractors_settings_type) :: copy
+      type(checker_type) :: checker
+
+      copy = settings
+      call visit_attractors(copy, checker)
+      call check_consistency(train, settings, checker)
+      call checker%problems%raise('', error)
+   end subroutine check_attractors
+
+   !> What single values cannot say; the problems are added to those of `checker`.
+   subroutine check_consistency(train, settings, checker)
+      type(train_type), intent(in) :: train
+      type(attractors_settings_type), intent(in) :: settings
+      class(checker_type), intent(inout) :: checker
+
+      if (checker%problems%in_group('attractors')) return
+      call checker%enter('attractors', 1)
+      call check_frequency(train, 'frequency', settings%frequency_ratio, checker)
+      if (settings%harmonics > 0) call check_harmonics(train, settings%harmonics, 1, most_harmonics, checker)
+      call checker%leave()
+   end subroutine check_consistency
+
+   subroutine give_example(self)
+      class(attractors_analysis_type), intent(inout) :: self
+
+      self%settings%frequency_ratio = 0.6_dp
+   end subroutine give_example
+
+   subroutine run(self, train, error, observer, start)
+      class(attractors_analysis_type), intent(inout) :: self
+      type(train_type), intent(in) :: train
+      type(error_type), allocatable, intent(out) :: error
+      class(observer_type), intent(inout) :: observer
+      type(motion_type), intent(in), optional :: start
+
+      if (.not. allocated(self%result%ended)) call attractors(train, self%settings, self%result, error, observer)
+   end subroutine run
+
+   subroutine tell_end(self, complete, ended)
+      class(attractors_analysis_type), intent(in) :: self
+      logical, intent(out) :: complete
+      character(:), allocatable, intent(out) :: ended
+
+      complete = self%result%complete
+      ended = ''
+      if (allocated(self%result%ended)) ended = self%result%ended
+   end subroutine tell_end
+
+   !> Settles settings%starts random states, in parallel and with results that do not depend on the number of threads. A
+   !> search under way (its motions are there, why it ended is not, as in a checkpoint of the same case) is taken up.
+   subroutine attractors(train, settings, found, error, observer)
+      type(train_type), intent(in) :: train
+      type(attractors_settings_type), intent(in) :: settings
+      !> A target: an observer may read the motions so far through a pointer.
+      type(attractors_type), intent(inout), target :: found
+      type(error_type), allocatable, intent(out) :: error
+      class(observer_type), intent(inout), optional :: observer
+      type(attractors_type) :: empty
+      type(integration_settings_type) :: integration
+      type(system_type) :: system
+      type(motion_type) :: settled(batch)
+      real(dp), allocatable :: state(:)
+      integer, allocatable :: hits(:)
+      integer :: first, last, i
+      logical :: keep_going
+
+      if (allocated(found%ended) .or. .not. allocated(found%motions)) found = empty
+      call check_train(train, error)
+      if (.not. allocated(error)) call check_attractors(train, settings, error)
+      if (allocated(error)) return
+      call build_system(train, system)
+      integration%harmonics = settings%harmonics
+      integration%max_periods = settings%max_periods
+      integration%tolerance = settings%tolerance
+      integration%stability = settings%stability
+      found%frequency_ratio = settings%frequency_ratio
+      found%random_seed = settings%random_seed
+      if (.not. allocated(found%motions)) allocate (found%motions(0))
+      hits = nint(found%motions%share*found%starts)
+      keep_going = .true.
+      do first = found%starts + 1, settings%starts, batch
+         last = first + min(batch - 1, settings%starts - first)
+         !$omp parallel do private(state) schedule(dynamic)
+         do i = first, last
+            state = random_state(system, settings%random_seed, i)
+            call settle(system, settings%frequency_ratio, integration, state, settled(i - first + 1))
+         end do
+         !$omp end parallel do
+         if (train%interrupt%raised()) exit
+         do i = 1, last - first + 1
+            call collect(settled(i), found%motions, hits)
+         end do
+         call sort_by_hits(found%motions, hits)
+         found%starts = last
+         found%motions%share = hits/real(last, dp)
+         found%unsettled = (last - sum(hits))/real(last, dp)
+         if (present(observer)) call observer%on_step('attractors', last, settings%frequency_ratio, keep_going)
+         if (.not. keep_going) exit
+      end do
+      found%complete = found%starts == settings%starts
+      found%ended = 'all starts done'
+      if (.not. found%complete) found%ended = 'cancelled after '//text(found%starts)//' of '//text(settings%starts)//' starts'
+      found%ended = found%ended//note_of(any(found%motions%floating))
+   end subroutine attractors
+
+   !> Mesh displacements and velocities uniform within three times the resting displacement; shafts untwisted.
+   function random_state(system, seed, start) result(state)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: seed, start
+      real(dp), allocatable :: state(:)
+      real(dp) :: reach
+      type(generator_type) :: generator
+      integer :: j
+
+      generator = begin_random(seed, start)
+      allocate (state(2*system%coordinates))
+      state = resting_state(system)
+      do j = 1, system%meshes
+         associate (n => system%mesh_element(j))
+            ! A mesh that closes a loop moves as the others say.
+            if (n > system%coordinates) cycle
+            reach = 3*abs(state(n))
+            state(n) = reach*(2*generator%uniform() - 1)
+            state(system%coordinates + n) = reach*(2*generator%uniform() - 1)
+         end associate
+      end do
+   end function random_state
+
+   !> Counts a settled motion among those found, or adds it.
+   subroutine collect(motion, motions, hits)
+      type(motion_type), intent(in) :: motion
+      type(motion_type), allocatable, intent(inout) :: motions(:)
+      !> Starts that settled on each motion.
+      integer, allocatable, intent(inout) :: hits(:)
+      integer :: i
+      real(dp) :: scale
+
+      if (motion%period == 0) return
+      do i = 1, size(motions)
+         if (motions(i)%period /= motion%period) cycle
+         scale = max(maxval(abs(motion%maximum)), maxval(abs(motion%minimum)))
+         if (any(abs(motions(i)%rms - motion%rms) > same*scale)) cycle
+         if (any(abs(motions(i)%mean - motion%mean) > same*scale)) cycle
+         if (any(abs(motions(i)%maximum - motion%maximum) > same*scale)) cycle
+         hits(i) = hits(i) + 1
+         return
+      end do
+      motions = [motions, motion]
+      hits = [hits, 1]
+   end subroutine collect
+
+   pure subroutine sort_by_hits(motions, hits)
+      type(motion_type), intent(inout) :: motions(:)
+      integer, intent(inout) :: hits(:)
+      type(motion_type) :: held
+      integer :: i, j, count
+
+      do i = 2, size(motions)
+         held = motions(i)
+         count = hits(i)
+         do j = i - 1, 1, -1
+            if (hits(j) >= count) exit
+            motions(j + 1) = motions(j)
+            hits(j + 1) = hits(j)
+         end do
+         motions(j + 1) = held
+         hits(j + 1) = count
+      end do
+   end subroutine sort_by_hits
+
+   !> Appends to `branches` one through each motion that lies neither on `branch` nor on one of `branches`, over the range of
+   !> `settings`, those that `branch` was traced with. A motion beyond the amplitude limit is left alone: no branch is recorded
+   !> there.
+   subroutine follow_attractors(train, settings, found, branch, branches, error, observer, known)
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      type(attractors_type), intent(in) :: found
+      type(branch_type), intent(in) :: branch
+      !> A target: an observer may read them through a pointer. Not allocated: there are none yet.
+      type(branch_type), allocatable, intent(inout), target :: branches(:)
+      type(error_type), allocatable, intent(out) :: error
+      class(observer_type), intent(inout), optional :: observer
+      !> The first of `branches`, where another run has traced these already.
+      type(branch_type), intent(in), optional :: known(:)
+      type(response_settings_type) :: in_force
+      integer :: i, n, traced
+
+      if (.not. allocated(branches)) allocate (branches(0))
+      traced = 0
+      if (present(known)) traced = size(known)
+      do i = 1, size(found%motions)
+         associate (motion => found%motions(i))
+            in_force = settings_for(settings, motion%period)
+            if (on_a_branch(train, in_force, motion, branch, branches)) cycle
+            call add_branch(branches, 'attractor '//text(i)//' at Lambda = '//text(motion%frequency_ratio))
+            n = size(branches)
+            if (n <= traced) then
+               branches(n) = known(n)
+               cycle
+            end if
+            call response(train, in_force, branches(n), error, motion, observer)
+            if (allocated(error)) return
+            if (branches(n)%cancelled) return
+         end associate
+      end do
+   end subroutine follow_attractors
+
+   !> Whether the motion, or the same some mesh periods later, lies on a branch or beyond the amplitude limit.
+   logical function on_a_branch(train, settings, motion, branch, branches)
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      type(motion_type), intent(in) :: motion
+      type(branch_type), intent(in) :: branch, branches(:)
+      integer :: i
+
+      on_a_branch = beyond_limit(train, settings, motion)
+      if (.not. on_a_branch) on_a_branch = lies_on(train, settings, branch, motion)
+      do i = 1, size(branches)
+         if (on_a_branch) return
+         on_a_branch = lies_on(train, settings, branches(i), motion)
+      end do
+   end function on_a_branch
+
+   subroutine visit_fields(self, train, fields, summary)
+      class(attractors_analysis_type), intent(inout) :: self
+      type(train_type), intent(in) :: train
+      class(fields_type), intent(inout) :: fields
+      logical, intent(in) :: summary
+      integer :: starts
+
+      starts = 0
+      if (self%asked) starts = self%settings%starts
+      call visit_found(self%result, starts, fields)
+   end subroutine visit_fields
+
+   subroutine visit_found(found, starts, fields)
+      type(attractors_type), intent(inout) :: found
+      !> Starts that the search has in the end.
+      integer, intent(in) :: starts
+      class(fields_type), intent(inout) :: fields
+      integer :: n
+
+      if (.not. fields%enter('/attractors', 'steady motions that random starts settle on at one frequency', &
+                             .true.)) return
+      n = 0
+      if (allocated(found%motions)) n = size(found%motions)
+      call carry_text(fields, field('ended', '', '', 'why it ended, in words, and whether the train floats in its gaps'), &
+                      found%ended, 'not yet: these are the motions so far')
+      call carry(fields, field('complete', '', '', '1: all starts are done'), found%complete)
+      call carry(fields, field('frequency', '', '', 'Lambda'), found%frequency_ratio)
+      call carry(fields, field('starts', '', '', 'starts done', least=0, most=starts), found%starts)
+      call carry(fields, field('random_seed', '', '', 'what the starts were made from'), found%random_seed)
+      call carry(fields, field('unsettled', '', '', 'share of the starts that settled on no motion within `max_periods`, or ran &
+                             &away: with `share` it sums to 1'), found%unsettled)
+      call fields%index_axis('motion', n, 'motion, largest share first')
+      if (allocated(fields%wrong)) return
+      if (fields%way == reading) then
+         call fields%check(.not. found%complete .or. found%starts == starts, 'starts')
+         allocate (found%motions(n))
+      end if
+      if (n > 0 .or. fields%way == listing) call visit_motions(found%motions, 'motion', fields)
+   end subroutine visit_found
+
+   subroutine report(self, unit, seconds)
+      class(attractors_analysis_type), intent(in) :: self
+      integer, intent(in) :: unit
+      real(dp), intent(in) :: seconds
+      integer :: i
+
+      associate (found => self%result)
+         write (unit, '(3a, i0, a, i0, 5a)') 'Attractors at Lambda = ', fixed(found%frequency_ratio, 4), ': ', &
+              size(found%motions), &
+            ' from ', found%starts, ' starts in ', fixed(seconds, 2), ' s, ', fixed(100*found%unsettled, 1), ' % did not settle'
+         if (size(found%motions) > 0) write (unit, '(a)') '    motion  period     share            rms of each mesh'
+         do i = 1, size(found%motions)
+            associate (motion => found%motions(i))
+               write (unit, '(i10, i8, f8.1, a, 2x, a)', advance='no') i, motion%period, 100*motion%share, ' %', &
+                  merge('stable  ', merge('unstable', '        ', allocated(motion%multipliers)), motion%stable)
+               write (unit, '(*(f12.5))') motion%rms
+            end associate
+         end do
+         if (allocated(found%ended)) write (unit, '(2a)') '    ended: ', found%ended
+      end associate
+   end subroutine report
+
+end module geartrain_analyses_attractors

@@ -1,0 +1,406 @@
+!> The analysis &integration: time integration over a range of frequencies, each begun with the state that the one before ended
+!> in; and to a steady motion at one frequency.
+module geartrain_analyses_integration
+   use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_base_carry, only: carry, carry_text
+   use geartrain_base_checker, only: checker_type
+   use geartrain_base_error, only: error_type, fatal, status_ended_early
+   use geartrain_base_field, only: field => field_type
+   use geartrain_base_fields, only: fields_type, listing, reading
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: integer_text, real_text, text
+   use geartrain_base_observer, only: observer_type
+   use geartrain_base_variable, only: row => variable_type, visitor_type
+   use geartrain_flow_fields, only: visit_motions
+   use geartrain_flow_floating, only: note_of
+   use geartrain_flow_integration_settings, only: integration_settings_type
+   use geartrain_flow_lyapunov, only: find_exponent, kind_of
+   use geartrain_flow_settling, only: is_leaving, settle
+   use geartrain_flow_start_state, only: resting_state, state_of
+   use geartrain_model_check, only: check_train
+   use geartrain_model_limits, only: check_frequency, check_harmonics
+   use geartrain_model_system, only: build_system, system_type
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: check_integration, integrate, integration_analysis_type, integration_row, most_harmonics, sweep, sweep_type
+
+   type(group_row_type), parameter :: integration_row = group_row_type('integration', &
+      'Asks for the steady motions that time integration settles on, over frequency.')
+
+   real(dp), parameter :: zero = 0, one = 1
+   !> Most harmonics that are stored of a motion.
+   integer, parameter :: most_harmonics = 20000
+
+   type :: sweep_type
+      !> One motion a frequency visited, in that order; period 0 where none was found.
+      type(motion_type), allocatable :: motions(:)
+      !> 'up' or 'down', one a motion.
+      character(4), allocatable :: direction(:)
+      !> 'all points done', or why not; and that the train floats in its gaps, where it does.
+      character(:), allocatable :: ended
+      logical :: complete = .false.
+   end type sweep_type
+
+   type, extends(analysis_type) :: integration_analysis_type
+      type(integration_settings_type), pointer :: settings => null()
+      type(sweep_type), pointer :: result => null()
+   contains
+      procedure :: visit_variables
+      procedure :: check => check_analysis
+      procedure :: give_example
+      procedure :: run
+      procedure :: tell_end
+      procedure :: visit_fields
+      procedure :: report
+   end type integration_analysis_type
+
+contains
+
+   subroutine visit_variables(self, visitor)
+      class(integration_analysis_type), intent(inout) :: self
+      class(visitor_type), intent(inout) :: visitor
+
+      call visit_integration(self%settings, visitor)
+   end subroutine visit_variables
+
+   subroutine visit_integration(settings, v)
+      type(integration_settings_type), intent(inout) :: settings
+      class(visitor_type), intent(inout) :: v
+      character(:), allocatable :: word
+
+      call v%enter('integration', 1)
+      call v%on_real(row('from', '', 'one end of the range of Lambda (start in a call)', required=.true., above=zero), &
+                     settings%start)
+      call v%on_real(row('to', '', 'its other end (stop in a call)', required=.true., above=zero), settings%stop)
+      call v%on_integer(row('points', '', 'frequencies in the range, both ends included', least=one, most=1e5*one), settings%points)
+      word = trim(settings%direction)
+      call v%on_text(row('direction', '', 'order in which the frequencies are visited, each starting from the motion before', &
+                         choices='up down both'), word)
+      settings%direction = word
+      call v%on_integer(row('harmonics', '', 'harmonics of Lambda that are stored of the motion; 0: 16 of the highest &
+                            &mesh order', &
+                            least=one, most=most_harmonics*one, automatic=zero), settings%harmonics)
+      call v%on_integer(row('max_periods', '', 'mesh periods after which an unsettled motion is given up', least=one), &
+                        settings%max_periods)
+      call v%on_real(row('tolerance', '', 'relative change over a period of the motion at which it counts as settled', &
+                         above=zero, most=one), settings%tolerance)
+      call v%on_logical(row('stability', '', 'Floquet multipliers of every settled motion'), settings%stability)
+      call v%leave()
+   end subroutine visit_integration
+
+   subroutine check_analysis(self, train, seeded, checker)
+      class(integration_analysis_type), intent(in) :: self
+      type(train_type), intent(in) :: train
+      logical, intent(in) :: seeded
+      class(checker_type), intent(inout) :: checker
+
+      call check_consistency(train, self%settings, checker)
+   end subroutine check_analysis
+
+   !> Checks the settings of a sweep for a train that is in order; the error tells every problem, one a line.
+   subroutine check_integration(train, settings, error)
+      type(train_type), intent(in) :: train
+      type(integration_settings_type), intent(in) :: settings
+      type(error_type), allocatable, intent(out) :: error
+      type(integration_settings_type) :: copy
+      type(checker_type) :: checker
+
+      copy = settings
+      call visit_integration(copy, checker)
+      call check_consistency(train, settings, checker)
+      call checker%problems%raise('', error)
+   end subroutine check_integration
+
+   !> What single values cannot say; the problems are added to those of `checker`.
+   subroutine check_consistency(train, settings, checker)
+      type(train_type), intent(in) :: train
+      type(integration_settings_type), intent(in) :: settings
+      class(checker_type), intent(inout) :: checker
+
+      if (checker%problems%in_group('integration')) return
+      call checker%enter('integration', 1)
+      if (abs(settings%start - settings%stop) <= 0 .and. settings%points /= 1) &
+         call checker%complain('points', integer_text(settings%points), 'must be 1 where "from" and "to" are equal')
+      call check_frequency(train, 'from', settings%start, checker)
+      call check_frequency(train, 'to', settings%stop, checker)
+      if (settings%harmonics > 0) call check_harmonics(train, settings%harmonics, 1, most_harmonics, checker)
+      call checker%leave()
+   end subroutine check_consistency
+
+   subroutine give_example(self)
+      class(integration_analysis_type), intent(inout) :: self
+
+      self%settings%start = 0.2_dp
+      self%settings%stop = 2.6_dp
+      self%settings%direction = 'both'
+   end subroutine give_example
+
+   subroutine run(self, train, error, observer, start)
+      class(integration_analysis_type), intent(inout) :: self
+      type(train_type), intent(in) :: train
+      type(error_type), allocatable, intent(out) :: error
+      class(observer_type), intent(inout) :: observer
+      type(motion_type), intent(in), optional :: start
+
+      if (.not. allocated(self%result%ended)) call sweep(train, self%settings, self%result, error, observer)
+   end subroutine run
+
+   subroutine tell_end(self, complete, ended)
+      class(integration_analysis_type), intent(in) :: self
+      logical, intent(out) :: complete
+      character(:), allocatable, intent(out) :: ended
+
+      complete = self%result%complete
+      ended = ''
+      if (allocated(self%result%ended)) ended = self%result%ended
+   end subroutine tell_end
+
+   !> Visits settings%points frequencies between start and stop, upwards, downwards or both. A frequency without a steady
+   !> motion has period 0; the sweep goes on from the state reached, or from rest where the motion grew without bound. A sweep under
+   !> way (its motions are there, why it ended is not, as in a checkpoint of the same case) is taken up after its last motion.
+   subroutine sweep(train, settings, result, error, observer)
+      type(train_type), intent(in) :: train
+      type(integration_settings_type), intent(in) :: settings
+      type(sweep_type), intent(inout), target :: result
+      type(error_type), allocatable, intent(out) :: error
+      class(observer_type), intent(inout), optional :: observer
+      type(sweep_type) :: empty
+      type(motion_type) :: motion
+      type(system_type) :: system
+      real(dp), allocatable :: state(:)
+      real(dp) :: low, high, frequency_ratio
+      integer :: i, n, done, total, status
+      logical :: keep_going, stopped, resumed
+
+      total = motions_of(settings)
+      resumed = allocated(result%motions) .and. .not. allocated(result%ended)
+      if (resumed) resumed = size(result%motions) == total
+      if (.not. resumed) result = empty
+      call check_train(train, error)
+      if (allocated(error)) return
+      call check_integration(train, settings, error)
+      if (allocated(error)) return
+      call build_system(train, system)
+      allocate (state(2*system%coordinates))
+      state = resting_state(system)
+      low = min(settings%start, settings%stop)
+      high = max(settings%start, settings%stop)
+      n = settings%points
+      if (.not. resumed) then
+         allocate (result%motions(total), result%direction(total), stat=status)
+         if (status /= 0) then
+            call fatal(error, 'integration: no memory for '//text(total)//' motions: take fewer points', status_ended_early)
+            return
+         end if
+      end if
+      result%direction = 'up'
+      if (settings%direction == 'down') result%direction = 'down'
+      if (settings%direction == 'both') result%direction(n + 1:) = 'down'
+      done = count(result%motions%frequency_ratio > 0)
+      if (done > 0) then
+         if (allocated(result%motions(done)%coefficients)) state = result%motions(done)%state
+      end if
+      do i = done + 1, total
+         frequency_ratio = low
+         if (n > 1) frequency_ratio = low + (high - low)*(mod(i - 1, n)/real(n - 1, dp))
+         if (mod(i, n) == 0 .and. n > 1) frequency_ratio = high
+         if (result%direction(i) == 'down') frequency_ratio = low + high - frequency_ratio
+         call settle(system, frequency_ratio, settings, state, motion, observer, stopped)
+         if (stopped) exit
+         call add_exponent(system, settings, motion, observer)
+         if (system%interrupt%raised()) exit
+         ! A whole motion or none: what has a frequency counts as done where the sweep is taken up again.
+         result%motions(i) = motion
+         if (.not. allocated(motion%coefficients)) state = resting_state(system)
+         done = i
+         if (.not. present(observer)) cycle
+         keep_going = .true.
+         call observer%on_step('integration', i, frequency_ratio, keep_going)
+         if (.not. keep_going) exit
+      end do
+      result%complete = done == total
+      result%ended = 'all points done'
+      if (.not. result%complete) result%ended = 'cancelled at Lambda = '//text(frequency_ratio)
+      result%ended = result%ended//note_of(any(result%motions%floating))
+      if (result%complete) return
+      result%motions = result%motions(:done)
+      result%direction = result%direction(:done)
+   end subroutine sweep
+
+   !> Motions that a sweep has in the end.
+   pure integer function motions_of(settings)
+      type(integration_settings_type), intent(in) :: settings
+
+      motions_of = settings%points*merge(2, 1, settings%direction == 'both')
+   end function motions_of
+
+   !> Integrates from `start` (default: at rest under the mean load) until the motion is steady. motion%period is 0 where no
+   !> period was found within settings%max_periods, and its figures are then those of the last 16 mesh periods. Fails where the
+   !> motion grows without bound.
+   subroutine integrate(train, frequency_ratio, settings, motion, error, start, observer)
+      type(train_type), intent(in) :: train
+      !> Lambda [1], > 0.
+      real(dp), intent(in) :: frequency_ratio
+      type(integration_settings_type), intent(in) :: settings
+      type(motion_type), intent(out) :: motion
+      type(error_type), allocatable, intent(out) :: error
+      type(motion_type), intent(in), optional :: start
+      class(observer_type), intent(inout), optional :: observer
+      type(system_type) :: system
+      real(dp), allocatable :: state(:)
+
+      call check_train(train, error)
+      if (allocated(error)) return
+      call check_single(train, settings, frequency_ratio, error)
+      if (allocated(error)) return
+      call build_system(train, system)
+      allocate (state(2*system%coordinates))
+      state = resting_state(system)
+      if (present(start)) then
+         call check_start(system, start, error)
+         if (allocated(error)) return
+         call state_of(system, start, state)
+      end if
+      call settle(system, frequency_ratio, settings, state, motion, observer)
+      if (system%interrupt%raised()) then
+         call fatal(error, 'interrupted before the motion was steady', status_ended_early)
+         return
+      else if (.not. allocated(motion%coefficients)) then
+         call fatal(error, 'the motion grows without bound at Lambda = '// &
+                    text(frequency_ratio)//': it was given up at a displacement &
+                    &of '//text(maxval(abs(state(:system%coordinates))))//' characteristic lengths', status_ended_early)
+         return
+      end if
+      call add_exponent(system, settings, motion, observer)
+   end subroutine integrate
+
+   !> The Lyapunov exponent of a motion for which no period was found, unless it ran away.
+   subroutine add_exponent(system, settings, motion, observer)
+      type(system_type), intent(in) :: system
+      type(integration_settings_type), intent(in) :: settings
+      type(motion_type), intent(inout) :: motion
+      class(observer_type), intent(inout), optional :: observer
+
+      if (motion%period > 0 .or. .not. allocated(motion%coefficients)) return
+      call find_exponent(system, motion%frequency_ratio, motion%state, settings%max_periods, motion%lyapunov_exponent, &
+                         motion%lyapunov_error, observer)
+      if (.not. allocated(motion%lyapunov_exponent)) return
+      motion%kind = kind_of(motion%frequency_ratio, motion%lyapunov_exponent, motion%lyapunov_error)
+      ! What has not yet left an orbit that repels has the exponent of the orbit, which tells nothing of where it goes.
+      if (motion%kind /= 'chaotic') return
+      if (is_leaving(system, motion%frequency_ratio, motion%state, motion%lyapunov_exponent)) motion%kind = 'still settling'
+   end subroutine add_exponent
+
+   !> Settings for a single frequency, which takes the place of the range.
+   subroutine check_single(train, settings, frequency_ratio, error)
+      type(train_type), intent(in) :: train
+      type(integration_settings_type), intent(in) :: settings
+      real(dp), intent(in) :: frequency_ratio
+      type(error_type), allocatable, intent(inout) :: error
+      type(integration_settings_type) :: single
+      type(checker_type) :: checker
+
+      if (.not. (frequency_ratio > 0 .and. frequency_ratio <= huge(1.0_dp))) then
+         call checker%complain('frequency', real_text(frequency_ratio), 'must be a finite number > 0')
+      else
+         call check_frequency(train, 'frequency', frequency_ratio, checker)
+      end if
+      call checker%problems%raise('', error)
+      if (allocated(error)) return
+      single = settings
+      single%start = frequency_ratio
+      single%stop = frequency_ratio
+      single%points = 1
+      call check_integration(train, single, error)
+   end subroutine check_single
+
+   subroutine check_start(system, start, error)
+      type(system_type), intent(in) :: system
+      type(motion_type), intent(in) :: start
+      type(error_type), allocatable, intent(inout) :: error
+
+      if (allocated(start%state)) then
+         if (size(start%state) /= 2*system%coordinates) call fatal(error, 'start: a state of '//text(size(start%state)) &
+            //' values: must have '//text(2*system%coordinates)//' (displacement of each elastic element, then the velocities)')
+      else if (.not. allocated(start%coefficients)) then
+         call fatal(error, 'start: has neither a state nor coefficients')
+      else if (size(start%coefficients, 2) /= system%meshes) then
+         call fatal(error, 'start: a motion of '//text(size(start%coefficients, 2))//' meshes: the train has ' &
+                    //text(system%meshes))
+      else if (start%period < 1) then
+         call fatal(error, 'start: a motion of period '//text(start%period)//' without a state: must be >= 1')
+      end if
+   end subroutine check_start
+
+   subroutine visit_fields(self, train, fields, summary)
+      class(integration_analysis_type), intent(inout) :: self
+      type(train_type), intent(in) :: train
+      class(fields_type), intent(inout) :: fields
+      logical, intent(in) :: summary
+      integer :: points
+
+      points = 0
+      if (self%asked) points = motions_of(self%settings)
+      call visit_sweep(self%result, points, fields)
+   end subroutine visit_fields
+
+   !> The motions of a sweep; those at the end without a frequency are still to come.
+   subroutine visit_sweep(sweep, points, fields)
+      type(sweep_type), intent(inout) :: sweep
+      !> Motions that the sweep has in the end.
+      integer, intent(in) :: points
+      class(fields_type), intent(inout) :: fields
+      type(motion_type), allocatable :: motions(:)
+      character(4), allocatable :: direction(:)
+      integer :: n, i
+
+      if (.not. fields%enter('/integration', 'time integration to steady motion over a range of frequencies, each begun with &
+                             &the state that the one before ended in', .true.)) return
+      n = 0
+      if (allocated(sweep%motions)) n = count(sweep%motions%frequency_ratio > 0)
+      if (n > 0) call fields%describe('coordinates', 'frequency direction')
+      call carry_text(fields, field('ended', '', '', 'why it ended, in words, and whether the train floats in its gaps'), &
+                      sweep%ended, 'not yet: these are the points so far')
+      call carry(fields, field('complete', '', '', '1: all points are done'), sweep%complete)
+      call fields%index_axis('point', n, 'point, in the order visited')
+      if (allocated(fields%wrong)) return
+      if (fields%way == reading) then
+         call fields%check(n <= points .and. (n == points .or. .not. sweep%complete), 'point')
+         if (allocated(fields%wrong)) return
+         ! One that has not ended goes on, with room for all.
+         allocate (sweep%motions(merge(n, points, allocated(sweep%ended))))
+         allocate (sweep%direction(size(sweep%motions)), source='    ')
+         allocate (direction(n))
+      else if (allocated(sweep%motions)) then
+         direction = sweep%direction(:n)
+      end if
+      if (n == 0 .and. fields%way /= listing) return
+      call move_alloc(sweep%motions, motions)
+      call visit_motions(motions, 'point', fields)
+      call move_alloc(motions, sweep%motions)
+      if (fields%way == reading) &
+         call fields%check(all([(allocated(sweep%motions(i)%state) .and. sweep%motions(i)%frequency_ratio > 0, i=1, n)]), &
+                           'initial_state')
+      call carry(fields, field('direction', 'point', '', '`up` or `down`: the way in which the sweep went'), direction)
+      if (fields%way == reading .and. .not. allocated(fields%wrong)) sweep%direction(:n) = direction
+   end subroutine visit_sweep
+
+   subroutine report(self, unit, seconds)
+      class(integration_analysis_type), intent(in) :: self
+      integer, intent(in) :: unit
+      real(dp), intent(in) :: seconds
+      integer :: settled, period
+
+      settled = count(self%result%motions%period > 0)
+      write (unit, '(a, i0, 3a, i0, a, i0, a)') 'Integration: ', size(self%result%motions), ' points in ', &
+         fixed(seconds, 2), ' s, ', settled, ' settled, ', size(self%result%motions) - settled, ' did not'
+      do period = 1, maxval([0, self%result%motions%period])
+         if (any(self%result%motions%period == period)) write (unit, '(a, i0, a, i0)') '    of period ', period, ': ', &
+            count(self%result%motions%period == period)
+      end do
+      if (allocated(self%result%ended)) write (unit, '(2a)') '    ended: ', self%result%ended
+   end subroutine report
+
+end module geartrain_analyses_integration

@@ -1,0 +1,149 @@
+!> The list of analyses. Whoever reads, checks, runs, writes or reports cases goes over it; a new analysis is registered here: a row
+!> of `analyses`, a component of a case and one of results, and its lines in the two routines below.
+module geartrain_analyses_list
+   use geartrain_analyses_analysis, only: analysis_type, group_row_type
+   use geartrain_analyses_attractors, only: attractors_analysis_type, attractors_row, attractors_settings_type, attractors_type
+   use geartrain_analyses_integration, only: integration_analysis_type, integration_row, sweep_type
+   use geartrain_analyses_modes, only: modes_analysis_type, modes_row
+   use geartrain_analyses_response, only: response_analysis_type, response_row
+   use geartrain_analyses_stability_grid, only: stability_map_settings_type, stability_map_type
+   use geartrain_analyses_stability_map, only: stability_map_analysis_type, stability_map_row
+   use geartrain_continuation_branch, only: branch_type, response_settings_type
+   use geartrain_flow_integration_settings, only: integration_settings_type
+   use geartrain_model_modes, only: modes_type
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: analyses, case_type, find_analysis, leave_out, number_of, results_type
+
+   !> In the order in which they stand in a case file, run and are written.
+   type(group_row_type), parameter :: analyses(*) = [modes_row, response_row, integration_row, attractors_row, stability_map_row]
+
+   !> One case: a train and the analyses wanted of it, as one namelist file gives them.
+   type :: case_type
+      type(train_type) :: train
+      !> &modes is present.
+      logical :: modes = .false.
+      !> Allocated when the group is present.
+      type(response_settings_type), allocatable :: response
+      type(integration_settings_type), allocatable :: integration
+      type(attractors_settings_type), allocatable :: attractors
+      type(stability_map_settings_type), allocatable :: stability_map
+      !> Name of the output file as given in &output; empty: the case's name with .h5.
+      character(:), allocatable :: output_file
+   end type case_type
+
+   !> Allocated where it was computed.
+   type :: results_type
+      type(modes_type), allocatable :: modes
+      type(branch_type), allocatable :: response
+      type(sweep_type), allocatable :: integration
+      type(attractors_type), allocatable :: attractors
+      type(stability_map_type), allocatable :: stability_map
+      !> Further branches, each with its origin: those from period doublings of the response, then those through attractors.
+      type(branch_type), allocatable :: branches(:)
+   end type results_type
+
+contains
+
+   !> An analysis with what the case asks of it and with its result, where these are there. It points into both, which are to be
+   !> targets and to stay where they are.
+   subroutine find_analysis(number, case, results, analysis, ask, begin)
+      !> In the list.
+      integer, intent(in) :: number
+      ! No intent: whoever only looks at it may pass what must not be changed.
+      type(case_type), target :: case
+      type(results_type), target :: results
+      class(analysis_type), allocatable, intent(out) :: analysis
+      !> Whether the case asks for it from here on, with the defaults where it did not; whether it has a result, an empty one where
+      !> it had none.
+      logical, intent(in), optional :: ask, begin
+      logical :: asks, begins
+      type(modes_analysis_type) :: modes
+      type(response_analysis_type) :: response
+      type(integration_analysis_type) :: integration
+      type(attractors_analysis_type) :: attractors
+      type(stability_map_analysis_type) :: stability_map
+
+      asks = .false.
+      if (present(ask)) asks = ask
+      begins = .false.
+      if (present(begin)) begins = begin
+      select case (analyses(number)%name)
+      case ('modes')
+         if (asks) case%modes = .true.
+         if (begins .and. .not. allocated(results%modes)) allocate (results%modes)
+         modes%asked = case%modes
+         modes%begun = allocated(results%modes)
+         if (modes%begun) modes%result => results%modes
+         allocate (analysis, source=modes)
+      case ('response')
+         if (asks .and. .not. allocated(case%response)) allocate (case%response)
+         if (begins .and. .not. allocated(results%response)) allocate (results%response)
+         response%asked = allocated(case%response)
+         response%begun = allocated(results%response)
+         if (response%asked) response%settings => case%response
+         if (response%begun) response%result => results%response
+         allocate (analysis, source=response)
+      case ('integration')
+         if (asks .and. .not. allocated(case%integration)) allocate (case%integration)
+         if (begins .and. .not. allocated(results%integration)) allocate (results%integration)
+         integration%asked = allocated(case%integration)
+         integration%begun = allocated(results%integration)
+         if (integration%asked) integration%settings => case%integration
+         if (integration%begun) integration%result => results%integration
+         allocate (analysis, source=integration)
+      case ('attractors')
+         if (asks .and. .not. allocated(case%attractors)) allocate (case%attractors)
+         if (begins .and. .not. allocated(results%attractors)) allocate (results%attractors)
+         attractors%asked = allocated(case%attractors)
+         attractors%begun = allocated(results%attractors)
+         if (attractors%asked) attractors%settings => case%attractors
+         if (attractors%begun) attractors%result => results%attractors
+         allocate (analysis, source=attractors)
+      case ('stability_map')
+         if (asks .and. .not. allocated(case%stability_map)) allocate (case%stability_map)
+         if (begins .and. .not. allocated(results%stability_map)) allocate (results%stability_map)
+         stability_map%asked = allocated(case%stability_map)
+         stability_map%begun = allocated(results%stability_map)
+         if (stability_map%asked) stability_map%settings => case%stability_map
+         if (stability_map%begun) stability_map%result => results%stability_map
+         allocate (analysis, source=stability_map)
+      end select
+   end subroutine find_analysis
+
+   !> The case does not ask for an analysis from here on; the results have none of it.
+   subroutine leave_out(number, case, results)
+      !> In the list.
+      integer, intent(in) :: number
+      type(case_type), intent(inout), optional :: case
+      type(results_type), intent(inout), optional :: results
+      type(case_type) :: nothing
+      type(results_type) :: none
+
+      associate (name => analyses(number)%name)
+         if (present(case)) then
+            if (name == 'modes') case%modes = .false.
+            if (name == 'response') call move_alloc(nothing%response, case%response)
+            if (name == 'integration') call move_alloc(nothing%integration, case%integration)
+            if (name == 'attractors') call move_alloc(nothing%attractors, case%attractors)
+            if (name == 'stability_map') call move_alloc(nothing%stability_map, case%stability_map)
+         end if
+         if (present(results)) then
+            if (name == 'modes') call move_alloc(none%modes, results%modes)
+            if (name == 'response') call move_alloc(none%response, results%response)
+            if (name == 'integration') call move_alloc(none%integration, results%integration)
+            if (name == 'attractors') call move_alloc(none%attractors, results%attractors)
+            if (name == 'stability_map') call move_alloc(none%stability_map, results%stability_map)
+         end if
+      end associate
+   end subroutine leave_out
+
+   !> Number of the analysis of this name, 0 where there is none.
+   pure integer function number_of(name)
+      character(*), intent(in) :: name
+
+      number_of = findloc(analyses%name == name, .true., dim=1)
+   end function number_of
+
+end module geartrain_analyses_list

@@ -1,0 +1,100 @@
+!> The analysis &modes: natural frequencies, damping ratios and mode shapes of the mean system.
+module geartrain_analyses_modes
+   use geartrain_analyses_analysis, only: analysis_type, group_row_type
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_base_carry, only: carry
+   use geartrain_base_error, only: error_type
+   use geartrain_base_field, only: row => field_type
+   use geartrain_base_fields, only: fields_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_observer, only: observer_type
+   use geartrain_base_variable, only: visitor_type
+   use geartrain_model_modes, only: modes_type, natural_modes
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: modes_analysis_type, modes_row
+
+   type(group_row_type), parameter :: modes_row = group_row_type('modes', &
+      'Asks for undamped and damped natural frequencies and mode shapes of the mean system.')
+
+   type, extends(analysis_type) :: modes_analysis_type
+      type(modes_type), pointer :: result => null()
+   contains
+      procedure :: visit_variables
+      procedure :: run
+      procedure :: tell_end
+      procedure :: visit_fields
+      procedure :: report
+   end type modes_analysis_type
+
+contains
+
+   !> The group has no variables.
+   subroutine visit_variables(self, visitor)
+      class(modes_analysis_type), intent(inout) :: self
+      class(visitor_type), intent(inout) :: visitor
+
+      associate (unused => self)
+      end associate
+      call visitor%enter('modes', 1)
+      call visitor%leave()
+   end subroutine visit_variables
+
+   !> They are found at once, so that those of an earlier run are of no use.
+   subroutine run(self, train, error, observer, start)
+      class(modes_analysis_type), intent(inout) :: self
+      type(train_type), intent(in) :: train
+      type(error_type), allocatable, intent(out) :: error
+      class(observer_type), intent(inout) :: observer
+      type(motion_type), intent(in), optional :: start
+
+      call natural_modes(train, self%result, error)
+   end subroutine run
+
+   subroutine tell_end(self, complete, ended)
+      class(modes_analysis_type), intent(in) :: self
+      logical, intent(out) :: complete
+      character(:), allocatable, intent(out) :: ended
+
+      complete = associated(self%result)
+      ended = ''
+   end subroutine tell_end
+
+   subroutine visit_fields(self, train, fields, summary)
+      class(modes_analysis_type), intent(inout) :: self
+      type(train_type), intent(in) :: train
+      class(fields_type), intent(inout) :: fields
+      logical, intent(in) :: summary
+      integer :: n
+
+      associate (modes => self%result)
+         if (.not. fields%enter('/modes', 'natural modes of the mean system: contact everywhere, mean mesh stiffness', .true.)) &
+            return
+         n = 0
+         if (allocated(modes%natural_frequency)) n = size(modes%natural_frequency)
+         call fields%index_axis('mode', n, 'elastic mode, by frequency; a rigid mode is left out')
+         call carry(fields, row('element', 'element', '', 'elastic element, in the order of the train: `shaft 1`, `mesh 1`, ...'), &
+                    modes%element)
+         call carry(fields, row('natural_frequency', 'mode', '1', &
+                                'undamped natural frequency / characteristic_frequency, mean mesh stiffness, teeth in contact'), &
+                    modes%natural_frequency)
+         call carry(fields, row('damped_frequency', 'mode', '1', &
+                                'imaginary part of the damped eigenvalue / characteristic_frequency; 0 = overdamped'), &
+                    modes%damped_frequency)
+         call carry(fields, row('damping_ratio', 'mode', '1', 'damping ratio of the mode'), modes%damping_ratio)
+         call carry(fields, row('shape', 'mode element', '1', 'displacement of each element (a mesh: along the line of action; a &
+                                &shaft: twist times base radius), largest 1'), modes%shape)
+      end associate
+   end subroutine visit_fields
+
+   subroutine report(self, unit, seconds)
+      class(modes_analysis_type), intent(in) :: self
+      integer, intent(in) :: unit
+      real(dp), intent(in) :: seconds
+
+      write (unit, '(a)') 'Natural frequencies, Lambda'
+      write (unit, '(4x, 6f12.4)') self%result%natural_frequency
+   end subroutine report
+
+end module geartrain_analyses_modes

@@ -1,0 +1,322 @@
+!> The analysis &response: the branch of periodic motions over frequency; what it follows is in geartrain_continuation_response.
+module geartrain_analyses_response
+   use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_base_checker, only: checker_type
+   use geartrain_base_error, only: error_type
+   use geartrain_base_fields, only: fields_type, listing, reading
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_observer, only: observer_type
+   use geartrain_base_variable, only: visitor_type
+   use geartrain_continuation_branch, only: branch_type, response_settings_type
+   use geartrain_continuation_contact_ranges, only: back_collision_ranges, separation_ranges
+   use geartrain_continuation_decided, only: rests_on_undecided
+   use geartrain_continuation_fields, only: visit_branch
+   use geartrain_continuation_jumps, only: jump_type, jumps
+   use geartrain_continuation_response, only: response
+   use geartrain_continuation_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
+   use geartrain_continuation_summary_fields, only: visit_summary
+   use geartrain_continuation_variables, only: check_response_consistency, visit_response
+   use geartrain_model_network, only: coordinate_count
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: report_branches, response_analysis_type, response_row, visit_whole_branch
+
+   type(group_row_type), parameter :: response_row = group_row_type('response', &
+      'Asks for the branch of periodic motions over frequency, by harmonic balance.')
+
+   type, extends(analysis_type) :: response_analysis_type
+      type(response_settings_type), pointer :: settings => null()
+      type(branch_type), pointer :: result => null()
+   contains
+      procedure :: visit_variables
+      procedure :: check
+      procedure :: give_example
+      procedure :: run
+      procedure :: tell_end
+      procedure :: visit_fields
+      procedure :: report
+   end type response_analysis_type
+
+contains
+
+   subroutine visit_variables(self, visitor)
+      class(response_analysis_type), intent(inout) :: self
+      class(visitor_type), intent(inout) :: visitor
+
+      call visit_response(self%settings, visitor)
+   end subroutine visit_variables
+
+   subroutine check(self, train, seeded, checker)
+      class(response_analysis_type), intent(in) :: self
+      type(train_type), intent(in) :: train
+      logical, intent(in) :: seeded
+      class(checker_type), intent(inout) :: checker
+
+      call check_response_consistency(train, self%settings, seeded, checker)
+   end subroutine check
+
+   subroutine give_example(self)
+      class(response_analysis_type), intent(inout) :: self
+
+      self%settings%start = 0.2_dp
+      self%settings%stop = 2.6_dp
+   end subroutine give_example
+
+   subroutine run(self, train, error, observer, start)
+      class(response_analysis_type), intent(inout) :: self
+      type(train_type), intent(in) :: train
+      type(error_type), allocatable, intent(out) :: error
+      class(observer_type), intent(inout) :: observer
+      type(motion_type), intent(in), optional :: start
+      logical :: keep_going
+
+      associate (branch => self%result)
+         if (allocated(branch%ended) .and. .not. allocated(branch%trace)) return
+         call response(train, self%settings, branch, error, start, observer)
+         if (allocated(error) .or. branch%cancelled .or. branch%points == 0 .or. train%interrupt%raised()) return
+         ! What a trace does after its last step belongs to the response, for whoever keeps time.
+         keep_going = .true.
+         call observer%on_step('response', branch%points, branch%frequency_ratio(branch%points), keep_going)
+      end associate
+   end subroutine run
+
+   subroutine tell_end(self, complete, ended)
+      class(response_analysis_type), intent(in) :: self
+      logical, intent(out) :: complete
+      character(:), allocatable, intent(out) :: ended
+
+      complete = self%result%complete
+      ended = ''
+      if (allocated(self%result%ended)) ended = self%result%ended
+   end subroutine tell_end
+
+   subroutine visit_fields(self, train, fields, summary)
+      class(response_analysis_type), intent(inout) :: self
+      type(train_type), intent(in) :: train
+      class(fields_type), intent(inout) :: fields
+      logical, intent(in) :: summary
+
+      call visit_whole_branch(self%result, '/response', train, fields, summary)
+   end subroutine visit_fields
+
+   !> The fields of a branch and of what one reads off it.
+   subroutine visit_whole_branch(branch, home, train, fields, summary)
+      type(branch_type), intent(inout) :: branch
+      !> Path of its group.
+      character(*), intent(in) :: home
+      type(train_type), intent(in) :: train
+      class(fields_type), intent(inout) :: fields
+      !> Whether what one reads off it is computed as well.
+      logical, intent(in) :: summary
+
+      call visit_branch(branch, home, fields)
+      if (fields%way == reading) then
+         call fields%check(branch%states <= 2*coordinate_count(train), home)
+         branch%half_backlash = train%meshes%half_backlash/train%characteristic_length
+      else if (summary .and. (branch%points > 0 .or. fields%way == listing)) then
+         call visit_summary(branch, home, fields)
+      end if
+   end subroutine visit_whole_branch
+
+   subroutine report(self, unit, seconds)
+      class(response_analysis_type), intent(in) :: self
+      integer, intent(in) :: unit
+      real(dp), intent(in) :: seconds
+
+      write (unit, '(a, i0, 3a)') 'Response: ', self%result%points, ' points in ', fixed(seconds, 2), ' s'
+      call report_branch(self%result, unit)
+   end subroutine report
+
+   !> Writes the lines that the executable prints of further branches.
+   subroutine report_branches(branches, unit, seconds)
+      type(branch_type), intent(in) :: branches(:)
+      !> An open unit for formatted text.
+      integer, intent(in) :: unit
+      !> Time taken by all of them [s].
+      real(dp), intent(in) :: seconds
+      integer :: i
+
+      write (unit, '(a, i0, a, i0, 3a)') 'Further branches: ', size(branches), ', ', sum(branches%points), ' points in ', &
+         fixed(seconds, 2), ' s'
+      do i = 1, size(branches)
+         write (unit, '(a, i0, a, i0, 2a)') 'Branch ', i, ', period ', branches(i)%subharmonic, ': ', branches(i)%origin
+         call report_branch(branches(i), unit)
+      end do
+   end subroutine report_branches
+
+   subroutine report_branch(branch, unit)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: unit
+      type(band_type), allocatable :: bands(:)
+      real(dp), allocatable :: at_fold(:)
+      character(16) :: name
+      integer :: mesh, i
+
+      if (branch%points > 0) then
+         write (unit, '(a)') '    mesh  peak at Lambda         rms'
+         do mesh = 1, branch%meshes
+            call report_peaks(branch, mesh, unit)
+         end do
+         at_fold = folds(branch)
+         if (size(at_fold) > 0) write (unit, '(a, *(f10.4))') '    folds at Lambda', at_fold
+         call report_branch_points(branch, unit)
+         call report_jumps(branch, unit)
+         bands = bands_without_stability(branch)
+         do i = 1, size(bands)
+            ! Narrower than what is printed: the file has it.
+            if (fixed(bands(i)%from, 4) == fixed(bands(i)%to, 4)) cycle
+            write (unit, '(5a)') '    without a stable motion for Lambda ', fixed(bands(i)%from, 4), ' to ', &
+               fixed(bands(i)%to, 4), trim(merge(' (undecided)', '            ', bands(i)%undecided))
+         end do
+         call report_undecided(branch, unit)
+         do mesh = 1, branch%meshes
+            write (name, '(a, i0)') 'mesh ', mesh
+            call report_ranges(trim(name)//' separates', separation_ranges(branch, mesh, .false.), &
+                               separation_ranges(branch, mesh, .true.), allocated(branch%stable), unit)
+            call report_ranges(trim(name)//' back collision', back_collision_ranges(branch, mesh, .false.), &
+                               back_collision_ranges(branch, mesh, .true.), allocated(branch%stable), unit)
+         end do
+         call report_loads(branch, unit)
+      end if
+      if (allocated(branch%ended)) write (unit, '(2a)') '    ended: ', branch%ended
+   end subroutine report_branch
+
+   !> Where other branches of the same period cross.
+   subroutine report_branch_points(branch, unit)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: unit
+      integer :: i
+
+      do i = 1, size(branch%special_points)
+         associate (special => branch%special_points(i))
+            if (special%kind /= 'branch point') cycle
+            write (unit, '(2a)') '    branch point at Lambda ', fixed(special%frequency_ratio, 4)
+         end associate
+      end do
+   end subroutine report_branch_points
+
+   subroutine report_peaks(branch, mesh, unit)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: mesh, unit
+      type(peak_type), allocatable :: found(:)
+      integer :: i
+
+      found = peaks(branch, mesh)
+      do i = 1, size(found)
+         write (unit, '(i8, f16.4, f12.5)', advance='no') mesh, found(i)%frequency_ratio, found(i)%rms
+         if (allocated(branch%stable)) write (unit, '(2x, a)', advance='no') &
+            trim(merge('undecided', merge('stable   ', 'unstable ', found(i)%stable), found(i)%undecided))
+         write (unit, '()')
+      end do
+   end subroutine report_peaks
+
+   subroutine report_jumps(branch, unit)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: unit
+      type(jump_type), allocatable :: found(:)
+      integer :: i
+
+      found = jumps(branch)
+      if (size(found) > 0) write (unit, '(a)') '    speed    Lambda  to the nearest stable motion, rms of the meshes'
+      do i = 1, size(found)
+         write (unit, '(4x, a, f9.4, 2x)', advance='no') merge('rising ', 'falling', found(i)%rising), found(i)%frequency_ratio
+         if (found(i)%kind == 'leaves') then
+            write (unit, '(3a)', advance='no') 'leaves the branch (', trim(found(i)%cause), ')'
+         else
+            write (unit, '(a, *(f9.5))', advance='no') found(i)%kind, found(i)%before
+            write (unit, '(a, *(f9.5))', advance='no') ' ->', found(i)%after
+            if (found(i)%candidates > 1) write (unit, '(a, i0)', advance='no') '  nearest of ', found(i)%candidates
+         end if
+         write (unit, '(a)') trim(merge(' (undecided)', '            ', found(i)%undecided))
+      end do
+   end subroutine report_jumps
+
+   !> Points whose stability is a guess, and the special points that rest on such points alone.
+   subroutine report_undecided(branch, unit)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: unit
+      integer :: i
+
+      if (.not. allocated(branch%undecided)) return
+      if (.not. any(branch%undecided(:branch%points))) return
+      write (unit, '(a, i0, a)') '    stability of ', count(branch%undecided(:branch%points)), ' points is undecided'
+      do i = 1, size(branch%special_points)
+         if (rests_on_undecided(branch, i)) write (unit, '(4a)') '    rests on undecided points: ', &
+            trim(branch%special_points(i)%kind), ' at Lambda ', fixed(branch%special_points(i)%frequency_ratio, 4)
+      end do
+   end subroutine report_undecided
+
+   subroutine report_ranges(what, ranges, stable, known, unit)
+      character(*), intent(in) :: what
+      !> At any level of the branch; at a stable one, where that is known.
+      type(band_type), intent(in) :: ranges(:), stable(:)
+      logical, intent(in) :: known
+      integer, intent(in) :: unit
+      character(:), allocatable :: all_of_them, stable_ones
+
+      if (size(ranges) == 0) return
+      call list(ranges, all_of_them)
+      write (unit, '(5a)', advance='no') '    ', what, ' at Lambda ', all_of_them
+      if (known) then
+         call list(stable, stable_ones)
+         if (size(stable) == 0) then
+            write (unit, '(a)', advance='no') '; at no stable motion'
+         else if (stable_ones /= all_of_them) then
+            write (unit, '(2a)', advance='no') '; stable: ', stable_ones
+         end if
+      end if
+      write (unit, '()')
+   end subroutine report_ranges
+
+   !> As printed: without the gaps, and the ranges beside others, that four decimals do not show.
+   subroutine list(ranges, text)
+      type(band_type), intent(in) :: ranges(:)
+      character(:), allocatable, intent(out) :: text
+      type(band_type) :: shown(size(ranges))
+      integer :: i, n
+
+      n = 0
+      do i = 1, size(ranges)
+         if (n > 0) then
+            if (fixed(ranges(i)%from, 4) == fixed(shown(n)%to, 4)) then
+               shown(n)%to = ranges(i)%to
+               cycle
+            end if
+         end if
+         n = n + 1
+         shown(n) = ranges(i)
+      end do
+      text = ''
+      do i = 1, n
+         if (n > 1 .and. fixed(shown(i)%from, 4) == fixed(shown(i)%to, 4)) cycle
+         if (text /= '') text = text//', '
+         text = text//fixed(shown(i)%from, 4)//' to '//fixed(shown(i)%to, 4)
+      end do
+   end subroutine list
+
+   !> The largest mesh force of all motions of the branch, the stable ones where stability is known.
+   subroutine report_loads(branch, unit)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: unit
+      logical :: counts(branch%points)
+      integer :: mesh, i
+
+      counts = .true.
+      if (allocated(branch%stable)) counts = branch%stable(:branch%points)
+      if (.not. any(counts)) return
+      write (unit, '(2a)') '    mesh  largest force [N]  dynamic factor  at Lambda', &
+         trim(merge(', stable motions', '                ', allocated(branch%stable)))
+      do mesh = 1, branch%meshes
+         i = maxloc(branch%mesh_load(mesh, :branch%points)%force_maximum, 1, counts)
+         associate (load => branch%mesh_load(mesh, i))
+            write (unit, '(i8, f19.1)', advance='no') mesh, load%force_maximum
+            if (load%dynamic_factor < 0) write (unit, '(a16)', advance='no') '-'
+            if (load%dynamic_factor >= 0) write (unit, '(f16.3)', advance='no') load%dynamic_factor
+            write (unit, '(f11.4)') branch%frequency_ratio(i)
+         end associate
+      end do
+   end subroutine report_loads
+
+end module geartrain_analyses_response

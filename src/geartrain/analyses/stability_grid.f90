@@ -1,0 +1,390 @@
+!> What is asked of a stability map (stability chart, of a linear train an Ince-Strutt diagram) and what it gives: the variables of
+!> &stability_map with their checks, the grid with its rows while it is under way, and its fields.
+module geartrain_analyses_stability_grid
+   use geartrain_base_carry, only: carry, carry_text
+   use geartrain_base_checker, only: checker_type
+   use geartrain_base_error, only: error_type
+   use geartrain_base_field, only: field => field_type
+   use geartrain_base_fields, only: fields_type, listing, reading
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: integer_text, real_text
+   use geartrain_base_variable, only: row => variable_type, visitor_type
+   use geartrain_flow_fields, only: about_frequency, about_mesh
+   use geartrain_model_check, only: check_train
+   use geartrain_model_limits, only: check_frequency, check_harmonics
+   use geartrain_model_mesh, only: mesh_type, plain_mesh
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: check_consistency, check_stability_map, map_row_type, stability_map_settings_type, stability_map_type, train_with, &
+      unit_of, visit_map, visit_stability_map
+
+   real(dp), parameter :: zero = 0, one = 1
+   !> Most points along either side of the map.
+   real(dp), parameter :: most_points = 10000
+   integer, parameter :: most_harmonics = 1000
+
+   character(*), parameter :: home = '/stability_map', grid = 'parameter frequency'
+
+   !> from, to, parameter_from and parameter_to are `start`, `stop`, `parameter_start` and `parameter_stop`.
+   type :: stability_map_settings_type
+      !> Range of Lambda and how many there are in it, both ends included.
+      real(dp) :: start = 0, stop = 0
+      integer :: points = 200
+      !> What varies from row to row: 'stiffness_variation', 'mesh_damping_ratio', 'input_torque' or 'half_backlash'.
+      character(24) :: parameter = 'stiffness_variation'
+      real(dp) :: parameter_start = 0, parameter_stop = 0
+      integer :: parameter_points = 200
+      !> The train without backlash, all teeth in contact.
+      logical :: linear = .false.
+      !> Of the branch of each row, as in &response.
+      integer :: harmonics = 6
+   end type stability_map_settings_type
+
+   !> One row: as in stability_map_type, without the last index. Not allocated where it is not done.
+   type :: map_row_type
+      integer, allocatable :: motions(:), stable_motions(:)
+      complex(dp), allocatable :: multiplier(:)
+      real(dp), allocatable :: rms(:, :)
+      !> The branch got from one end to the other.
+      logical :: whole = .true.
+   end type map_row_type
+
+   !> The grid over Lambda (first index) and the parameter (second), of the rows that were done.
+   type :: stability_map_type
+      !> 'stiffness_variation', ..., and its unit.
+      character(:), allocatable :: name, unit
+      logical :: linear = .false.
+      !> Lambda, (point); values of the parameter, (row).
+      real(dp), allocatable :: frequency_ratio(:), parameter(:)
+      !> Motions of the mesh period and how many of them are stable, (point, row).
+      integer, allocatable :: motions(:, :), stable_motions(:, :)
+      !> Floquet multiplier of largest magnitude of the motion that has it smallest, (point, row); NaN where there is no motion.
+      complex(dp), allocatable :: multiplier(:, :)
+      !> Largest rms of the stable motions, see motion_type, (mesh, point, row); NaN where there is none. Not of the linear train.
+      real(dp), allocatable :: rms(:, :, :)
+      !> Rows done, and among them those whose branch got from one end to the other, (row).
+      logical, allocatable :: done(:), whole(:)
+      !> While the map is under way the rows by themselves, so that it takes memory as it grows: `gather` makes the arrays of them.
+      type(map_row_type), allocatable :: rows(:)
+      !> 'all rows done', or what is missing.
+      character(:), allocatable :: ended
+      logical :: complete = .false.
+   contains
+      procedure :: gather
+   end type stability_map_type
+
+contains
+
+   subroutine visit_stability_map(settings, v)
+      type(stability_map_settings_type), intent(inout) :: settings
+      class(visitor_type), intent(inout) :: v
+      character(:), allocatable :: word
+
+      call v%enter('stability_map', 1)
+      call v%on_real(row('from', '', 'one end of the range of Lambda (start in a call)', required=.true., above=zero), &
+                     settings%start)
+      call v%on_real(row('to', '', 'its other end (stop in a call)', required=.true., above=zero), settings%stop)
+      call v%on_integer(row('points', '', 'frequencies in the range, both ends included', least=one, most=most_points), &
+                        settings%points)
+      word = trim(settings%parameter)
+      call v%on_text(row('parameter', '', 'what varies from row to row. stiffness_variation: largest amplitude of any harmonic of &
+                         &kappa, all scaled alike; input_torque [N m]; mesh_damping_ratio and half_backlash [m]: of every mesh', &
+                         choices='stiffness_variation mesh_damping_ratio input_torque half_backlash'), word)
+      settings%parameter = word
+      call v%on_real(row('parameter_from', '', 'one end of the range of the parameter (parameter_start in a call)', &
+                         required=.true., least=zero), settings%parameter_start)
+      call v%on_real(row('parameter_to', '', 'its other end (parameter_stop in a call)', required=.true., least=zero), &
+                     settings%parameter_stop)
+      call v%on_integer(row('parameter_points', '', 'values of the parameter in the range, both ends included', least=one, &
+                            most=most_points), settings%parameter_points)
+      call v%on_logical(row('linear', '', 'the train without backlash, all teeth in contact: where its parametric resonances &
+                            &are; else the motions on the branch of every row'), settings%linear)
+      call v%on_integer(row('harmonics', '', 'harmonics R of Lambda of the motions; not used by a linear map', least=one, &
+                            most=most_harmonics*one), settings%harmonics)
+      call v%leave()
+   end subroutine visit_stability_map
+
+   !> Checks the settings for a train that is in order; the error tells every problem, one a line.
+   subroutine check_stability_map(train, settings, error)
+      type(train_type), intent(in) :: train
+      type(stability_map_settings_type), intent(in) :: settings
+      type(error_type), allocatable, intent(out) :: error
+      type(stability_map_settings_type) :: copy
+      type(checker_type) :: checker
+
+      copy = settings
+      call visit_stability_map(copy, checker)
+      call check_consistency(train, settings, checker)
+      call checker%problems%raise('', error)
+   end subroutine check_stability_map
+
+   !> What single values cannot say; the problems are added to those of `checker`.
+   subroutine check_consistency(train, settings, checker)
+      type(train_type), intent(in) :: train
+      type(stability_map_settings_type), intent(in) :: settings
+      class(checker_type), intent(inout) :: checker
+
+      if (checker%problems%in_group('stability_map')) return
+      call checker%enter('stability_map', 1)
+      ! A branch needs a range; the linear train does not.
+      if (abs(settings%start - settings%stop) <= 0 .and. (settings%points > 1 .or. .not. settings%linear)) &
+         call checker%complain('to', real_text(settings%stop), 'must differ from "from"')
+      if (abs(settings%start - settings%stop) > 0 .and. settings%points == 1) &
+         call checker%complain('points', integer_text(settings%points), 'must be >= 2 where "from" and "to" differ')
+      if (abs(settings%parameter_start - settings%parameter_stop) <= 0 .neqv. settings%parameter_points == 1) &
+         call checker%complain('parameter_points', integer_text(settings%parameter_points), &
+                               'must be 1 where "parameter_from" and "parameter_to" are equal, and only there')
+      call check_frequency(train, 'from', settings%start, checker)
+      call check_frequency(train, 'to', settings%stop, checker)
+      if (.not. settings%linear) call check_harmonics(train, settings%harmonics, 1, most_harmonics, checker)
+      if (settings%linear .and. (settings%parameter == 'input_torque' .or. settings%parameter == 'half_backlash')) &
+         call checker%complain('parameter', "'"//trim(settings%parameter)//"'", &
+                               'has no influence on the stability of the linear train: leave out linear = .true.')
+      if (settings%parameter == 'input_torque' .and. allocated(train%bodies)) &
+         call checker%complain('parameter', "'input_torque'", 'is that of a chain: the bodies of this train have torques')
+      if (settings%parameter == 'stiffness_variation' .and. allocated(train%meshes)) then
+         if (.not. largest_variation(train%meshes) > 0 .and. .not. checker%problems%in_group('mesh')) &
+            call checker%complain('parameter', "'"//trim(settings%parameter)//"'", &
+                                  'needs a mesh with stiffness_cos or stiffness_sin, which give the shape that is scaled')
+      end if
+      call check_end('parameter_from', settings%parameter_start)
+      call check_end('parameter_to', settings%parameter_stop)
+      call checker%leave()
+
+   contains
+
+      !> The train at an end of the range of the parameter is one that can be computed.
+      subroutine check_end(name, value)
+         character(*), intent(in) :: name
+         real(dp), intent(in) :: value
+         type(error_type), allocatable :: wrong
+
+         if (checker%problems%in_group('stability_map')) return
+         call check_train(train, wrong)
+         if (allocated(wrong)) return
+         call check_train(train_with(train, settings, value), wrong)
+         if (allocated(wrong)) call checker%complain(name, real_text(value), 'must be a value with which the train can be &
+            &computed: '//wrong%message(:index(wrong%message//new_line('a'), new_line('a')) - 1))
+      end subroutine check_end
+
+   end subroutine check_consistency
+
+   !> The train of one row of the map.
+   function train_with(train, settings, value) result(changed)
+      type(train_type), intent(in) :: train
+      type(stability_map_settings_type), intent(in) :: settings
+      real(dp), intent(in) :: value
+      type(train_type) :: changed
+      type(mesh_type) :: mesh
+      real(dp) :: factor
+      integer :: j
+
+      changed = train
+      if (settings%linear) changed%meshes%half_backlash = 0
+      select case (settings%parameter)
+      case ('stiffness_variation')
+         factor = value/largest_variation(train%meshes)
+         do j = 1, size(changed%meshes)
+            call plain_mesh(train%meshes(j), mesh)
+            if (allocated(mesh%stiffness_cos)) mesh%stiffness_cos = factor*mesh%stiffness_cos
+            if (allocated(mesh%stiffness_sin)) mesh%stiffness_sin = factor*mesh%stiffness_sin
+            changed%meshes(j) = mesh
+         end do
+      case ('mesh_damping_ratio')
+         changed%meshes%damping_ratio = value
+         changed%meshes%damping_given = .false.
+      case ('input_torque')
+         changed%input_torque = value
+      case ('half_backlash')
+         changed%meshes%half_backlash = value
+      end select
+   end function train_with
+
+   pure function unit_of(parameter) result(unit)
+      character(*), intent(in) :: parameter
+      character(merge(3, 1, parameter == 'input_torque')) :: unit
+
+      unit = '1'
+      if (parameter == 'input_torque') unit = 'N m'
+      if (parameter == 'half_backlash') unit = 'm'
+   end function unit_of
+
+   !> Largest amplitude of any harmonic of kappa of any mesh.
+   pure real(dp) function largest_variation(meshes) result(largest)
+      type(mesh_type), intent(in) :: meshes(:)
+      type(mesh_type) :: mesh
+      real(dp) :: cosine, sine
+      integer :: j, h, most
+
+      largest = 0
+      do j = 1, size(meshes)
+         call plain_mesh(meshes(j), mesh)
+         most = 0
+         if (allocated(mesh%stiffness_cos)) most = size(mesh%stiffness_cos)
+         if (allocated(mesh%stiffness_sin)) most = max(most, size(mesh%stiffness_sin))
+         do h = 1, most
+            cosine = 0
+            sine = 0
+            if (allocated(mesh%stiffness_cos)) then
+               if (h <= size(mesh%stiffness_cos)) cosine = mesh%stiffness_cos(h)
+            end if
+            if (allocated(mesh%stiffness_sin)) then
+               if (h <= size(mesh%stiffness_sin)) sine = mesh%stiffness_sin(h)
+            end if
+            largest = max(largest, hypot(cosine, sine))
+         end do
+      end do
+   end function largest_variation
+
+   !> Puts the rows done together, without those that are not, and gives their memory back one by one.
+   subroutine gather(self)
+      class(stability_map_type), intent(inout) :: self
+      integer :: i, n
+
+      n = count(self%done)
+      associate (points => size(self%frequency_ratio))
+         allocate (self%motions(points, n), self%stable_motions(points, n), self%multiplier(points, n))
+         do i = 1, size(self%rows)
+            if (self%done(i) .and. .not. self%linear) then
+               allocate (self%rms(size(self%rows(i)%rms, 1), points, n))
+               exit
+            end if
+         end do
+         if (.not. (self%linear .or. allocated(self%rms))) allocate (self%rms(0, points, 0))
+      end associate
+      self%parameter = pack(self%parameter, self%done)
+      self%whole = pack(self%whole, self%done)
+      n = 0
+      do i = 1, size(self%rows)
+         if (.not. self%done(i)) cycle
+         n = n + 1
+         self%motions(:, n) = self%rows(i)%motions
+         self%stable_motions(:, n) = self%rows(i)%stable_motions
+         self%multiplier(:, n) = self%rows(i)%multiplier
+         if (.not. self%linear) self%rms(:, :, n) = self%rows(i)%rms
+         deallocate (self%rows(i)%motions, self%rows(i)%stable_motions, self%rows(i)%multiplier)
+         if (.not. self%linear) deallocate (self%rows(i)%rms)
+      end do
+      self%done = pack(self%done, self%done)
+      deallocate (self%rows)
+   end subroutine gather
+
+   subroutine visit_map(map, settings, fields)
+      type(stability_map_type), intent(inout) :: map
+      !> As asked for; not associated: any map is taken back.
+      type(stability_map_settings_type), pointer, intent(in) :: settings
+      class(fields_type), intent(inout) :: fields
+      type(stability_map_type) :: part
+
+      if (.not. fields%enter(home, 'stability over frequency and one parameter of the train', .true.)) return
+      if (allocated(map%rows) .and. fields%way /= reading) then
+         part = map
+         call part%gather()
+         call visit_grid(part, fields)
+      else
+         call visit_grid(map, fields)
+      end if
+      if (fields%way == listing) return
+      call visit_rows(map, fields)
+      if (fields%way /= reading .or. allocated(fields%wrong) .or. .not. associated(settings)) return
+      call fields%check(map%linear .eqv. settings%linear, 'linear')
+      if (allocated(map%frequency_ratio)) call fields%check(size(map%frequency_ratio) == settings%points, 'frequency')
+      if (allocated(map%done)) call fields%check(size(map%done) == settings%parameter_points .or. .not. map%complete .and. &
+                                                 .not. allocated(map%rows), 'row_done')
+   end subroutine visit_map
+
+   subroutine visit_grid(map, fields)
+      type(stability_map_type), intent(inout) :: map
+      class(fields_type), intent(inout) :: fields
+      real(dp), allocatable :: radius(:, :)
+      logical :: begun
+      integer :: meshes
+
+      call carry_text(fields, field('ended', '', '', 'why it ended, in words'), map%ended, 'not yet: these are the rows so far')
+      call carry(fields, field('complete', '', '', '1: all rows are done, and the branch of each got through the range'), &
+                 map%complete)
+      begun = fields%has('parameter', allocated(map%parameter))
+      call carry(fields, field('linear', '', '', '1: of the train without backlash', optional=.not. begun), map%linear)
+      if (.not. begun) return
+      call carry_text(fields, field('parameter_name', '', '', 'what varies from row to row'), map%name)
+      call carry_text(fields, field('parameter_unit', '', '', 'its unit'), map%unit)
+      call carry(fields, field('parameter', 'parameter', unit_of_grid(map), 'the parameter, in its own unit'), map%parameter)
+      call carry(fields, field('frequency', 'frequency', '1', about_frequency), map%frequency_ratio)
+      call carry(fields, field('row_done', 'parameter', '1', '1 = the row is computed; rows that are not are left out'), map%done)
+      call carry(fields, field('row_whole', 'parameter', '1', '1 = the branch of the row got through the range; 0 = not: motions &
+                             &may be missing'), map%whole)
+      call carry(fields, field('motions', grid, '1', 'motions of the mesh period on the branch of the row', least=0), map%motions)
+      call carry(fields, field('stable_motions', grid, '1', 'how many of them are stable; 0: the train does something else, of a &
+                             &longer period or of none', least=0), map%stable_motions)
+      if (allocated(map%multiplier)) radius = abs(map%multiplier)
+      if (fields%way /= reading) call carry(fields, field('spectral_radius', grid, '1', 'largest magnitude of a Floquet multiplier &
+         &over a mesh period, of the motion that has it smallest: below 1 there is a stable motion; NaN: no motion'), radius)
+      call carry(fields, field('multiplier', grid//' complex', '1', 'that multiplier: near +1 there is a fold or a resonance at a &
+                             &natural frequency, near -1 the period doubles'), map%multiplier)
+      if (.not. fields%has('rms', allocated(map%rms))) then
+         call fields%check(map%linear, 'rms')
+         return
+      end if
+      meshes = 0
+      if (allocated(map%rms)) meshes = size(map%rms, 1)
+      call fields%index_axis('mesh', meshes, about_mesh)
+      call carry(fields, field('rms', grid//' mesh', '1', 'largest rms of the stable motions / characteristic_length, the rms of &
+                             &/response; NaN: no stable motion', 'without `linear`'), map%rms)
+   end subroutine visit_grid
+
+   !> Of a map under way: all values of the parameter, and which rows the grid holds.
+   subroutine visit_rows(map, fields)
+      type(stability_map_type), intent(inout) :: map
+      class(fields_type), intent(inout) :: fields
+      real(dp), allocatable :: parameter(:)
+      logical, allocatable :: done(:)
+      integer :: n
+
+      if (.not. fields%enter(home//'/rows', 'which rows of a map under way are done', allocated(map%rows))) return
+      n = 0
+      if (allocated(map%rows)) n = size(map%rows)
+      if (allocated(map%rows)) done = map%done
+      if (allocated(map%rows)) parameter = map%parameter
+      call fields%index_axis('row', n, 'row of the whole map')
+      call carry(fields, field('value', 'row'), parameter)
+      call carry(fields, field('done', 'row'), done)
+      if (fields%way /= reading .or. allocated(fields%wrong)) return
+      call fields%check(count(done) == size(map%parameter), 'done')
+      if (allocated(fields%wrong)) return
+      call scatter(map, parameter, done)
+   end subroutine visit_rows
+
+   !> The inverse of `gather`: the grid as rows by themselves, among those that are still to be done.
+   subroutine scatter(map, parameter, done)
+      type(stability_map_type), intent(inout) :: map
+      real(dp), intent(in) :: parameter(:)
+      logical, intent(in) :: done(:)
+      integer :: i, n
+
+      allocate (map%rows(size(done)))
+      n = 0
+      do i = 1, size(done)
+         if (.not. done(i)) cycle
+         n = n + 1
+         map%rows(i)%motions = map%motions(:, n)
+         map%rows(i)%stable_motions = map%stable_motions(:, n)
+         map%rows(i)%multiplier = map%multiplier(:, n)
+         if (allocated(map%rms)) map%rows(i)%rms = map%rms(:, :, n)
+         map%rows(i)%whole = map%whole(n)
+      end do
+      map%whole = unpack(map%whole, done, .false.)
+      map%done = done
+      map%parameter = parameter
+      deallocate (map%motions, map%stable_motions, map%multiplier)
+      if (allocated(map%rms)) deallocate (map%rms)
+   end subroutine scatter
+
+   pure character(8) function unit_of_grid(map)
+      type(stability_map_type), intent(in) :: map
+
+      unit_of_grid = ''
+      if (allocated(map%unit)) unit_of_grid = map%unit
+   end function unit_of_grid
+
+end module geartrain_analyses_stability_grid
