@@ -7,7 +7,6 @@ module geartrain
    use geartrain_analyses_stability_map, only: stability_map
    use geartrain_analyses_stability_map_settings, only: stability_map_settings_type, stability_map_type
    use geartrain_balance_motion, only: motion_type
-   use geartrain_balance_waveform, only: waveform
    use geartrain_base_error, only: error_type, status_ended_early, status_file, status_input
    use geartrain_base_interrupt, only: interrupt_by, interrupt_type
    use geartrain_base_kinds, only: dp, version
@@ -29,6 +28,7 @@ module geartrain
    use geartrain_flow_integration_settings, only: integration_settings_type, sweep_type
    use geartrain_flow_shooting, only: refine
    use geartrain_flow_sweep, only: sweep
+   use geartrain_flow_waveform, only: waveform
    use geartrain_input_reader, only: read_case, read_case_text
    use geartrain_input_template, only: template_text
    use geartrain_input_text, only: case_text

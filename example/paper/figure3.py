@@ -107,8 +107,8 @@ def _draw_panel(
 
 def _draw_curve(ax: Axes, curve: dict[str, Any], mesh: int, **style: Any) -> None:
     """Stable solid, unstable dashed: each line goes on to the first point of the other kind."""
-    for part in np.unique(curve["part"]):
-        frequency, rms, stable = (curve[name][curve["part"] == part] for name in ("frequency", "rms", "stable"))
+    for part in np.unique(curve["segment"]):
+        frequency, rms, stable = (curve[name][curve["segment"] == part] for name in ("frequency", "rms", "stable"))
         for shown, dashes in ((stable == 1, "-"), (stable == 0, (0, (3, 1.5)))):
             reached = shown | np.append(False, shown[:-1])
             ax.plot(frequency, np.where(reached, rms[:, mesh], np.nan), ls=dashes, **style)
@@ -116,7 +116,7 @@ def _draw_curve(ax: Axes, curve: dict[str, Any], mesh: int, **style: Any) -> Non
 
 def _read(group: Any) -> dict[str, Any]:
     """The arrays that are drawn; None for those that the group lacks."""
-    names = ("frequency", "rms", "stable", "part", "period")
+    names = ("frequency", "rms", "stable", "segment", "period")
     return {name: np.asarray(group[name]) if name in group else None for name in names}
 
 

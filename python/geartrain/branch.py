@@ -36,7 +36,7 @@ _OF_POINTS = (
     *("frequency", "rms", "mean", "minimum", "maximum"),
     *("mesh_force_maximum", "dynamic_factor", "separation_fraction", "back_contact_fraction"),
     *("stable", "undecided", "count_undecided", "second_estimate", "multipliers", "coefficients"),
-    *("error_estimate", "estimate_doubtful", "harmonics", "part", "correction"),
+    *("error_estimate", "estimate_doubtful", "harmonics", "segment", "correction"),
 )
 
 
@@ -47,7 +47,7 @@ class SpecialPoint:
     Attributes
     ----------
     kind : str
-        ``'fold'``, ``'period doubling'``, ``'torus'`` or ``'branch point'``.
+        ``'fold'``, ``'period doubling'``, ``'neimark-sacker'`` or ``'branch point'``.
     frequency : float
         Lambda.
     point : int
@@ -366,11 +366,11 @@ class Branch:
         label = style.pop("label", None)
         for number in chosen:
             name = label or f"mesh {number}"
-            draw_curve(ax, self.frequency, self.rms[:, number - 1], self.stable, self.part, name, **style)
+            draw_curve(ax, self.frequency, self.rms[:, number - 1], self.stable, self.segment, name, **style)
             # The same colour, whether it was given or the next of the cycle.
             thin = {"color": ax.lines[-1].get_color(), "linewidth": 0.8, **style}
             for branch in self.branches:
-                draw_curve(ax, branch.frequency, branch.rms[:, number - 1], branch.stable, branch.part, **thin)
+                draw_curve(ax, branch.frequency, branch.rms[:, number - 1], branch.stable, branch.segment, **thin)
         label_axes(ax)
         if len(chosen) > 1:
             ax.legend()

@@ -18,7 +18,7 @@ matplotlib.use("Agg")
 def test_shapes_of_a_branch(branch):
     points = len(branch)
     assert branch.complete and not branch.closed
-    assert branch.frequency.shape == branch.error_estimate.shape == branch.part.shape == (points,)
+    assert branch.frequency.shape == branch.error_estimate.shape == branch.segment.shape == (points,)
     assert branch.estimate_doubtful.shape == branch.harmonics.shape == (points,)
     assert branch.estimate_doubtful.mean() < 0.1
     loads = (branch.mesh_force_maximum, branch.dynamic_factor, branch.separation_fraction, branch.back_contact_fraction)

@@ -85,7 +85,7 @@ def test_shapes_of_the_response(path):
             assert group[name].shape == (points, 1), name
         assert group["coefficients"].shape == (points, 1, 9)
         assert group["multipliers"].shape == (points, 2, 2)
-        for name in ("stable", "error_estimate", "estimate_doubtful", "harmonics", "part"):
+        for name in ("stable", "error_estimate", "estimate_doubtful", "harmonics", "segment"):
             assert group[name].shape == (points,), name
         assert group.attrs["harmonics"] == 4
         assert group.attrs["subharmonic"] == 1

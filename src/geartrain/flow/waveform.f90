@@ -1,5 +1,5 @@
 !> Time history of a motion over one period.
-module geartrain_balance_waveform
+module geartrain_flow_waveform
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp, pi
    use geartrain_flow_orbit, only: sample_orbit
@@ -63,4 +63,4 @@ contains
       end do
    end subroutine sum_series
 
-end module geartrain_balance_waveform
+end module geartrain_flow_waveform
