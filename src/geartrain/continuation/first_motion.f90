@@ -1,4 +1,4 @@
-!> The motion that a response begins with.
+!> The motion at which the trace of a response begins.
 module geartrain_continuation_first_motion
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp
@@ -16,24 +16,31 @@ module geartrain_continuation_first_motion
    private
    public :: find_start
 
-   !> Harmonics that a known motion is solved with where fewer do not hold it, over those asked for, at most.
+   !> Largest number of harmonics that an exact motion is solved with, over the number asked for.
    integer, parameter :: most_times = 8
 
 contains
 
-   !> A motion at exactly the frequency: from rest, one that time integration settles on, one on the branch of a frequency at
-   !> which there is one from rest, outside the range that ends at `other` or in it, an orbit near the way of the flow from rest,
-   !> be it one that repels, or the end of the branch of such an orbit at another frequency.
+   !> Finds a motion at a given Lambda. Tried in this order:
+   !> - Newton's method from rest under the mean load;
+   !> - the motion that time integration from rest settles on;
+   !> - the branch of a solution from rest at another Lambda, outside the range that ends at `other` or within;
+   !> - an orbit, stable or not, near the flow from rest;
+   !> - the branch of such an orbit at another Lambda.
    subroutine find_start(train, tracer, frequency_ratio, other, solution, success, enough, observer)
+      !> The train as described.
       type(train_type), intent(in) :: train
+      !> Of `train`, from begin_trace.
       type(tracer_type), intent(inout) :: tracer
-      !> Lambda [1].
+      !> Lambda to start at, and the other end of the range [1].
       real(dp), intent(in) :: frequency_ratio, other
-      !> Solved where `success`.
+      !> The solution where `success`.
       type(solution_point_type), intent(out) :: solution
+      !> A motion was found.
       logical, intent(out) :: success
-      !> Harmonics with which a motion was found that has no solution with as many as asked for; 0: none.
+      !> Harmonics of a solution that was found, where there is none with settings%harmonics; 0: no such case.
       integer, intent(out) :: enough
+      !> Is told of the mesh periods of time integration; if it cancels, the next attempt follows.
       class(observer_type), intent(inout), optional :: observer
       type(motion_type) :: motion
       type(integration_settings_type) :: integration
@@ -64,7 +71,7 @@ contains
       end do
    end subroutine find_start
 
-   !> A motion that the flow from rest passes by.
+   !> A solution near an orbit that the flow from rest passes.
    subroutine find_passed(tracer, frequency_ratio, solution, success, enough, observer)
       type(tracer_type), intent(inout) :: tracer
       real(dp), intent(in) :: frequency_ratio
@@ -85,8 +92,8 @@ contains
       end do
    end subroutine find_passed
 
-   !> The balance next to an exact motion. Where it has no solution there with the present harmonics, those are doubled until it
-   !> has; with a number that the user gave the solution is then followed down to this one.
+   !> Solves the balance next to an exact motion. Where Newton's method fails, the number of harmonics is doubled, repeatedly. If
+   !> the user gave the number of harmonics, the solution is then followed down to this number.
    subroutine solve_near(tracer, motion, solution, success, enough)
       type(tracer_type), intent(inout) :: tracer
       type(motion_type), intent(in) :: motion
@@ -119,35 +126,36 @@ contains
       if (tracer%corrector%balance%highest /= wanted) call tracer%prepare(wanted)
    end subroutine solve_near
 
-   !> Harmonics of Lambda by which an exact motion is described, as many as `solve_near` may ask for.
+   !> Harmonics of Lambda in an exact motion: as many as `solve_near` may need.
    pure integer function described(tracer)
       type(tracer_type), intent(in) :: tracer
 
       described = 1 + most_times*tracer%corrector%balance%highest/tracer%settings%subharmonic
    end function described
 
-   !> Follows the branch from rest, or from an orbit that the flow passes by, at one frequency to another, unrecorded.
+   !> Follows a branch from one Lambda to another, for its last motion only.
    subroutine scout(train, settings, from, to, from_rest, motion, success, observer)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
-      !> Lambda [1].
+      !> Lambda at the beginning and at the end [1].
       real(dp), intent(in) :: from, to
+      !> Begins at the solution from rest; else at an orbit near the flow from rest.
       logical, intent(in) :: from_rest
-      !> Where the way ends.
+      !> The motion at `to`, where `success`.
       type(motion_type), intent(out) :: motion
       logical, intent(out) :: success
       class(observer_type), intent(inout), optional :: observer
-      type(response_settings_type) :: unjudged
+      type(response_settings_type) :: without_stability
       type(tracer_type) :: tracer
       type(branch_type), target :: way
       type(solution_point_type) :: solution
       character(:), allocatable :: reason
       integer :: outcome, enough
 
-      unjudged = settings
-      unjudged%stability = .false.
-      unjudged%max_points = min(2000, settings%max_points)
-      call begin_trace(train, unjudged, tracer)
+      without_stability = settings
+      without_stability%stability = .false.
+      without_stability%max_points = min(2000, settings%max_points)
+      call begin_trace(train, without_stability, tracer)
       if (from_rest) then
          solution = resting(tracer, from)
          call tracer%corrector%solve_at(solution, success)
@@ -156,7 +164,7 @@ contains
          call find_passed(tracer, from, solution, success, enough, observer)
       end if
       if (.not. success) return
-      ! As many all the way.
+      ! The number of harmonics stays constant along the way.
       tracer%settings%harmonics = tracer%corrector%balance%highest
       call tracer%corrector%orient(solution, merge(1, -1, to > from))
       call tracer%recorder%setup(tracer%corrector%balance, .false., way)
