@@ -248,7 +248,7 @@ contains
       motion%frequency_ratio = branch%frequency_ratio(i)
       motion%period = branch%subharmonic
       motion%coefficients = branch%coefficients(:, :, i)
-      call corrector%solution(motion, orbit)
+      call corrector%first_guess(motion, orbit)
    end subroutine place_on
 
    !> The points before and after one, the point itself where its part ends there.

@@ -50,7 +50,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Is told of each step, and may cancel.
       class(observer_type), intent(inout), optional :: observer
-      !> Branches that another run has traced already: the first ones of `branches`, copied instead of traced.
+      !> Branches that another run has traced already: known(n) is copied into branches(n) instead of a new trace.
       type(branch_type), intent(in), optional :: known(:)
       type(branch_type), allocatable :: earlier(:)
       type(branch_type) :: parent

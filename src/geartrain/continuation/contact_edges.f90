@@ -64,7 +64,6 @@ contains
       allocate (edges(most_edges))
       n = 0
       call begin_trace(train, settings, tracer)
-      tracer%corrector%local_control = .false.
       do i = 1, branch%points - 1
          if (.not. joined(branch, i)) cycle
          ready = .false.

@@ -91,7 +91,7 @@ contains
       call begin_trace(train, settings, tracer)
       tracer%corrector%local_control = .false.
       associate (n => branch%points - 1)
-         ! An even number, so that a balance of half the period has half as many.
+         ! An even number: the balance of half the period has half as many harmonics.
          if (settings%harmonics == 0) call tracer%prepare(2*((maxval(branch%point_harmonics(n:n + 1)) + 1)/2))
          call take_chord(tracer, branch, n, here, next, chord)
       end associate

@@ -54,7 +54,7 @@ contains
       call tracer%corrector%solve_at(solution, success)
       if (success) return
       state = resting_state(tracer%system)
-      integration%harmonics = described(tracer)
+      integration%harmonics = exact_harmonics(tracer)
       call settle(tracer%system, frequency_ratio, integration, state, motion, observer)
       if (motion%period > 0 .and. mod(tracer%settings%subharmonic, max(1, motion%period)) == 0) &
          call solve_near(tracer, motion, solution, success, enough)
@@ -62,17 +62,17 @@ contains
       do round = 1, 2
          do i = 1, size(elsewhere)
             if (success .or. tracer%system%interrupt%raised()) return
-            call scout(train, tracer%settings, elsewhere(i), frequency_ratio, round == 1, motion, success, observer)
+            call follow_branch(train, tracer%settings, elsewhere(i), frequency_ratio, round == 1, motion, success, observer)
             if (.not. success) cycle
             solution = solution_of(tracer, motion)
             call tracer%corrector%solve_at(solution, success)
          end do
-         if (.not. success .and. round == 1) call find_passed(tracer, frequency_ratio, solution, success, enough, observer)
+         if (.not. success .and. round == 1) call solve_near_flow(tracer, frequency_ratio, solution, success, enough, observer)
       end do
    end subroutine find_start
 
    !> A solution near an orbit that the flow from rest passes.
-   subroutine find_passed(tracer, frequency_ratio, solution, success, enough, observer)
+   subroutine solve_near_flow(tracer, frequency_ratio, solution, success, enough, observer)
       type(tracer_type), intent(inout) :: tracer
       real(dp), intent(in) :: frequency_ratio
       type(solution_point_type), intent(inout) :: solution
@@ -84,13 +84,13 @@ contains
       logical :: found
 
       success = .false.
-      call orbits%begin(tracer%system, frequency_ratio, tracer%settings%subharmonic, described(tracer))
+      call orbits%begin(tracer%system, frequency_ratio, tracer%settings%subharmonic, exact_harmonics(tracer))
       do while (.not. success)
          call orbits%next(motion, found, observer)
          if (.not. found) return
          call solve_near(tracer, motion, solution, success, enough)
       end do
-   end subroutine find_passed
+   end subroutine solve_near_flow
 
    !> Solves the balance next to an exact motion. Where Newton's method fails, the number of harmonics is doubled, repeatedly. If
    !> the user gave the number of harmonics, the solution is then followed down to this number.
@@ -127,14 +127,14 @@ contains
    end subroutine solve_near
 
    !> Harmonics of Lambda in an exact motion: as many as `solve_near` may need.
-   pure integer function described(tracer)
+   pure integer function exact_harmonics(tracer)
       type(tracer_type), intent(in) :: tracer
 
-      described = 1 + most_times*tracer%corrector%balance%highest/tracer%settings%subharmonic
-   end function described
+      exact_harmonics = 1 + most_times*tracer%corrector%balance%highest/tracer%settings%subharmonic
+   end function exact_harmonics
 
    !> Follows a branch from one Lambda to another, for its last motion only.
-   subroutine scout(train, settings, from, to, from_rest, motion, success, observer)
+   subroutine follow_branch(train, settings, from, to, from_rest, motion, success, observer)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
       !> Lambda at the beginning and at the end [1].
@@ -161,7 +161,7 @@ contains
          call tracer%corrector%solve_at(solution, success)
       else
          enough = 0
-         call find_passed(tracer, from, solution, success, enough, observer)
+         call solve_near_flow(tracer, from, solution, success, enough, observer)
       end if
       if (.not. success) return
       ! The number of harmonics stays constant along the way.
@@ -174,6 +174,6 @@ contains
       motion%frequency_ratio = to
       motion%period = settings%subharmonic
       motion%coefficients = way%coefficients(:, :, way%points)
-   end subroutine scout
+   end subroutine follow_branch
 
 end module geartrain_continuation_first_motion

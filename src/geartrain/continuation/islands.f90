@@ -33,7 +33,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Is told of each step, and may cancel.
       class(observer_type), intent(inout), optional :: observer
-      !> Branches that another run has traced already: the first ones appended, copied instead of traced.
+      !> Branches that another run has traced already: known(n) is copied into branches(n) instead of a new trace.
       type(branch_type), intent(in), optional :: known(:)
       type(response_settings_type) :: in_force
       integer :: i, n, traced

@@ -49,7 +49,7 @@ module geartrain_continuation_orbit_corrector
       real(dp), allocatable, private :: weight(:, :)
    contains
       procedure :: setup
-      procedure :: solution
+      procedure :: first_guess
       procedure :: distance
       procedure :: point_at
       procedure :: solve_at
@@ -103,7 +103,7 @@ contains
    end subroutine setup
 
    !> First guess of an orbit from a motion.
-   subroutine solution(self, motion, orbit)
+   subroutine first_guess(self, motion, orbit)
       class(orbit_corrector_type), intent(inout) :: self
       !> A motion of period `period`, with coefficients or state.
       type(motion_type), intent(in) :: motion
@@ -115,7 +115,7 @@ contains
       if (self%times > 1) call take_one(self%times, one)
       orbit%frequency_ratio = one%frequency_ratio
       call section_states(self%system, one, self%fixed, orbit%states)
-   end subroutine solution
+   end subroutine first_guess
 
    !> Distance of two orbits in the metric: mean square over the sections plus the square of Lambda, in their units [units_type].
    pure real(dp) function distance(self, a, b)

@@ -30,7 +30,7 @@ contains
       type(branch_type), intent(inout), target :: branch
       !> Number of points of the first way.
       integer, intent(in) :: forward
-      integer :: order(branch%points), segment(branch%points), i, n, solution(branch%points)
+      integer :: order(branch%points), segment(branch%points), i, n, position(branch%points)
       integer, allocatable :: sequence(:)
       logical :: backward(size(branch%special_points))
       type(special_point_type), allocatable :: sorted(:)
@@ -38,7 +38,7 @@ contains
       n = branch%points
       order = [(i, i=n, forward + 1, -1), (i, i=1, forward)]
       call take_points(branch, order)
-      solution(order) = [(i, i=1, n)]
+      position(order) = [(i, i=1, n)]
       ! Segments are numbered anew. The two segments that meet at the first point become one segment.
       segment = branch%segment(:n)
       branch%segment(1) = 1
@@ -52,7 +52,7 @@ contains
          associate (special => branch%special_points(i))
             ! In the reversed order the next point becomes the point before a special point; a fold is a point of the branch itself.
             if (backward(i) .and. special%kind /= 'fold') special%point = special%point + 1
-            special%point = solution(special%point)
+            special%point = position(special%point)
          end associate
       end do
       sequence = [(i, i=size(backward), 1, -1)]
