@@ -296,19 +296,23 @@ contains
       end do
    end subroutine sort_by_hits
 
-   !> Appends to `branches` one through each motion that lies neither on `branch` nor on one of `branches`, over the range of
-   !> `settings`, those that `branch` was traced with. A motion beyond the amplitude limit is left alone: no branch is recorded
-   !> there.
+   !> Appends to `branches` a branch through each attractor that lies neither on `branch` nor on any of `branches`. Attractors
+   !> beyond the amplitude limit are left out, because no branch is recorded there.
    subroutine follow_attractors(train, settings, found, branch, branches, error, observer, known)
+      !> The train as described.
       type(train_type), intent(in) :: train
+      !> Settings that `branch` was traced with; the range of the new branches too.
       type(response_settings_type), intent(in) :: settings
+      !> The attractors.
       type(attractors_type), intent(in) :: found
+      !> The response.
       type(branch_type), intent(in) :: branch
-      !> A target: an observer may read them through a pointer. Not allocated: there are none yet.
+      !> Branches so far; not allocated: none. A target: an observer may read the branches through a pointer.
       type(branch_type), allocatable, intent(inout), target :: branches(:)
       type(error_type), allocatable, intent(out) :: error
+      !> Is told of each step, and may cancel.
       class(observer_type), intent(inout), optional :: observer
-      !> The first of `branches`, where another run has traced these already.
+      !> Branches that another run has traced already: known(n) is copied into branches(n) instead of a new trace.
       type(branch_type), intent(in), optional :: known(:)
       type(response_settings_type) :: in_force
       integer :: i, n, traced
@@ -333,7 +337,7 @@ contains
       end do
    end subroutine follow_attractors
 
-   !> Whether the motion, or the same some mesh periods later, lies on a branch or beyond the amplitude limit.
+   !> Whether a motion, shifted by any number of mesh periods, lies on a branch, or lies beyond the amplitude limit.
    logical function on_a_branch(train, settings, motion, branch, branches)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings

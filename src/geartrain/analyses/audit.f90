@@ -11,7 +11,7 @@ module geartrain_analyses_audit
    use geartrain_base_random, only: begin_random, generator_type
    use geartrain_continuation_branch, only: branch_type
    use geartrain_continuation_decided, only: rests_on_undecided
-   use geartrain_continuation_orbit_path, only: orbit_corrector_type, orbit_type
+   use geartrain_continuation_orbit_corrector, only: orbit_corrector_type, orbit_type
    use geartrain_model_check, only: check_train
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type

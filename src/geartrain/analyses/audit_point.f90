@@ -10,7 +10,7 @@ module geartrain_analyses_audit_point
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_continuation_branch, only: branch_type
-   use geartrain_continuation_orbit_path, only: orbit_corrector_type, orbit_test_type, orbit_type, resolution
+   use geartrain_continuation_orbit_corrector, only: orbit_corrector_type, orbit_test_type, orbit_type, resolution
    use geartrain_continuation_waveform_error, only: harmonics_told, rounding_of, waveform_error
    use geartrain_floquet_multipliers, only: is_neutral, is_stable
    use geartrain_flow_orbit, only: measure
@@ -248,7 +248,7 @@ contains
       motion%frequency_ratio = branch%frequency_ratio(i)
       motion%period = branch%subharmonic
       motion%coefficients = branch%coefficients(:, :, i)
-      call corrector%solution(motion, orbit)
+      call corrector%first_guess(motion, orbit)
    end subroutine place_on
 
    !> The points before and after one, the point itself where its part ends there.

@@ -10,7 +10,7 @@ module geartrain_analyses_audit_special_point
    use geartrain_base_numbers, only: text
    use geartrain_continuation_branch, only: branch_type
    use geartrain_continuation_decided, only: nearest_decided
-   use geartrain_continuation_orbit_path, only: orbit_corrector_type, orbit_test_type, orbit_type
+   use geartrain_continuation_orbit_corrector, only: orbit_corrector_type, orbit_test_type, orbit_type
    implicit none (type, external)
    private
    public :: audit_special_point

@@ -1,4 +1,4 @@
-!> All branches that follow from the bifurcations of a branch: from period doublings, generation by generation, and from branch
+!> All branches that leave a branch: the period-doubling cascade, generation by generation, and the branches that cross at branch
 !> points.
 module geartrain_continuation_bifurcations
    use geartrain_base_error, only: error_type
@@ -8,7 +8,7 @@ module geartrain_continuation_bifurcations
    use geartrain_continuation_branch, only: branch_type, response_settings_type
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_critical_point, only: find_critical, find_meeting
-   use geartrain_continuation_same_place, only: same_solution
+   use geartrain_continuation_same_solution, only: same_solution
    use geartrain_continuation_switching, only: trace_switched
    use geartrain_continuation_units, only: units_of, units_type
    use geartrain_continuation_variables, only: settings_for
@@ -19,34 +19,38 @@ module geartrain_continuation_bifurcations
    private
    public :: follow_bifurcations, add_branch
 
-   !> Places farther apart in Lambda than this, in the unit of the branch, are different whatever the harmonics.
+   !> Solution points whose Lambdas differ by more than this are different, whatever their harmonics [unit of Lambda, units_type].
    real(dp), parameter :: near = 0.05_dp
 
-   !> A solution point at which two branches are known to meet, or one to begin or end.
+   !> A solution point at which two branches cross, or at which a period-doubled branch begins or ends.
    type :: meeting_type
       type(solution_point_type) :: solution
-      !> Of the balance that it is a solution point of, in mesh periods.
+      !> Period of the balance that `solution` solves [mesh periods].
       integer :: period = 0
-      !> A branch of the same period crosses; the one on which it was found, 0 for the first.
+      !> Two branches of equal period cross; else a period-doubled branch begins or ends.
       logical :: crossing = .false.
+      !> Number of the branch on which the point was found; 0: the branch that all others come from.
       integer :: branch = 0
    end type meeting_type
 
 contains
 
-   !> Appends to `branches` those that leave `branch`, then those that leave these, and so on: at period doublings
-   !> settings%period_doublings times, at branch points where settings%branch_points says so. A branch that ends at another
-   !> doubling, of its parent or of another one, and one that passes several branch points, is traced once.
+   !> Appends to `branches` the branches that leave `branch`, then the branches that leave the appended branches, and so on:
+   !> settings%period_doublings generations at period doublings, all generations at branch points if settings%branch_points.
+   !> A branch that begins at one period doubling and ends at another, or passes several branch points, is traced once.
    subroutine follow_bifurcations(train, settings, branch, branches, error, observer, known)
+      !> The train as described.
       type(train_type), intent(in) :: train
-      !> Those that `branch` was traced with.
+      !> Settings that `branch` was traced with.
       type(response_settings_type), intent(in) :: settings
+      !> The response, with its special points.
       type(branch_type), intent(in) :: branch
-      !> A target: an observer may read them through a pointer. Not allocated: there are none yet.
+      !> Branches so far; not allocated: none. A target: an observer may read the branches through a pointer.
       type(branch_type), allocatable, intent(inout), target :: branches(:)
       type(error_type), allocatable, intent(out) :: error
+      !> Is told of each step, and may cancel.
       class(observer_type), intent(inout), optional :: observer
-      !> The first of them, where another run has traced these already.
+      !> Branches that another run has traced already: known(n) is copied into branches(n) instead of a new trace.
       type(branch_type), intent(in), optional :: known(:)
       type(branch_type), allocatable :: earlier(:)
       type(branch_type) :: parent
@@ -60,11 +64,11 @@ contains
       if (present(known)) earlier = known
       first = size(branches)
       call follow(train, settings, branch, 'the response', 0, settings%subharmonic, branches, meetings, earlier, observer)
-      ! The list grows as it is gone through.
+      ! `branches` grows within the loop.
       i = first + 1
       do while (i <= size(branches))
          if (branches(size(branches))%cancelled) return
-         ! A copy, because the list moves when it grows.
+         ! A copy: `branches` moves in memory when it grows.
          parent = branches(i)
          call follow(train, settings_for(settings, parent%subharmonic), parent, 'branch '//text(i), i, settings%subharmonic, &
                      branches, meetings, earlier, observer)
@@ -72,17 +76,18 @@ contains
       end do
    end subroutine follow_bifurcations
 
-   !> The branches that leave `parent`.
+   !> Appends to `branches` the branches that leave `parent`.
    subroutine follow(train, settings, parent, name, number, period, branches, meetings, known, observer)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
       type(branch_type), intent(in) :: parent
+      !> `parent` in words.
       character(*), intent(in) :: name
-      !> Number of the parent; period of the first branch of all.
+      !> Number of `parent`, 0 for the response; period of the response [mesh periods].
       integer, intent(in) :: number, period
       type(branch_type), allocatable, intent(inout), target :: branches(:)
+      !> Meetings known so far.
       type(meeting_type), allocatable, intent(inout) :: meetings(:)
-      !> The first of `branches`, which another run has traced.
       type(branch_type), intent(in) :: known(:)
       class(observer_type), intent(inout), optional :: observer
       type(solution_point_type), allocatable :: taken(:)
@@ -105,7 +110,7 @@ contains
             if (doubles .and. parent%subharmonic >= period*times) cycle
             if (.not. doubles .and. .not. (special%kind == 'branch point' .and. settings%branch_points)) cycle
             call find_critical(train, settings, parent, i, solution, found, taken=taken, again=again)
-            ! A branch may pass the same point twice, some mesh periods later.
+            ! A branch may pass a branch point twice, the second time shifted by some mesh periods.
             if (again .and. .not. (found .or. doubles)) cycle
             if (found) then
                taken = [taken, solution]
@@ -126,7 +131,7 @@ contains
          if (doubles) then
             call find_meeting(train, settings_for(settings, 2*parent%subharmonic), branches(n), solution, met)
             here = meeting_type(solution, 2*parent%subharmonic, .false., n)
-            ! From a variable: gfortran 12 never frees a value built within the list.
+            ! From a variable: gfortran 12 never frees a structure constructor within an array constructor.
             if (met) meetings = [meetings, here]
          else
             call note_crossings(train, settings, branches(n), n, meetings)
@@ -134,7 +139,7 @@ contains
       end do
    end subroutine follow
 
-   !> Adds the solution points at which a branch, just traced from a branch point, is crossed.
+   !> Adds to `meetings` the branch points of `branch`, which was just traced from a branch point.
    subroutine note_crossings(train, settings, branch, number, meetings)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
@@ -155,9 +160,9 @@ contains
       end do
    end subroutine note_crossings
 
-   !> Whether the branch that leaves `parent` at its special point number `special`, found at `here`, is known: another one begins
-   !> or ends at that doubling, or another one is crossed at that solution point. Where the number of harmonics is left to the
-   !> program the same solution point may be elsewhere for each number: it is found again with that of the other.
+   !> Whether the branch that leaves `parent` at its special point number `special` is known: whether `here` is among `meetings`.
+   !> Where the program chooses the number of harmonics, a bifurcation point moves with the number: `here` is then found again
+   !> with as many harmonics as the meeting it is compared with.
    logical function is_known(train, settings, parent, special, here, meetings, units)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
@@ -187,9 +192,11 @@ contains
       end do
    end function is_known
 
-   !> Room for one more branch.
+   !> Appends an empty branch to `branches`.
    subroutine add_branch(branches, origin)
+      !> At least allocated; moves in memory.
       type(branch_type), allocatable, intent(inout), target :: branches(:)
+      !> Where the new branch comes from, in words.
       character(*), intent(in) :: origin
       type(branch_type), allocatable :: longer(:)
       integer :: i

@@ -1,12 +1,12 @@
-!> Exactly where along a branch a mesh begins or ceases to separate, or its back flanks to collide: by solving the balance there.
+!> Contact edges of a branch: where a mesh begins or ceases to separate, or its back flanks to collide. The balance is solved there.
 module geartrain_continuation_contact_edges
-   use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_continuation_branch, only: branch_type, contact_edge_type, response_settings_type
    use geartrain_continuation_contact_ranges, only: depth_below
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_decided, only: joined
+   use geartrain_continuation_points, only: motion_of
    use geartrain_continuation_special_points, only: between, shrink
    use geartrain_continuation_start, only: begin_trace, solution_of
    use geartrain_continuation_tracer, only: tracer_type
@@ -17,20 +17,23 @@ module geartrain_continuation_contact_edges
    private
    public :: locate_contact_edges
 
-   !> Edges that are located, of a train with many meshes the first ones along the branch; the others are interpolated.
+   !> Edges that are located at most, the first ones along the branch; further edges are interpolated where they are needed.
    integer, parameter :: most_edges = 1000
    integer, parameter :: most_steps = 20
-   !> How exactly on the polynomial; what the last step may be, squared, over the length of the piece: about what it is wrong by.
+   !> Depth at an edge on the polynomial, over half the backlash [1]; square of the last step on the branch over the length of the
+   !> piece, about the error of the edge [units_type].
    real(dp), parameter :: located = 1e-7_dp, nearly = 1e-10_dp
-   !> A point nearer to the next one than this share of the piece is no node of the polynomial.
+   !> A point closer to its neighbour than this share of the piece is no node of the polynomial [1].
    real(dp), parameter :: nearest = 0.03_dp
 
-   !> A piece of a branch between two points, the first two nodes, and those before and after it: solution points are told by the
-   !> way from the first point.
+   !> A piece of a branch between neighbouring points, with a polynomial through up to four points.
    type :: piece_type
+      !> Distance of the two ends in the metric of the branch [units_type].
       real(dp) :: length = 0
       integer :: nodes = 0
+      !> Nodes of the polynomial: the two ends of the piece, then the points before and after the piece, where they serve.
       type(solution_point_type) :: node(4)
+      !> Signed distance of each node from the first one [units_type].
       real(dp) :: at(4) = 0
    end type piece_type
 
@@ -38,10 +41,13 @@ contains
 
    !> Fills branch%contact_edges.
    subroutine locate_contact_edges(train, settings, branch, observer)
+      !> The train as described.
       type(train_type), intent(in) :: train
-      !> Those that the branch was traced with.
+      !> Settings that `branch` was traced with.
       type(response_settings_type), intent(in) :: settings
+      !> A branch whose points are complete. A target: an observer may read it through a pointer.
       type(branch_type), intent(inout), target :: branch
+      !> Is told of each piece with an edge; if it cancels, the edges so far are kept.
       class(observer_type), intent(inout), optional :: observer
       type(tracer_type) :: tracer
       type(transform_type) :: transform
@@ -58,7 +64,6 @@ contains
       allocate (edges(most_edges))
       n = 0
       call begin_trace(train, settings, tracer)
-      tracer%corrector%local_control = .false.
       do i = 1, branch%points - 1
          if (.not. joined(branch, i)) cycle
          ready = .false.
@@ -88,7 +93,7 @@ contains
 
    contains
 
-      !> The piece of the branch between the points i and i + 1.
+      !> Makes `piece` the piece of the branch between the points i and i + 1.
       subroutine prepare_piece(i)
          integer, intent(in) :: i
          integer :: m
@@ -98,18 +103,19 @@ contains
          end associate
          call transform%plan(fine_samples(tracer%corrector%balance%highest))
          piece%nodes = 2
-         call place_on(i, piece%node(1))
-         call place_on(i + 1, piece%node(2))
+         piece%node(1) = solution_of(tracer, motion_of(branch, i))
+         piece%node(2) = solution_of(tracer, motion_of(branch, i + 1))
          piece%length = chord(piece%node(1), piece%node(2))
          piece%at(:2) = [0.0_dp, piece%length]
          solution = piece%node(1)
+         allocate (solution%tangent, mold=solution%u)
          do m = i - 1, i + 2, 3
             if (m < 1 .or. m > branch%points) cycle
             if (.not. joined(branch, merge(m, m - 1, m < i))) cycle
             associate (n => piece%nodes)
-               call place_on(m, piece%node(n + 1))
+               piece%node(n + 1) = solution_of(tracer, motion_of(branch, m))
                piece%at(n + 1) = chord(piece%node(n + 1), piece%node(merge(1, 2, m < i)))
-               ! The interpolation would divide rounding by it.
+               ! The interpolation would divide rounding by this small distance.
                if (piece%at(n + 1) < nearest*piece%length) cycle
                piece%at(n + 1) = merge(-piece%at(n + 1), piece%length + piece%at(n + 1), m < i)
                n = n + 1
@@ -123,22 +129,11 @@ contains
          chord = tracer%corrector%length_of(to%u - from%u, to%frequency_ratio - from%frequency_ratio)
       end function chord
 
-      subroutine place_on(i, solution)
-         integer, intent(in) :: i
-         type(solution_point_type), intent(out) :: solution
-         type(motion_type) :: motion
-
-         motion%period = branch%subharmonic
-         motion%frequency_ratio = branch%frequency_ratio(i)
-         motion%coefficients = branch%coefficients(:, :, i)
-         solution = solution_of(tracer, motion)
-         allocate (solution%tangent, mold=solution%u)
-      end subroutine place_on
-
-      !> Where the depth of mesh j is zero: first on the polynomial, which is nearly the branch.
+      !> Lambda at which the depth of mesh j is zero: found on the polynomial, then on the branch by solving the balance.
       subroutine locate(j, back, first, last, frequency_ratio, success)
          integer, intent(in) :: j
          logical, intent(in) :: back
+         !> Depths at the two ends of the piece, of different signs.
          real(dp), intent(in) :: first, last
          real(dp), intent(out) :: frequency_ratio
          logical, intent(out) :: success
@@ -172,7 +167,7 @@ contains
             way = step_to_zero(piece, s, f, slope)
             frequency_ratio = solution%frequency_ratio + solution%tangent_frequency*way
             if (way**2 < nearly*piece%length) return
-            ! The branch is as far from the polynomial a little further on.
+            ! A short step further the difference between branch and polynomial is about the present one.
             guess%u = solution%u - guess%u
             guess%frequency_ratio = solution%frequency_ratio - guess%frequency_ratio
             s = s + way
@@ -184,6 +179,7 @@ contains
          success = .false.
       end subroutine locate
 
+      !> Depth of mesh j at a solution point, see depth_below.
       real(dp) function depth_at(solution, j, back)
          type(solution_point_type), intent(in) :: solution
          integer, intent(in) :: j
@@ -198,8 +194,8 @@ contains
 
    end subroutine locate_contact_edges
 
-   !> The way from s to where a depth is zero that is f at s, on the branch, and grows as `slope` on the polynomial: what the
-   !> polynomial lacks goes as the product of the ways to its nodes, and is nothing at a node.
+   !> Newton step from s to the zero of a depth on the branch, which is f at s. Its derivative is `slope` on the polynomial; the
+   !> difference between branch and polynomial, about f, is proportional to the product of the distances to the nodes.
    pure real(dp) function step_to_zero(piece, s, f, slope)
       type(piece_type), intent(in) :: piece
       real(dp), intent(in) :: s, f, slope
@@ -212,7 +208,7 @@ contains
       if (abs(f) > 0) step_to_zero = -f/sign(max(abs(rate), 1e-30_dp), rate)
    end function step_to_zero
 
-   !> The solution point at the way s along a piece, with its tangent: on the polynomial through its nodes.
+   !> Solution point and tangent of the polynomial at the distance s from the first node.
    pure subroutine go_along(piece, s, solution)
       type(piece_type), intent(in) :: piece
       real(dp), intent(in) :: s

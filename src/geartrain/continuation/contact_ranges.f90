@@ -1,4 +1,4 @@
-!> Ranges of Lambda over which a mesh separates, or its back flanks collide, somewhere in the period.
+!> Ranges of Lambda in which a mesh separates, or its back flanks collide, at some instant of the period.
 module geartrain_continuation_contact_ranges
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type
@@ -10,51 +10,48 @@ module geartrain_continuation_contact_ranges
 
 contains
 
-   !> Where |p| < b at some instant, ascending: at any level of the branch, or at a stable one. An edge is where the smallest
-   !> displacement touches b: as locate_contact_edges found it, or interpolated between two points.
+   !> Ranges of Lambda with |p| < b at some instant, ascending. Their ends are where the smallest displacement is b: as
+   !> locate_contact_edges found them, or interpolated between two points.
    pure function separation_ranges(branch, mesh, stable_only) result(ranges)
+      !> A branch.
       type(branch_type), intent(in) :: branch
+      !> Number of the mesh.
       integer, intent(in) :: mesh
+      !> Counts stable motions only; else all motions of the branch.
       logical, intent(in) :: stable_only
+      !> Empty for a mesh without backlash.
       type(band_type), allocatable :: ranges(:)
 
-      allocate (ranges(0))
-      if (.not. has_backlash(branch, mesh)) return
       ranges = ranges_below_zero(branch, mesh, .false., stable_only)
    end function separation_ranges
 
-   !> Where p < -b at some instant, likewise.
+   !> Ranges of Lambda with p < -b at some instant, ascending.
    pure function back_collision_ranges(branch, mesh, stable_only) result(ranges)
+      !> A branch.
       type(branch_type), intent(in) :: branch
+      !> Number of the mesh.
       integer, intent(in) :: mesh
+      !> Counts stable motions only; else all motions of the branch.
       logical, intent(in) :: stable_only
+      !> Empty for a mesh without backlash.
       type(band_type), allocatable :: ranges(:)
 
-      allocate (ranges(0))
-      if (.not. has_backlash(branch, mesh)) return
       ranges = ranges_below_zero(branch, mesh, .true., stable_only)
    end function back_collision_ranges
 
-   !> How far the displacement of a mesh stays from separation, or from a collision of the back flanks; negative where it comes to
-   !> that.
+   !> Least distance of the displacement of a mesh from separation, or from a collision of the back flanks, over characteristic
+   !> length [1]; negative where the mesh separates, or the back flanks collide.
    elemental real(dp) function depth_below(smallest, largest, half_backlash, back)
-      !> Extremes of the displacement, and half of the backlash.
+      !> Extremes of the displacement and half of the backlash, over characteristic length [1].
       real(dp), intent(in) :: smallest, largest, half_backlash
+      !> Collision of the back flanks; else separation.
       logical, intent(in) :: back
 
       depth_below = max(smallest - half_backlash, -half_backlash - largest)
       if (back) depth_below = smallest + half_backlash
    end function depth_below
 
-   pure logical function has_backlash(branch, mesh)
-      type(branch_type), intent(in) :: branch
-      integer, intent(in) :: mesh
-
-      has_backlash = .false.
-      if (allocated(branch%half_backlash)) has_backlash = branch%half_backlash(mesh) > 0
-   end function has_backlash
-
-   !> Union of the pieces of the branch on which a mesh separates, or its back flanks collide.
+   !> Union of the pieces of the branch on which depth_below of a mesh is negative.
    pure function ranges_below_zero(branch, mesh, back, stable_only) result(ranges)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: mesh
@@ -64,6 +61,8 @@ contains
       integer :: i
 
       allocate (ranges(0))
+      if (.not. allocated(branch%half_backlash)) return
+      if (.not. branch%half_backlash(mesh) > 0) return
       associate (n => branch%points)
          distance = depth_below(branch%minimum(mesh, :n), branch%maximum(mesh, :n), branch%half_backlash(mesh), back)
       end associate
@@ -86,7 +85,7 @@ contains
          end if
          call add(ranges, band_type(min(from, to), max(from, to)))
       end do
-      ! An island closes at the motion it began with, but with other harmonics not at quite the same Lambda.
+      ! A closed branch ends at its first motion. With other harmonics the Lambda of the last point differs slightly.
       associate (n => branch%points)
          if (.not. branch%closed .or. n < 2) return
          if (distance(1) >= 0 .or. distance(n) >= 0) return
@@ -99,7 +98,7 @@ contains
       call add(ranges, band_type(from, to))
    end function ranges_below_zero
 
-   !> Lambda of the edge between points i and i + 1 as it was located; 0 where it was not.
+   !> Lambda of the edge that locate_contact_edges found between points i and i + 1; 0: none.
    pure real(dp) function located_edge(branch, mesh, back, i)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: mesh, i
@@ -115,7 +114,7 @@ contains
       end do
    end function located_edge
 
-   !> Moves `end` to `edge`, unless it lies beyond that already as seen from its side of `other`.
+   !> Moves `end` to `edge` where `edge` lies in the direction from `end` to `other`.
    elemental subroutine cut(end, other, edge)
       real(dp), intent(inout) :: end
       real(dp), intent(in) :: other, edge
@@ -125,9 +124,10 @@ contains
 
    !> Lambda between points i and i + 1 where `distance` crosses zero.
    !>
-   !> Past the edge the time spent beyond the wall grows with the square root of the depth, and `distance` has no second
-   !> derivative there; before it the curve is smooth. Parabolas of the chord length through three points before the edge are
-   !> therefore carried on to it; where they find no root in between, or there are no three such points, it is the chord.
+   !> Beyond the edge the time without contact grows with the square root of the depth: `distance` has no second derivative
+   !> there. On the near side of the edge the curve is smooth. So parabolas over the chord length, through three points on the near
+   !> side, are extrapolated to the edge. Where they have no root between the points i and i + 1, or there are no three points, the
+   !> chord is taken.
    pure real(dp) function crossing(branch, distance, i)
       type(branch_type), intent(in) :: branch
       real(dp), intent(in) :: distance(:)
@@ -137,7 +137,7 @@ contains
 
       associate (f => branch%frequency_ratio, d1 => distance(i), d2 => distance(i + 1))
          crossing = f(i) + (f(i + 1) - f(i))*d1/(d1 - d2)
-         ! From the point past the edge backwards.
+         ! From the point beyond the edge to the near side.
          along = merge(1, -1, d1 < 0)
          point = merge(i, i + 1, d1 < 0) + along*[0, 1, 2, 3]
          if (minval(point) < 1 .or. maxval(point) > branch%points) return
@@ -180,7 +180,7 @@ contains
       end do
    end function interpolated
 
-   !> Adds a piece to ascending ranges that do not touch; what it touches becomes one with it.
+   !> Adds a piece to ascending ranges that do not touch each other; joins the ranges that `piece` touches.
    pure subroutine add(ranges, piece)
       type(band_type), allocatable, intent(inout) :: ranges(:)
       type(band_type), intent(in) :: piece
@@ -189,7 +189,7 @@ contains
       real(dp) :: slack
 
       whole = piece
-      ! Neighbouring pieces share their end to the last bit; a fold is a point of the branch.
+      ! Neighbouring pieces of the branch have an equal end, but for rounding.
       slack = 1e-12_dp*piece%to
       below = ranges%to < piece%from - slack
       above = ranges%from > piece%to + slack

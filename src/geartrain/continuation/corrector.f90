@@ -1,5 +1,6 @@
-!> One step along a branch: predictor along the tangent, Newton corrector on the balance with one more equation, in a metric
-!> of mesh displacements (mean squared plus half of each squared amplitude) and Lambda, each in a unit of the train's own.
+!> One step along a branch: predictor along the tangent, corrector by Newton's method on the balance with one more equation. Metric:
+!> square of the mean plus half of each squared amplitude, summed over the unknown meshes, in units_type%length squared, plus the
+!> square of Lambda in units_type%frequency_ratio squared.
 module geartrain_continuation_corrector
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_bordered_system, only: bordered_system_type
@@ -10,31 +11,37 @@ module geartrain_continuation_corrector
    public :: corrector_type, solution_point_type, inner
 
    integer, parameter :: max_iterations = 10
+   !> Newton step at which a point counts as solved, relative to the motion; its floor, relative to the coefficients [1].
    real(dp), parameter :: converged = 1e-10_dp, rounding = 16*epsilon(1.0_dp)
-   !> Accuracy of a Newton step that is solved for by iteration: at first, and as a share of what the step is going to leave; what
-   !> may be left of the residual, in units of the train's own.
+   !> Relative accuracy of the iterative solution of a Newton step: of the first step, and as a share of the residual that the step
+   !> is expected to leave [1]; the least residual to solve for [units_type].
    real(dp), parameter :: first_accuracy = 1e-4_dp, accuracy_share = 0.01_dp, least_residual = 1e-13_dp
 
-   !> A point of the branch and the unit tangent there: coefficients of the unknown meshes (block, unknowns) and Lambda.
+   !> A point of a branch: a solution of the balance, or a guess, and the unit tangent of the branch.
    type :: solution_point_type
+      !> Coefficients of the unknown meshes over characteristic length [1] and their part of the tangent, (block, unknowns).
       real(dp), allocatable :: u(:, :), tangent(:, :)
-      !> Harmonics of the coefficients, once it is solved.
+      !> Harmonics of Lambda/eta of the coefficients, ascending; not allocated until the point is solved.
       integer, allocatable :: harmonic(:)
+      !> Lambda and its part of the tangent [1].
       real(dp) :: frequency_ratio = 0, tangent_frequency = 0
-      !> Sign of the bordered determinant: it changes along a branch only at another branch or by a jump.
+      !> Sign of the bordered determinant: changes along a branch only at a branch point or by a jump to another branch; 0: unknown.
       integer :: orientation = 0
    end type solution_point_type
 
    type :: corrector_type
+      !> The equations S(u, Lambda) = 0.
       type(balance_type) :: balance
+      !> dS/du with a border row and column, factored at the last Newton step.
       type(bordered_system_type) :: matrix
+      !> Units of the metric.
       type(units_type) :: units
-      !> Equation (11): the unknown that changes fastest is prescribed, instead of the arclength.
+      !> Prescribes the unknown that changes fastest instead of the arclength, equation (11).
       logical :: local_control = .false.
-      !> Of the latest corrector: first Newton step over predictor step, iterations.
+      !> First Newton step over predictor step [1] and number of Newton steps, at the latest solution.
       real(dp) :: correction = 0
       integer :: iterations = 0
-      !> Evaluations of the balance so far: the same number means the same solution point.
+      !> Evaluations of the balance so far: unchanged while the corrector is at one solution point.
       integer :: evaluations = 0
       real(dp), allocatable, private :: step(:, :)
    contains
@@ -53,7 +60,7 @@ module geartrain_continuation_corrector
 
 contains
 
-   !> To be called after each `balance%setup`.
+   !> Prepares the matrix; to be called after each `balance%setup`.
    subroutine setup(self)
       class(corrector_type), intent(inout) :: self
 
@@ -62,10 +69,12 @@ contains
       allocate (self%step(self%balance%block, self%balance%unknowns))
    end subroutine setup
 
-   !> Solves at exactly the frequency of `solution`, from its coefficients.
+   !> Solves at constant Lambda.
    subroutine solve_at(self, solution, success)
       class(corrector_type), intent(inout) :: self
+      !> A guess with Lambda; then the solution, the tangent unchanged.
       type(solution_point_type), intent(inout) :: solution
+      !> Newton's method has converged.
       logical, intent(out) :: success
       real(dp) :: row(self%balance%block, self%balance%unknowns)
 
@@ -73,10 +82,12 @@ contains
       call self%newton(solution, row, 1.0_dp, huge(1.0_dp), success)
    end subroutine solve_at
 
-   !> Solves a solution point that is nearly a solution, across its tangent; renews the tangent.
+   !> Solves in the hyperplane through `solution` normal to its tangent.
    subroutine correct(self, solution, success)
       class(corrector_type), intent(inout) :: self
+      !> A guess with tangent; then the solution, with the tangent of the branch in the direction of the former tangent.
       type(solution_point_type), intent(inout) :: solution
+      !> Newton's method has converged.
       logical, intent(out) :: success
       real(dp) :: row(self%balance%block, self%balance%unknowns), row_frequency
 
@@ -85,10 +96,12 @@ contains
       if (success) call self%find_tangent(solution)
    end subroutine correct
 
-   !> Tangent at a solution point (after `solve_at`), Lambda growing or falling with `direction` = +1 or -1.
+   !> Finds the tangent after `solve_at`.
    subroutine orient(self, solution, direction)
       class(corrector_type), intent(inout) :: self
+      !> The point that `solve_at` gave; gets its tangent.
       type(solution_point_type), intent(inout) :: solution
+      !> Lambda grows along the tangent, +1, or falls, -1.
       integer, intent(in) :: direction
 
       if (.not. allocated(solution%tangent)) allocate (solution%tangent, mold=solution%u)
@@ -97,12 +110,16 @@ contains
       call self%find_tangent(solution)
    end subroutine orient
 
-   !> From `from` a distance h along its tangent to `to`, tangent included.
+   !> One step along the branch: predictor and corrector.
    subroutine advance(self, from, h, to, success)
       class(corrector_type), intent(inout) :: self
+      !> A solution with tangent.
       type(solution_point_type), intent(in) :: from
+      !> Length of the predictor step [units_type].
       real(dp), intent(in) :: h
+      !> The next solution, with its tangent; no solution unless `success`.
       type(solution_point_type), intent(inout) :: to
+      !> Newton's method has converged, with no step longer than h.
       logical, intent(out) :: success
       real(dp) :: row(self%balance%block, self%balance%unknowns), row_frequency
       integer :: largest(2)
@@ -130,10 +147,10 @@ contains
       call self%find_tangent(to)
    end subroutine advance
 
-   !> Newton on S = 0 with row . (U - U_predicted) = 0. It fails when it stops contracting, needs too many iterations, is
-   !> interrupted, or when the first correction is longer than `longest` (then the solution may lie on another branch). Where the
-   !> next step is going to be the last one, going by how the steps shrink, it is made with the factors at hand.
-   !> No step is solved for more exactly than its own error of linearisation is worth (inexact Newton: S. C. Eisenstat and H. F.
+   !> Newton's method on S = 0 with row . (u - u_predicted) = 0. Fails when it stops contracting, needs too many iterations, is
+   !> interrupted, or when a step is longer than `longest`: the solution may then lie on another branch. A step that is expected
+   !> to be the last one, by the ratio of the steps before, uses the factors of the matrix at hand.
+   !> Each step is solved for only as accurately as its linearisation error asks for (inexact Newton: S. C. Eisenstat and H. F.
    !> Walker, SIAM J. Sci. Comput. 17 (1996) 16-32).
    subroutine newton(self, solution, row, row_frequency, longest, success)
       class(corrector_type), intent(inout) :: self
@@ -164,7 +181,7 @@ contains
          self%step = -self%balance%residual
          y = 0
          defect = self%length_of(self%step)
-         ! The residual shrinks by the square of what it shrank by before.
+         ! The residual is expected to shrink by the square of its last ratio.
          if (iteration > 1) accuracy = min(first_accuracy, accuracy_share*(defect/defect_before)**2)
          accuracy = max(accuracy, least_residual/max(defect, converged))
          defect_before = defect
@@ -181,13 +198,13 @@ contains
             solution%harmonic = self%balance%harmonic
             return
          end if
-         ! Quadratic convergence: the ratio of a step to the square of the one before stays about the same.
+         ! Quadratic convergence: the ratio of a step to the square of the step before stays about constant.
          last = iteration > 1 .and. length*(length/before)**2 < 0.1_dp*tolerance
          before = length
       end do
    end subroutine newton
 
-   !> Unit tangent with the factors of the last Newton step, keeping the sense of the tangent that `solution` holds.
+   !> Unit tangent, with the factors of the last Newton step, in the direction of the tangent that `solution` holds.
    subroutine find_tangent(self, solution)
       class(corrector_type), intent(inout) :: self
       type(solution_point_type), intent(inout) :: solution
@@ -205,10 +222,11 @@ contains
       solution%tangent_frequency = y/length
    end subroutine find_tangent
 
-   !> Puts the coefficients of a solution point onto the present harmonics. Not by their order: fewer harmonics of Lambda are
-   !> not always the first ones of more (needed_harmonics.f90).
+   !> Moves the coefficients and the tangent of a solution point to the harmonics of the present balance, by harmonic: a smaller set
+   !> of harmonics is not always the beginning of a larger set (needed_harmonics.f90).
    pure subroutine refit(self, solution)
       class(corrector_type), intent(in) :: self
+      !> A point solved with other harmonics; harmonics that it lacks become 0.
       type(solution_point_type), intent(inout) :: solution
       real(dp) :: u(self%balance%block, size(solution%u, 2)), tangent(self%balance%block, size(solution%u, 2))
       integer :: i, k
@@ -229,10 +247,12 @@ contains
       solution%orientation = 0
    end subroutine refit
 
-   !> Length in the metric of a change of the coefficients and, where given, of Lambda.
+   !> Length of a change in the metric [units_type].
    pure real(dp) function length_of(self, u, frequency_ratio)
       class(corrector_type), intent(in) :: self
+      !> Change of the coefficients [1], (block, unknowns).
       real(dp), intent(in) :: u(:, :)
+      !> Change of Lambda [1]; absent: 0.
       real(dp), intent(in), optional :: frequency_ratio
 
       length_of = inner(u, u)/self%units%length**2
@@ -240,18 +260,20 @@ contains
       length_of = sqrt(length_of)
    end function length_of
 
-   !> Border row of the equation that a correction of `solution` is across its tangent.
+   !> Border row of the equation that a correction is normal to the tangent.
    pure subroutine across(self, solution, row, row_frequency)
       class(corrector_type), intent(in) :: self
+      !> A point with tangent.
       type(solution_point_type), intent(in) :: solution
+      !> Factors of the coefficients [1], (block, unknowns), and of Lambda [1].
       real(dp), intent(out) :: row(:, :), row_frequency
 
       row = weighted(solution%tangent)/self%units%length
       row_frequency = solution%tangent_frequency*(self%units%length/self%units%frequency_ratio**2)
    end subroutine across
 
-   !> Newton step at which u counts as solved: relative to the motion, the mean counted from the wall it leans on, because a
-   !> lightly loaded train moves by much less than its gap. Rounding of the mean is the floor.
+   !> Newton step at which u counts as solved: relative to the motion, whose mean is counted from the nearer edge of the gap,
+   !> because a lightly loaded train moves by much less than its gap. Not below the rounding of u.
    pure real(dp) function tolerance_at(self, u) result(tolerance)
       class(corrector_type), intent(in) :: self
       real(dp), intent(in) :: u(:, :)
@@ -265,15 +287,17 @@ contains
       tolerance = max(converged*(2 + sqrt(beyond)/self%units%length), rounding*self%length_of(u))
    end function tolerance_at
 
-   !> Inner product of two sets of coefficients; the metric's is this over the square of the unit of length.
+   !> Inner product of coefficients: products of the means plus half of all other products. Over the square of the unit of length:
+   !> the inner product of the metric.
    pure real(dp) function inner(a, b)
+      !> Coefficients [1], (block, unknowns).
       real(dp), intent(in) :: a(:, :), b(:, :)
 
       inner = 0
       if (size(a) > 0) inner = 0.5_dp*(sum(a*b) + sum(a(1, :)*b(1, :)))
    end function inner
 
-   !> Covector of the metric.
+   !> Factors of b in inner(a, b).
    pure function weighted(a)
       real(dp), intent(in) :: a(:, :)
       real(dp) :: weighted(size(a, 1), size(a, 2))

@@ -1,13 +1,13 @@
-!> Where a branch bifurcates by its own balance, near a special point of it, and the direction in which the other branch leaves.
+!> Bifurcation points of the balance near the special points of a branch, and the direction in which the other branch leaves.
 !>
-!> A truncated balance and the monodromy along it do not place a doubling alike: with few harmonics they are far enough apart that
-!> a step from the place of the one misses the branch of the other. So the balance's own solution point is found:
-!> where a matrix is singular that is regular elsewhere (geartrain_continuation_singular).
+!> With few harmonics the balance and the monodromy matrix place a period doubling so far apart that a step from the point of
+!> the monodromy matrix misses the period-doubled branch of the balance. So the bifurcation point of the balance is solved for: the
+!> solution at which a matrix is singular (geartrain_continuation_singular).
 module geartrain_continuation_critical_point
-   use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type, response_settings_type
    use geartrain_continuation_corrector, only: solution_point_type
+   use geartrain_continuation_points, only: motion_of
    use geartrain_continuation_singular, only: singular_type
    use geartrain_continuation_singular_search, only: find_nearest
    use geartrain_continuation_special_points, only: locate_half_period
@@ -19,26 +19,32 @@ module geartrain_continuation_critical_point
    private
    public :: find_critical, find_meeting, harmonics_at
 
-   !> First step away from it, at most.
+   !> First step of the search along the branch, at most [units_type].
    real(dp), parameter :: first_step = 0.01_dp
 
 contains
 
-   !> The solution point of the balance's own nearest to special point number `special` of `branch`, the unit critical vector as its
-   !> tangent: for a doubling a solution point of the balance of twice the period, all its odd harmonics 0.
+   !> Finds the bifurcation point of the balance nearest to a special point of a branch.
    subroutine find_critical(train, settings, branch, special, solution, success, harmonics, taken, again)
+      !> The train as described.
       type(train_type), intent(in) :: train
-      !> Those that `branch` was traced with.
+      !> Settings that `branch` was traced with.
       type(response_settings_type), intent(in) :: settings
+      !> A branch with special points.
       type(branch_type), intent(in) :: branch
+      !> Number of the special point: a period doubling or a branch point.
       integer, intent(in) :: special
+      !> The bifurcation point, with the unit critical vector as tangent; of a period doubling in the balance of twice the period,
+      !> all odd harmonics 0.
       type(solution_point_type), intent(out) :: solution
+      !> A bifurcation point was found.
       logical, intent(out) :: success
-      !> Of the branch's balance, where `settings` leaves them to the program; else those of the branch there.
+      !> Harmonics of the balance of the branch, where settings%harmonics is 0; absent: as many as at the points next to the
+      !> special point.
       integer, intent(in), optional :: harmonics
-      !> Places that belong to other special points of the branch.
+      !> Bifurcation points that belong to other special points of the branch.
       type(solution_point_type), intent(in), optional :: taken(:)
-      !> It is one of those.
+      !> The search came to one of `taken`.
       logical, intent(out), optional :: again
       type(singular_type) :: matrix
       type(tracer_type) :: tracer
@@ -54,22 +60,25 @@ contains
          if (present(harmonics)) highest = harmonics
          call tracer%prepare(highest)
       end if
-      ! The way along the branch is what counts here, whatever the control of the trace.
+      ! The search measures its steps along the branch, whatever the control of the trace.
       tracer%corrector%local_control = .false.
-      call told_place(tracer, branch, special, from, h, success)
+      call solve_next_to(tracer, branch, special, from, h, success)
       if (.not. success) return
       call matrix%setup(tracer%corrector, branch%special_points(special)%kind == 'period doubling')
       call find_nearest(matrix, from, h, solution, success, taken, again)
    end subroutine find_critical
 
-   !> Where a branch of even period ends at the branch of half its period, if it does: the solution point at which its odd harmonics
-   !> vanish, with their direction as its tangent.
+   !> Finds the period doubling at which a period-doubled branch ends, if it ends at one.
    subroutine find_meeting(train, settings, branch, solution, met)
+      !> The train as described.
       type(train_type), intent(in) :: train
-      !> Those that `branch` was traced with.
+      !> Settings that `branch` was traced with.
       type(response_settings_type), intent(in) :: settings
+      !> A branch of even period.
       type(branch_type), intent(in) :: branch
+      !> The point at which the odd harmonics of the branch vanish, with their direction as unit tangent.
       type(solution_point_type), intent(inout) :: solution
+      !> The odd harmonics vanish between the last two points.
       logical, intent(out) :: met
       type(tracer_type) :: tracer
       type(solution_point_type) :: here, next
@@ -82,9 +91,9 @@ contains
       call begin_trace(train, settings, tracer)
       tracer%corrector%local_control = .false.
       associate (n => branch%points - 1)
-         ! An even number, so that a balance of half the period has half as many.
+         ! An even number: the balance of half the period has half as many harmonics.
          if (settings%harmonics == 0) call tracer%prepare(2*((maxval(branch%point_harmonics(n:n + 1)) + 1)/2))
-         call span(tracer, branch, n, here, next, chord)
+         call take_chord(tracer, branch, n, here, next, chord)
       end associate
       if (settings%harmonics == 0) then
          next%tangent = here%tangent
@@ -92,9 +101,9 @@ contains
          call tracer%corrector%correct(here, success)
          if (success) call tracer%corrector%correct(next, success)
          if (success) then
-            call point_at(tracer, here, next, chord)
+            call orient_along_chord(tracer, here, next, chord)
          else
-            call span(tracer, branch, branch%points - 1, here, next, chord)
+            call take_chord(tracer, branch, branch%points - 1, here, next, chord)
          end if
       end if
       met = passes_half_period(here, next, branch%subharmonic)
@@ -108,27 +117,21 @@ contains
       solution%tangent = solution%tangent/tracer%corrector%length_of(solution%tangent)
    end subroutine find_meeting
 
-   !> Points n and n+1 of a branch as solution points; `here` has the unit vector along the chord as its tangent.
-   subroutine span(tracer, branch, n, here, next, chord)
+   !> Points n and n + 1 of a branch as solution points; the tangent of `here` is the unit vector along the chord.
+   subroutine take_chord(tracer, branch, n, here, next, chord)
       type(tracer_type), intent(in) :: tracer
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: n
       type(solution_point_type), intent(out) :: here, next
       real(dp), intent(out) :: chord
-      type(motion_type) :: motion
 
-      motion%period = branch%subharmonic
-      motion%frequency_ratio = branch%frequency_ratio(n)
-      motion%coefficients = branch%coefficients(:, :, n)
-      here = solution_of(tracer, motion)
-      motion%frequency_ratio = branch%frequency_ratio(n + 1)
-      motion%coefficients = branch%coefficients(:, :, n + 1)
-      next = solution_of(tracer, motion)
-      call point_at(tracer, here, next, chord)
-   end subroutine span
+      here = solution_of(tracer, motion_of(branch, n))
+      next = solution_of(tracer, motion_of(branch, n + 1))
+      call orient_along_chord(tracer, here, next, chord)
+   end subroutine take_chord
 
    !> Makes the tangent of `here` the unit vector along the chord to `next`.
-   subroutine point_at(tracer, here, next, chord)
+   subroutine orient_along_chord(tracer, here, next, chord)
       type(tracer_type), intent(in) :: tracer
       type(solution_point_type), intent(inout) :: here
       type(solution_point_type), intent(in) :: next
@@ -140,11 +143,13 @@ contains
       if (.not. chord > 0) return
       here%tangent = here%tangent/chord
       here%tangent_frequency = here%tangent_frequency/chord
-   end subroutine point_at
+   end subroutine orient_along_chord
 
-   !> Harmonics of the points next to the special point: the more of the two.
+   !> Number of harmonics of the points before and after a special point: the larger of the two.
    pure integer function harmonics_at(branch, special)
+      !> A branch with special points.
       type(branch_type), intent(in) :: branch
+      !> Number of the special point.
       integer, intent(in) :: special
 
       associate (point => branch%special_points(special)%point)
@@ -152,9 +157,9 @@ contains
       end associate
    end function harmonics_at
 
-   !> The branch solved next to the special point, the tangent included, and a first step `h` from there.
-   subroutine told_place(single, branch, special, solution, h, success)
-      type(tracer_type), intent(inout) :: single
+   !> Solves the balance on the branch next to a special point, with tangent, and chooses a first step `h` for the search.
+   subroutine solve_next_to(tracer, branch, special, solution, h, success)
+      type(tracer_type), intent(inout) :: tracer
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: special
       type(solution_point_type), intent(out) :: solution
@@ -163,7 +168,7 @@ contains
       type(solution_point_type) :: after
       real(dp) :: share, chord
 
-      call span(single, branch, branch%special_points(special)%point, solution, after, chord)
+      call take_chord(tracer, branch, branch%special_points(special)%point, solution, after, chord)
       h = min(first_step, chord/4)
       success = chord > 0
       if (.not. success) return
@@ -171,13 +176,13 @@ contains
       if (abs(after%frequency_ratio - solution%frequency_ratio) > 0) &
          share = (branch%special_points(special)%frequency_ratio - solution%frequency_ratio)/(after%frequency_ratio &
               - solution%frequency_ratio)
-      ! At a branch point itself Newton's method fails; the points next to it are near enough.
+      ! Newton's method fails at a branch point; the point before it is near enough.
       if (branch%special_points(special)%kind == 'branch point') share = 0
-      ! Next to a fold the frequency tells little.
+      ! Next to a fold Lambda hardly tells the distance along the branch.
       share = max(0.0_dp, min(1.0_dp, share))
       solution%u = solution%u + share*chord*solution%tangent
       solution%frequency_ratio = solution%frequency_ratio + share*chord*solution%tangent_frequency
-      call single%corrector%correct(solution, success)
-   end subroutine told_place
+      call tracer%corrector%correct(solution, success)
+   end subroutine solve_next_to
 
 end module geartrain_continuation_critical_point

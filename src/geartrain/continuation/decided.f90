@@ -1,28 +1,32 @@
-!> Whether what is read off a branch rests on points whose stability is decided. Next to a fold or a change of stability points are
-!> undecided as a rule, because a multiplier is near the unit circle there: what counts is whether decided points follow soon.
+!> Whether results read off a branch rest on points whose stability is decided. Points next to a fold or a change of stability are
+!> usually undecided, because a multiplier is near the unit circle: the nearest decided points count.
 module geartrain_continuation_decided
    use geartrain_continuation_branch, only: branch_type
    implicit none (type, external)
    private
    public :: is_undecided, joined, nearest_decided, rests_on_undecided, reach
 
-   !> Points to either side of a special point that tell what happens there.
+   !> Number of points on either side of a special point that are searched for a decided point.
    integer, parameter :: reach = 5
 
 contains
 
-   !> Whether the stability of point i is a guess; false where stability was not asked for.
+   !> Whether the stability of a point is undecided; false for a branch without stability.
    pure logical function is_undecided(branch, i)
+      !> A branch.
       type(branch_type), intent(in) :: branch
+      !> Index of the point.
       integer, intent(in) :: i
 
       is_undecided = .false.
       if (allocated(branch%undecided)) is_undecided = branch%undecided(i)
    end function is_undecided
 
-   !> Whether special point s has only undecided points on one of its sides, up to the next special point or the end of the part.
+   !> Whether a special point has no decided point on one of its sides, see nearest_decided.
    pure logical function rests_on_undecided(branch, s)
+      !> A branch with special points.
       type(branch_type), intent(in) :: branch
+      !> Number of the special point.
       integer, intent(in) :: s
 
       rests_on_undecided = .false.
@@ -30,10 +34,12 @@ contains
          rests_on_undecided = nearest_decided(branch, s, -1) == 0 .or. nearest_decided(branch, s, 1) == 0
    end function rests_on_undecided
 
-   !> Index of the nearest point before (side = -1) or after (+1) special point s that tells, being decided, what happens there;
-   !> 0 where another special point or an end of the part comes first, or there is none in reach.
+   !> Index of the nearest decided point on one side of a special point; 0 where another special point or the end of the segment
+   !> comes first, or `reach` points are undecided.
    pure integer function nearest_decided(branch, s, side) result(i)
+      !> A branch with special points.
       type(branch_type), intent(in) :: branch
+      !> Number of the special point; side to search: -1 before it, +1 after it.
       integer, intent(in) :: s, side
       integer :: k, from
 
@@ -48,24 +54,24 @@ contains
             if (.not. joined(branch, min(i, i - side))) exit
             if (another_between(branch, s, min(i, i - side))) exit
          end if
-         if (.not. tells_nothing(branch, s, i)) return
+         if (.not. undecided_for(branch, s, i)) return
          i = i + side
       end do
       i = 0
    end function nearest_decided
 
-   !> Whether point i says nothing of special point s: a fold is there whatever else passes the circle, the others are told by the
-   !> number of multipliers outside it.
-   pure logical function tells_nothing(branch, s, i)
+   !> Whether point i is undecided for special point s: for a fold where its stability is, for other kinds where the number of
+   !> multipliers outside the unit circle is.
+   pure logical function undecided_for(branch, s, i)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: s, i
 
-      tells_nothing = is_undecided(branch, i)
+      undecided_for = is_undecided(branch, i)
       if (branch%special_points(s)%kind /= 'fold' .and. allocated(branch%count_undecided)) &
-         tells_nothing = branch%count_undecided(i)
-   end function tells_nothing
+         undecided_for = branch%count_undecided(i)
+   end function undecided_for
 
-   !> Whether another special point than s lies between points i and i + 1, or is one of them but not the fold s.
+   !> Whether a special point other than s lies between points i and i + 1, or is a fold at one of the two points.
    pure logical function another_between(branch, s, i) result(another)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: s, i
@@ -84,9 +90,11 @@ contains
       end do
    end function another_between
 
-   !> Points i and i + 1 follow one another on the branch: they are of one part.
+   !> Whether points i and i + 1 are neighbours on the branch: of one segment.
    pure logical function joined(branch, i)
+      !> A branch.
       type(branch_type), intent(in) :: branch
+      !> Index of the first point, less than branch%points.
       integer, intent(in) :: i
 
       joined = .true.

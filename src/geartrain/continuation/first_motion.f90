@@ -1,4 +1,4 @@
-!> The motion that a response begins with.
+!> The motion at which the trace of a response begins.
 module geartrain_continuation_first_motion
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp
@@ -16,24 +16,31 @@ module geartrain_continuation_first_motion
    private
    public :: find_start
 
-   !> Harmonics that a known motion is solved with where fewer do not hold it, over those asked for, at most.
+   !> Largest number of harmonics that an exact motion is solved with, over the number asked for.
    integer, parameter :: most_times = 8
 
 contains
 
-   !> A motion at exactly the frequency: from rest, one that time integration settles on, one on the branch of a frequency at
-   !> which there is one from rest, outside the range that ends at `other` or in it, an orbit near the way of the flow from rest,
-   !> be it one that repels, or the end of the branch of such an orbit at another frequency.
+   !> Finds a motion at a given Lambda. Tried in this order:
+   !> - Newton's method from rest under the mean load;
+   !> - the motion that time integration from rest settles on;
+   !> - the branch of a solution from rest at another Lambda, outside the range that ends at `other` or within;
+   !> - an orbit, stable or not, near the flow from rest;
+   !> - the branch of such an orbit at another Lambda.
    subroutine find_start(train, tracer, frequency_ratio, other, solution, success, enough, observer)
+      !> The train as described.
       type(train_type), intent(in) :: train
+      !> Of `train`, from begin_trace.
       type(tracer_type), intent(inout) :: tracer
-      !> Lambda [1].
+      !> Lambda to start at, and the other end of the range [1].
       real(dp), intent(in) :: frequency_ratio, other
-      !> Solved where `success`.
+      !> The solution where `success`.
       type(solution_point_type), intent(out) :: solution
+      !> A motion was found.
       logical, intent(out) :: success
-      !> Harmonics with which a motion was found that has no solution with as many as asked for; 0: none.
+      !> Harmonics of a solution that was found, where there is none with settings%harmonics; 0: no such case.
       integer, intent(out) :: enough
+      !> Is told of the mesh periods of time integration; if it cancels, the next attempt follows.
       class(observer_type), intent(inout), optional :: observer
       type(motion_type) :: motion
       type(integration_settings_type) :: integration
@@ -47,7 +54,7 @@ contains
       call tracer%corrector%solve_at(solution, success)
       if (success) return
       state = resting_state(tracer%system)
-      integration%harmonics = described(tracer)
+      integration%harmonics = exact_harmonics(tracer)
       call settle(tracer%system, frequency_ratio, integration, state, motion, observer)
       if (motion%period > 0 .and. mod(tracer%settings%subharmonic, max(1, motion%period)) == 0) &
          call solve_near(tracer, motion, solution, success, enough)
@@ -55,17 +62,17 @@ contains
       do round = 1, 2
          do i = 1, size(elsewhere)
             if (success .or. tracer%system%interrupt%raised()) return
-            call scout(train, tracer%settings, elsewhere(i), frequency_ratio, round == 1, motion, success, observer)
+            call follow_branch(train, tracer%settings, elsewhere(i), frequency_ratio, round == 1, motion, success, observer)
             if (.not. success) cycle
             solution = solution_of(tracer, motion)
             call tracer%corrector%solve_at(solution, success)
          end do
-         if (.not. success .and. round == 1) call find_passed(tracer, frequency_ratio, solution, success, enough, observer)
+         if (.not. success .and. round == 1) call solve_near_flow(tracer, frequency_ratio, solution, success, enough, observer)
       end do
    end subroutine find_start
 
-   !> A motion that the flow from rest passes by.
-   subroutine find_passed(tracer, frequency_ratio, solution, success, enough, observer)
+   !> A solution near an orbit that the flow from rest passes.
+   subroutine solve_near_flow(tracer, frequency_ratio, solution, success, enough, observer)
       type(tracer_type), intent(inout) :: tracer
       real(dp), intent(in) :: frequency_ratio
       type(solution_point_type), intent(inout) :: solution
@@ -77,16 +84,16 @@ contains
       logical :: found
 
       success = .false.
-      call orbits%begin(tracer%system, frequency_ratio, tracer%settings%subharmonic, described(tracer))
+      call orbits%begin(tracer%system, frequency_ratio, tracer%settings%subharmonic, exact_harmonics(tracer))
       do while (.not. success)
          call orbits%next(motion, found, observer)
          if (.not. found) return
          call solve_near(tracer, motion, solution, success, enough)
       end do
-   end subroutine find_passed
+   end subroutine solve_near_flow
 
-   !> The balance next to an exact motion. Where it has no solution there with the present harmonics, those are doubled until it
-   !> has; with a number that the user gave the solution is then followed down to this one.
+   !> Solves the balance next to an exact motion. Where Newton's method fails, the number of harmonics is doubled, repeatedly. If
+   !> the user gave the number of harmonics, the solution is then followed down to this number.
    subroutine solve_near(tracer, motion, solution, success, enough)
       type(tracer_type), intent(inout) :: tracer
       type(motion_type), intent(in) :: motion
@@ -119,44 +126,45 @@ contains
       if (tracer%corrector%balance%highest /= wanted) call tracer%prepare(wanted)
    end subroutine solve_near
 
-   !> Harmonics of Lambda by which an exact motion is described, as many as `solve_near` may ask for.
-   pure integer function described(tracer)
+   !> Harmonics of Lambda in an exact motion: as many as `solve_near` may need.
+   pure integer function exact_harmonics(tracer)
       type(tracer_type), intent(in) :: tracer
 
-      described = 1 + most_times*tracer%corrector%balance%highest/tracer%settings%subharmonic
-   end function described
+      exact_harmonics = 1 + most_times*tracer%corrector%balance%highest/tracer%settings%subharmonic
+   end function exact_harmonics
 
-   !> Follows the branch from rest, or from an orbit that the flow passes by, at one frequency to another, unrecorded.
-   subroutine scout(train, settings, from, to, from_rest, motion, success, observer)
+   !> Follows a branch from one Lambda to another, for its last motion only.
+   subroutine follow_branch(train, settings, from, to, from_rest, motion, success, observer)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
-      !> Lambda [1].
+      !> Lambda at the beginning and at the end [1].
       real(dp), intent(in) :: from, to
+      !> Begins at the solution from rest; else at an orbit near the flow from rest.
       logical, intent(in) :: from_rest
-      !> Where the way ends.
+      !> The motion at `to`, where `success`.
       type(motion_type), intent(out) :: motion
       logical, intent(out) :: success
       class(observer_type), intent(inout), optional :: observer
-      type(response_settings_type) :: unjudged
+      type(response_settings_type) :: without_stability
       type(tracer_type) :: tracer
       type(branch_type), target :: way
       type(solution_point_type) :: solution
       character(:), allocatable :: reason
       integer :: outcome, enough
 
-      unjudged = settings
-      unjudged%stability = .false.
-      unjudged%max_points = min(2000, settings%max_points)
-      call begin_trace(train, unjudged, tracer)
+      without_stability = settings
+      without_stability%stability = .false.
+      without_stability%max_points = min(2000, settings%max_points)
+      call begin_trace(train, without_stability, tracer)
       if (from_rest) then
          solution = resting(tracer, from)
          call tracer%corrector%solve_at(solution, success)
       else
          enough = 0
-         call find_passed(tracer, from, solution, success, enough, observer)
+         call solve_near_flow(tracer, from, solution, success, enough, observer)
       end if
       if (.not. success) return
-      ! As many all the way.
+      ! The number of harmonics stays constant along the way.
       tracer%settings%harmonics = tracer%corrector%balance%highest
       call tracer%corrector%orient(solution, merge(1, -1, to > from))
       call tracer%recorder%setup(tracer%corrector%balance, .false., way)
@@ -166,6 +174,6 @@ contains
       motion%frequency_ratio = to
       motion%period = settings%subharmonic
       motion%coefficients = way%coefficients(:, :, way%points)
-   end subroutine scout
+   end subroutine follow_branch
 
 end module geartrain_continuation_first_motion

@@ -1,4 +1,4 @@
-!> A branch that was interrupted in the midst of a step: what belongs to that step may be wrong and goes.
+!> Removes from a branch the step in which the trace was interrupted: its points may be wrong.
 module geartrain_continuation_interruption
    use geartrain_base_numbers, only: text
    use geartrain_continuation_branch, only: branch_type
@@ -9,9 +9,11 @@ module geartrain_continuation_interruption
 
 contains
 
-   !> Where the work was interrupted, cuts the branch back to what was there before the latest step, and says so.
+   !> If the interrupt is raised, cuts the branch back to the points before the latest step and marks the branch as cancelled.
    subroutine drop_step(tracer, branch)
+      !> The tracer of the branch: interrupt, and number of points before the step.
       type(tracer_type), intent(in) :: tracer
+      !> Branch under way; unchanged unless interrupted.
       type(branch_type), intent(inout) :: branch
 
       if (.not. tracer%system%interrupt%raised()) return

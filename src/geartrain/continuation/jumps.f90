@@ -1,4 +1,4 @@
-!> Where a sweep in speed jumps: the stable motion that it follows ends, and it goes over to another one.
+!> Jumps of a slow sweep in speed: the stable motion that the sweep follows ends, and another stable motion takes over.
 module geartrain_continuation_jumps
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type
@@ -9,32 +9,33 @@ module geartrain_continuation_jumps
    public :: jump_type, jumps
 
    type :: jump_type
-      !> 'jump up' and 'jump down': to a larger or smaller amplitude (all meshes together); 'leaves': this branch has no other
-      !> stable motion there.
+      !> 'jump up', 'jump down': to a larger or smaller amplitude (all meshes together); 'leaves': the branch has no other stable
+      !> motion at this Lambda.
       character(9) :: kind = ''
-      !> Whether the sweep that jumps here goes up in speed, or down.
+      !> The sweep that jumps goes up in speed; else down.
       logical :: rising = .true.
-      !> Lambda.
+      !> Lambda [1].
       real(dp) :: frequency_ratio = 0
       !> Kind of the special point at which the stable motion ends.
       character(16) :: cause = ''
-      !> rms before and after, (mesh); after a jump that leaves the branch it is negative.
+      !> rms before and after the jump over characteristic length [1], (mesh); `after` is negative for 'leaves'.
       real(dp), allocatable :: before(:), after(:)
-      !> Other stable motions of the branch at this Lambda: where there are more than one, `after` is a guess, the nearest one.
+      !> Number of other stable motions of the branch at this Lambda: if more than 1, `after` is a guess.
       integer :: candidates = 0
-      !> It rests on undecided points: no decided one near it is stable on one side and none unstable on the other, or the
-      !> motion after it is undecided.
+      !> The jump rests on undecided points: the nearest decided points are not stable on one side and unstable on the other, or
+      !> the motion after the jump is undecided.
       logical :: undecided = .false.
    end type jump_type
 
 contains
 
-   !> The jumps of a branch with stability, by Lambda.
+   !> The jumps of a branch, ascending in Lambda; none without stability.
    !>
-   !> At a fold with one stable side a sweep along that side has nowhere to go; it falls to another stable motion at that
-   !> Lambda. Of those on this branch the one with the nearest rms (all meshes) is taken: which of several a sweep reaches the
-   !> branch alone does not tell. Where stability is lost without a fold the motion that takes over lies on another branch.
+   !> At a fold with one stable side, a sweep along this side jumps to another stable motion at the Lambda of the fold. If the
+   !> branch has several, the motion of nearest rms (all meshes) is taken: which motion a sweep reaches, the branch does not tell.
+   !> Where stability is lost without a fold, the next motion lies on another branch.
    pure function jumps(branch) result(found)
+      !> A branch, with or without stability.
       type(branch_type), intent(in) :: branch
       type(jump_type), allocatable :: found(:)
       type(jump_type) :: jump
@@ -62,7 +63,7 @@ contains
       end do
    end function jumps
 
-   !> Whether decided points to both sides of special point s say that the branch is stable on side `side` of it alone.
+   !> Whether the nearest decided points of special point s are stable on side `side` and unstable on the other side.
    pure logical function is_decided(branch, s, side)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: s, side
@@ -83,14 +84,14 @@ contains
       side = 0
       ! A fold is a point of the branch; another special point lies between `point` and the next one.
       first = merge(1, 0, branch%special_points(s)%kind == 'fold')
-      ! A truncated balance and its monodromy place one fold slightly apart, and one branch point.
+      ! The balance and the monodromy matrix place a fold, or a branch point, slightly apart.
       most = merge(reach, 1, first == 1 .or. branch%special_points(s)%kind == 'branch point')
       do k = 1, most
          before = branch%special_points(s)%point - first - (k - 1)
          after = branch%special_points(s)%point + k
          if (before < 1 .or. after > branch%points) return
          if (.not. joined(branch, before) .or. .not. joined(branch, after - 1)) return
-         ! Seen from the branch that leaves there Lambda turns at a branch point: both its sides are alike.
+         ! At a branch point Lambda turns along the branch that leaves: its two sides are alike.
          if (branch%special_points(s)%kind == 'branch point' .and. (branch%frequency_ratio(before) &
                                                                     - branch%special_points(s)%frequency_ratio) &
              *(branch%frequency_ratio(after) - branch%special_points(s)%frequency_ratio) >= 0) return
@@ -103,7 +104,7 @@ contains
       end do
    end function stable_side
 
-   !> Whether another special point lies in the range of points, and may be why stability changes there.
+   !> Whether a special point other than s, which may change stability too, lies between the points `before` and `after`.
    pure logical function another_between(branch, s, before, after) result(another)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: s, before, after
@@ -115,13 +116,15 @@ contains
       end do
    end function another_between
 
-   !> rms of the nearest other stable motion at the frequency of special point `s`, -1 where there is none, how many there are, and
-   !> whether the stability of that motion is undecided.
+   !> Other stable motions at the Lambda of special point s.
    pure subroutine find_destination(branch, s, nearest, candidates, undecided)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: s
+      !> rms of the motion nearest in rms, (mesh); -1: none.
       real(dp), allocatable, intent(out) :: nearest(:)
+      !> Number of motions.
       integer, intent(out) :: candidates
+      !> Stability of the nearest motion is undecided.
       logical, intent(out) :: undecided
       real(dp) :: rms(branch%meshes), share
       integer :: i
@@ -151,8 +154,8 @@ contains
       end associate
    end subroutine find_destination
 
-   !> Whether the branch turns at point i or i + 1, at this frequency to rounding, as it does at the mirror image of a fold
-   !> where the stages are equal: the motion there ends as well.
+   !> Whether point i or i + 1 is a fold at this Lambda, up to rounding, as the mirror image of a fold of a train with equal stages:
+   !> the stable motion ends there as well.
    pure logical function turns_at(branch, i, frequency_ratio)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: i
@@ -164,7 +167,7 @@ contains
       end associate
    end function turns_at
 
-   !> Two parts of a branch may pass the same fold.
+   !> Whether `found` has this jump already: two segments of a branch may pass one fold.
    pure logical function is_known(jump, found)
       type(jump_type), intent(in) :: jump, found(:)
       integer :: i
@@ -177,7 +180,7 @@ contains
       end do
    end function is_known
 
-   !> In the order of Lambda.
+   !> Inserts a jump into a list ascending in Lambda.
    pure subroutine insert(jump, found)
       type(jump_type), intent(in) :: jump
       type(jump_type), allocatable, intent(inout) :: found(:)

@@ -1,21 +1,36 @@
-!> The points of a branch as a list: turned round, shortened, compared.
+!> The points of a branch as a list: reversed, shortened, compared, taken as motions.
 module geartrain_continuation_points
+   use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: arrange_points, branch_type, special_point_type
    implicit none (type, external)
    private
-   public :: drop_first, is_same_point, put_in_front, same_motion
+   public :: drop_first, is_same_point, motion_of, put_in_front, same_motion
 
-   !> Relative distance of the coefficients up to which two motions at one frequency, both solved for, are one.
+   !> Largest relative difference of the coefficients of two solutions at equal Lambda that count as equal motions [1].
    real(dp), parameter :: same_motion = 1e-6_dp
 
 contains
 
-   !> Reverses the points after `forward`, which lead the other way from the first one, and puts them before the others.
+   !> Point i as a motion: period, Lambda and coefficients.
+   pure type(motion_type) function motion_of(branch, i) result(motion)
+      !> A branch.
+      type(branch_type), intent(in) :: branch
+      !> Index of the point.
+      integer, intent(in) :: i
+
+      motion%period = branch%subharmonic
+      motion%frequency_ratio = branch%frequency_ratio(i)
+      motion%coefficients = branch%coefficients(:, :, i)
+   end function motion_of
+
+   !> Reverses the points after number `forward` and puts them before the others, so that the branch is one curve.
    subroutine put_in_front(branch, forward)
+      !> A branch traced both ways from its first point.
       type(branch_type), intent(inout), target :: branch
+      !> Number of points of the first way.
       integer, intent(in) :: forward
-      integer :: order(branch%points), segment(branch%points), i, n, solution(branch%points)
+      integer :: order(branch%points), segment(branch%points), i, n, position(branch%points)
       integer, allocatable :: sequence(:)
       logical :: backward(size(branch%special_points))
       type(special_point_type), allocatable :: sorted(:)
@@ -23,36 +38,38 @@ contains
       n = branch%points
       order = [(i, i=n, forward + 1, -1), (i, i=1, forward)]
       call take_points(branch, order)
-      solution(order) = [(i, i=1, n)]
-      ! Parts are numbered anew; what meets at the first point is one part.
+      position(order) = [(i, i=1, n)]
+      ! Segments are numbered anew. The two segments that meet at the first point become one segment.
       segment = branch%segment(:n)
       branch%segment(1) = 1
       do i = 2, n
          branch%segment(i) = branch%segment(i - 1) + merge(0, 1, segment(i) == segment(i - 1) .or. i == n - forward + 1)
       end do
-      ! The solution point between the first point and the first one of the other way has the point `forward` before it in the list.
+      ! A special point between the first points of the two ways has point number `forward` before it in the list.
       backward = branch%special_points%point > forward .or. &
                  branch%special_points%point == forward .and. branch%special_points%kind /= 'fold'
       do i = 1, size(branch%special_points)
          associate (special => branch%special_points(i))
-            ! The order being reversed, the point after a solution point comes before it; a fold is a point itself.
+            ! In the reversed order the next point becomes the point before a special point; a fold is a point of the branch itself.
             if (backward(i) .and. special%kind /= 'fold') special%point = special%point + 1
-            special%point = solution(special%point)
+            special%point = position(special%point)
          end associate
       end do
       sequence = [(i, i=size(backward), 1, -1)]
       sequence = [pack(sequence, backward(sequence)), pack([(i, i=1, size(backward))], .not. backward)]
       allocate (sorted(size(backward)))
-      ! One by one: in one assignment gfortran 12 frees the components twice.
+      ! In a loop: gfortran 12 frees the components twice in one array assignment.
       do i = 1, size(backward)
          sorted(i) = branch%special_points(sequence(i))
       end do
       call move_alloc(sorted, branch%special_points)
    end subroutine put_in_front
 
-   !> Takes the first points off, with what is special among them.
+   !> Removes the first points of a branch, and their special points.
    subroutine drop_first(branch, points)
+      !> A branch; the first of its segments gets number 1.
       type(branch_type), intent(inout), target :: branch
+      !> Number of points to remove.
       integer, intent(in) :: points
       integer :: i
 
@@ -62,11 +79,13 @@ contains
       branch%special_points%point = branch%special_points%point - points
    end subroutine drop_first
 
-   !> Whether two points at one frequency are one motion.
+   !> Whether two points have bitwise equal Lambda and equal motions. Motions of different numbers of harmonics may differ by three
+   !> times their error estimates.
    pure logical function is_same_point(branch, i, j)
+      !> A branch.
       type(branch_type), intent(in) :: branch
+      !> Indices of the two points.
       integer, intent(in) :: i, j
-
       real(dp) :: allowed
 
       is_same_point = .false.
@@ -78,7 +97,7 @@ contains
                       <= allowed*maxval(abs(branch%coefficients(:, :, i)))
    end function is_same_point
 
-   !> Leaves the points of these numbers, in this order.
+   !> Keeps the points of the numbers `order`, in this order.
    subroutine take_points(branch, order)
       type(branch_type), intent(inout), target :: branch
       integer, intent(in) :: order(:)

@@ -1,4 +1,4 @@
-!> Writes points into a branch: room that grows, what is derived from the coefficients, stability where it was asked for.
+!> Appends points to a branch: enlarges its arrays, derives values from the coefficients, assesses stability where asked for.
 module geartrain_continuation_recorder
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_error_estimate, only: error_estimate_type
@@ -15,8 +15,11 @@ module geartrain_continuation_recorder
    public :: recorder_type
 
    type :: recorder_type
+      !> Stability is assessed.
       logical :: stability = .false.
+      !> Work space; the monodromy matrix of the latest point.
       type(monodromy_type) :: monodromy
+      !> Multipliers of the latest point, (branch%states).
       complex(dp), allocatable :: multipliers(:)
       type(transform_type), private :: transform
       type(force_reader_type), private :: reader
@@ -29,11 +32,14 @@ module geartrain_continuation_recorder
 
 contains
 
-   !> Empties the branch and prepares it for points of this balance.
+   !> Prepares for the points of a balance.
    subroutine setup(self, balance, stability, branch)
       class(recorder_type), intent(inout) :: self
+      !> The balance; more harmonics may follow.
       type(balance_type), intent(in) :: balance
+      !> Stability is to be assessed.
       logical, intent(in) :: stability
+      !> A new branch; then a branch without points.
       type(branch_type), intent(inout), target :: branch
 
       self%stability = stability
@@ -51,13 +57,18 @@ contains
       call arrange_points(branch, [integer ::], 16, balance%highest)
    end subroutine setup
 
-   !> Adds the solution point at which the balance was last evaluated.
+   !> Appends a point.
    subroutine add(self, balance, solution, estimate, segment, branch)
       class(recorder_type), intent(inout) :: self
+      !> The balance, last evaluated at `solution`.
       type(balance_type), intent(in) :: balance
+      !> The point.
       type(solution_point_type), intent(in) :: solution
+      !> Error estimate of the point.
       type(error_estimate_type), intent(in) :: estimate
+      !> Number of its segment.
       integer, intent(in) :: segment
+      !> The branch.
       type(branch_type), intent(inout), target :: branch
       real(dp) :: coefficients(1 + 2*balance%highest, balance%system%meshes)
       type(assessment_type) :: assessment
@@ -108,9 +119,10 @@ contains
       branch%points = n
    end subroutine add
 
-   !> Gives spare room back.
+   !> Shrinks the arrays to the number of points.
    subroutine finish(self, branch)
       class(recorder_type), intent(in) :: self
+      !> The branch, which is complete.
       type(branch_type), intent(inout), target :: branch
       integer :: i
 

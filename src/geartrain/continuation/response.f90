@@ -7,13 +7,14 @@ module geartrain_continuation_response
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
+   use geartrain_continuation_both_ways, only: trace_both_ways
    use geartrain_continuation_branch, only: branch_type, response_settings_type, special_point_type
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_first_motion, only: find_start
    use geartrain_continuation_interruption, only: drop_step
+   use geartrain_continuation_large_amplitude, only: followed_out, trace_through
    use geartrain_continuation_points, only: drop_first, is_same_point, same_motion
    use geartrain_continuation_start, only: begin_trace, solution_of
-   use geartrain_continuation_through, only: followed_out, trace_both_ways, trace_through
    use geartrain_continuation_tracer, only: cancelled, reached_end, tracer_type
    use geartrain_continuation_variables, only: check_response
    use geartrain_flow_floating, only: can_float, note_of

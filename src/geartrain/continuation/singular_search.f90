@@ -2,7 +2,7 @@
 module geartrain_continuation_singular_search
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
-   use geartrain_continuation_same_place, only: same_solution
+   use geartrain_continuation_same_solution, only: same_solution
    use geartrain_continuation_singular, only: singular_type
    use geartrain_continuation_special_points, only: between, go_along, shrink
    use geartrain_continuation_step_geometry, only: cosine, odd_product

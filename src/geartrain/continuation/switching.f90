@@ -8,13 +8,14 @@ module geartrain_continuation_switching
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
+   use geartrain_continuation_both_ways, only: trace_both_ways
    use geartrain_continuation_branch, only: branch_type, response_settings_type
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_critical_point, only: find_critical, harmonics_at
    use geartrain_continuation_interruption, only: drop_step
+   use geartrain_continuation_large_amplitude, only: followed_out, trace_through
    use geartrain_continuation_special_points, only: add_special_point
    use geartrain_continuation_start, only: begin_trace
-   use geartrain_continuation_through, only: followed_out, trace_both_ways, trace_through
    use geartrain_continuation_tracer, only: tracer_type
    use geartrain_continuation_variables, only: settings_for
    use geartrain_model_check, only: check_train

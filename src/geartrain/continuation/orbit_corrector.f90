@@ -1,5 +1,5 @@
-!> The exact branch, for whoever checks a branch of the balance: orbits by shooting as a curve in state and Lambda, through folds.
-module geartrain_continuation_orbit_path
+!> The exact branch, to check a branch of the balance against: orbits by shooting as a curve in state and Lambda, through folds.
+module geartrain_continuation_orbit_corrector
    use geartrain_balance_motion, only: motion_type
    use geartrain_balance_repetition, only: divide_orders, take_one
    use geartrain_base_kinds, only: dp
@@ -13,40 +13,43 @@ module geartrain_continuation_orbit_path
    private
    public :: orbit_type, orbit_corrector_type, orbit_test_type, resolution
 
-   !> Cosine of the largest turn of the tangent within a step.
+   !> Cosine of the largest angle between the tangents at the ends of a step [1].
    real(dp), parameter :: least_cosine = 0.8_dp
-   !> Places on the path that are closer than this, in units of the train's own, are one: a tenth of it is what shooting leaves.
+   !> Orbits closer than this in the metric are equal: about ten times the error of shooting [units_type].
    real(dp), parameter :: resolution = 1e-10_dp
    integer, parameter :: max_steps = 60
-   !> Least Lambda that one step goes to, relative.
+   !> Least Lambda at the end of a step, over Lambda at its beginning [1].
    real(dp), parameter :: slowest = 0.5_dp
 
    !> A point of the exact branch.
    type :: orbit_type
-      !> Lambda and the states where the sections of the period begin, (2*coordinates, section).
+      !> Lambda [1], of one repetition (see orbit_corrector_type).
       real(dp) :: frequency_ratio = 0
+      !> Dimensionless states at the beginnings of the sections of the period, (2*coordinates, section).
       real(dp), allocatable :: states(:, :)
-      !> The unit tangent there.
+      !> Unit tangent: its parts of Lambda and of the states, (2*coordinates, section).
       real(dp) :: tangent_frequency = 0
       real(dp), allocatable :: tangent(:, :)
-      !> All of them over the whole period, largest magnitude first, (2*coordinates).
+      !> Multipliers over the whole period, largest magnitude first, (2*coordinates).
       complex(dp), allocatable :: multipliers(:)
    end type orbit_type
 
    type :: orbit_corrector_type
+      !> The train, its orders divided by `times`.
       type(system_type) :: system
-      !> In mesh periods.
+      !> Period of the branch [mesh periods].
       integer :: period = 1
-      !> How often a motion repeats itself within that: orbits are those of one repetition, at so many times the branch's Lambda.
+      !> Number of repetitions of a motion within the period: an orbit is one repetition, at `times` the Lambda of the branch.
       integer :: times = 1
+      !> Units of the metric.
       type(units_type) :: units
-      !> At constant Lambda, and along the branch.
+      !> Sections for shooting at constant Lambda, and for shooting along the branch.
       type(sections_type), private :: fixed, moving
       !> Metric of the states, (2*coordinates, section).
       real(dp), allocatable, private :: weight(:, :)
    contains
       procedure :: setup
-      procedure :: solution
+      procedure :: first_guess
       procedure :: distance
       procedure :: point_at
       procedure :: solve_at
@@ -56,7 +59,7 @@ module geartrain_continuation_orbit_path
       procedure, private :: find_multipliers
    end type orbit_corrector_type
 
-   !> A number that an orbit has and that changes sign at what is sought.
+   !> A test function: it changes sign at the orbit that is sought.
    type, abstract :: orbit_test_type
    contains
       procedure(value_interface), deferred :: value
@@ -67,16 +70,19 @@ module geartrain_continuation_orbit_path
          import :: dp, orbit_test_type, orbit_type
          implicit none (type, external)
          class(orbit_test_type), intent(in) :: self
+         !> An orbit with tangent and multipliers.
          type(orbit_type), intent(in) :: orbit
       end function value_interface
    end interface
 
 contains
 
-   !> Prepares for orbits of `period` mesh periods.
+   !> Prepares for the orbits of a branch.
    subroutine setup(self, system, period)
       class(orbit_corrector_type), intent(inout) :: self
+      !> The train.
       type(system_type), intent(in) :: system
+      !> Period of the branch [mesh periods].
       integer, intent(in) :: period
       integer :: parts
 
@@ -96,10 +102,12 @@ contains
       end associate
    end subroutine setup
 
-   !> A motion as a first guess of an orbit.
-   subroutine solution(self, motion, orbit)
+   !> First guess of an orbit from a motion.
+   subroutine first_guess(self, motion, orbit)
       class(orbit_corrector_type), intent(inout) :: self
+      !> A motion of period `period`, with coefficients or state.
       type(motion_type), intent(in) :: motion
+      !> Lambda and states, without tangent and multipliers.
       type(orbit_type), intent(out) :: orbit
       type(motion_type) :: one
 
@@ -107,22 +115,26 @@ contains
       if (self%times > 1) call take_one(self%times, one)
       orbit%frequency_ratio = one%frequency_ratio
       call section_states(self%system, one, self%fixed, orbit%states)
-   end subroutine solution
+   end subroutine first_guess
 
-   !> Of two orbits, in units of the train's own.
+   !> Distance of two orbits in the metric: mean square over the sections plus the square of Lambda, in their units [units_type].
    pure real(dp) function distance(self, a, b)
       class(orbit_corrector_type), intent(in) :: self
+      !> The two orbits.
       type(orbit_type), intent(in) :: a, b
 
       distance = sqrt(sum(self%weight*(a%states - b%states)**2) &
                       + ((a%frequency_ratio - b%frequency_ratio)/self%units%frequency_ratio)**2)
    end function distance
 
-   !> Makes the tangent of `orbit` the unit vector from `before` to `after`; their distance is 0 where there is none.
+   !> Makes the tangent of an orbit the unit vector along a chord.
    subroutine point_at(self, before, after, orbit, way)
       class(orbit_corrector_type), intent(in) :: self
+      !> The two ends of the chord.
       type(orbit_type), intent(in) :: before, after
+      !> Gets the tangent; unchanged where `way` is 0.
       type(orbit_type), intent(inout) :: orbit
+      !> Length of the chord [units_type].
       real(dp), intent(out) :: way
 
       way = self%distance(before, after)
@@ -131,10 +143,12 @@ contains
       orbit%tangent_frequency = (after%frequency_ratio - before%frequency_ratio)/way
    end subroutine point_at
 
-   !> The orbit at exactly the Lambda of `orbit`, from its states; its multipliers.
+   !> Shooting at constant Lambda.
    subroutine solve_at(self, orbit, success)
       class(orbit_corrector_type), intent(inout) :: self
+      !> A guess; then the orbit with its multipliers, the tangent unchanged.
       type(orbit_type), intent(inout) :: orbit
+      !> Newton's method has converged.
       logical, intent(out) :: success
       real(dp) :: last
 
@@ -142,10 +156,12 @@ contains
       if (success) call self%find_multipliers(self%fixed, orbit)
    end subroutine solve_at
 
-   !> The orbit near `orbit`, across its tangent; its multipliers and its own tangent, in the same sense.
+   !> Shooting in the hyperplane through `orbit` normal to its tangent.
    subroutine correct(self, orbit, success)
       class(orbit_corrector_type), intent(inout) :: self
+      !> A guess with tangent; then the orbit with its multipliers, and its tangent in the direction of the former tangent.
       type(orbit_type), intent(inout) :: orbit
+      !> Newton's method has converged.
       logical, intent(out) :: success
       real(dp) :: tangent(size(orbit%states, 1), size(orbit%states, 2)), tangent_frequency, length, last
 
@@ -168,34 +184,42 @@ contains
       if (self%times > 1) orbit%multipliers = power(orbit%multipliers, self%times)
    end subroutine find_multipliers
 
-   !> From `from` a distance h along its tangent to `to`. No success where the tangent turns by too much, which may be a jump to
-   !> another branch.
+   !> One step along the branch: predictor and corrector.
    subroutine advance(self, from, h, to, success)
       class(orbit_corrector_type), intent(inout) :: self
+      !> An orbit with tangent.
       type(orbit_type), intent(in) :: from
+      !> Length of the predictor step [units_type].
       real(dp), intent(in) :: h
+      !> The next orbit, with tangent and multipliers; no orbit unless `success`.
       type(orbit_type), intent(inout) :: to
+      !> Shooting has converged, and the tangent turns by less than `least_cosine`: else it may be another branch.
       logical, intent(out) :: success
 
       to = from
       to%states = from%states + h*from%tangent
       to%frequency_ratio = from%frequency_ratio + h*from%tangent_frequency
-      ! A flight at Lambda near 0 would have no end.
+      ! Near Lambda = 0 the period is too long to be integrated.
       success = to%frequency_ratio > slowest*from%frequency_ratio
       if (success) call self%correct(to, success)
       if (success) success = sum(self%weight*from%tangent*to%tangent) &
                              + from%tangent_frequency*to%tangent_frequency/self%units%frequency_ratio**2 > least_cosine
    end subroutine advance
 
-   !> The orbit between `here` and the one a distance h further where the test is 0, which has other signs there.
+   !> Finds the orbit between two orbits of a step at which a test function is zero.
    subroutine find_zero(self, test, here, h, last, orbit, success)
       class(orbit_corrector_type), intent(inout) :: self
+      !> The test function, of different signs at `here` and `last`.
       class(orbit_test_type), intent(in) :: test
+      !> The orbit at the beginning of the step.
       type(orbit_type), intent(in) :: here
+      !> Length of the step [units_type].
       real(dp), intent(in) :: h
-      !> The orbit at h.
+      !> The orbit at the end of the step.
       type(orbit_type), intent(in) :: last
+      !> The orbit at which the test function is zero, to `resolution`.
       type(orbit_type), intent(inout) :: orbit
+      !> Shooting has converged.
       logical, intent(out) :: success
       real(dp) :: a, b, fa, fb, f, s
       integer :: i, kept
@@ -216,4 +240,4 @@ contains
       end do
    end subroutine find_zero
 
-end module geartrain_continuation_orbit_path
+end module geartrain_continuation_orbit_corrector

@@ -1,5 +1,5 @@
-!> Whether two solution points at which branches bifurcate are one, or the same some mesh periods later.
-module geartrain_continuation_same_place
+!> Whether two bifurcation points are equal, up to a shift by some mesh periods.
+module geartrain_continuation_same_solution
    use geartrain_base_kinds, only: dp, pi
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_units, only: units_type
@@ -7,19 +7,23 @@ module geartrain_continuation_same_place
    private
    public :: same_solution
 
-   !> Places closer than this in the metric of the branch are one. Two ways to the same one agree to some 1e-6.
+   !> Solution points closer than this in the metric of the branch are equal [units_type]. Two searches that end at one point agree
+   !> to some 1e-6.
    real(dp), parameter :: same = 1e-3_dp
-   !> Cosine of the angle of two directions that are one.
+   !> Directions whose angle has a larger cosine than this are equal.
    real(dp), parameter :: parallel = 0.7_dp
 
 contains
 
+   !> Whether `one`, shifted by some number of mesh periods, is `other`. Their harmonics may differ.
    pure logical function same_solution(one, other, period, units, by_direction)
+      !> Solution points to compare.
       type(solution_point_type), intent(in) :: one, other
-      !> Of the balance that they are solution points of, in mesh periods.
+      !> Period of the balance that both points solve [mesh periods].
       integer, intent(in) :: period
+      !> Units of the branch.
       type(units_type), intent(in) :: units
-      !> Their tangents must be parallel as well: two branches may leave next to one another.
+      !> The tangents must be parallel as well: two branches may leave next to one another.
       logical, intent(in) :: by_direction
       real(dp) :: apart, along, length(2)
       complex(dp) :: turn, a, b
@@ -57,7 +61,7 @@ contains
       if (allocated(solution%harmonic)) highest_of = maxval([0, solution%harmonic])
    end function highest_of
 
-   !> Harmonic k of a set of coefficients of a solution point as a complex amplitude; 0 where it has none.
+   !> Complex amplitude of harmonic k in the coefficients `u` of a mesh of `solution`; 0 where harmonic k is not carried.
    pure complex(dp) function harmonic_of(solution, u, k)
       type(solution_point_type), intent(in) :: solution
       real(dp), intent(in) :: u(:)
@@ -74,4 +78,4 @@ contains
       if (i > 0 .and. 2*i + 1 <= size(u)) harmonic_of = cmplx(u(2*i), -u(2*i + 1), dp)
    end function harmonic_of
 
-end module geartrain_continuation_same_place
+end module geartrain_continuation_same_solution

@@ -1,0 +1,68 @@
+!> Traces a branch in both directions from a point in its midst: from a seed or a branch point.
+module geartrain_continuation_both_ways
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_observer, only: observer_type
+   use geartrain_continuation_branch, only: branch_type
+   use geartrain_continuation_corrector, only: solution_point_type
+   use geartrain_continuation_interruption, only: drop_step
+   use geartrain_continuation_large_amplitude, only: followed_out, trace_through
+   use geartrain_continuation_points, only: put_in_front
+   use geartrain_continuation_special_points, only: add_special_point
+   use geartrain_continuation_tracer, only: cancelled, closed_loop, tracer_type
+   implicit none (type, external)
+   private
+   public :: trace_both_ways
+
+contains
+
+   !> Traces a branch from its first point in both directions. The points of the backward way are put in front, so that the branch
+   !> is one curve. A branch that closes is traced once round.
+   subroutine trace_both_ways(tracer, forward, backward, branch, where_from, observer, between)
+      !> A tracer for the branch.
+      type(tracer_type), intent(inout) :: tracer
+      !> First points of the two ways: solved, with tangents that point away from each other; changed on return.
+      type(solution_point_type), intent(inout) :: forward, backward
+      !> Has one point, `forward`. A target: an observer may read it through a pointer.
+      type(branch_type), intent(inout), target :: branch
+      !> What the branch begins at, in words.
+      character(*), intent(in) :: where_from
+      !> Is told of each step, and may cancel.
+      class(observer_type), intent(inout), optional :: observer
+      !> Lambda of the branch point that lies between `forward` and `backward` [1]; absent: the two are one point.
+      real(dp), intent(in), optional :: between
+      type(solution_point_type) :: began
+      character(:), allocatable :: reason
+      integer :: outcome, first_outcome, first_points
+      logical :: success
+
+      began = forward
+      call trace_through(tracer, forward, tracer%settings%stop, branch, outcome, branch%ended, observer, began)
+      call drop_step(tracer, branch)
+      if (branch%cancelled) return
+      branch%closed = outcome == closed_loop
+      branch%complete = branch%closed
+      if (branch%closed .or. outcome == cancelled) return
+      first_outcome = outcome
+      first_points = branch%points
+      call tracer%corrector%refit(backward)
+      call tracer%corrector%correct(backward, success)
+      if (.not. success) then
+         branch%ended = 'forwards from '//where_from//': '//branch%ended//'; backwards: Newton does not converge'
+         return
+      end if
+      began = backward
+      tracer%segment = tracer%segment + 1
+      if (present(between)) then
+         call add_special_point(branch, 'branch point', between, branch%points, branch%rms(:, 1))
+         call tracer%record(backward, branch)
+         call trace_through(tracer, backward, tracer%settings%stop, branch, outcome, reason, observer, began)
+      else
+         call trace_through(tracer, backward, tracer%settings%stop, branch, outcome, reason, observer, began, point=1)
+      end if
+      call drop_step(tracer, branch)
+      call put_in_front(branch, first_points)
+      branch%complete = followed_out(first_outcome) .and. followed_out(outcome)
+      branch%ended = 'forwards from '//where_from//': '//branch%ended//'; backwards: '//reason
+   end subroutine trace_both_ways
+
+end module geartrain_continuation_both_ways
