@@ -1,13 +1,11 @@
 !> Harmonic balance in mesh displacements: with phi the whole mesh force over k b_c, projected by Galerkin,
 !>    S_j0 = phi_j0 - load_j,     S_jr = p_jr + sum over i of H_ji(r Lambda/eta) phi_ir - a_jr(Lambda).
-!> Identity plus compact: well conditioned for any number of harmonics. Equations (8) to (10) put right, shafts condensed.
+!> Identity plus compact: well conditioned for any number of harmonics. Equations (8) to (10) of the paper with their signs and
+!> indices put right, shafts condensed.
 module geartrain_balance_balance
-   use geartrain_balance_needed_harmonics, only: needed_harmonics
+   use geartrain_balance_mesh_forces, only: mesh_forces_type
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_bordered, only: bordered_type
-   use geartrain_linalg_fftw, only: transform_type
-   use geartrain_linalg_trigonometric, only: fine_samples, sample, transform_length
-   use geartrain_mesh_law_contact, only: contact_type
    use geartrain_model_excitation, only: excited_harmonics
    use geartrain_model_receptance, only: find_receptance, linear_displacements, receptance_type
    use geartrain_model_system, only: system_type
@@ -15,114 +13,55 @@ module geartrain_balance_balance
    private
    public :: balance_type
 
-   !> Up to so many harmonics the derivatives of the mesh forces are matrices; beyond, those of the lowest ones are, and the whole
-   !> is applied by FFT.
-   integer, parameter :: most_direct = 16, explicit_of_many = 10
-
-   type :: balance_type
-      type(system_type) :: system
-      !> Sub-harmonic index; harmonics of Lambda/eta that are carried; coefficients of a mesh, 1 + 2*size(harmonic).
-      integer :: eta = 1
-      integer, allocatable :: harmonic(:)
-      integer :: block = 1
-      !> Those that are not, up to three times the highest, in which the error shows.
+   type, extends(mesh_forces_type) :: balance_type
+      !> Harmonics of Lambda/eta up to 3*highest that are not carried though excitation may reach them, ascending.
       integer, allocatable :: missing(:)
-      !> Harmonics of Lambda/eta that excite the train and are higher than all that are carried.
+      !> Harmonics of Lambda/eta above `highest` that a torque, mesh stiffness or transmission error excites, ascending.
       integer, allocatable :: left_out(:)
-      !> Highest harmonic asked for (harmonics 1..highest that the excitation reaches are carried).
-      integer :: highest = 0
-      !> Of a period, where the coefficients are sampled; 0: they are exact.
-      integer :: samples = 0
-      !> Meshes that are unknowns, and which they are.
-      integer :: unknowns = 0
-      integer, allocatable :: mesh(:)
-      !> Contact of each unknown mesh at the last `evaluate`.
-      type(contact_type), allocatable :: contact(:)
-      !> Residual S and dS/dLambda, (block, unknowns).
+      !> Residual S [1] and dS/dLambda [1], (block, unknown).
       real(dp), allocatable :: residual(:, :), d_frequency(:, :)
-      !> Mesh forces phi (block, unknowns) and their derivatives (1 + 2*explicit, 1 + 2*explicit, unknowns) at the mean and the
-      !> lowest `explicit` of the harmonics that are carried: all of them, where they are few.
-      real(dp), allocatable :: force(:, :), tangent(:, :, :)
-      integer :: explicit = 0
-      !> Of the harmonics that are carried.
+      !> Receptance at each carried harmonic, (carried harmonic).
       type(receptance_type), allocatable :: receptance(:)
-      !> Lambda at the last `evaluate`.
-      real(dp), private :: frequency_ratio = 0
-      !> Plan of the meshes' waveforms; where not all harmonics are explicit, that of products, and stiffness in contact (sample,
-      !> unknowns).
-      type(transform_type), private :: fine, products
-      real(dp), allocatable, private :: wave(:, :)
    contains
       procedure :: setup
       procedure :: evaluate
       procedure :: jacobian
-      procedure :: is_direct
-      procedure :: make_explicit
       procedure :: apply
       procedure :: full_coefficients
-      procedure :: damping_of
-      procedure :: mean_stiffness
       procedure :: mean_matrix
-      procedure, private :: mesh_force
-      procedure, private :: find_tangent
-      procedure, private :: damp_tangent
-      procedure, private :: damping_rate
       procedure :: mean_product
-      procedure, private :: product
    end type balance_type
 
 contains
 
-   !> Prepares the balance of `system` with `highest` harmonics of Lambda/eta; samples = 0: exact coefficients.
+   !> Prepares the balance; samples = 0: exact coefficients.
    subroutine setup(self, system, highest, eta, samples)
       class(balance_type), intent(inout) :: self
+      !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
+      !> Highest harmonic of Lambda/eta to carry; sub-harmonic index; samples a period by which coefficients are found, 0: exact.
       integer, intent(in) :: highest, eta, samples
-      integer :: i, r
+      integer :: r
 
-      self%system = system
-      self%eta = eta
-      self%highest = highest
-      self%samples = samples
-      self%harmonic = [(r, r=1, highest)]
-      if (eta == 1) self%harmonic = needed_harmonics(system, highest)
+      call self%mesh_forces_type%setup(system, highest, eta, samples)
       self%missing = pack([(r, r=1, 3*highest)], [(.not. any(self%harmonic == r), r=1, 3*highest)])
       if (eta == 1) self%missing = pack(self%missing, mod(self%missing, system%excitation_order) == 0)
       self%left_out = eta*excited_harmonics(system)
       self%left_out = pack(self%left_out, self%left_out > highest)
-      self%block = 1 + 2*size(self%harmonic)
-      self%mesh = system%cut%mesh
-      self%unknowns = size(self%mesh)
-      if (.not. allocated(self%contact)) allocate (self%contact(self%unknowns))
-      do i = 1, self%unknowns
-         associate (j => self%mesh(i))
-            call self%contact(i)%setup(system%half_backlash(j), system%mesh_stiffness(j), eta, self%harmonic, 2*highest, samples)
-         end associate
-      end do
-      call self%fine%plan(fine_samples(maxval([1, self%harmonic])))
-      if (allocated(self%residual)) deallocate (self%residual, self%d_frequency, self%force, self%receptance, self%wave, &
-                                                self%tangent)
+      if (allocated(self%residual)) deallocate (self%residual, self%d_frequency, self%receptance)
       allocate (self%residual(self%block, self%unknowns), self%receptance(size(self%harmonic)))
-      allocate (self%d_frequency, self%force, mold=self%residual)
-      self%explicit = size(self%harmonic)
-      if (self%explicit > most_direct) self%explicit = explicit_of_many
-      ! No alias of a product with spectra up to twice the highest harmonic reaches a harmonic that is carried.
-      if (.not. self%is_direct()) call self%products%plan(transform_length(4*self%harmonic(size(self%harmonic)) + 1))
-      allocate (self%wave(merge(0, self%products%samples, self%is_direct()), self%unknowns))
-      allocate (self%tangent(1 + 2*self%explicit, 1 + 2*self%explicit, self%unknowns))
+      allocate (self%d_frequency, mold=self%residual)
    end subroutine setup
 
-   !> Forces, residual and dS/dLambda at the coefficients u (block, unknowns), mean, cos, sin, ...
+   !> Forces, residual and dS/dLambda at one motion.
    subroutine evaluate(self, u, frequency_ratio)
       class(balance_type), intent(inout) :: self
+      !> Coefficients of the unknown meshes over b_c [1], (block, unknown): mean, cos, sin, ...; Lambda [1].
       real(dp), intent(in) :: u(:, :), frequency_ratio
       complex(dp) :: s, ds, force, d_force
       integer :: i, k, r, n
 
-      self%frequency_ratio = frequency_ratio
-      do i = 1, self%unknowns
-         call self%mesh_force(i, u(:, i))
-      end do
+      call self%find_forces(u, frequency_ratio)
       call self%mean_product(self%force(1, :), u(1, :), self%residual(1, :))
       self%residual(1, :) = self%residual(1, :) - self%system%mean%static_force
       self%d_frequency(1, :) = 0
@@ -150,10 +89,12 @@ contains
       end do
    end subroutine evaluate
 
-   !> The rows of the mean, of mean forces and displacements, (unknown).
+   !> Left sides of the mean equations: the mean forces themselves unless unknown meshes close loops (geartrain_model_mean).
    pure subroutine mean_product(self, force, displacement, product)
       class(balance_type), intent(in) :: self
+      !> Mean force phi and mean displacement over b_c of each unknown mesh [1], (unknown).
       real(dp), intent(in) :: force(:), displacement(:)
+      !> Left side of each mean equation [1], (unknown).
       real(dp), intent(out) :: product(:)
       integer :: i, n
 
@@ -171,28 +112,14 @@ contains
       end associate
    end subroutine mean_product
 
-   !> Damping of unknown mesh i over its stiffness, gamma.
-   pure real(dp) function damping_of(self, i)
-      class(balance_type), intent(in) :: self
-      integer, intent(in) :: i
-
-      damping_of = self%system%damping(self%system%mesh_element(self%mesh(i)))
-   end function damping_of
-
-   !> Mean stiffness of unknown mesh i in contact at the last `evaluate`, with its damping at a harmonic, over its stiffness.
-   pure complex(dp) function mean_stiffness(self, i, harmonic)
-      class(balance_type), intent(in) :: self
-      integer, intent(in) :: i, harmonic
-
-      mean_stiffness = cmplx(real(self%contact(i)%stiffness(0), dp), self%damping_of(i)*harmonic*self%frequency_ratio/self%eta, dp)
-   end function mean_stiffness
-
-   !> Derivative of the residual at one harmonic by itself, the meshes with their mean stiffness, (entries of the cut's graph).
+   !> Derivative of the residual at one harmonic by the displacements at that harmonic, each mesh with its mean stiffness.
    pure subroutine mean_matrix(self, harmonic, receptance, matrix)
       class(balance_type), intent(in) :: self
+      !> Harmonic of Lambda/eta.
       integer, intent(in) :: harmonic
-      !> At `harmonic`.
+      !> Receptance at `harmonic`.
       type(receptance_type), intent(in) :: receptance
+      !> Derivative [1], (entries of the cut's graph).
       complex(dp), intent(out) :: matrix(:)
       integer :: n
 
@@ -204,153 +131,19 @@ contains
       end associate
    end subroutine mean_matrix
 
-   !> Whether the derivatives of the forces are matrices for all harmonics.
-   pure logical function is_direct(self)
-      class(balance_type), intent(in) :: self
-
-      is_direct = self%explicit == size(self%harmonic)
-   end function is_direct
-
-   !> Makes the derivatives matrices for more harmonics, at the last `evaluate`.
-   subroutine make_explicit(self, harmonics)
-      class(balance_type), intent(inout) :: self
-      integer, intent(in) :: harmonics
-      integer :: i
-
-      self%explicit = min(harmonics, size(self%harmonic))
-      deallocate (self%tangent)
-      allocate (self%tangent(1 + 2*self%explicit, 1 + 2*self%explicit, self%unknowns))
-      do i = 1, self%unknowns
-         call self%find_tangent(i)
-         call self%damp_tangent(i)
-      end do
-   end subroutine make_explicit
-
-   !> phi of unknown mesh i, Toeplitz(w) p - b sigma + gamma p' by the spectra of its contact, and its derivative.
-   subroutine mesh_force(self, i, u)
-      class(balance_type), intent(inout) :: self
-      integer, intent(in) :: i
-      real(dp), intent(in) :: u(:)
-      real(dp) :: rate
-      integer :: k
-
-      call self%contact(i)%update(u, self%fine)
-      call self%find_tangent(i)
-      if (self%is_direct()) then
-         self%force(:, i) = 0
-         do k = 1, self%block
-            self%force(:, i) = self%force(:, i) + u(k)*self%tangent(:, k, i)
-         end do
-      else
-         self%products%coefficient = 0
-         associate (n => 2*self%harmonic(size(self%harmonic)))
-            self%products%coefficient(:n + 1) = self%contact(i)%stiffness(:n)
-         end associate
-         call self%products%to_samples()
-         self%wave(:, i) = self%products%sample
-         call self%product(i, u, self%force(:, i))
-      end if
-      associate (f => self%force(:, i), sigma => self%contact(i)%offset, b => self%contact(i)%half_backlash, r => self%harmonic)
-         f(1) = f(1) - b*real(sigma(0), dp)
-         do k = 1, size(r)
-            f(2*k) = f(2*k) - 2*b*real(sigma(r(k)), dp)
-            f(2*k + 1) = f(2*k + 1) + 2*b*aimag(sigma(r(k)))
-            rate = self%damping_rate(i, k)
-            f(2*k) = f(2*k) + rate*u(2*k + 1)
-            f(2*k + 1) = f(2*k + 1) - rate*u(2*k)
-         end do
-      end associate
-      call self%damp_tangent(i)
-   end subroutine mesh_force
-
-   !> d phi/du of unknown mesh i at the explicit harmonics, but for the damping.
-   subroutine find_tangent(self, i)
-      class(balance_type), intent(inout) :: self
-      integer, intent(in) :: i
-      complex(dp) :: difference, total
-      integer :: k, l, m
-
-      associate (w => self%contact(i)%stiffness, t => self%tangent(:, :, i), r => self%harmonic)
-         t(1, 1) = real(w(0), dp)
-         do k = 1, self%explicit
-            t(1, 2*k) = real(w(r(k)), dp)
-            t(1, 2*k + 1) = -aimag(w(r(k)))
-            t(2*k, 1) = 2*t(1, 2*k)
-            t(2*k + 1, 1) = 2*t(1, 2*k + 1)
-         end do
-         do l = 1, self%explicit
-            do m = 1, self%explicit
-               difference = w(abs(r(m) - r(l)))
-               if (r(m) < r(l)) difference = conjg(difference)
-               total = w(r(m) + r(l))
-               t(2*m, 2*l) = difference%re + total%re
-               t(2*m + 1, 2*l) = -difference%im - total%im
-               t(2*m, 2*l + 1) = difference%im - total%im
-               t(2*m + 1, 2*l + 1) = difference%re - total%re
-            end do
-         end do
-      end associate
-   end subroutine find_tangent
-
-   !> Adds gamma dp'/du to the tangent.
-   subroutine damp_tangent(self, i)
-      class(balance_type), intent(inout) :: self
-      integer, intent(in) :: i
-      real(dp) :: rate
-      integer :: k
-
-      do k = 1, self%explicit
-         rate = self%damping_rate(i, k)
-         self%tangent(2*k, 2*k + 1, i) = self%tangent(2*k, 2*k + 1, i) + rate
-         self%tangent(2*k + 1, 2*k, i) = self%tangent(2*k + 1, 2*k, i) - rate
-      end do
-   end subroutine damp_tangent
-
-   !> What the damping of unknown mesh i makes of the k-th harmonic that is carried, at the last `evaluate`: the factor of p'.
-   pure real(dp) function damping_rate(self, i, k)
-      class(balance_type), intent(in) :: self
-      integer, intent(in) :: i, k
-
-      damping_rate = self%damping_of(i)*self%harmonic(k)*self%frequency_ratio/self%eta
-   end function damping_rate
-
-   !> (d phi/du) x of unknown mesh i at all harmonics but for the damping, by samples of the stiffness in contact: exact, since
-   !> there are more of them than four times the highest harmonic.
-   subroutine product(self, i, x, f)
-      class(balance_type), intent(inout) :: self
-      integer, intent(in) :: i
-      real(dp), intent(in) :: x(:)
-      real(dp), intent(out) :: f(:)
-      integer :: k
-
-      associate (products => self%products, r => self%harmonic)
-         call sample(x, r, products)
-         products%sample = self%wave(:, i)*products%sample
-         call products%to_coefficients()
-         f(1) = real(products%coefficient(1), dp)/products%samples
-         do k = 1, size(r)
-            f(2*k) = 2*real(products%coefficient(r(k) + 1), dp)/products%samples
-            f(2*k + 1) = -2*aimag(products%coefficient(r(k) + 1))/products%samples
-         end do
-      end associate
-   end subroutine product
-
-   !> (dS/du) x at the last `evaluate`, for harmonics that are not all explicit; x and s are (block, unknowns).
+   !> (dS/du) x at the last `evaluate`, where not all harmonics are explicit.
    subroutine apply(self, x, s)
       class(balance_type), intent(inout) :: self
+      !> Change of the coefficients [1], (block, unknown).
       real(dp), intent(in) :: x(:, :)
+      !> Change of the residual [1], (block, unknown).
       real(dp), intent(out) :: s(:, :)
-      real(dp) :: force(self%block, self%unknowns), rate
+      real(dp) :: force(self%block, self%unknowns)
       complex(dp) :: total
       integer :: i, k, n
 
       do i = 1, self%unknowns
-         call self%product(i, x(:, i), force(:, i))
-         do k = 1, size(self%harmonic)
-            rate = self%damping_rate(i, k)
-            force(2*k, i) = force(2*k, i) + rate*x(2*k + 1, i)
-            force(2*k + 1, i) = force(2*k + 1, i) - rate*x(2*k, i)
-         end do
+         call self%tangent_product(i, x(:, i), force(:, i))
       end do
       call self%mean_product(force(1, :), x(1, :), s(1, :))
       do k = 1, size(self%harmonic)
@@ -369,9 +162,10 @@ contains
       end do
    end subroutine apply
 
-   !> dS/du at the last `evaluate`, and dS/dLambda as the border column, at the explicit harmonics.
+   !> dS/du and, as the border column, dS/dLambda at the last `evaluate`, mean and explicit harmonics only.
    subroutine jacobian(self, matrix)
       class(balance_type), intent(in) :: self
+      !> Resized as needed; its border row and corner are left to the caller.
       type(bordered_type), intent(inout) :: matrix
       integer :: i, l, n, block
 
@@ -392,7 +186,7 @@ contains
 
    contains
 
-      !> Rows of harmonic k: the complex receptance times the rows of the force's derivative.
+      !> Rows of each harmonic: the complex receptance times the rows of t, the derivative of the force.
       pure subroutine fill(a, entry, t)
          real(dp), intent(inout) :: a(:, :)
          integer, intent(in) :: entry
@@ -413,11 +207,12 @@ contains
 
    end subroutine jacobian
 
-   !> Coefficients of every mesh at harmonics 1..highest, (1 + 2*highest, mesh), from those of the unknown meshes at the last
-   !> `evaluate`.
+   !> Coefficients of every mesh of the train from the coefficients of the unknown meshes at the last `evaluate`.
    pure subroutine full_coefficients(self, u, frequency_ratio, coefficients)
       class(balance_type), intent(in) :: self
+      !> Coefficients of the unknown meshes over b_c [1], (block, unknown), and Lambda [1] of the last `evaluate`.
       real(dp), intent(in) :: u(:, :), frequency_ratio
+      !> Displacements over b_c [1], (1 + 2*highest, mesh): mean, cos 1, sin 1, ... of Lambda/eta.
       real(dp), intent(out) :: coefficients(:, :)
       complex(dp) :: p(self%system%elements)
       integer :: i, k, r

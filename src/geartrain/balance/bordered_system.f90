@@ -1,8 +1,8 @@
-!> The linearised balance with one border row and column, and its solution.
+!> The linearised balance with one border row and column, and its solution: by elimination where all harmonics are explicit.
 !>
-!> Where all harmonics are explicit that is elimination. Where they are many only the lowest ones are eliminated; the rest of the
-!> matrix is the identity plus something that falls as 1/r**2, so GMRES, with the factors of the lowest harmonics and of the mean
-!> stiffness at the others as preconditioner, needs no more iterations the more harmonics there are.
+!> Of many harmonics only the lowest ones are eliminated. At harmonic r the rest of the matrix is the identity plus a part of order
+!> 1/r**2, so GMRES, with the factors of the lowest harmonics and of the mean stiffness at the others as preconditioner, needs no
+!> more iterations for more harmonics.
 module geartrain_balance_bordered_system
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain_balance_balance, only: balance_type
@@ -13,23 +13,24 @@ module geartrain_balance_bordered_system
    private
    public :: bordered_system_type
 
-   !> Residual of a solution relative to the right-hand side, where it is to be exact; iterations after which more harmonics are
-   !> made explicit.
+   !> Least residual of GMRES relative to the right-hand side; iterations after which more harmonics are made explicit.
    real(dp), parameter :: tolerance = 1e-10_dp
    integer, parameter :: most_iterations = 40
 
    type :: bordered_system_type
-      !> Border column and row, (block, unknowns), and their corner: to be set between `linearize` and `factor`.
+      !> Border column and row, (block, unknown), and their corner: the caller sets row and corner between `linearize` and
+      !> `factor`, and the column where it is not dS/dLambda.
       real(dp), allocatable :: column(:, :), row(:, :)
       real(dp) :: corner = 0
-      !> Sign of the determinant, of the explicit harmonics: constant along a smooth branch that keeps its sense.
+      !> Sign of the determinant of the explicit harmonics: constant along a smooth branch that keeps its sense.
       integer :: orientation = 1
-      !> Of the latest `solve`; 0 by elimination.
+      !> Iterations of GMRES in the latest `solve`; 0 by elimination.
       integer :: iterations = 0
+      !> Matrix of the explicit harmonics.
       type(bordered_type), private :: lowest
       !> Factors of each harmonic that is not explicit, (entries of the graph, harmonic).
       complex(dp), allocatable, private :: factors(:, :)
-      !> Orthogonal basis of GMRES, (block, unknowns, vector), and the entries of the border row, (vector).
+      !> Orthonormal basis of GMRES, (block, unknown, vector), and its entries in the border row, (vector).
       real(dp), allocatable, private :: basis(:, :, :), basis_y(:)
    contains
       procedure :: setup
@@ -43,9 +44,10 @@ module geartrain_balance_bordered_system
 
 contains
 
-   !> To be called after each `balance%setup`.
+   !> Prepares work space; to be called after each `balance%setup`.
    subroutine setup(self, balance)
       class(bordered_system_type), intent(inout) :: self
+      !> Balance to be linearised.
       type(balance_type), intent(in) :: balance
 
       if (allocated(self%column)) deallocate (self%column, self%row)
@@ -58,15 +60,19 @@ contains
    !> Takes dS/du at the last `evaluate`, and dS/dLambda as the border column.
    subroutine linearize(self, balance)
       class(bordered_system_type), intent(inout) :: self
+      !> Balance after `evaluate`.
       type(balance_type), intent(in) :: balance
 
       call balance%jacobian(self%lowest)
       self%column = balance%d_frequency
    end subroutine linearize
 
+   !> Factors the matrix with its border; `linearize` must have been called since the last `factor`, which overwrites it.
    subroutine factor(self, balance, regular)
       class(bordered_system_type), intent(inout) :: self
+      !> Balance as at `linearize`.
       type(balance_type), intent(in) :: balance
+      !> Whether the matrix of the explicit harmonics is regular; false also after an interrupt.
       logical, intent(out) :: regular
       integer :: info
 
@@ -81,12 +87,14 @@ contains
       if (regular .and. .not. balance%is_direct()) call self%factor_tail(balance)
    end subroutine factor
 
-   !> Solves in place for the right-hand side x (block, unknowns) and y of the border row. Not a number where it cannot be.
+   !> Solves in place.
    subroutine solve(self, balance, x, y, accuracy)
       class(bordered_system_type), intent(inout) :: self
+      !> Balance as at `factor`; gets more explicit harmonics where GMRES does not converge.
       type(balance_type), intent(inout) :: balance
+      !> Right-hand side, afterwards the solution, (block, unknown), and its entry in the border row: NaN after an interrupt.
       real(dp), intent(inout) :: x(:, :), y
-      !> Residual relative to the right-hand side that is enough.
+      !> Residual relative to the right-hand side at which GMRES ends [1]; 1e-10 unless it is given, and at least.
       real(dp), intent(in), optional :: accuracy
       real(dp) :: enough
       logical :: done
@@ -109,7 +117,7 @@ contains
       call self%lowest%solve(x, y)
    end subroutine solve
 
-   !> Factors of the matrix of each harmonic that is not explicit, the meshes with their mean stiffness in contact.
+   !> Factors the matrix of each harmonic that is not explicit, each mesh with its mean stiffness in contact.
    subroutine factor_tail(self, balance)
       class(bordered_system_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
@@ -128,7 +136,7 @@ contains
       end do
    end subroutine factor_tail
 
-   !> Solves approximately, in place: the explicit harmonics and the border exactly, the others one by one.
+   !> Solves approximately, in place: the explicit harmonics and the border exactly, every other harmonic by itself.
    subroutine precondition(self, balance, x, y)
       class(bordered_system_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
@@ -146,7 +154,7 @@ contains
       end do
    end subroutine precondition
 
-   !> GMRES, preconditioned from the right; x and y are left as they are where it does not converge.
+   !> GMRES, preconditioned from the right; leaves x and y unchanged where it does not converge.
    subroutine iterate(self, balance, enough, x, y, converged)
       class(bordered_system_type), intent(inout) :: self
       type(balance_type), intent(inout) :: balance

@@ -1,4 +1,4 @@
-!> How many harmonics a balance may have where their number is left to the program.
+!> How many harmonics a balance begins with, and has at least and at most, where the program chooses their number (harmonics = 0).
 module geartrain_balance_chosen_harmonics
    use geartrain_model_excitation, only: excited_harmonics, reach_of_sources
    use geartrain_model_system, only: system_type
@@ -6,14 +6,16 @@ module geartrain_balance_chosen_harmonics
    private
    public :: fewest_harmonics, first_harmonics, most_harmonics
 
-   !> Of those that the excitation reaches: to begin with and fewest, of Lambda; most, of Lambda/subharmonic.
+   !> Counted are harmonics that the excitation reaches: `begin` and `fewest` of Lambda, `most` of Lambda/subharmonic.
    integer, parameter :: begin = 6, fewest = 4, most = 384
 
 contains
 
-   !> Harmonics of Lambda/subharmonic to begin with where their number is left to the program.
+   !> Harmonics of Lambda/subharmonic to begin with.
    pure integer function first_harmonics(system, subharmonic)
+      !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
+      !> Sub-harmonic index, period over mesh period.
       integer, intent(in) :: subharmonic
 
       first_harmonics = at_least(begin, system, subharmonic)
@@ -21,7 +23,9 @@ contains
 
    !> Fewest harmonics of Lambda/subharmonic.
    pure integer function fewest_harmonics(system, subharmonic)
+      !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
+      !> Sub-harmonic index, period over mesh period.
       integer, intent(in) :: subharmonic
 
       fewest_harmonics = at_least(fewest, system, subharmonic)
@@ -29,14 +33,17 @@ contains
 
    !> Most harmonics of Lambda/subharmonic.
    pure integer function most_harmonics(system, subharmonic)
+      !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
+      !> Sub-harmonic index, period over mesh period.
       integer, intent(in) :: subharmonic
 
       most_harmonics = max(most*apart(system, subharmonic), fewest_harmonics(system, subharmonic))
    end function most_harmonics
 
-   !> `harmonics` of Lambda, of those that the excitation reaches, in harmonics of Lambda/subharmonic; or as many as leave no source
-   !> of excitation out, where these are more. Meshes that are no unknowns are excited by what is carried alone.
+   !> Harmonics of Lambda/subharmonic that hold `harmonics` harmonics of Lambda reached by the excitation, and the lowest harmonic
+   !> of every source of excitation; all harmonics of every source where some meshes are no unknowns, because a linear mesh moves
+   !> at the carried harmonics only.
    pure integer function at_least(harmonics, system, subharmonic)
       integer, intent(in) :: harmonics, subharmonic
       type(system_type), intent(in) :: system
@@ -46,7 +53,7 @@ contains
       at_least = at_least*subharmonic
    end function at_least
 
-   !> How far apart the harmonics of Lambda/subharmonic are that the excitation reaches.
+   !> Distance between neighbouring harmonics of Lambda/subharmonic that the excitation reaches.
    pure integer function apart(system, subharmonic)
       type(system_type), intent(in) :: system
       integer, intent(in) :: subharmonic

@@ -1,5 +1,5 @@
-!> Which harmonics a balance carries: those that the excitation reaches. Orders without a common divisor, as hunting teeth have,
-!> reach all of them in the end, but most only by sums of so many orders that nothing is left there.
+!> Which harmonics a balance carries: the harmonics that the excitation reaches. Orders without a common divisor, as of hunting
+!> teeth, reach all harmonics in the end, but most of them only by sums of so many orders that the amplitude there is negligible.
 module geartrain_balance_needed_harmonics
    use geartrain_model_excitation, only: excited_harmonics
    use geartrain_model_system, only: system_type
@@ -7,16 +7,18 @@ module geartrain_balance_needed_harmonics
    private
    public :: needed_harmonics
 
-   !> Orders in a sum, at least. Orders 17 and 23 with 138 harmonics at Lambda = 0.0541: sums of 6, 8, 10 or any make a waveform
-   !> error of 2e-2, 1e-2, 2e-3, 6e-4 with 42, 59, 73, 138 harmonics.
+   !> Terms allowed in a sum, at least. Orders 17 and 23 with 138 harmonics at Lambda = 0.0541: up to 6, 8, 10 and any number of
+   !> terms carry 42, 59, 73 and 138 harmonics, with waveform errors of 2e-2, 1e-2, 2e-3 and 6e-4.
    integer, parameter :: fewest_sums = 10
 
 contains
 
-   !> Harmonics of Lambda, ascending, at most `highest`: sums and differences of as many excited orders as the highest order has
-   !> harmonics among them.
+   !> Harmonics of Lambda to carry, ascending: sums and differences of up to `sums` excited harmonics, `sums` being the number of
+   !> harmonics up to `highest` of the mesh stiffness of highest order.
    pure function needed_harmonics(system, highest) result(harmonic)
+      !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
+      !> Highest harmonic to carry.
       integer, intent(in) :: highest
       integer, allocatable :: harmonic(:)
       integer, allocatable :: level(:), sources(:)
@@ -31,7 +33,7 @@ contains
          widest = max(widest, system%mesh_stiffness(j)%order)
       end do
       sums = max(fewest_sums, (highest + widest - 1)/widest)
-      ! level: orders in the shortest sum that gives a harmonic; intermediate sums may lie beyond the highest.
+      ! level: terms of the shortest sum that gives a harmonic; intermediate sums may lie above `highest`.
       allocate (level(0:highest + widest), source=huge(1))
       level(0) = 0
       do k = 1, sums
@@ -44,7 +46,7 @@ contains
             end do
          end do
       end do
-      ! What nothing excites may move all the same, from a seed.
+      ! A train without excitation may move too, from a seed.
       if (.not. any(excited)) level = 0
       harmonic = pack([(r, r=1, highest)], level(1:highest) <= sums)
    end function needed_harmonics

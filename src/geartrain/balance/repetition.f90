@@ -1,6 +1,6 @@
-!> A motion that repeats itself within its period: of a train that is excited by multiples of an order g alone, a motion of period 1
-!> is g times the same. The train whose orders are divided by g has it at g times the Lambda, once: a flight over that is short
-!> enough for shooting, where the whole period multiplies an error by the multiplier to the power g.
+!> Motions that repeat themselves within their period. If only multiples of an order g excite a train, a motion of period 1 goes
+!> g times through its waveform. A train with all orders divided by g goes through the waveform once, at g times the Lambda.
+!> Shooting over one waveform multiplies an error by its multiplier, over the whole period by the multiplier to the power g.
 module geartrain_balance_repetition
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp
@@ -10,14 +10,16 @@ module geartrain_balance_repetition
    private
    public :: repetitions_of, divide_orders, take_one, repeat_motion
 
-   !> Largest share of a motion's amplitude at harmonics that a repetition cannot have.
+   !> Share of the amplitude at harmonics that are no multiple of g, up to which a motion repeats itself [1].
    real(dp), parameter :: negligible = 1e-9_dp
 
 contains
 
-   !> How often a motion repeats itself within its period; 1 where its coefficients do not tell.
+   !> How often a motion goes through its waveform within its period; 1 where `motion` has no coefficients.
    pure integer function repetitions_of(system, motion) result(times)
+      !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
+      !> Motion with its coefficients and period.
       type(motion_type), intent(in) :: motion
       real(dp) :: others
       integer :: r
@@ -31,9 +33,11 @@ contains
       if (sqrt(others) <= negligible*norm2(motion%coefficients(2:, :))) times = system%excitation_order
    end function repetitions_of
 
-   !> Makes of a train the one with the `times`-th part of its orders.
+   !> Divides all orders of a train.
    pure subroutine divide_orders(times, system)
+      !> Common divisor of the orders.
       integer, intent(in) :: times
+      !> Dimensionless system of the train.
       type(system_type), intent(inout) :: system
       integer :: j
 
@@ -47,9 +51,11 @@ contains
       system%excitation_order = system%excitation_order/times
    end subroutine divide_orders
 
-   !> Makes of a motion of period 1 that of the other train, at `times` Lambda.
+   !> Turns a motion of period 1 into the motion of the train with divided orders: Lambda and coefficients.
    pure subroutine take_one(times, motion)
+      !> Divisor of the orders.
       integer, intent(in) :: times
+      !> Motion that goes `times` times through its waveform; afterwards once.
       type(motion_type), intent(inout) :: motion
       real(dp), allocatable :: coefficients(:, :)
       integer :: r
@@ -70,9 +76,11 @@ contains
       if (size(series%amplitude) > 0) series%order = series%order/times
    end subroutine divide
 
-   !> The inverse for a motion, with coefficients up to harmonic `highest` of Lambda.
+   !> The inverse of `take_one`: Lambda, coefficients and multipliers.
    pure subroutine repeat_motion(times, highest, motion)
+      !> Divisor of the orders; highest harmonic of the coefficients afterwards.
       integer, intent(in) :: times, highest
+      !> Motion that goes once through its waveform; afterwards `times` times.
       type(motion_type), intent(inout) :: motion
       real(dp), allocatable :: coefficients(:, :)
       integer :: r

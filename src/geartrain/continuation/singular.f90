@@ -1,12 +1,12 @@
-!> The matrix that is singular where a branch bifurcates: for a doubling the Jacobian of the balance of twice the period at a motion
-!> of the single one, on the odd harmonics, which that motion lacks; for a branch point, where another branch of the same period
-!> crosses, that of the balance itself with the tangent as its border.
+!> The matrix that is singular where a branch bifurcates. Period doubling: the Jacobian of the balance of twice the period, on the
+!> odd harmonics, which a motion of the branch lacks. Branch point, where another branch of equal period crosses: the Jacobian of
+!> the balance of the branch with the tangent as its border.
 !>
-!> With vectors b and c, 1/(c . A^-1 b) is smooth along the branch, and zero where the matrix A is singular in a direction that b
-!> and c are not orthogonal to. They are made from vectors without any symmetry, because what equal stages do may be orthogonal to
-!> whatever is alike in all meshes. For a doubling b and c are the eigenvectors of the smallest eigenvalues at a solution point
-!> nearby, which tell several directions apart; for a branch point, whose matrix has no such eigenvectors (its border may be of
-!> another symmetry than Lambda), b is any vector and c the solution for it.
+!> With vectors b and c, the test function 1/(c . A^-1 b) is smooth along the branch, and zero where the matrix A is singular in a
+!> direction to which neither b nor c is orthogonal. b and c are made from vectors without any symmetry, because the critical vector
+!> of equal stages may be orthogonal to every vector that is alike in all meshes. For a period doubling b and c are the eigenvectors
+!> of the smallest eigenvalues at a solution point nearby, which separate several directions. For a branch point, whose bordered
+!> matrix has no useful eigenvectors (border and Lambda may differ in symmetry), b is any vector and c = A^-1 b nearby.
 module geartrain_continuation_singular
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
@@ -17,17 +17,17 @@ module geartrain_continuation_singular
    private
    public :: singular_type
 
-   !> Eigenvectors that are looked at, and steps of the iteration that finds them.
+   !> Pairs of vectors b and c, one test function each, and steps of the iteration that finds eigenvectors.
    integer, parameter :: most_modes = 3, iterations = 6
-   !> Harmonics up to which the matrix is eliminated as a whole.
+   !> Number of carried harmonics up to which the matrix is eliminated as a whole.
    integer, parameter :: most_explicit = 128
 
-   !> The matrix whose singular solution points are looked for.
    type :: singular_type
-      !> The branch's balance, and that of twice the period where it is to double.
+      !> Correctors of the branch and, for period doublings, of twice its period.
       type(corrector_type) :: single, double
+      !> The matrix is singular at period doublings, else at branch points.
       logical :: doubles = .false.
-      !> The vectors b and c: coefficients (block, unknowns, mode) and Lambda (mode).
+      !> Vectors b and c: coefficients [1], (block, unknown, mode), and Lambda part [1], (mode).
       real(dp), allocatable, private :: b(:, :, :), b_frequency(:), c(:, :, :), c_frequency(:)
    contains
       procedure :: setup
@@ -42,11 +42,12 @@ module geartrain_continuation_singular
 
 contains
 
-   !> For branches of the balance that `corrector` has.
+   !> Plans the balances and correctors of the search.
    subroutine setup(self, corrector, doubles)
       class(singular_type), intent(inout) :: self
+      !> Corrector of the branch.
       type(corrector_type), intent(in) :: corrector
-      !> Places where the period doubles are looked for, else those where another branch of the same period crosses.
+      !> Searches for period doublings, else for branch points.
       logical, intent(in) :: doubles
 
       self%doubles = doubles
@@ -68,14 +69,14 @@ contains
 
    end subroutine setup
 
-   !> Of the solution points that are looked for, in mesh periods.
+   !> Period of the critical points, in mesh periods.
    pure integer function period(self)
       class(singular_type), intent(in) :: self
 
       period = merge(2, 1, self%doubles)*self%single%balance%eta
    end function period
 
-   !> Factors of the matrix at a solution point of the branch. Where it is singular to the last bit its factors are as good as any.
+   !> Factors the matrix at a solution point of the branch, whether it is regular or not: rounding keeps the factors finite.
    subroutine factor_at(self, solution)
       class(singular_type), intent(inout) :: self
       type(solution_point_type), intent(in) :: solution
@@ -89,7 +90,7 @@ contains
       end if
    end subroutine factor_at
 
-   !> Factors of the Jacobian of a balance, and the tangent as its border or none.
+   !> Factors the Jacobian of a balance, bordered by the tangent or with the border decoupled.
    subroutine factor(corrector, solution, bordered)
       type(corrector_type), intent(inout) :: corrector
       type(solution_point_type), intent(in) :: solution
@@ -98,7 +99,7 @@ contains
 
       associate (balance => corrector%balance, matrix => corrector%matrix)
          call balance%evaluate(solution%u, solution%frequency_ratio)
-         ! Elimination is as exact next to a singular solution point as elsewhere.
+         ! Elimination, unlike GMRES, is as exact next to a critical point as elsewhere.
          if (size(balance%harmonic) <= most_explicit) call balance%make_explicit(size(balance%harmonic))
          call matrix%linearize(balance)
          if (bordered) then
@@ -112,10 +113,12 @@ contains
       end associate
    end subroutine factor
 
-   !> A motion of the branch as one of twice the period.
+   !> A motion of the branch as a motion of twice the period.
    subroutine lift(self, solution, twice)
       class(singular_type), intent(in) :: self
+      !> Solution point of the balance `single`.
       type(solution_point_type), intent(in) :: solution
+      !> The motion on the harmonics of the balance `double`, the tangent 0.
       type(solution_point_type), intent(out) :: twice
       integer :: k, r
 
@@ -130,7 +133,7 @@ contains
       end associate
    end subroutine lift
 
-   !> Solves in place with the factors at hand.
+   !> Solves in place with the latest factors.
    subroutine solve(self, u, y)
       class(singular_type), intent(inout) :: self
       real(dp), intent(inout) :: u(:, :), y
@@ -142,9 +145,10 @@ contains
       end if
    end subroutine solve
 
-   !> Chooses the vectors b and c at a solution point next to those that are looked for.
+   !> Chooses the vectors b and c.
    subroutine find_modes(self, solution)
       class(singular_type), intent(inout) :: self
+      !> Solution point of the branch, with its tangent, from which the search begins.
       type(solution_point_type), intent(in) :: solution
       integer :: i, j, rows, columns
 
@@ -178,14 +182,14 @@ contains
       y = y/length
    end subroutine normalize
 
-   !> Turns b into unit eigenvectors of the smallest real eigenvalues at the factors at hand, smallest first.
+   !> Turns b into unit eigenvectors of the smallest real eigenvalues of the matrix factored last, smallest first.
    subroutine find_eigenvectors(self)
       class(singular_type), intent(inout) :: self
       real(dp), allocatable :: solved(:, :, :)
       real(dp) :: reduced(most_modes, most_modes), weight(most_modes, most_modes), y
       integer :: i, j, l, found, n
 
-      ! Two odd coefficients of a single mesh with one harmonic.
+      ! A single mesh with one harmonic has no more than two odd coefficients.
       n = min(most_modes, (size(self%b, 1)/2)*size(self%b, 2))
       do i = 0, iterations
          do j = 1, n
@@ -254,7 +258,7 @@ contains
       end do
    end subroutine real_modes
 
-   !> Leaves the odd harmonics of a set of coefficients.
+   !> Sets the mean and the even harmonics of a set of coefficients to 0.
    pure subroutine keep_odd(harmonic, u)
       integer, intent(in) :: harmonic(:)
       real(dp), intent(inout) :: u(:, :)
@@ -266,10 +270,12 @@ contains
       end do
    end subroutine keep_odd
 
-   !> 1/(c . A^-1 b) at a solution point for each pair of vectors.
+   !> The test functions 1/(c . A^-1 b) at a solution point.
    subroutine test(self, solution, f)
       class(singular_type), intent(inout) :: self
+      !> Solution point of the branch, with its tangent.
       type(solution_point_type), intent(in) :: solution
+      !> Values of the test functions [1], (mode).
       real(dp), allocatable, intent(out) :: f(:)
       real(dp) :: x(size(self%b, 1), size(self%b, 2)), y
       integer :: j
@@ -282,10 +288,12 @@ contains
       end do
    end subroutine test
 
-   !> A^-1 b for one of the vectors, where `test` was called last: next to a singular solution point the null vector.
+   !> A^-1 b at the latest `test`: next to a critical point a multiple of the critical vector.
    subroutine solution(self, mode, x, y)
       class(singular_type), intent(inout) :: self
+      !> Number of the vector b.
       integer, intent(in) :: mode
+      !> Coefficients [1], (block, unknown), and Lambda part [1].
       real(dp), intent(out) :: x(:, :), y
 
       x = self%b(:, :, mode)

@@ -1,4 +1,4 @@
-!> The solution point nearest along a branch at which it bifurcates, as the singular matrix tells it.
+!> Searches a branch for the nearest solution point at which it bifurcates: a zero of the test functions of a singular matrix.
 module geartrain_continuation_singular_search
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
@@ -10,23 +10,27 @@ module geartrain_continuation_singular_search
    private
    public :: find_nearest, find_crossing
 
-   !> Farthest that is looked, in the metric of the branch, and most steps there.
+   !> Length of branch searched on each side, in the metric of the branch, and most steps of a search.
    real(dp), parameter :: farthest = 0.25_dp
    integer, parameter :: max_steps = 60
-   !> Length of a piece of a branch on which the cubic through its ends is as exact as its points.
+   !> Length of a piece of a branch on which the cubic through the ends is as exact as the points.
    real(dp), parameter :: cubic = 2e-4_dp
-   !> Odd harmonics below this share of a motion are none, as exactly as its solution point is found.
+   !> Share of a motion below which odd harmonics are 0 within the accuracy of a critical point [1].
    real(dp), parameter :: half_period = 1e-5_dp
 
 contains
 
-   !> Lambda at which another branch of the same period crosses the one that `corrector` follows, at or near `here`.
+   !> Finds the branch point near a point of a branch.
    subroutine find_crossing(corrector, here, h, frequency_ratio, success)
+      !> Corrector of the branch.
       type(corrector_type), intent(in) :: corrector
+      !> Point of the branch from which to search.
       type(solution_point_type), intent(in) :: here
-      !> Length of the step in which it seems to lie.
+      !> Length of the step from `here` in which the determinant changes sign, in the metric of the branch [1].
       real(dp), intent(in) :: h
+      !> Lambda of the branch point [1], where there is success.
       real(dp), intent(out) :: frequency_ratio
+      !> A branch point was found.
       logical, intent(out) :: success
       type(singular_type) :: matrix
       type(solution_point_type) :: solution
@@ -36,16 +40,21 @@ contains
       if (success) frequency_ratio = solution%frequency_ratio
    end subroutine find_crossing
 
-   !> From a solution point of the branch outwards; the unit critical vector is the tangent of what is found.
+   !> Finds the nearest critical point of a branch, searching both ways.
    subroutine find_nearest(matrix, from, h, solution, success, taken, again)
+      !> Matrix after `setup`, for period doublings or branch points.
       type(singular_type), intent(inout) :: matrix
+      !> Solution point of the branch from which to search, with its tangent.
       type(solution_point_type), intent(in) :: from
-      !> First step.
+      !> Length of the first step, in the metric of the branch [1].
       real(dp), intent(in) :: h
+      !> Critical point with the unit critical vector as its tangent: of a period doubling on the balance of twice the period.
       type(solution_point_type), intent(inout) :: solution
+      !> A critical point was found.
       logical, intent(out) :: success
-      !> Places that are passed over, and whether one was.
+      !> Critical points to pass over.
       type(solution_point_type), intent(in), optional :: taken(:)
+      !> Becomes true where a critical point was passed over.
       logical, intent(inout), optional :: again
       type(solution_point_type) :: side(2), next
       real(dp), allocatable :: f(:, :), f_next(:)
@@ -97,7 +106,7 @@ contains
       success = .false.
    end subroutine find_nearest
 
-   !> The zero of the test function number `mode` between `here` and `next`, a distance h further, and the critical vector there.
+   !> The zero of test function number `mode` between `here` and `next`, a distance h apart, with the critical vector as tangent.
    subroutine find_zero(matrix, mode, here, next, h, f_here, f_next, solution, success)
       type(singular_type), intent(inout) :: matrix
       integer, intent(in) :: mode
@@ -119,7 +128,7 @@ contains
       fb = f_next
       scale = max(abs(fa), abs(fb))
       s = 0
-      ! Next to a branch point Newton's method fails on the branch itself: the last piece is a cubic.
+      ! Next to a branch point Newton's method fails on the branch itself: the last piece is taken as a cubic.
       do while (length > cubic)
          do i = 1, size(share)
             call matrix%single%advance(here, s + share(i)*length, middle, success)
@@ -157,7 +166,7 @@ contains
       x = solution%u
       call matrix%solution(mode, x, y)
       length = matrix%single%length_of(x, y)
-      ! A pole changes sign as well.
+      ! The test function changes sign at a pole as well.
       success = abs(f(mode)) < 1e-3_dp*scale .and. length > 0 .and. length < huge(1.0_dp)
       solution%tangent = x/length
       solution%tangent_frequency = y/length

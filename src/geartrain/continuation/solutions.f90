@@ -1,4 +1,4 @@
-!> Every solution of a branch at exactly one frequency, and whether a motion is one of them.
+!> Every solution of a branch at exactly one frequency, and whether a motion lies on a branch.
 module geartrain_continuation_solutions
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_error, only: error_type, fatal
@@ -14,19 +14,24 @@ module geartrain_continuation_solutions
    private
    public :: solutions_at, record_crossings, lies_on, beyond_limit
 
-   !> Solutions of one balance at one frequency whose figures agree to this, relative to the largest displacement, are one.
+   !> Difference of rms, mean and maximum, relative to the largest displacement, up to which two solutions of a balance at one
+   !> frequency are equal; relative difference of Lambda up to which a point lies at a frequency.
    real(dp), parameter :: same = 1e-6_dp
 
 contains
 
-   !> Solves again where the branch crosses `frequency_ratio`, from the points on either side (the folds are points of the branch,
-   !> so no crossing hides between two points). Empty where the branch does not reach that frequency.
+   !> Solves every crossing of a branch with a frequency, from the points on either side: folds are points of the branch, so no two
+   !> crossings hide between two points.
    subroutine solutions_at(train, settings, branch, frequency_ratio, motions, error)
+      !> Train of the branch.
       type(train_type), intent(in) :: train
-      !> The settings that the branch was traced with.
+      !> Settings with which the branch was traced.
       type(response_settings_type), intent(in) :: settings
+      !> Traced branch.
       type(branch_type), intent(in) :: branch
+      !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
+      !> The solutions in the order along the branch; none where the branch does not reach the frequency.
       type(motion_type), allocatable, intent(out) :: motions(:)
       type(error_type), allocatable, intent(out) :: error
       type(tracer_type) :: tracer
@@ -45,11 +50,15 @@ contains
       call gather(found, settings, motions)
    end subroutine solutions_at
 
-   !> Adds to `found` every solution of the branch at exactly `frequency_ratio`, with a tracer made for it.
+   !> Records every solution of a branch at exactly one frequency.
    subroutine record_crossings(tracer, branch, frequency_ratio, found)
+      !> Tracer after `begin_trace` with the settings of the branch, its recorder set up for `found`.
       type(tracer_type), intent(inout) :: tracer
+      !> Traced branch.
       type(branch_type), intent(in) :: branch
+      !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
+      !> Gets the solutions as further points.
       type(branch_type), intent(inout), target :: found
       type(solution_point_type) :: solution
       real(dp) :: share
@@ -71,7 +80,7 @@ contains
       end do
    end subroutine record_crossings
 
-   !> Whether a part of the branch ends at a point. A closed branch does not: its last point is the first one.
+   !> Whether a segment of the branch ends at a point. A closed branch has no end: its last point is its first point.
    pure logical function ends(branch, point)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: point
@@ -80,7 +89,8 @@ contains
       if (point < branch%points) ends = branch%segment(point + 1) /= branch%segment(point)
    end function ends
 
-   !> A half-open interval, so that a point exactly at the frequency counts once; the last one of a part is closed.
+   !> Whether the frequency lies between a and b. The interval is open at b, so that a point exactly at the frequency counts once;
+   !> the last interval of a segment is closed.
    pure logical function crosses(a, b, frequency_ratio, last)
       real(dp), intent(in) :: a, b, frequency_ratio
       logical, intent(in) :: last
@@ -89,8 +99,8 @@ contains
       if (last) crosses = crosses .or. abs(frequency_ratio - b) <= 0
    end function crosses
 
-   !> Newton from the interpolated coefficients, from either neighbour if that fails; across the branch where the frequency is
-   !> that of a point, because a fold cannot be solved at its Lambda.
+   !> Newton from the interpolated coefficients, if it fails from either neighbour; at last, where a neighbour is at the frequency,
+   !> across the branch, because a fold cannot be solved at constant Lambda.
    subroutine solve_between(tracer, branch, i, share, frequency_ratio, solution, success)
       type(tracer_type), intent(inout) :: tracer
       type(branch_type), intent(in) :: branch
@@ -115,7 +125,7 @@ contains
          solution = solution_of(tracer, motion)
          call tracer%corrector%solve_at(solution, success)
          if (.not. success) cycle
-         ! The solution between two neighbours is no further from either than twice their distance.
+         ! A solution between two neighbours is no farther from each than twice the distance of the two.
          motion%coefficients = branch%coefficients(:, :, i)
          start = solution_of(tracer, motion)
          success = sqrt(inner(solution%u - start%u, solution%u - start%u)) <= 2*(chord + max(drift, 0.0_dp)) &
@@ -177,13 +187,16 @@ contains
       end do
    end subroutine gather
 
-   !> Whether a motion, or the same some mesh periods later, lies on a branch: it is solved as a balance of as many harmonics as
-   !> the branch has, so that the two can be told apart exactly.
+   !> Whether a motion, shifted by any number of mesh periods, lies on a branch. The motion is solved by a balance of as many
+   !> harmonics as the branch has, so that equal motions agree exactly.
    logical function lies_on(train, settings, branch, motion)
+      !> Train of the branch.
       type(train_type), intent(in) :: train
-      !> Those that the branch was traced with.
+      !> Settings with which the branch was traced.
       type(response_settings_type), intent(in) :: settings
+      !> Traced branch.
       type(branch_type), intent(in) :: branch
+      !> Motion with its coefficients.
       type(motion_type), intent(in) :: motion
       type(response_settings_type) :: same_balance
       type(tracer_type) :: tracer
@@ -218,8 +231,11 @@ contains
 
    !> Whether the rms of a motion is beyond the amplitude limit, where no branch is recorded.
    logical function beyond_limit(train, settings, motion)
+      !> Train of the motion.
       type(train_type), intent(in) :: train
+      !> Settings with the amplitude limit.
       type(response_settings_type), intent(in) :: settings
+      !> Motion with its rms.
       type(motion_type), intent(in) :: motion
       type(tracer_type) :: tracer
 

@@ -1,5 +1,5 @@
-!> Locates what a reader looks for on a branch between two neighbouring points by the balance alone: folds, and where the branch of
-!> half the period is met.
+!> Special points that the balance alone locates between two neighbouring points of a branch: folds, and where a branch meets the
+!> branch of half its period. With the tools of every search of special points: the cubic between two points and a bracketed root.
 module geartrain_continuation_special_points
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type, special_point_type
@@ -15,14 +15,19 @@ module geartrain_continuation_special_points
 
 contains
 
-   !> The solution point between `here` and the point a distance h further where Lambda turns, to 1e-6 of the step, and how far it
-   !> is.
+   !> Locates the fold within a step, to 1e-6 of the step.
    subroutine locate_fold(corrector, here, next, h, fold, s, success)
+      !> Corrector of the branch; it worked on `fold` last.
       type(corrector_type), intent(inout) :: corrector
+      !> Beginning and end of the step, with tangents of opposite Lambda parts.
       type(solution_point_type), intent(in) :: here, next
+      !> Length of the step, in the metric of the branch [1].
       real(dp), intent(in) :: h
+      !> Solution point at which Lambda turns.
       type(solution_point_type), intent(inout) :: fold
+      !> Distance of `fold` from `here` [1].
       real(dp), intent(out) :: s
+      !> False where Newton's method fails.
       logical, intent(out) :: success
       real(dp) :: a, b, fa, fb
       integer :: i, kept
@@ -42,13 +47,16 @@ contains
       end do
    end subroutine locate_fold
 
-   !> The solution point between `here` and the point `next` a distance h further where the odd harmonics vanish: there the branch
-   !> meets that of half its period. Newton's method fails next to it, since the matrix is singular there: then the rest is a
-   !> straight line.
+   !> Locates where the odd harmonics vanish within a step: there a branch of even period meets the branch of half its period. The
+   !> matrix is singular there and Newton's method fails next to it: from there on the branch is taken as a straight line.
    subroutine locate_half_period(corrector, here, next, h, solution)
+      !> Corrector of the branch of even period.
       type(corrector_type), intent(inout) :: corrector
+      !> Beginning, with its tangent, and end of the step; the inner product of their odd harmonics is negative.
       type(solution_point_type), intent(in) :: here, next
+      !> Length of the step, in the metric of the branch [1].
       real(dp), intent(in) :: h
+      !> Coefficients and Lambda where the odd harmonics vanish.
       type(solution_point_type), intent(inout) :: solution
       type(solution_point_type) :: first, last
       real(dp) :: a, b, fa, fb, f, s, share
@@ -81,11 +89,13 @@ contains
       solution%frequency_ratio = first%frequency_ratio + share*(last%frequency_ratio - first%frequency_ratio)
    end subroutine locate_half_period
 
-   !> The solution point at a distance s along the cubic through `here` and the solution point `next` a distance h further, with its
-   !> tangent.
+   !> The point of the cubic through two solution points and their tangents, with its derivative as its tangent.
    pure subroutine go_along(here, next, h, s, solution)
+      !> Ends of the cubic, with their tangents.
       type(solution_point_type), intent(in) :: here, next
+      !> Distance of `next`, and of the point of the cubic, from `here` [1].
       real(dp), intent(in) :: h, s
+      !> Point of the cubic: coefficients, Lambda and tangent.
       type(solution_point_type), intent(inout) :: solution
       real(dp) :: t, a(4), b(4)
 
@@ -100,34 +110,39 @@ contains
                                 + b(4)*next%tangent_frequency
    end subroutine go_along
 
-   !> Number `number` of a list of vectors without any symmetry, so that none is orthogonal to what a symmetric train does.
+   !> A vector without any symmetry, so that it is orthogonal to no motion of a symmetric train.
    pure subroutine generic_vector(number, x, y)
+      !> Different numbers give different vectors.
       integer, intent(in) :: number
+      !> Coefficients, (block, unknown), and Lambda part.
       real(dp), intent(out) :: x(:, :), y
       real(dp), parameter :: golden = 0.6180339887498949_dp, silver = 0.4142135623730951_dp
       integer :: i, l
 
       do i = 1, size(x, 2)
          do l = 1, size(x, 1)
-            ! Fractions of multiples of irrational numbers spread evenly; low harmonics, which are most of it, weigh more.
+            ! Fractions of multiples of irrational numbers spread evenly. Low harmonics, most of a motion, weigh more.
             x(l, i) = (modulo((l + size(x, 1)*i)*golden + number*i*silver, 1.0_dp) - 0.5_dp)/(1 + l/2)
          end do
       end do
       y = 0.3_dp
    end subroutine generic_vector
 
-   !> Where the chord crosses zero, kept off the ends of the bracket.
+   !> Zero of the chord of a function, kept off the ends of the bracket.
    pure real(dp) function between(a, b, fa, fb)
+      !> Ends of the bracket, and values of opposite signs there.
       real(dp), intent(in) :: a, b, fa, fb
 
       between = a + (b - a)*min(0.999_dp, max(0.001_dp, fa/(fa - fb)))
    end function between
 
-   !> Illinois' variant of regula falsi: the value at an end that stays a second time is halved. `kept` is the end that stayed
-   !> before, -1 for a and +1 for b, 0 at first.
+   !> Illinois variant of regula falsi: where an end stays a second time, the value there is halved.
    pure subroutine shrink(a, b, fa, fb, s, f, kept)
+      !> Ends of the bracket, and values of opposite signs there.
       real(dp), intent(inout) :: a, b, fa, fb
+      !> A point of the bracket, and the value there: replaces the end with a value of like sign.
       real(dp), intent(in) :: s, f
+      !> End that stayed: -1: a, +1: b, 0: before the first call.
       integer, intent(inout) :: kept
 
       if ((f > 0) .eqv. (fa > 0)) then
@@ -143,11 +158,15 @@ contains
       end if
    end subroutine shrink
 
-   !> Puts it on the list of the branch, which goes along it; `point` is the index of the point before it, or of the fold itself.
+   !> Lists a special point of a branch, in the order along the branch.
    subroutine add_special_point(branch, kind, frequency_ratio, point, rms)
+      !> Branch whose `special_points` grow.
       type(branch_type), intent(inout) :: branch
+      !> Kind as in special_point_type.
       character(*), intent(in) :: kind
+      !> Lambda [1], and rms over characteristic length [1], (mesh).
       real(dp), intent(in) :: frequency_ratio, rms(:)
+      !> Number of the point of the branch before the special point; of a fold, which is a point, its own number.
       integer, intent(in) :: point
       type(special_point_type) :: special
       integer :: n

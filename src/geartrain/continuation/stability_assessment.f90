@@ -1,9 +1,8 @@
 !> Whether a point of a branch is stable, or whether its balance is too coarse to say.
 !>
-!> Two estimates of the multipliers: of the motion as the balance has it, and of the motion corrected by its estimated error,
-!> which moves the contact events. What they differ by is the error of the first, as a rule to a few percent: over the 17172 points
-!> of the cases in namelists, at most half of it is left. Where the error estimate itself is doubtful neither says anything of the
-!> motion that is meant.
+!> The multipliers are estimated twice: of the motion of the balance, and of the motion corrected by its estimated error, which
+!> moves the contact events. The difference is the error of the first estimate, as a rule to a few percent: over the 17172 points of
+!> the cases in namelists, at most half of the error is left. Where the error estimate is doubtful, so are both estimates.
 module geartrain_continuation_stability_assessment
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_error_estimate, only: error_estimate_type
@@ -15,38 +14,44 @@ module geartrain_continuation_stability_assessment
    private
    public :: assess, assessment_type
 
-   !> The multipliers are estimated a second time where the largest is as near to the unit circle as this many times what the events
-   !> move by (root of the sum of squares) [dimensionless time], times itself: over the same points no change that matters is
-   !> larger. Of the others, which tell no more than where special points lie, what such moves change as a rule is enough.
+   !> Bounds of the change of a multiplier per shift of the events (root of the sum of squares) [dimensionless time] and per largest
+   !> multiplier: over the 17172 points no change that matters is larger than `sensitivity`, as a rule none is larger than `usual`.
+   !> The multipliers are estimated a second time where the largest is nearer to the unit circle than `sensitivity` allows, or any
+   !> other nearer than `usual` does: the others tell no more than where special points lie.
    real(dp), parameter :: sensitivity = 30, usual = 8
-   !> Relative error of the waveform beyond which its first order, which the second estimate is, tells nothing of multipliers: with
-   !> an error of 0.06 the largest one of two hunting stages at R = 213 was 0.55 for 1.46.
+   !> Relative error of the waveform [1] beyond which the second estimate, which is of first order in the error, is worthless: with
+   !> an error of 0.06 the largest multiplier of two hunting stages at R = 213 was 0.55 instead of 1.46.
    real(dp), parameter :: largest_error = 0.03_dp
-   !> A multiplier is decided to be on its side of the circle where it is farther from it than this many times its error.
+   !> Distance of a multiplier from the unit circle, over its error, beyond which its side of the circle is decided [1].
    real(dp), parameter :: surely = 2
 
    type :: assessment_type
-      !> By the first estimate.
+      !> All multipliers are inside the unit circle, by the first estimate.
       logical :: stable = .false.
       !> The largest multiplier may be on the other side of the circle, by its error; or the error estimate is doubtful, or no
       !> determinant confirms the multipliers.
       logical :: undecided = .false.
-      !> Any of them may be: how many are outside is a guess.
+      !> Any multiplier may be on the other side: the number of multipliers outside is a guess.
       logical :: count_undecided = .false.
-      !> Second estimate of the largest magnitude of a multiplier; negative where none was needed.
+      !> Second estimate of the largest magnitude of a multiplier [1]; negative: not needed.
       real(dp) :: second = -1
    end type assessment_type
 
 contains
 
-   !> The verdict on the motion at which `balance` was last evaluated, with the multipliers that `monodromy` gave for it.
+   !> Assesses the stability of a motion.
    subroutine assess(monodromy, balance, u, frequency_ratio, estimate, multipliers, assessment)
+      !> Monodromy matrix of the motion; afterwards, where a second estimate is needed, of the corrected motion.
       type(monodromy_type), intent(inout) :: monodromy
+      !> Balance last evaluated at the motion.
       type(balance_type), intent(in) :: balance
-      !> Coefficients (block, unknowns) and Lambda.
+      !> Coefficients of the unknown meshes [1], (block, unknown), and Lambda [1].
       real(dp), intent(in) :: u(:, :), frequency_ratio
+      !> Error estimate of the motion.
       type(error_estimate_type), intent(in) :: estimate
+      !> Multipliers by `monodromy` [1], the largest magnitude first; NaN: not found.
       complex(dp), intent(in) :: multipliers(:)
+      !> The assessment.
       type(assessment_type), intent(out) :: assessment
       complex(dp) :: corrected(size(multipliers))
       real(dp) :: first(size(multipliers)), second(size(multipliers)), moved
@@ -55,7 +60,7 @@ contains
       integer :: i
 
       assessment%stable = is_stable(multipliers)
-      ! Also where the multipliers were not found, which are NaN then.
+      ! Multipliers that were not found are neutral too.
       assessment%undecided = is_neutral(multipliers) .or. estimate%doubtful .or. estimate%relative > largest_error .or. &
                           .not. monodromy%confirmed
       assessment%count_undecided = assessment%undecided
@@ -66,21 +71,21 @@ contains
       end do
       first = abs(multipliers)
       moved = norm2(shift)/frequency_ratio*first(1)
-      ! Those that stay on the circle, as of a mode without damping, are never outside.
+      ! Multipliers that stay on the circle, as of a mode without damping, are never outside.
       unsure = abs(first - 1) < sensitivity*moved .and. abs(first - 1) > neutral
       if (.not. (unsure(1) .or. any(unsure .and. abs(first - 1) < usual*moved))) return
       call monodromy%integrate(balance, frequency_ratio, shift)
       call monodromy%multipliers(corrected)
       second = abs(corrected)
       assessment%second = second(1)
-      ! Both are sorted by magnitude.
+      ! Both estimates are sorted by magnitude.
       unsure = unsure .and. .not. surely*abs(second - first) < abs(first - 1) .or. .not. monodromy%confirmed
       assessment%undecided = unsure(1)
       assessment%count_undecided = any(unsure)
    end subroutine assess
 
-   !> What the error of the waveform moves the contact events of unknown mesh i by [rad]: the nearer root of the parabola through
-   !> the wall; its extreme where the corrected motion does not reach the wall any more.
+   !> Shift of the contact events of unknown mesh i by the error of the waveform [rad], (event): to the nearer root of the parabola
+   !> of the corrected motion, or to its extreme where the corrected motion misses the wall.
    subroutine find_shift(balance, i, u, estimate, shift)
       type(balance_type), intent(in) :: balance
       integer, intent(in) :: i

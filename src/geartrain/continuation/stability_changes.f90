@@ -1,9 +1,9 @@
 !> Locates changes of stability between two neighbouring points of a branch, by counting the multipliers outside the unit circle:
-!> real ones below -1, real ones above +1 and complex pairs.
+!> real multipliers below -1, real multipliers above +1 and complex pairs.
 !>
-!> A count by kind tells what a sum cannot: two doublings in one step, a doubling where a pair enters, and a pair that becomes real
-!> outside the circle, which is no change at all. Multipliers that stay on the circle to rounding, as of a mode without damping,
-!> are never outside. Real ones pass +1 at folds and where branches cross, which the balance tells more exactly than its monodromy.
+!> Counts by kind, unlike their sum, tell two period doublings in one step, a period doubling where a pair enters, and a pair that
+!> becomes real outside the circle, which is no change at all. Multipliers that stay on the circle to rounding, as of a mode without
+!> damping, are never outside. Real multipliers pass +1 at folds and branch points, which the balance locates more exactly.
 module geartrain_continuation_stability_changes
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type
@@ -18,17 +18,17 @@ module geartrain_continuation_stability_changes
    !> Kinds of multipliers outside the circle: real below -1, complex pairs, real above +1.
    integer, parameter :: doubling = 1, neimark_sacker = 2, beyond_one = 3
    character(*), parameter :: names(*) = [character(15) :: 'period doubling', 'neimark-sacker']
-   !> Beside a multiplier larger than this those near the unit circle are rounding: over a period of many teeth an unstable motion
-   !> has such ones. Nothing is said of changes there.
-   real(dp), parameter :: drowning = 1e11_dp
-   !> A complex pair as near as this to the real axis is two real multipliers: of equal stages that hardly know of one another.
+   !> Magnitude of a multiplier beside which multipliers near the unit circle are rounding, as of an unstable motion over a period
+   !> of many teeth: no changes are located there.
+   real(dp), parameter :: largest_multiplier = 1e11_dp
+   !> Imaginary part over magnitude up to which a pair is two real multipliers, as of equal stages that are nearly decoupled.
    real(dp), parameter :: real_enough = 1e-6_dp
-   !> Changes as near together as this share of the step are simultaneous. How far outside a multiplier is where a chord through the
-   !> latest two steps is exact enough.
+   !> Distance of changes, as a share of the step, below which changes are simultaneous; excess of a multiplier over the unit circle
+   !> from which a chord through the latest two steps is exact enough.
    real(dp), parameter :: together = 1e-6_dp, nearly = 1e-5_dp
    integer, parameter :: most_steps = 60
 
-   !> A piece of a branch, along which solution points are told by the way from its beginning.
+   !> A piece of a branch between two solution points with tangents, and its length in the metric of the branch.
    type :: piece_type
       type(solution_point_type) :: here, next
       real(dp) :: length = 0
@@ -36,14 +36,19 @@ module geartrain_continuation_stability_changes
 
 contains
 
-   !> Puts the changes of stability between point `before` of the branch and point `after`, the next one traced, on the list.
+   !> Lists the changes of stability between two neighbouring points of a branch as special points.
    subroutine add_stability_changes(corrector, monodromy, here, next, length, before, after, branch)
+      !> Corrector of the branch.
       type(corrector_type), intent(inout) :: corrector
+      !> Monodromy matrix set up for the system; work space.
       type(monodromy_type), intent(inout) :: monodromy
-      !> The two points, with their tangents, and how far they are apart.
+      !> The two points with their tangents.
       type(solution_point_type), intent(in) :: here, next
+      !> Distance of the two points, in the metric of the branch [1].
       real(dp), intent(in) :: length
+      !> Numbers of the two points; the special points are listed after point `after` - 1.
       integer, intent(in) :: before, after
+      !> Branch with the multipliers of both points; its `special_points` grow.
       type(branch_type), intent(inout), target :: branch
       type(piece_type) :: piece
       complex(dp) :: first(branch%states), last(branch%states)
@@ -51,7 +56,7 @@ contains
       first = branch%multipliers(:, before)
       last = branch%multipliers(:, after)
       if (.not. (are_numbers(first) .and. are_numbers(last))) return
-      if (max(maxval(abs(first)), maxval(abs(last))) > drowning) return
+      if (max(maxval(abs(first)), maxval(abs(last))) > largest_multiplier) return
       if (all(outside(first) == outside(last))) return
       piece = piece_type(here, next, length)
       call separate(corrector, monodromy, piece, 0.0_dp, length, first, last, after, branch)
@@ -65,7 +70,7 @@ contains
       associate (real_ones => is_real(multipliers), size => abs(multipliers))
          outside(doubling) = count(real_ones .and. multipliers%re < -1 - neutral)
          outside(beyond_one) = count(real_ones .and. multipliers%re > 1 + neutral)
-         ! Of the leading multipliers of many the last one may lack its conjugate.
+         ! Where only the leading multipliers are known the last multiplier may lack its conjugate.
          outside(neimark_sacker) = (count(.not. real_ones .and. size > 1 + neutral) + 1)/2
       end associate
    end function outside
@@ -76,7 +81,7 @@ contains
       is_real = abs(multiplier%im) <= real_enough*abs(multiplier)
    end function is_real
 
-   !> Halves the piece from a to b until each change is alone, or all that are left are simultaneous.
+   !> Halves the piece from a to b until each change is alone, or all remaining changes are simultaneous.
    recursive subroutine separate(corrector, monodromy, piece, a, b, first, last, after, branch)
       type(corrector_type), intent(inout) :: corrector
       type(monodromy_type), intent(inout) :: monodromy
@@ -108,7 +113,7 @@ contains
          call separate(corrector, monodromy, piece, s, b, middle, last, after, branch)
          return
       end if
-      ! A pair became two real multipliers, or the reverse: what is left of the change is a crossing.
+      ! A pair became two real multipliers, or the reverse: only the rest of the change crosses the circle.
       if (change(doubling)*change(neimark_sacker) < 0) change = [mod(change(doubling), 2), 0, 0]
       if (change(beyond_one)*change(neimark_sacker) < 0) change(neimark_sacker) = 0
       do kind = doubling, neimark_sacker
@@ -118,8 +123,8 @@ contains
       end do
    end subroutine separate
 
-   !> Whether as many multipliers are outside the circle at both ends of a piece, and those next to it are farther from it than they
-   !> move: then pairs of them only become real, or complex, on their side of it.
+   !> Whether no multiplier crosses the circle: as many are outside at both ends of a piece, and the multipliers next to the circle
+   !> are farther from it than they move. Then pairs only become real, or complex, on their side of the circle.
    pure logical function stays(first, last)
       complex(dp), intent(in) :: first(:), last(:)
       real(dp) :: a(2), b(2)
@@ -128,13 +133,13 @@ contains
       n = count(abs(first) > 1 + neutral)
       stays = n == count(abs(last) > 1 + neutral) .and. n > 0 .and. n < size(first)
       if (.not. stays) return
-      ! Sorted by magnitude.
+      ! The multipliers are sorted by magnitude.
       a = abs(first(n:n + 1))
       b = abs(last(n:n + 1))
       stays = all(abs(b - a) < min(abs(a - 1), abs(b - 1)))
    end function stays
 
-   !> The solution point between `from` and `to` where a multiplier of a kind passes the circle.
+   !> The solution point between the distances `from` and `to` along a piece where a multiplier of a kind passes the circle.
    subroutine locate(corrector, monodromy, piece, from, to, first, last, kind, solution)
       type(corrector_type), intent(inout) :: corrector
       type(monodromy_type), intent(inout) :: monodromy
@@ -157,12 +162,12 @@ contains
       fb = excess(last, kind, number)
       do i = 1, most_steps
          s = between(a, b, fa, fb)
-         ! Where other multipliers stay on the circle the function has a kink, at which chords hardly move.
+         ! Where other multipliers stay on the circle `excess` has a kink, at which chords hardly move.
          if (mod(i, 6) == 0) s = (a + b)/2
          call find_multipliers(corrector, monodromy, piece, a, b, s, solution, multipliers, success)
          if (.not. success) return
          f = excess(multipliers, kind, number)
-         ! Just below the circle it may be a multiplier that stays there.
+         ! An excess of 0 to rounding, from below, may belong to a multiplier that stays on the circle.
          if (i > 1 .and. abs(f) < nearly .and. (f > 0 .or. f < -10*neutral)) then
             if (abs(f - f_before) > 0) solution%frequency_ratio = solution%frequency_ratio - solution%tangent_frequency* &
                  f*(s - s_before)/(f - f_before)
@@ -175,7 +180,7 @@ contains
       end do
    end subroutine locate
 
-   !> How far the multiplier of a kind with this number, counted from the farthest, is outside the circle.
+   !> Distance from the circle, negative inside, of multiplier number `number` of a kind, the farthest counted first.
    pure real(dp) function excess(multipliers, kind, number)
       complex(dp), intent(in) :: multipliers(:)
       integer, intent(in) :: kind, number
@@ -196,9 +201,9 @@ contains
       excess = max(none, maxval(length) - 1 - neutral)
    end function excess
 
-   !> Multipliers at the way s along a piece, or where Newton's method fails, as it may next to a resonance without damping, at
-   !> another one between a and b. It begins at the cubic through the ends, which is the solution point where it fails at all of
-   !> them.
+   !> Multipliers at the distance s along a piece. Newton's method begins at the cubic through the ends. Where it fails, as may be
+   !> next to a resonance without damping, s becomes another distance between a and b; where it fails at all of them, `solution` is
+   !> a point of the cubic.
    subroutine find_multipliers(corrector, monodromy, piece, a, b, s, solution, multipliers, success)
       type(corrector_type), intent(inout) :: corrector
       type(monodromy_type), intent(inout) :: monodromy

@@ -14,16 +14,19 @@ module geartrain_continuation_start
    private
    public :: begin_trace, solution_of, resting
 
-   !> Amplitude limit where none is given, rms in the unit of motions that cross the gap. A linear train has none: its branch is
-   !> only not recorded between here and infinity, where it passes a multiplier +1.
+   !> Amplitude limits where the settings give none, rms in the unit of motions that cross the gap [1]: with backlash; and of a
+   !> linear train, whose branch is merely not recorded near a multiplier +1, where its amplitude is infinite.
    real(dp), parameter :: default_amplitude_limit = 12, linear_amplitude_limit = 1e4_dp
 
 contains
 
-   !> A tracer for the train with the settings in force.
+   !> Prepares a tracer: system, units, amplitude limit, first number of harmonics.
    subroutine begin_trace(train, settings, tracer)
+      !> A checked train.
       type(train_type), intent(in) :: train
+      !> Settings to trace with.
       type(response_settings_type), intent(in) :: settings
+      !> Becomes ready to solve; its recorder is set up separately.
       type(tracer_type), intent(inout) :: tracer
 
       tracer%settings = settings
@@ -40,9 +43,11 @@ contains
       call tracer%prepare(merge(settings%harmonics, first_harmonics(tracer%system, settings%subharmonic), settings%harmonics > 0))
    end subroutine begin_trace
 
-   !> The train at rest under its mean load, every mesh on its drive flank.
+   !> The train at rest under its mean load as a first guess of a solution point: every mesh on the flank that bears its load.
    function resting(tracer, frequency_ratio) result(solution)
+      !> Tracer after `begin_trace`.
       type(tracer_type), intent(in) :: tracer
+      !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
       type(solution_point_type) :: solution
 
@@ -54,9 +59,11 @@ contains
       end associate
    end function resting
 
-   !> The coefficients of a motion on the harmonics of the balance; the motion's period divides the sub-harmonic index.
+   !> A motion as a first guess of a solution point, on the carried harmonics of the balance.
    function solution_of(tracer, motion) result(solution)
+      !> Tracer after `begin_trace`.
       type(tracer_type), intent(in) :: tracer
+      !> Motion with coefficients, whose period divides the sub-harmonic index.
       type(motion_type), intent(in) :: motion
       type(solution_point_type) :: solution
       integer :: i, k, r, ratio

@@ -1,4 +1,5 @@
-!> How a branch bends from one point to the next: the sense of Lambda, the angle between tangents, coming back to where it began.
+!> Geometry of a step between neighbouring points of a branch: sense of Lambda, angle between tangents, hidden folds, return to the
+!> beginning, and the odd harmonics of motions of even period.
 module geartrain_continuation_step_geometry
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_corrector, only: inner, solution_point_type
@@ -9,25 +10,30 @@ module geartrain_continuation_step_geometry
 
    !> Cosine of the largest angle between tangents of neighbouring points.
    real(dp), parameter :: cosine_limit = 0.85_dp
-   !> Lambda's part of a tangent below which its sign is rounding: a branch of period 2 leaves vertically and stays so until
-   !> contact is lost.
+   !> Lambda part of a unit tangent, in the unit of Lambda, below which its sign is rounding [1]: a branch of period 2 leaves
+   !> vertically and is vertical until contact is lost.
    real(dp), parameter :: vertical = 1e-6_dp
 
 contains
 
    !> Whether Lambda grows, +1, or falls, -1, along the branch at a solution point; 0 where the branch is vertical.
    pure integer function sense_of(solution, units)
+      !> Solution point with its tangent.
       type(solution_point_type), intent(in) :: solution
+      !> Units of the metric of the branch.
       type(units_type), intent(in) :: units
 
       sense_of = 0
       if (abs(solution%tangent_frequency) > vertical*units%frequency_ratio) sense_of = merge(1, -1, solution%tangent_frequency > 0)
    end function sense_of
 
-   !> Whether Lambda seems to turn twice between two points: whether the cubic through them, with their slopes, does.
+   !> Whether Lambda turns twice between two points, going by the cubic through the points with their slopes.
    pure logical function hides_folds(here, next, units, h)
+      !> Neighbouring solution points with their tangents.
       type(solution_point_type), intent(in) :: here, next
+      !> Units of the metric of the branch.
       type(units_type), intent(in) :: units
+      !> Distance of the points, in the metric of the branch [1].
       real(dp), intent(in) :: h
       real(dp) :: curvature, share, chord
 
@@ -43,8 +49,9 @@ contains
       end associate
    end function hides_folds
 
-   !> Inner product of the odd harmonics of two solution points.
+   !> Inner product of the odd harmonics of two solution points, for motions of even period, whose balance carries all harmonics.
    pure real(dp) function odd_product(here, next)
+      !> Solution points with as many harmonics.
       type(solution_point_type), intent(in) :: here, next
       integer :: k
 
@@ -55,12 +62,15 @@ contains
    end function odd_product
 
    !> Whether the odd harmonics of a motion of even period vanish from one point to the next: a jump onto the branch of half the
-   !> period, which goes through one of them.
+   !> period.
    pure logical function loses_odd(here, next, subharmonic, units)
+      !> Solution points at the beginning and the end of a step.
       type(solution_point_type), intent(in) :: here, next
+      !> Sub-harmonic index, period over mesh period.
       integer, intent(in) :: subharmonic
+      !> Units of the metric of the branch.
       type(units_type), intent(in) :: units
-      !> Share of them that is left by rounding; what is less than that to begin with is none.
+      !> Sum of squares of the odd harmonics that is rounding [1]: over the square of the unit of length, or over the sum at `here`.
       real(dp), parameter :: none = 1e-12_dp
       real(dp) :: before
 
@@ -70,12 +80,14 @@ contains
       loses_odd = before > none*units%length**2 .and. odd_product(next, next) < none*before
    end function loses_odd
 
-   !> Whether the odd harmonics of a motion of even period change sign between two points: the branch passes through one of
-   !> half its period there, and goes on as its own mirror image, shifted by half a period.
+   !> Whether the odd harmonics of a motion of even period change sign between two points: there the branch passes through a motion
+   !> of half its period and goes on as its own mirror image, shifted by half a period.
    pure logical function passes_half_period(here, next, subharmonic)
+      !> Neighbouring solution points.
       type(solution_point_type), intent(in) :: here, next
+      !> Sub-harmonic index, period over mesh period.
       integer, intent(in) :: subharmonic
-      !> Odd harmonics below this share of the motion are rounding: a motion of half the period has none.
+      !> Share of the motion below which odd harmonics are rounding [1]: a motion of half the period has none.
       real(dp), parameter :: none = 1e-7_dp
 
       passes_half_period = .false.
@@ -83,29 +95,37 @@ contains
       passes_half_period = odd_product(here, next) < 0 .and. odd_product(next, next) > none**2*sum(next%u**2)
    end function passes_half_period
 
-   !> Of the angle between two tangents.
+   !> Cosine of the angle between the unit tangents of two solution points [1].
    pure real(dp) function cosine(here, next, units)
+      !> Solution points with their tangents.
       type(solution_point_type), intent(in) :: here, next
+      !> Units of the metric of the branch.
       type(units_type), intent(in) :: units
 
       cosine = inner(here%tangent, next%tangent)/units%length**2 &
                + here%tangent_frequency*next%tangent_frequency/units%frequency_ratio**2
    end function cosine
 
-   !> The way from `here` to a solution point, along the tangent at `here`.
+   !> Distance of `solution` from `here` along the tangent at `here`, in the metric of the branch [1]; negative behind `here`.
    pure real(dp) function way_to(here, solution, units)
+      !> Solution point with its tangent, and another solution point.
       type(solution_point_type), intent(in) :: here, solution
+      !> Units of the metric of the branch.
       type(units_type), intent(in) :: units
 
       way_to = inner(solution%u - here%u, here%tangent)/units%length**2 &
                + (solution%frequency_ratio - here%frequency_ratio)*here%tangent_frequency/units%frequency_ratio**2
    end function way_to
 
-   !> Whether `origin` lies ahead, within the next step and close to the tangent; `gap` is the way there.
+   !> Whether the next step closes the branch: `origin` lies ahead, within the step and close to the tangent.
    logical function closes(here, origin, h, units, gap)
+      !> Latest point and first point of the branch, with their tangents.
       type(solution_point_type), intent(in) :: here, origin
+      !> Length of the next step, in the metric of the branch [1].
       real(dp), intent(in) :: h
+      !> Units of the metric of the branch.
       type(units_type), intent(in) :: units
+      !> Distance from `here` to `origin` along the tangent at `here` [1].
       real(dp), intent(out) :: gap
       real(dp) :: du(size(here%u, 1), size(here%u, 2)), df
 

@@ -7,25 +7,27 @@ module geartrain_continuation_step_length
    private
    public :: acceptable, next_step, crosses_branch, jump_step, large
 
-   !> Angle between tangents of neighbouring points aimed at [rad], and Newton's first correction over the step: as a rule; and on
-   !> branches of longer periods, whose doublings lie closer together with each generation, and beyond the amplitude `large`.
+   !> Angle between tangents of neighbouring points aimed at [rad], and first Newton correction over the step aimed at [1]: (1) as a
+   !> rule; (2) on branches of longer periods, whose period doublings lie closer together with each generation, and beyond the
+   !> amplitude `large`.
    real(dp), parameter :: angle_aim(2) = [0.25_dp, 0.2_dp], correction_aim(2) = [0.08_dp, 0.05_dp]
-   !> Newton's first correction over the step that is refused.
+   !> First Newton correction over the step from which on a step is refused [1].
    real(dp), parameter :: correction_limit = 0.35_dp
-   !> A change of orientation is a jump to another branch, unless it persists below this step: then branches cross here.
+   !> Length of a step below which a change of orientation is no jump to another branch: there another branch crosses.
    real(dp), parameter :: jump_step = 1e-4_dp
-   !> Amplitude, in the unit of the branch, above which the largest step grows in proportion to it.
+   !> Length of the coefficients, in the metric of the branch, above which the largest step grows in proportion to it.
    real(dp), parameter :: large = 5
 
 contains
 
-   !> Whether a step stayed on the branch: a small correction, a small turn, the same orientation, and not a jump onto the branch of
-   !> half the period, which it crosses.
+   !> Whether a step stayed on the branch: a small correction, a small turn, no change of orientation and no jump onto the branch of
+   !> half the period.
    logical function acceptable(corrector, here, next, h)
-      !> As the step from `here` to `next` left it.
+      !> Corrector after the step from `here` to `next`.
       type(corrector_type), intent(in) :: corrector
+      !> Solution points at the beginning and the end of the step.
       type(solution_point_type), intent(in) :: here, next
-      !> Length of the step, in the metric of the branch.
+      !> Length of the step, in the metric of the branch [1].
       real(dp), intent(in) :: h
 
       acceptable = corrector%correction < correction_limit .and. cosine(here, next, corrector%units) > cosine_limit
@@ -34,19 +36,22 @@ contains
       acceptable = acceptable .and. (h < jump_step .or. .not. crosses_branch(here, next))
    end function acceptable
 
-   !> Whether the bordered determinant changes sign between two solution points, as it does where another branch crosses this one.
+   !> Whether the bordered determinant changes sign between two solution points, as it does where another branch crosses.
    pure logical function crosses_branch(here, next)
+      !> Neighbouring solution points of a branch, with their orientations.
       type(solution_point_type), intent(in) :: here, next
 
       crosses_branch = here%orientation*next%orientation < 0
    end function crosses_branch
 
-   !> Length of the step to come: aims at a certain turn and a certain first Newton correction (which goes with the square of the
-   !> step); at most `longest`.
+   !> Length of the next step [1]: aims at `angle_aim` and `correction_aim`. The first Newton correction grows with the square of a
+   !> step.
    real(dp) function next_step(corrector, here, next, h, longest)
-      !> As the step of length h from `here` to `next` left it.
+      !> Corrector after the step from `here` to `next`.
       type(corrector_type), intent(in) :: corrector
+      !> Solution points at the beginning and the end of the latest step.
       type(solution_point_type), intent(in) :: here, next
+      !> Length of the latest step and largest length of the next one, in the metric of the branch [1].
       real(dp), intent(in) :: h, longest
       real(dp) :: angle
       integer :: i

@@ -1,8 +1,8 @@
-!> From a branch to those that bifurcate from it, without a seed: the branch of twice its period that leaves at a period doubling,
-!> and the branch of the same period that crosses it at a branch point.
+!> Switches from a branch to a bifurcating branch, without a seed: at a period doubling to the branch of twice the period, at a
+!> branch point to the crossing branch of equal period.
 !>
-!> The system is exactly linear until a tooth separates, so a branch may leave vertically: Lambda stays, the amplitude grows
-!> until contact is lost. Steps along the critical vector of the balance follow it there as any other branch.
+!> The system is exactly linear until a tooth separates, so a branch may leave vertically: Lambda is constant and the amplitude
+!> grows until contact is lost. Steps along the critical vector of the balance follow a vertical branch like any other.
 module geartrain_continuation_switching
    use geartrain_base_error, only: error_type, fatal
    use geartrain_base_kinds, only: dp
@@ -24,21 +24,26 @@ module geartrain_continuation_switching
    private
    public :: period_doubled, trace_switched
 
-   !> Way along the critical vector to the first point, in the metric of the branch, and the least that is tried.
+   !> Length of the step along the critical vector to the first point, in the metric of the branch, and the least length tried.
    real(dp), parameter :: first_step = 1e-3_dp, least_step = 1e-5_dp
 
 contains
 
-   !> Follows the branch of twice the period that leaves `branch` at its special point number `special`, a period doubling,
-   !> within the range of `settings` (those that `branch` was traced with; harmonics and subharmonic are doubled), until it
-   !> meets the branch of half its period again or leaves the range.
+   !> Follows the period-doubled branch from a period doubling until it meets the branch of half its period again or leaves the
+   !> range of Lambda.
    subroutine period_doubled(train, settings, branch, special, doubled, error, observer)
+      !> Train of the branch.
       type(train_type), intent(in) :: train
+      !> Settings with which `branch` was traced: the period-doubled branch has twice the harmonics and twice the subharmonic.
       type(response_settings_type), intent(in) :: settings
+      !> Traced branch.
       type(branch_type), intent(in) :: branch
+      !> Number of the special point, a period doubling.
       integer, intent(in) :: special
+      !> Becomes the period-doubled branch.
       type(branch_type), intent(inout), target :: doubled
       type(error_type), allocatable, intent(out) :: error
+      !> Told of each step; may end the trace.
       class(observer_type), intent(inout), optional :: observer
       type(solution_point_type) :: solution
       logical :: success
@@ -59,19 +64,24 @@ contains
       call trace_switched(train, settings, branch, special, solution, success, doubled, observer)
    end subroutine period_doubled
 
-   !> Follows the branch that leaves `branch` at its special point number `special`, a doubling or a branch point, from the
-   !> balance's own solution point, as `find_critical` gives it: one way from a doubling, because the other one is its mirror image,
-   !> shifted by half its period; both ways from a branch point.
+   !> Follows the branch that bifurcates at a special point: one way from a period doubling, because the other way gives the same
+   !> motions shifted by half their period; both ways from a branch point.
    subroutine trace_switched(train, settings, branch, special, critical, found, switched, observer)
+      !> Checked train of the branch.
       type(train_type), intent(in) :: train
-      !> Those that `branch` was traced with.
+      !> Settings with which `branch` was traced.
       type(response_settings_type), intent(in) :: settings
+      !> Traced branch.
       type(branch_type), intent(in) :: branch
+      !> Number of the special point, a period doubling or a branch point.
       integer, intent(in) :: special
+      !> Critical point of the balance, with the critical vector as its tangent, and whether `find_critical` found it.
       type(solution_point_type), intent(in) :: critical
-      !> Whether there is such a solution point.
+      !> Whether there is a critical point.
       logical, intent(in) :: found
+      !> Becomes the bifurcating branch; its `origin` is kept.
       type(branch_type), intent(inout), target :: switched
+      !> Told of each step; may end the trace.
       class(observer_type), intent(inout), optional :: observer
       type(tracer_type) :: tracer
       type(branch_type) :: empty
@@ -79,7 +89,7 @@ contains
       integer :: outcome, times
       logical :: success
 
-      ! All is new but where it comes from.
+      ! Everything but `origin` is new.
       call move_alloc(switched%origin, empty%origin)
       switched = empty
       associate (kind => branch%special_points(special)%kind, at => branch%special_points(special)%frequency_ratio)
@@ -118,8 +128,8 @@ contains
       call tracer%recorder%finish(switched)
    end subroutine trace_switched
 
-   !> The first point of the branch along the critical vector, or against it. The critical solution point itself is a singular
-   !> point; the branch is recorded from a short way along it.
+   !> The first point of the bifurcating branch, a short step along the critical vector or against it: the critical point itself is
+   !> singular.
    subroutine step_off(tracer, critical, direction, solution, success)
       type(tracer_type), intent(inout) :: tracer
       type(solution_point_type), intent(in) :: critical

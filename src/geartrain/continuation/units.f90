@@ -1,5 +1,5 @@
-!> Units in which a branch measures its way: the powers of ten nearest to what the train itself moves by and vibrates at. Steps,
-!> tolerances and guards then do not depend on the characteristic values that a train is given, nor on how large it is.
+!> Units of the metric of a branch: powers of ten nearest to the displacements and the frequency of the train itself. Steps,
+!> tolerances and guards so depend neither on the characteristic values given for a train nor on its size.
 module geartrain_continuation_units
    use geartrain_base_kinds, only: dp
    use geartrain_model_system, only: system_type
@@ -7,17 +7,20 @@ module geartrain_continuation_units
    private
    public :: units_type, units_of, largest_unit
 
-   !> A train that rattles under a small load moves by a few times its deflection and does not reach the other flank.
+   !> Displacement of a train that rattles under a small load, over its deflection [1]: it does not reach the other flank.
    real(dp), parameter :: rattle = 5
 
    type :: units_type
-      !> Of mesh displacement over characteristic length, and of Lambda; both 1 where the characteristic values fit the train.
+      !> Unit of mesh displacement over characteristic length [1], and of Lambda [1]; both 1 where the characteristic values fit the
+      !> train.
       real(dp) :: length = 1, frequency_ratio = 1
    end type units_type
 
 contains
 
+   !> Units of the metric in which branches of a train are traced.
    pure type(units_type) function units_of(system) result(units)
+      !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
       real(dp) :: drive, gap
 
@@ -28,21 +31,22 @@ contains
       units%frequency_ratio = decade(sqrt(minval(system%own(system%mesh_element))))
    end function units_of
 
-   !> Unit of length of motions that cross the gap, which amplitude limits are multiples of.
+   !> Unit of displacement of motions that cross the gap, over characteristic length [1]: amplitude limits are multiples of it.
    pure real(dp) function largest_unit(system)
+      !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
 
       largest_unit = decade(max(largest_load(system), maxval(system%half_backlash)))
    end function largest_unit
 
-   !> Deflection under the mean load.
+   !> Largest deflection of a mesh under the mean load, over characteristic length [1].
    pure real(dp) function largest_load(system)
       type(system_type), intent(in) :: system
 
       largest_load = maxval(abs(system%static_force(system%mesh_element)))
    end function largest_load
 
-   !> Bound of the transmission errors.
+   !> Bound of all transmission errors over characteristic length [1].
    pure real(dp) function largest_error(system)
       type(system_type), intent(in) :: system
       integer :: j
@@ -53,7 +57,7 @@ contains
       end do
    end function largest_error
 
-   !> The nearest power of ten; 1 for 0.
+   !> The power of ten nearest to x; 1 for x = 0.
    pure real(dp) function decade(x)
       real(dp), intent(in) :: x
 

@@ -1,4 +1,4 @@
-!> The true error of a waveform: how far the coefficients of a balance are from those of the orbit that shooting gives.
+!> The true error of a waveform: distance of the coefficients of a balance from the coefficients of the orbit found by shooting.
 module geartrain_continuation_waveform_error
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
@@ -7,20 +7,22 @@ module geartrain_continuation_waveform_error
 
 contains
 
-   !> Harmonics of Lambda that an orbit is to be given with, so that what a balance leaves out is told as well.
+   !> Number of harmonics of Lambda that show the error of a balance when they are known of the orbit: more than the balance has.
    pure integer function harmonics_told(coefficients, period)
-      !> Those of the balance, (1 + 2*harmonics, mesh), and the period in mesh periods.
+      !> Coefficients of the balance [1], (1 + 2*harmonics, mesh).
       real(dp), intent(in) :: coefficients(:, :)
+      !> Period in mesh periods.
       integer, intent(in) :: period
 
       harmonics_told = max(255, 2*((size(coefficients, 1) - 1)/2)/period)
    end function harmonics_told
 
-   !> Relative error of the coefficients, as that of the estimate: root of the sum of squares over the alternating part, all meshes
-   !> together. The orbit's harmonics above those of the balance count as well, unless the kept ones alone are asked for.
+   !> Relative error of the coefficients [1], defined as the error estimate of a balance is: norm of the error over norm of the
+   !> alternating part, all meshes together, a mean counted with sqrt(2).
    pure real(dp) function waveform_error(coefficients, orbit, kept_only)
-      !> (1 + 2*harmonics, mesh), those of the orbit with at least as many harmonics.
+      !> Coefficients of the balance and of the orbit [1], (1 + 2*harmonics, mesh).
       real(dp), intent(in) :: coefficients(:, :), orbit(:, :)
+      !> Leaves out the harmonics of the orbit above the highest harmonic of the balance.
       logical, intent(in) :: kept_only
       real(dp) :: missing
       integer :: n
@@ -31,8 +33,9 @@ contains
       waveform_error = sqrt(missing/max(sum(orbit(2:, :)**2), tiny(missing)))
    end function waveform_error
 
-   !> What shooting leaves of the whole motion, its mean included, relative to the alternating part.
+   !> Error of shooting, a share `shooting` of the whole motion with its mean, relative to the alternating part [1].
    pure real(dp) function rounding_of(orbit)
+      !> Coefficients of the orbit [1], (1 + 2*harmonics, mesh).
       real(dp), intent(in) :: orbit(:, :)
       real(dp), parameter :: shooting = 1e-11_dp
       real(dp) :: alternating

@@ -1,0 +1,155 @@
+!> A corrector that chooses its number of harmonics by the tolerance, from solution point to solution point, where the settings
+!> leave it to the program (harmonics = 0).
+module geartrain_continuation_adaptive_corrector
+   use geartrain_balance_chosen_harmonics, only: fewest_harmonics, most_harmonics
+   use geartrain_balance_error_estimate, only: find_error_estimate, harmonics_for, error_estimate_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_continuation_branch, only: response_settings_type
+   use geartrain_continuation_corrector, only: corrector_type, solution_point_type
+   use geartrain_linalg_trigonometric, only: transform_length
+   use geartrain_model_system, only: system_type
+   implicit none (type, external)
+   private
+   public :: adaptive_corrector_type
+
+   !> Share of the tolerance aimed at, so that the next points keep within the tolerance too.
+   real(dp), parameter :: tolerance_share = 0.3_dp
+   !> Ratio of new to present number of harmonics above which the number is not lowered: each change plans the balance anew.
+   real(dp), parameter :: worth_lowering = 0.75_dp
+
+   type :: adaptive_corrector_type
+      !> Settings that the branch is traced with.
+      type(response_settings_type) :: settings
+      !> Dimensionless system of the train.
+      type(system_type) :: system
+      type(corrector_type) :: corrector
+      !> Error estimate of the solution point of the latest `estimate_error`.
+      type(error_estimate_type) :: estimate
+      !> Change of the tangent's Lambda part per length of the branch at the latest step [1], in the metric of the branch.
+      real(dp) :: curvature = 0
+      !> Evaluations of the balance at the latest error estimate; -1: none yet.
+      integer, private :: estimated = -1
+   contains
+      procedure :: prepare, estimate_error, adapt, relax
+      procedure, private :: solve_again
+   end type adaptive_corrector_type
+
+contains
+
+   !> Plans balance and corrector for a number of harmonics.
+   subroutine prepare(self, harmonics)
+      class(adaptive_corrector_type), intent(inout) :: self
+      !> Highest harmonic of Lambda/subharmonic to carry.
+      integer, intent(in) :: harmonics
+      integer :: samples
+
+      samples = 0
+      if (self%settings%coefficients == 'sampled') then
+         samples = self%settings%samples
+         if (samples == 0) samples = max(1024, transform_length(16*harmonics))
+      end if
+      call self%corrector%balance%setup(self%system, harmonics, self%settings%subharmonic, samples)
+      call self%corrector%setup()
+      self%corrector%local_control = self%settings%control == 'local'
+   end subroutine prepare
+
+   !> Estimates the error of the solution point that `corrector` worked on last, unless it is known already.
+   subroutine estimate_error(self, solution)
+      class(adaptive_corrector_type), intent(inout) :: self
+      !> Solution point with its tangent.
+      type(solution_point_type), intent(in) :: solution
+
+      if (self%estimated == self%corrector%evaluations) return
+      self%estimated = self%corrector%evaluations
+      associate (c => self%corrector, s => solution)
+         call find_error_estimate(c%balance, s%u, s%frequency_ratio, s%tangent, s%tangent_frequency, self%curvature, &
+                                  c%units%frequency_ratio, c%matrix, self%estimate)
+      end associate
+   end subroutine estimate_error
+
+   !> With harmonics = 0: raises the number of harmonics until `solution` is within the tolerance.
+   subroutine adapt(self, solution, success, here, origin, fixed)
+      class(adaptive_corrector_type), intent(inout) :: self
+      !> Solution point that was solved last.
+      type(solution_point_type), intent(inout) :: solution
+      !> False where a balance of more harmonics finds no solution: then nothing is changed.
+      logical, intent(out) :: success
+      !> Further solution points to put onto the new harmonics.
+      type(solution_point_type), intent(inout), optional :: here, origin
+      !> Keeps Lambda of `solution` as it is; false unless it is given.
+      logical, intent(in), optional :: fixed
+      type(solution_point_type) :: before(3)
+      integer :: highest, most, first
+
+      success = .true.
+      if (self%settings%harmonics > 0) return
+      first = self%corrector%balance%highest
+      most = most_harmonics(self%system, self%settings%subharmonic)
+      before(1) = solution
+      if (present(here)) before(2) = here
+      if (present(origin)) before(3) = origin
+      do
+         call self%estimate_error(solution)
+         highest = self%corrector%balance%highest
+         if (self%estimate%limited <= self%settings%tolerance .or. highest >= most) return
+         call self%prepare(min(most, max(highest + self%system%excitation_order, harmonics_for(self%estimate, &
+                                         tolerance_share*self%settings%tolerance/self%estimate%limited))))
+         call self%corrector%refit(solution)
+         if (present(here)) call self%corrector%refit(here)
+         if (present(origin)) call self%corrector%refit(origin)
+         call self%solve_again(solution, success, fixed)
+         if (.not. success) exit
+      end do
+      call self%prepare(first)
+      solution = before(1)
+      if (present(here)) here = before(2)
+      if (present(origin)) origin = before(3)
+      call self%solve_again(solution, success, fixed)
+      success = .false.
+   end subroutine adapt
+
+   !> Solves a solution point that has a tangent after its number of harmonics changed: at the same Lambda if `fixed`.
+   subroutine solve_again(self, solution, success, fixed)
+      class(adaptive_corrector_type), intent(inout) :: self
+      type(solution_point_type), intent(inout) :: solution
+      logical, intent(out) :: success
+      logical, intent(in), optional :: fixed
+      integer :: direction
+
+      if (present(fixed)) then
+         if (fixed) then
+            direction = merge(1, -1, solution%tangent_frequency > 0)
+            call self%corrector%solve_at(solution, success)
+            if (success) call self%corrector%orient(solution, direction)
+            return
+         end if
+      end if
+      call self%corrector%correct(solution, success)
+   end subroutine solve_again
+
+   !> With harmonics = 0: lowers the number of harmonics for the next points where the error estimate leaves room, to half at least.
+   subroutine relax(self, here, origin)
+      class(adaptive_corrector_type), intent(inout) :: self
+      !> Latest point, to which `estimate` belongs; where the branch began. Both are put onto the new harmonics.
+      type(solution_point_type), intent(inout) :: here, origin
+      type(solution_point_type) :: before(2)
+      integer :: highest, fewer
+      logical :: success
+
+      if (self%settings%harmonics > 0) return
+      highest = self%corrector%balance%highest
+      fewer = max(fewest_harmonics(self%system, self%settings%subharmonic), highest/2, harmonics_for(self%estimate, &
+                  tolerance_share*self%settings%tolerance/max(self%estimate%limited, tiny(1.0_dp))))
+      if (fewer > worth_lowering*highest) return
+      before = [here, origin]
+      call self%prepare(fewer)
+      call self%corrector%refit(here)
+      call self%corrector%refit(origin)
+      call self%corrector%correct(here, success)
+      if (success) return
+      call self%prepare(highest)
+      here = before(1)
+      origin = before(2)
+   end subroutine relax
+
+end module geartrain_continuation_adaptive_corrector
