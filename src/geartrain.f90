@@ -30,7 +30,7 @@ module geartrain
    use geartrain_input_reader, only: read_case, read_case_text
    use geartrain_input_template, only: template_text
    use geartrain_input_text, only: case_text
-   use geartrain_mesh_law_mesh_load, only: mesh_load_type
+   use geartrain_balance_mesh_load, only: mesh_load_type
    use geartrain_model_body, only: body_type
    use geartrain_model_check, only: check_train
    use geartrain_model_mesh, only: mesh_type

@@ -9,7 +9,7 @@ module geartrain_continuation_recorder
    use geartrain_floquet_monodromy, only: monodromy_type
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: extremes, fine_samples, rms
-   use geartrain_mesh_law_mesh_load, only: force_reader_type
+   use geartrain_balance_mesh_load, only: force_reader_type
    implicit none (type, external)
    private
    public :: recorder_type

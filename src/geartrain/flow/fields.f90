@@ -6,7 +6,7 @@ module geartrain_flow_fields
    use geartrain_base_field, only: row => field_type
    use geartrain_base_fields, only: fields_type, listing, reading
    use geartrain_base_kinds, only: dp
-   use geartrain_mesh_law_mesh_load, only: mesh_load_type
+   use geartrain_balance_mesh_load, only: mesh_load_type
    implicit none (type, external)
    private
    public :: carry_loads, coefficient_axis, visit_motions

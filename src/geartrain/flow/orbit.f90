@@ -6,7 +6,7 @@ module geartrain_flow_orbit
    use geartrain_flow_flow, only: flow_type
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: transform_length
-   use geartrain_mesh_law_mesh_load, only: elastic, mesh_load_type, put_force, stiffness_samples
+   use geartrain_balance_mesh_load, only: elastic, mesh_load_type, put_force, stiffness_samples
    use geartrain_model_excitation, only: excited_harmonics, reach_of_sources
    use geartrain_model_system, only: system_type
    implicit none (type, external)

@@ -4,7 +4,7 @@ module geartrain_flow_waveform
    use geartrain_base_kinds, only: dp, pi
    use geartrain_flow_orbit, only: sample_orbit
    use geartrain_linalg_trigonometric, only: evaluate
-   use geartrain_mesh_law_mesh_load, only: elastic, stiffness_samples
+   use geartrain_balance_mesh_load, only: elastic, stiffness_samples
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)

@@ -2,7 +2,7 @@
 !> shares of the period without contact and with contact of the back flanks.
 !>
 !> The mesh force over k b_c is phi = kappa(t) g(p) + gamma p', damping included, as everywhere in the equations.
-module geartrain_mesh_law_mesh_load
+module geartrain_balance_mesh_load
    use geartrain_base_kinds, only: dp, pi
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: evaluate, least_height, next_maximum, sample
@@ -176,4 +176,4 @@ contains
       curvature = kappa2*g + 2*kappa1*g1 + kappa*g2 + rate*p3
    end subroutine force_at
 
-end module geartrain_mesh_law_mesh_load
+end module geartrain_balance_mesh_load
