@@ -6,11 +6,12 @@ module geartrain_balance_balance
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_bordered, only: bordered_type
    use geartrain_linalg_fftw, only: transform_type
-   use geartrain_linalg_trigonometric, only: fine_samples, sample, transform_length
+   use geartrain_linalg_trigonometric, only: fine_samples, transform_length
    use geartrain_mesh_law_contact, only: contact_type
    use geartrain_model_excitation, only: excited_harmonics
    use geartrain_model_receptance, only: find_receptance, linear_displacements, receptance_type
    use geartrain_model_system, only: system_type
+   use geartrain_motion_products, only: add_coefficients, find_wave, toeplitz, wave_product
    implicit none (type, external)
    private
    public :: balance_type
@@ -43,15 +44,17 @@ module geartrain_balance_balance
       !> Mesh forces phi (block, unknowns) and their derivatives (1 + 2*explicit, 1 + 2*explicit, unknowns) at the mean and the
       !> lowest `explicit` of the harmonics that are carried: all of them, where they are few.
       real(dp), allocatable :: force(:, :), tangent(:, :, :)
+      !> d phi/dLambda at constant coefficients, (block, unknowns).
+      real(dp), allocatable, private :: force_rate(:, :)
       integer :: explicit = 0
       !> Of the harmonics that are carried.
       type(receptance_type), allocatable :: receptance(:)
       !> Lambda at the last `evaluate`.
       real(dp), private :: frequency_ratio = 0
       !> Plan of the meshes' waveforms; where not all harmonics are explicit, that of products, and stiffness in contact (sample,
-      !> unknowns).
+      !> unknowns), with damping where that changes with the contact.
       type(transform_type), private :: fine, products
-      real(dp), allocatable, private :: wave(:, :)
+      real(dp), allocatable, private :: wave(:, :), damping_wave(:, :)
    contains
       procedure :: setup
       procedure :: evaluate
@@ -64,11 +67,9 @@ module geartrain_balance_balance
       procedure :: mean_stiffness
       procedure :: mean_matrix
       procedure, private :: mesh_force
-      procedure, private :: find_tangent
       procedure, private :: damp_tangent
-      procedure, private :: damping_rate
+      procedure, private :: rate_of
       procedure :: mean_product
-      procedure, private :: product
    end type balance_type
 
 contains
@@ -96,19 +97,20 @@ contains
       if (.not. allocated(self%contact)) allocate (self%contact(self%unknowns))
       do i = 1, self%unknowns
          associate (j => self%mesh(i))
-            call self%contact(i)%setup(system%half_backlash(j), system%mesh_stiffness(j), eta, self%harmonic, 2*highest, samples)
+            call self%contact(i)%setup(system%law(j), eta, self%harmonic, 2*highest, samples)
          end associate
       end do
       call self%fine%plan(fine_samples(maxval([1, self%harmonic])))
-      if (allocated(self%residual)) deallocate (self%residual, self%d_frequency, self%force, self%receptance, self%wave, &
-                                                self%tangent)
+      if (allocated(self%residual)) deallocate (self%residual, self%d_frequency, self%force, self%force_rate, self%receptance, &
+                                                self%wave, self%damping_wave, self%tangent)
       allocate (self%residual(self%block, self%unknowns), self%receptance(size(self%harmonic)))
-      allocate (self%d_frequency, self%force, mold=self%residual)
+      allocate (self%d_frequency, self%force, self%force_rate, mold=self%residual)
       self%explicit = size(self%harmonic)
       if (self%explicit > most_direct) self%explicit = explicit_of_many
       ! No alias of a product with spectra up to twice the highest harmonic reaches a harmonic that is carried.
       if (.not. self%is_direct()) call self%products%plan(transform_length(4*self%harmonic(size(self%harmonic)) + 1))
       allocate (self%wave(merge(0, self%products%samples, self%is_direct()), self%unknowns))
+      allocate (self%damping_wave(merge(size(self%wave, 1), 0, any(system%law(self%mesh)%jumps)), self%unknowns))
       allocate (self%tangent(1 + 2*self%explicit, 1 + 2*self%explicit, self%unknowns))
    end subroutine setup
 
@@ -136,7 +138,7 @@ contains
                do n = graph%row(i), graph%row(i + 1) - 1
                   associate (j => graph%column(n), entry => graph%entry(n))
                      force = cmplx(self%force(2*k, j), -self%force(2*k + 1, j), dp)
-                     d_force = cmplx(0, self%damping_of(j)*r/self%eta, dp)*cmplx(u(2*k, j), -u(2*k + 1, j), dp)
+                     d_force = cmplx(self%force_rate(2*k, j), -self%force_rate(2*k + 1, j), dp)
                      s = s + h(entry)*force
                      ds = ds + dh(entry)*force + h(entry)*d_force
                   end associate
@@ -171,12 +173,12 @@ contains
       end associate
    end subroutine mean_product
 
-   !> Damping of unknown mesh i over its stiffness, gamma.
+   !> Mean damping of unknown mesh i over its stiffness at the last `evaluate`.
    pure real(dp) function damping_of(self, i)
       class(balance_type), intent(in) :: self
       integer, intent(in) :: i
 
-      damping_of = self%system%damping(self%system%mesh_element(self%mesh(i)))
+      damping_of = self%contact(i)%spectra%mean_damping(self%contact(i)%law)
    end function damping_of
 
    !> Mean stiffness of unknown mesh i in contact at the last `evaluate`, with its damping at a harmonic, over its stiffness.
@@ -184,7 +186,8 @@ contains
       class(balance_type), intent(in) :: self
       integer, intent(in) :: i, harmonic
 
-      mean_stiffness = cmplx(real(self%contact(i)%stiffness(0), dp), self%damping_of(i)*harmonic*self%frequency_ratio/self%eta, dp)
+      mean_stiffness = cmplx(real(self%contact(i)%spectra%stiffness(0), dp), &
+                             self%damping_of(i)*harmonic*self%frequency_ratio/self%eta, dp)
    end function mean_stiffness
 
    !> Derivative of the residual at one harmonic by itself, the meshes with their mean stiffness, (entries of the cut's graph).
@@ -221,136 +224,118 @@ contains
       deallocate (self%tangent)
       allocate (self%tangent(1 + 2*self%explicit, 1 + 2*self%explicit, self%unknowns))
       do i = 1, self%unknowns
-         call self%find_tangent(i)
+         call toeplitz(self%harmonic(:self%explicit), self%contact(i)%spectra%stiffness, self%tangent(:, :, i))
          call self%damp_tangent(i)
       end do
    end subroutine make_explicit
 
-   !> phi of unknown mesh i, Toeplitz(w) p - b sigma + gamma p' by the spectra of its contact, and its derivative.
+   !> phi of unknown mesh i by the spectra of its contact, and its derivatives (geartrain_mesh_law_spectra).
    subroutine mesh_force(self, i, u)
       class(balance_type), intent(inout) :: self
       integer, intent(in) :: i
       real(dp), intent(in) :: u(:)
-      real(dp) :: rate
       integer :: k
 
       call self%contact(i)%update(u, self%fine)
-      call self%find_tangent(i)
-      if (self%is_direct()) then
-         self%force(:, i) = 0
-         do k = 1, self%block
-            self%force(:, i) = self%force(:, i) + u(k)*self%tangent(:, k, i)
-         end do
-      else
-         self%products%coefficient = 0
-         associate (n => 2*self%harmonic(size(self%harmonic)))
-            self%products%coefficient(:n + 1) = self%contact(i)%stiffness(:n)
-         end associate
-         call self%products%to_samples()
-         self%wave(:, i) = self%products%sample
-         call self%product(i, u, self%force(:, i))
-      end if
-      associate (f => self%force(:, i), sigma => self%contact(i)%offset, b => self%contact(i)%half_backlash, r => self%harmonic)
-         f(1) = f(1) - b*real(sigma(0), dp)
-         do k = 1, size(r)
-            f(2*k) = f(2*k) - 2*b*real(sigma(r(k)), dp)
-            f(2*k + 1) = f(2*k + 1) + 2*b*aimag(sigma(r(k)))
-            rate = self%damping_rate(i, k)
-            f(2*k) = f(2*k) + rate*u(2*k + 1)
-            f(2*k + 1) = f(2*k + 1) - rate*u(2*k)
-         end do
+      call toeplitz(self%harmonic(:self%explicit), self%contact(i)%spectra%stiffness, self%tangent(:, :, i))
+      associate (f => self%force(:, i), spectra => self%contact(i)%spectra)
+         if (self%is_direct()) then
+            f = 0
+            do k = 1, self%block
+               f = f + u(k)*self%tangent(:, k, i)
+            end do
+         else
+            call find_wave(self%harmonic, spectra%stiffness, self%products, self%wave(:, i))
+            if (self%contact(i)%law%jumps) &
+               call find_wave(self%harmonic, spectra%damping, self%products, self%damping_wave(:, i))
+            call wave_product(self%harmonic, self%wave(:, i), u, self%products, f)
+         end if
+         call add_coefficients(self%harmonic, -1.0_dp, spectra%offset, f)
       end associate
       call self%damp_tangent(i)
+      call self%rate_of(i, u, self%force_rate(:, i))
+      self%force(:, i) = self%force(:, i) + self%frequency_ratio*self%force_rate(:, i)
    end subroutine mesh_force
 
-   !> d phi/du of unknown mesh i at the explicit harmonics, but for the damping.
-   subroutine find_tangent(self, i)
-      class(balance_type), intent(inout) :: self
-      integer, intent(in) :: i
-      complex(dp) :: difference, total
-      integer :: k, l, m
-
-      associate (w => self%contact(i)%stiffness, t => self%tangent(:, :, i), r => self%harmonic)
-         t(1, 1) = real(w(0), dp)
-         do k = 1, self%explicit
-            t(1, 2*k) = real(w(r(k)), dp)
-            t(1, 2*k + 1) = -aimag(w(r(k)))
-            t(2*k, 1) = 2*t(1, 2*k)
-            t(2*k + 1, 1) = 2*t(1, 2*k + 1)
-         end do
-         do l = 1, self%explicit
-            do m = 1, self%explicit
-               difference = w(abs(r(m) - r(l)))
-               if (r(m) < r(l)) difference = conjg(difference)
-               total = w(r(m) + r(l))
-               t(2*m, 2*l) = difference%re + total%re
-               t(2*m + 1, 2*l) = -difference%im - total%im
-               t(2*m, 2*l + 1) = difference%im - total%im
-               t(2*m + 1, 2*l + 1) = difference%re - total%re
-            end do
-         end do
-      end associate
-   end subroutine find_tangent
-
-   !> Adds gamma dp'/du to the tangent.
-   subroutine damp_tangent(self, i)
-      class(balance_type), intent(inout) :: self
-      integer, intent(in) :: i
-      real(dp) :: rate
-      integer :: k
-
-      do k = 1, self%explicit
-         rate = self%damping_rate(i, k)
-         self%tangent(2*k, 2*k + 1, i) = self%tangent(2*k, 2*k + 1, i) + rate
-         self%tangent(2*k + 1, 2*k, i) = self%tangent(2*k + 1, 2*k, i) - rate
-      end do
-   end subroutine damp_tangent
-
-   !> What the damping of unknown mesh i makes of the k-th harmonic that is carried, at the last `evaluate`: the factor of p'.
-   pure real(dp) function damping_rate(self, i, k)
-      class(balance_type), intent(in) :: self
-      integer, intent(in) :: i, k
-
-      damping_rate = self%damping_of(i)*self%harmonic(k)*self%frequency_ratio/self%eta
-   end function damping_rate
-
-   !> (d phi/du) x of unknown mesh i at all harmonics but for the damping, by samples of the stiffness in contact: exact, since
-   !> there are more of them than four times the highest harmonic.
-   subroutine product(self, i, x, f)
+   !> Derivative of damping p + impulse with respect to time per Lambda, of unknown mesh i at the coefficients x; `linear`: of what
+   !> a change x adds.
+   subroutine rate_of(self, i, x, rate, linear)
       class(balance_type), intent(inout) :: self
       integer, intent(in) :: i
       real(dp), intent(in) :: x(:)
-      real(dp), intent(out) :: f(:)
+      real(dp), intent(out) :: rate(:)
+      logical, intent(in), optional :: linear
+      real(dp) :: gamma
+      real(dp), allocatable :: integral(:), matrix(:, :)
       integer :: k
 
-      associate (products => self%products, r => self%harmonic)
-         call sample(x, r, products)
-         products%sample = self%wave(:, i)*products%sample
-         call products%to_coefficients()
-         f(1) = real(products%coefficient(1), dp)/products%samples
-         do k = 1, size(r)
-            f(2*k) = 2*real(products%coefficient(r(k) + 1), dp)/products%samples
-            f(2*k + 1) = -2*aimag(products%coefficient(r(k) + 1))/products%samples
+      rate(1) = 0
+      if (self%contact(i)%law%jumps) then
+         associate (spectra => self%contact(i)%spectra)
+            allocate (integral(self%block))
+            if (self%is_direct()) then
+               allocate (matrix(self%block, self%block))
+               call toeplitz(self%harmonic, spectra%damping, matrix)
+               integral = matmul(matrix, x)
+            else
+               call wave_product(self%harmonic, self%damping_wave(:, i), x, self%products, integral)
+            end if
+            if (.not. present(linear)) call add_coefficients(self%harmonic, 1.0_dp, spectra%impulse, integral)
+         end associate
+         do k = 1, size(self%harmonic)
+            gamma = real(self%harmonic(k), dp)/self%eta
+            rate(2*k) = gamma*integral(2*k + 1)
+            rate(2*k + 1) = -gamma*integral(2*k)
+         end do
+      else
+         gamma = self%damping_of(i)/self%eta
+         do k = 1, size(self%harmonic)
+            rate(2*k) = gamma*self%harmonic(k)*x(2*k + 1)
+            rate(2*k + 1) = -gamma*self%harmonic(k)*x(2*k)
+         end do
+      end if
+   end subroutine rate_of
+
+   !> Adds what damping does to the tangent of unknown mesh i: gamma dp'/du.
+   subroutine damp_tangent(self, i)
+      class(balance_type), intent(inout) :: self
+      integer, intent(in) :: i
+      real(dp), allocatable :: matrix(:, :)
+      real(dp) :: rate, gamma
+      integer :: k
+
+      gamma = self%damping_of(i)
+      if (self%contact(i)%law%jumps) then
+         allocate (matrix(1 + 2*self%explicit, 1 + 2*self%explicit))
+         call toeplitz(self%harmonic(:self%explicit), self%contact(i)%spectra%damping, matrix)
+      end if
+      associate (tangent => self%tangent(:, :, i))
+         do k = 1, self%explicit
+            rate = self%harmonic(k)*self%frequency_ratio/self%eta
+            if (self%contact(i)%law%jumps) then
+               tangent(2*k, :) = tangent(2*k, :) + rate*matrix(2*k + 1, :)
+               tangent(2*k + 1, :) = tangent(2*k + 1, :) - rate*matrix(2*k, :)
+            else
+               tangent(2*k, 2*k + 1) = tangent(2*k, 2*k + 1) + gamma*rate
+               tangent(2*k + 1, 2*k) = tangent(2*k + 1, 2*k) - gamma*rate
+            end if
          end do
       end associate
-   end subroutine product
+   end subroutine damp_tangent
 
    !> (dS/du) x at the last `evaluate`, for harmonics that are not all explicit; x and s are (block, unknowns).
    subroutine apply(self, x, s)
       class(balance_type), intent(inout) :: self
       real(dp), intent(in) :: x(:, :)
       real(dp), intent(out) :: s(:, :)
-      real(dp) :: force(self%block, self%unknowns), rate
+      real(dp) :: force(self%block, self%unknowns), rate(self%block)
       complex(dp) :: total
       integer :: i, k, n
 
       do i = 1, self%unknowns
-         call self%product(i, x(:, i), force(:, i))
-         do k = 1, size(self%harmonic)
-            rate = self%damping_rate(i, k)
-            force(2*k, i) = force(2*k, i) + rate*x(2*k + 1, i)
-            force(2*k + 1, i) = force(2*k + 1, i) - rate*x(2*k, i)
-         end do
+         call wave_product(self%harmonic, self%wave(:, i), x(:, i), self%products, force(:, i))
+         call self%rate_of(i, x(:, i), rate, linear=.true.)
+         force(:, i) = force(:, i) + self%frequency_ratio*rate
       end do
       call self%mean_product(force(1, :), x(1, :), s(1, :))
       do k = 1, size(self%harmonic)

@@ -85,8 +85,13 @@ contains
          branch%rms(j, n) = rms(coefficients(:, j))
          branch%mean(j, n) = coefficients(1, j)
          call extremes(coefficients(:, j), self%harmonic, self%transform, branch%minimum(j, n), branch%maximum(j, n))
-         call self%reader%read(balance%system, j, solution%frequency_ratio, coefficients(:, j), self%harmonic, self%transform, &
-                               branch%mesh_load(j, n))
+         if (balance%system%law(j)%jumps) then
+            call self%reader%read(balance%system, j, solution%frequency_ratio, coefficients(:, j), self%harmonic, self%transform, &
+                                  branch%mesh_load(j, n), balance%contact(findloc(balance%mesh, j, 1)))
+         else
+            call self%reader%read(balance%system, j, solution%frequency_ratio, coefficients(:, j), self%harmonic, self%transform, &
+                                  branch%mesh_load(j, n))
+         end if
          branch%mesh_load(j, n)%separation = 0
          branch%mesh_load(j, n)%back_contact = 0
       end do

@@ -40,17 +40,21 @@ contains
       call tracer%prepare(merge(settings%harmonics, first_harmonics(tracer%system, settings%subharmonic), settings%harmonics > 0))
    end subroutine begin_trace
 
-   !> The train at rest under its mean load, every mesh on its drive flank.
+   !> The train at rest under its mean load, every mesh on the flank that bears it.
    function resting(tracer, frequency_ratio) result(solution)
       type(tracer_type), intent(in) :: tracer
       real(dp), intent(in) :: frequency_ratio
       type(solution_point_type) :: solution
+      integer :: i
 
       associate (balance => tracer%corrector%balance, system => tracer%system)
          allocate (solution%u(balance%block, balance%unknowns), source=0.0_dp)
          solution%frequency_ratio = frequency_ratio
-         solution%u(1, :) = system%static_force(system%mesh_element(balance%mesh))
-         solution%u(1, :) = solution%u(1, :) + sign(system%half_backlash(balance%mesh), solution%u(1, :))
+         do i = 1, balance%unknowns
+            associate (j => balance%mesh(i))
+               solution%u(1, i) = system%law(j)%rest(system%static_force(system%mesh_element(j)))
+            end associate
+         end do
       end associate
    end function resting
 
