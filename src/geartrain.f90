@@ -9,6 +9,7 @@ module geartrain
    use geartrain_analyses_list, only: case_type, results_type
    use geartrain_analyses_stability_grid, only: stability_map_settings_type, stability_map_type
    use geartrain_analyses_stability_map, only: stability_map
+   use geartrain_balance_mesh_load, only: mesh_load_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_error, only: error_type, status_ended_early, status_file, status_input
    use geartrain_base_interrupt, only: interrupt_by, interrupt_type
@@ -30,7 +31,6 @@ module geartrain
    use geartrain_input_reader, only: read_case, read_case_text
    use geartrain_input_template, only: template_text
    use geartrain_input_text, only: case_text
-   use geartrain_balance_mesh_load, only: mesh_load_type
    use geartrain_model_body, only: body_type
    use geartrain_model_check, only: check_train
    use geartrain_model_mesh, only: mesh_type

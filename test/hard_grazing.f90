@@ -38,7 +38,7 @@ contains
       integer :: i
 
       call build_system(single_pair(0.05_dp, 0.0_dp, 1.0_dp), system)
-      call contact%setup(1.0_dp, system%mesh_stiffness(1), 1, [1], 4, 0)
+      call contact%setup(system%law(1), 1, [1], 4, 0)
       do i = 1, size(depth)
          ! From the same rounded mean as the contact, as the depth would be rounding otherwise.
          associate (mean => 2 - depth(i))
@@ -47,12 +47,14 @@ contains
          end associate
          write (text, '(es7.0)') depth(i)
          call tests%measured('gap entered by '//trim(adjustl(text))//' of the amplitude', 'share of contact in closed form', &
-                             abs(real(contact%stiffness(0), dp) - expected), 4*epsilon(expected)/sqrt(2*depth(i)))
+                             abs(real(contact%spectra%stiffness(0), dp) - expected), 4*epsilon(expected)/sqrt(2*depth(i)))
       end do
       call update_contact(contact, [2.0_dp, 1.0_dp, 0.0_dp])
-      call tests%measured('motion tangent to the wall', 'share of contact 1', abs(real(contact%stiffness(0), dp) - 1), 1e-7_dp)
+      call tests%measured('motion tangent to the wall', 'share of contact 1', &
+                          abs(real(contact%spectra%stiffness(0), dp) - 1), 1e-7_dp)
       call update_contact(contact, [2 + 1e-15_dp, 1.0_dp, 0.0_dp])
-      call tests%measured('motion 1e-15 from the wall', 'share of contact 1', abs(real(contact%stiffness(0), dp) - 1), 1e-7_dp)
+      call tests%measured('motion 1e-15 from the wall', 'share of contact 1', &
+                          abs(real(contact%spectra%stiffness(0), dp) - 1), 1e-7_dp)
    end subroutine tangent_wall
 
    !> p = 0.02 + cos(24 theta) with b = 1 touches the drive flank 24 times a period, for 2 acos(0.98)/(2 pi) of it.
@@ -64,13 +66,13 @@ contains
       integer :: k
 
       call build_system(single_pair(0.05_dp, 0.0_dp, 1.0_dp), system)
-      call contact%setup(1.0_dp, system%mesh_stiffness(1), 1, [(k, k=1, 24)], 96, 0)
+      call contact%setup(system%law(1), 1, [(k, k=1, 24)], 96, 0)
       u = 0
       u(1) = 0.02_dp
       u(48) = 1
       call update_contact(contact, u)
       call tests%measured('24 short contacts a period', 'share of contact in closed form', &
-                          abs(real(contact%stiffness(0), dp) - acos(0.98_dp)/pi) + abs(contact%events - 48), 1e-13_dp)
+                          abs(real(contact%spectra%stiffness(0), dp) - acos(0.98_dp)/pi) + abs(contact%events - 48), 1e-13_dp)
    end subroutine short_contacts
 
    !> Thrown off the drive flank just hard enough to touch the back flank with no speed: x = 1 + f + A cos t in contact, then a

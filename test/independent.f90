@@ -10,6 +10,8 @@ module independent
    type :: joint_type
       integer :: a = 0, b = 0
       real(dp) :: ra = 1, rb = 1, stiffness = 0, damping = 0, gap = 0
+      !> Damping while the teeth are apart; of the back flanks: stiffness and phase.
+      real(dp) :: damping_apart = 0, back_stiffness = 0, back_phase = 0
       !> Harmonics of kappa and of the transmission error: a(k) cos + b(k) sin of k times the order.
       real(dp), allocatable :: kappa(:, :), error(:, :)
       integer :: order = 1
@@ -53,6 +55,8 @@ contains
             joint%stiffness = shaft%stiffness
             joint%damping = 2*shaft%damping_ratio &
                             *sqrt(shaft%stiffness/(1/machine%inertia(joint%a) + 1/machine%inertia(joint%b)))
+            joint%damping_apart = joint%damping
+            joint%back_stiffness = joint%stiffness
             allocate (joint%kappa(2, 0), joint%error(2, 0))
          end associate
       end do
@@ -67,6 +71,9 @@ contains
             joint%damping = 2*mesh%damping_ratio*sqrt(mesh%stiffness/(joint%ra**2/machine%inertia(joint%a) &
                                                                       + joint%rb**2/machine%inertia(joint%b)))
             joint%gap = mesh%half_backlash
+            joint%damping_apart = merge(joint%damping, 0.0_dp, mesh%damping_acts == 'always')
+            joint%back_stiffness = merge(mesh%back_stiffness, mesh%stiffness, mesh%back_stiffness > 0)
+            joint%back_phase = mesh%back_phase
             joint%order = mesh%order
             joint%kappa = both(mesh%stiffness_cos, mesh%stiffness_sin)
             joint%error = both(mesh%error_cos, mesh%error_sin)
@@ -77,7 +84,8 @@ contains
       fastest = 0
       do i = 1, size(machine%joint)
          associate (joint => machine%joint(i))
-            fastest = max(fastest, joint%stiffness*(joint%ra**2/machine%inertia(joint%a) + joint%rb**2/machine%inertia(joint%b)))
+            fastest = max(fastest, max(joint%stiffness, joint%back_stiffness)*(joint%ra**2/machine%inertia(joint%a) &
+                                                                               + joint%rb**2/machine%inertia(joint%b)))
          end associate
       end do
       machine%step = 1/sqrt(2*fastest)
@@ -156,7 +164,7 @@ contains
       type(machine_type), intent(in) :: machine
       integer, intent(in) :: contact(:)
       real(dp), intent(in) :: t, y(:)
-      real(dp) :: slope(size(y)), p(size(contact)), v(size(contact)), force, kappa
+      real(dp) :: slope(size(y)), p(size(contact)), v(size(contact)), force, kappa, phase
       integer :: i, k, n
 
       n = size(machine%inertia)
@@ -166,12 +174,19 @@ contains
       do i = 1, size(contact)
          associate (joint => machine%joint(i))
             kappa = 1
+            phase = joint%order*machine%omega*t
+            if (contact(i) < 0) phase = phase - joint%back_phase
             do k = 1, size(joint%kappa, 2)
-               kappa = kappa + joint%kappa(1, k)*cos(k*joint%order*machine%omega*t) &
-                       + joint%kappa(2, k)*sin(k*joint%order*machine%omega*t)
+               kappa = kappa + joint%kappa(1, k)*cos(k*phase) + joint%kappa(2, k)*sin(k*phase)
             end do
-            force = joint%damping*v(i)
-            if (contact(i) /= 0) force = force + joint%stiffness*kappa*(p(i) - contact(i)*joint%gap)
+            select case (contact(i))
+            case (1)
+               force = joint%stiffness*kappa*(p(i) - joint%gap) + joint%damping*v(i)
+            case (0)
+               force = joint%damping_apart*v(i)
+            case (-1)
+               force = joint%back_stiffness*kappa*(p(i) + joint%gap) + joint%damping*v(i)
+            end select
             slope(n + joint%a) = slope(n + joint%a) - joint%ra*force
             slope(n + joint%b) = slope(n + joint%b) + joint%rb*force
          end associate

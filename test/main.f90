@@ -36,6 +36,7 @@ program main
    use validation_excitations, only: excitations_tests
    use validation_figures, only: figures_tests
    use validation_jumps, only: jumps_tests
+   use validation_mesh_law, only: mesh_law_tests
    use validation_mesh_load, only: mesh_load_tests
    use validation_network, only: network_tests
    use validation_orders, only: orders_tests
@@ -69,6 +70,7 @@ program main
                    suite_type('validation_orders', orders_tests), &
                    suite_type('validation_single_pair', single_pair_tests), &
                    suite_type('validation_whole_model', whole_model_tests), &
+                   suite_type('validation_mesh_law', mesh_law_tests), &
                    suite_type('validation_mesh_load', mesh_load_tests), &
                    suite_type('validation_jumps', jumps_tests), &
                    suite_type('validation_doubling', doubling_tests), &

@@ -5,7 +5,8 @@ module unit_contact
    use geartrain_base_kinds, only: pi
    use geartrain_linalg_trigonometric, only: evaluate
    use geartrain_mesh_law_contact, only: contact_type
-   use geartrain_model_system, only: series_type, series_value
+   use geartrain_mesh_law_law, only: law_type
+   use geartrain_model_mesh, only: mesh_type, put_law
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -26,7 +27,7 @@ contains
       if (tests%runs('crossing_both_walls')) call crossing_both_walls(tests)
    end subroutine contact_tests
 
-   !> F = Toeplitz(w) p - b sigma must be the Fourier coefficients of kappa g(p): trapezoidal rule between the events is
+   !> F = Toeplitz(w) p - offset must be the Fourier coefficients of kappa g(p): trapezoidal rule between the events is
    !> replaced by 2e5 equidistant samples, whose error for a kink is near (2 pi/2e5)^2 = 1e-9.
    subroutine spectra(tests, u, highest_events, name)
       class(tests_type), intent(inout) :: tests
@@ -35,15 +36,16 @@ contains
       character(*), intent(in) :: name
       integer, parameter :: n = 200000, highest = 12
       type(contact_type) :: contact
-      type(series_type) :: kappa
+      type(law_type) :: law
       complex(dp) :: w(0:highest), sigma(0:highest), turn
       real(dp) :: theta, p, slope, curvature
       complex(dp) :: force, expected
       integer :: q, k, m, side
 
-      kappa%order = 1
-      kappa%amplitude = [(0.3_dp, 0.1_dp), (-0.05_dp, 0.2_dp)]
-      call contact%setup(1.0_dp, kappa, 1, [1, 2], highest, 0)
+      call put_law(mesh_type(stiffness=1.0_dp, half_backlash=1.0_dp, stiffness_cos=[0.3_dp, -0.05_dp], &
+                             stiffness_sin=[-0.1_dp, -0.2_dp]), 1.0_dp, law)
+      call law%complete(0.0_dp)
+      call contact%setup(law, 1, [1, 2], highest, 0)
       call update_contact(contact, u)
       call tests%is_true(contact%events <= highest_events .and. (contact%events > 0 .eqv. highest_events > 0), &
                          name//': number of events')
@@ -58,14 +60,14 @@ contains
          if (p < -1) side = -1
          if (side == 0) cycle
          turn = exp(cmplx(0, -3*theta, dp))
-         expected = expected + (1 + series_value(kappa, theta))*(p - side)*turn/n
+         expected = expected + law%stiffness_at(side, theta)*(p - side)*turn/n
       end do
-      ! Coefficient 3 of the force from the spectra: sum over k of w(3-k) c(k) - b sigma(3), c two-sided.
-      force = contact%stiffness(3)*u(1) - contact%offset(3)
+      ! Coefficient 3 of the force from the spectra: sum over k of w(3-k) c(k) - offset(3), c two-sided.
+      force = contact%spectra%stiffness(3)*u(1) - contact%spectra%offset(3)
       do k = 1, 2
          m = 3 - k
-         force = force + contact%stiffness(m)*cmplx(u(2*k), -u(2*k + 1), dp)/2 &
-                 + contact%stiffness(3 + k)*cmplx(u(2*k), u(2*k + 1), dp)/2
+         force = force + contact%spectra%stiffness(m)*cmplx(u(2*k), -u(2*k + 1), dp)/2 &
+                 + contact%spectra%stiffness(3 + k)*cmplx(u(2*k), u(2*k + 1), dp)/2
       end do
       call tests%is_close(abs(force - expected), 0.0_dp, 1e-8_dp, name//': third harmonic of the force')
    end subroutine spectra
@@ -74,12 +76,13 @@ contains
    subroutine grazing(tests)
       class(tests_type), intent(inout) :: tests
       type(contact_type) :: contact
-      type(series_type) :: none
+      type(law_type) :: law
       real(dp), parameter :: depth = 1e-6_dp
       real(dp) :: shift, half_width
 
-      allocate (none%amplitude(0))
-      call contact%setup(1.0_dp, none, 1, [1], 3, 0)
+      call put_law(mesh_type(stiffness=1.0_dp, half_backlash=1.0_dp), 1.0_dp, law)
+      call law%complete(0.0_dp)
+      call contact%setup(law, 1, [1], 3, 0)
       ! The lowest point lies between two samples of the grid of 32.
       shift = pi/32
       call update_contact(contact, [2 - depth, cos(shift), sin(shift)])
@@ -94,10 +97,11 @@ contains
    subroutine crossing_both_walls(tests)
       class(tests_type), intent(inout) :: tests
       type(contact_type) :: contact
-      type(series_type) :: none
+      type(law_type) :: law
 
-      allocate (none%amplitude(0))
-      call contact%setup(1.0_dp, none, 1, [1], 3, 0)
+      call put_law(mesh_type(stiffness=1.0_dp, half_backlash=1.0_dp), 1.0_dp, law)
+      call law%complete(0.0_dp)
+      call contact%setup(law, 1, [1], 3, 0)
       call update_contact(contact, [0.0_dp, 50*cos(0.05_dp), 50*sin(0.05_dp)])
       call tests%is_true(contact%events == 4, 'both walls: four events')
       call tests%is_true(all(contact%contact(:4) == [0, -1, 0, 1]), 'both walls: order of the contacts')

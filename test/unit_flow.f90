@@ -164,6 +164,7 @@ contains
       call mirror%setup(system)
       call tests%is_true(size(mirror%centre) == 0, 'kappa that is even about no instant')
       train%meshes(3)%order = 1
+      train%meshes(3)%damping_acts = 'contact'
       do j = 1, 3, 2
          associate (mesh => train%meshes(j))
             mesh%stiffness_cos = [0.12_dp*cos(mesh%order*lead), 0.03_dp*cos(2*mesh%order*lead)]
@@ -187,7 +188,7 @@ contains
          call propagator%start(frequency_ratio, 1.0_dp)
          call propagator%advance(middle - reach, middle + reach, contacts(:, i))
          call propagator%get(whole)
-         call mirror%complete(half, made, work)
+         call mirror%complete(contacts(:, i), half, made, work)
          call tests%is_close(maxval(abs(made - whole))/maxval(abs(whole)), 0.0_dp, 1e-8_dp, 'a whole interval from its half')
       end do
    end subroutine half_an_interval

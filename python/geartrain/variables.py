@@ -50,10 +50,13 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "stiffness": Variable("stiffness", "real", "float", None, False, "Mean mesh stiffness along the line of action; required unless stiffness_table is given; [N/m]; > 0"),
         "damping_ratio": Variable("damping_ratio", "real", "float", 0.0, False, "c/(2 sqrt(k m)) with m = I_a I_b/(r_a^2 I_b + r_b^2 I_a); >= 0"),
         "damping": Variable("damping", "real", "float", None, False, "Damping coefficient, instead of damping_ratio; [N s/m]; >= 0"),
+        "damping_acts": Variable("damping_acts", "text", "Literal['always', 'contact']", "always", False, "At all times, or in contact only: not while the teeth are apart; 'always' or 'contact'"),
         "half_backlash": Variable("half_backlash", "real", "float", 0.0, False, "Half of the backlash, b; 0: no backlash, a linear mesh; [m]; >= 0"),
         "stiffness_cos": Variable("stiffness_cos", "reals", "Series", None, False, "Cosine amplitudes, harmonics 1, 2, ... of kappa(t) = 1 + ..., the mesh stiffness over its mean"),
         "stiffness_sin": Variable("stiffness_sin", "reals", "Series", None, False, "Sine amplitudes, likewise"),
         "stiffness_table": Variable("stiffness_table", "reals", "Series", None, False, "Stiffness at equidistant instants of one mesh cycle, 4 values or more, taken as a trigonometric polynomial: gives stiffness and its harmonics; [N/m]; > 0"),
+        "back_stiffness": Variable("back_stiffness", "real", "float", None, False, "Mean stiffness of the back flanks, which touch at p < -half_backlash, where it is not that of the drive flanks; [N/m]; > 0"),
+        "back_phase": Variable("back_phase", "real", "float", 0.0, False, "By which kappa of the back flanks lags that of the drive flanks, in the mesh cycle; [rad]"),
         "contact_ratio": Variable("contact_ratio", "real", "float", None, False, "Gives kappa as the rectangular wave of as many tooth pairs in contact, instead of stiffness_cos and stiffness_sin; > 1 and <= 10"),
         "stiffness_harmonics": Variable("stiffness_harmonics", "integer", "int", 5, False, "Harmonics of the rectangular wave that are taken; >= 1 and <= 1000"),
         "phase": Variable("phase", "real", "float", 0.0, False, "By which kappa and the transmission error lag, in the mesh cycle; [rad]"),
@@ -152,10 +155,13 @@ class Mesh(Part, variables=VARIABLES["mesh"]):
     stiffness: float | None = None
     damping_ratio: float | None = None
     damping: float | None = None
+    damping_acts: Literal["always", "contact"] | None = None
     half_backlash: float | None = None
     stiffness_cos: Series | None = None
     stiffness_sin: Series | None = None
     stiffness_table: Series | None = None
+    back_stiffness: float | None = None
+    back_phase: float | None = None
     contact_ratio: float | None = None
     stiffness_harmonics: int | None = None
     phase: float | None = None

@@ -75,7 +75,7 @@ contains
                do n = graph%row(i), graph%row(i + 1) - 1
                   associate (j => graph%column(n), entry => graph%entry(n))
                      force = cmplx(self%force(2*k, j), -self%force(2*k + 1, j), dp)
-                     d_force = cmplx(0, self%damping_of(j)*r/self%eta, dp)*cmplx(u(2*k, j), -u(2*k + 1, j), dp)
+                     d_force = cmplx(self%force_rate(2*k, j), -self%force_rate(2*k + 1, j), dp)
                      s = s + h(entry)*force
                      ds = ds + dh(entry)*force + h(entry)*d_force
                   end associate

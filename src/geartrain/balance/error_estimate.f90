@@ -2,10 +2,12 @@
 module geartrain_balance_error_estimate
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_bordered_system, only: bordered_system_type
+   use geartrain_balance_products, only: driven, multiply, tail_force, transform_tail
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_graph, only: factor_scalars, solve_scalars
    use geartrain_linalg_trigonometric, only: evaluate, sample, transform_length
+   use geartrain_mesh_law_spectra, only: spectra_type
    use geartrain_model_receptance, only: find_receptance, linear_displacements, receptance_type
    implicit none (type, external)
    private
@@ -38,10 +40,11 @@ module geartrain_balance_error_estimate
       logical :: doubtful = .false.
       !> Root of the sum of squares of the amplitudes above harmonic r, all meshes together, (0:near*highest).
       real(dp), allocatable :: remainder(:)
-      !> Harmonics of the tail that are taken, their amplitudes (tail, unknowns), the spectra of contact (0:, unknowns).
-      integer, private :: count = 0
+      !> Harmonics of the tail that are taken, their amplitudes (tail, unknowns), the spectra of contact (unknowns).
+      integer, private :: count = 0, longest = -1
       integer, allocatable, private :: harmonic(:)
-      complex(dp), allocatable, private :: tail(:, :), stiffness(:, :), offset(:, :)
+      complex(dp), allocatable, private :: tail(:, :)
+      type(spectra_type), allocatable, private :: spectra(:)
       !> The error of the kept coefficients, (block, unknowns), which corrects the motion to first order.
       real(dp), allocatable, private :: error(:, :)
       !> Plan for products of the tail with the spectra, where the balance works by FFT too.
@@ -92,16 +95,16 @@ contains
       associate (n => estimate%count, tail => estimate%tail(:estimate%count, :), harmonic => estimate%harmonic)
          reach = harmonic(n) + balance%highest
          do i = 1, balance%unknowns
-            call balance%contact(i)%spectra(estimate%stiffness(0:reach, i), estimate%offset(0:reach, i))
+            call balance%contact(i)%extend(estimate%spectra(i), reach)
          end do
          ! Room for the product of the spectra with the motion or the tail, without aliases where it is used.
          if (.not. balance%is_direct()) call estimate%wide%plan(transform_length(2*reach + 1))
-         call find_forces(balance, u, harmonic(:n), estimate%stiffness(0:reach, :), estimate%offset, estimate%wide, tail)
+         call find_forces(balance, u, frequency_ratio, harmonic(:n), reach, estimate%spectra, estimate%wide, tail)
          condensed = size(balance%left_out) > 0 .and. balance%unknowns < balance%system%meshes
          if (condensed) force = tail
          call find_tail(balance, frequency_ratio, harmonic(:n), tail)
          call find_remainder(balance, u, harmonic(:n), tail, estimate%remainder)
-         call find_shift(balance, harmonic(:n), estimate%stiffness(0:reach, :), estimate%wide, tail, correction)
+         call find_shift(balance, frequency_ratio, harmonic(:n), reach, estimate%spectra, estimate%wide, tail, correction)
          y = 0
          call matrix%solve(balance, correction, y, accuracy)
          scale = sqrt(max(sum(u(2:, :)**2), tiny(1.0_dp)))
@@ -129,18 +132,22 @@ contains
    pure subroutine reserve(self, balance)
       class(error_estimate_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
-      integer :: longest, last
+      integer :: longest, last, i
 
       longest = far*balance%highest
       last = maxval([longest, balance%left_out]) + balance%highest
       longest = longest + count(balance%left_out > longest)
       if (allocated(self%remainder)) then
          if (ubound(self%remainder, 1) == near*balance%highest .and. size(self%tail, 1) == longest .and. &
-             size(self%tail, 2) == balance%unknowns .and. ubound(self%stiffness, 1) == last) return
-         deallocate (self%remainder, self%harmonic, self%tail, self%stiffness, self%offset)
+             size(self%tail, 2) == balance%unknowns .and. self%longest == last) return
+         deallocate (self%remainder, self%harmonic, self%tail, self%spectra)
       end if
+      self%longest = last
       allocate (self%remainder(0:near*balance%highest), self%harmonic(longest), self%tail(longest, balance%unknowns), &
-                self%stiffness(0:last, balance%unknowns), self%offset(0:last, balance%unknowns))
+                self%spectra(balance%unknowns))
+      do i = 1, balance%unknowns
+         call self%spectra(i)%reserve(balance%contact(i)%law, last)
+      end do
    end subroutine reserve
 
    !> Harmonics of the tail: those that the balance misses up to `near`, beyond where a natural frequency may be met, and those of
@@ -281,42 +288,44 @@ contains
    end subroutine find_remainder
 
    !> Forces that the kept harmonics cause at those of the tail, (tail, unknowns).
-   subroutine find_forces(balance, u, harmonic, stiffness, offset, wide, force)
+   subroutine find_forces(balance, u, frequency_ratio, harmonic, reach, spectra, wide, force)
       type(balance_type), intent(in) :: balance
-      real(dp), intent(in) :: u(:, :)
-      integer, intent(in) :: harmonic(:)
-      complex(dp), intent(in) :: stiffness(0:, :), offset(0:, :)
+      real(dp), intent(in) :: u(:, :), frequency_ratio
+      integer, intent(in) :: harmonic(:), reach
+      type(spectra_type), intent(in) :: spectra(:)
       type(transform_type), intent(inout) :: wide
       complex(dp), intent(out) :: force(:, :)
-      integer :: i, m
+      complex(dp) :: integral(size(harmonic))
+      integer :: i
 
       do i = 1, balance%unknowns
+         call at_tail(spectra(i)%stiffness(:reach), force(:, i))
+         force(:, i) = force(:, i) - 2*spectra(i)%offset(harmonic)
+         if (.not. balance%contact(i)%law%jumps) cycle
+         call at_tail(spectra(i)%damping(:reach), integral)
+         force(:, i) = force(:, i) + cmplx(0, frequency_ratio/balance%eta, dp)*harmonic*(integral + 2*spectra(i)%impulse(harmonic))
+      end do
+
+   contains
+
+      !> Product of w with the motion of unknown mesh i.
+      subroutine at_tail(w, product)
+         complex(dp), intent(in) :: w(0:)
+         complex(dp), intent(out) :: product(:)
+         integer :: m
+
          if (balance%is_direct()) then
             do m = 1, size(harmonic)
-               force(m, i) = 2*stiffness(harmonic(m), i)*u(1, i) + driven(balance%harmonic, stiffness(:, i), u(:, i), harmonic(m))
+               product(m) = 2*w(harmonic(m))*u(1, i) + driven(balance%harmonic, w, u(:, i), harmonic(m))
             end do
          else
             call sample(u(:, i), balance%harmonic, wide)
-            call multiply(wide, stiffness(:, i))
-            force(:, i) = 2*wide%coefficient(harmonic + 1)
+            call multiply(wide, w)
+            product = 2*wide%coefficient(harmonic + 1)
          end if
-         force(:, i) = force(:, i) - 2*balance%contact(i)%half_backlash*offset(harmonic, i)
-      end do
+      end subroutine at_tail
+
    end subroutine find_forces
-
-   !> Multiplies the waveform in wide%sample with that of the two-sided coefficients w; leaves coefficients there.
-   subroutine multiply(wide, w)
-      type(transform_type), intent(inout) :: wide
-      complex(dp), intent(in) :: w(:)
-      real(dp) :: waveform(wide%samples)
-
-      waveform = wide%sample/wide%samples
-      wide%coefficient = 0
-      wide%coefficient(:size(w)) = w
-      call wide%to_samples()
-      wide%sample = waveform*wide%sample
-      call wide%to_coefficients()
-   end subroutine multiply
 
    !> Complex amplitudes of the tail in place of the forces there, (tail, unknowns): each harmonic by itself, the meshes coupled
    !> and with their mean stiffness (a harmonic near a natural frequency resonates).
@@ -348,45 +357,29 @@ contains
       end associate
    end subroutine find_tail
 
-   !> Force at harmonic r, not a kept one, that the kept harmonics cause.
-   pure complex(dp) function driven(kept, w, u, r)
-      integer, intent(in) :: kept(:), r
-      complex(dp), intent(in) :: w(0:)
-      real(dp), intent(in) :: u(:)
-      integer :: k
-
-      driven = 0
-      do k = 1, size(kept)
-         driven = driven + two_sided(w, r - kept(k))*cmplx(u(2*k), -u(2*k + 1), dp) &
-                  + w(r + kept(k))*cmplx(u(2*k), u(2*k + 1), dp)
-      end do
-   end function driven
-
-   pure complex(dp) function two_sided(w, k)
-      complex(dp), intent(in) :: w(0:)
-      integer, intent(in) :: k
-
-      two_sided = w(abs(k))
-      if (k < 0) two_sided = conjg(two_sided)
-   end function two_sided
-
    !> What the tail's force moves the kept harmonics by, before the balance answers.
-   subroutine find_shift(balance, harmonic, stiffness, wide, tail, correction)
+   subroutine find_shift(balance, frequency_ratio, harmonic, reach, spectra, wide, tail, correction)
       type(balance_type), intent(in) :: balance
-      integer, intent(in) :: harmonic(:)
-      complex(dp), intent(in) :: stiffness(0:, :), tail(:, :)
+      real(dp), intent(in) :: frequency_ratio
+      integer, intent(in) :: harmonic(:), reach
+      type(spectra_type), intent(in) :: spectra(:)
+      complex(dp), intent(in) :: tail(:, :)
       type(transform_type), intent(inout) :: wide
       real(dp), intent(out) :: correction(:, :)
-      real(dp) :: d_phi(balance%block, balance%unknowns)
+      real(dp) :: d_phi(balance%block, balance%unknowns), integral(balance%block)
       complex(dp) :: shift
       integer :: i, k, n
 
       do i = 1, balance%unknowns
-         if (balance%is_direct()) then
-            call tail_force(balance%harmonic, harmonic, stiffness(:, i), tail(:, i), d_phi(:, i))
-         else
-            call transform_tail(balance%harmonic, harmonic, stiffness(:, i), tail(:, i), wide, d_phi(:, i))
-         end if
+         call at_kept(spectra(i)%stiffness(:reach), d_phi(:, i))
+         if (.not. balance%contact(i)%law%jumps) cycle
+         call at_kept(spectra(i)%damping(:reach), integral)
+         do k = 1, size(balance%harmonic)
+            associate (rate => frequency_ratio*balance%harmonic(k)/balance%eta)
+               d_phi(2*k, i) = d_phi(2*k, i) + rate*integral(2*k + 1)
+               d_phi(2*k + 1, i) = d_phi(2*k + 1, i) - rate*integral(2*k)
+            end associate
+         end do
       end do
       call balance%mean_product(-d_phi(1, :), 0*d_phi(1, :), correction(1, :))
       associate (graph => balance%system%cut%graph)
@@ -402,44 +395,21 @@ contains
             end do
          end do
       end associate
+
+   contains
+
+      !> Product of w with the tail of unknown mesh i.
+      subroutine at_kept(w, product)
+         complex(dp), intent(in) :: w(0:)
+         real(dp), intent(out) :: product(:)
+
+         if (balance%is_direct()) then
+            call tail_force(balance%harmonic, harmonic, w, tail(:, i), product)
+         else
+            call transform_tail(balance%harmonic, harmonic, w, tail(:, i), wide, product)
+         end if
+      end subroutine at_kept
+
    end subroutine find_shift
-
-   !> Force at the kept harmonics that the missing tail causes, to first order.
-   pure subroutine tail_force(kept, harmonic, w, tail, d_phi)
-      integer, intent(in) :: kept(:), harmonic(:)
-      complex(dp), intent(in) :: w(0:), tail(:)
-      real(dp), intent(out) :: d_phi(:)
-      complex(dp) :: total
-      integer :: k, m
-
-      d_phi(1) = sum(real(conjg(w(harmonic))*tail, dp))
-      do k = 1, size(kept)
-         total = 0
-         do m = 1, size(tail)
-            total = total + conjg(two_sided(w, harmonic(m) - kept(k)))*tail(m) + w(harmonic(m) + kept(k))*conjg(tail(m))
-         end do
-         d_phi(2*k) = total%re
-         d_phi(2*k + 1) = -total%im
-      end do
-   end subroutine tail_force
-
-   !> The same by FFT.
-   subroutine transform_tail(kept, harmonic, w, tail, wide, d_phi)
-      integer, intent(in) :: kept(:), harmonic(:)
-      complex(dp), intent(in) :: w(0:), tail(:)
-      type(transform_type), intent(inout) :: wide
-      real(dp), intent(out) :: d_phi(:)
-      integer :: k
-
-      wide%coefficient = 0
-      wide%coefficient(harmonic + 1) = tail/2
-      call wide%to_samples()
-      call multiply(wide, w)
-      d_phi(1) = real(wide%coefficient(1), dp)
-      do k = 1, size(kept)
-         d_phi(2*k) = 2*real(wide%coefficient(kept(k) + 1), dp)
-         d_phi(2*k + 1) = -2*aimag(wide%coefficient(kept(k) + 1))
-      end do
-   end subroutine transform_tail
 
 end module geartrain_balance_error_estimate

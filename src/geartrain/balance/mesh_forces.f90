@@ -1,10 +1,12 @@
 !> Forces of the unknown meshes at the harmonics of a balance, over k b_c, and their derivatives:
-!>    phi = Toeplitz(w) p - b sigma + gamma p'    with the spectra w and sigma of the contact of each mesh.
+!>    phi = Toeplitz(w) p - sigma + d/dt (Toeplitz(d) p + j)
+!> with the spectra of the contact of each mesh: stiffness w, offset sigma, damping d and impulse j (geartrain_mesh_law_spectra).
 module geartrain_balance_mesh_forces
    use geartrain_balance_needed_harmonics, only: needed_harmonics
+   use geartrain_balance_products, only: add_coefficients, find_wave, toeplitz, wave_product
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_fftw, only: transform_type
-   use geartrain_linalg_trigonometric, only: fine_samples, sample, transform_length
+   use geartrain_linalg_trigonometric, only: fine_samples, transform_length
    use geartrain_mesh_law_contact, only: contact_type
    use geartrain_model_system, only: system_type
    implicit none (type, external)
@@ -34,12 +36,14 @@ module geartrain_balance_mesh_forces
       !> `explicit` carried harmonics.
       real(dp), allocatable :: force(:, :), tangent(:, :, :)
       integer :: explicit = 0
+      !> d phi/dLambda at constant coefficients [1], (block, unknown).
+      real(dp), allocatable :: force_rate(:, :)
       !> Lambda [1] at the last `find_forces`.
       real(dp), private :: frequency_ratio = 0
-      !> Plan of the waveforms of the meshes; where not all harmonics are explicit also the plan of products, and the stiffness in
-      !> contact [1], (sample, unknown).
+      !> Plan of the waveforms of the meshes; where not all harmonics are explicit also the plan of products, and stiffness in
+      !> contact [1], (sample, unknown), with damping [1] where it changes with the contact.
       type(transform_type), private :: fine, products
-      real(dp), allocatable, private :: wave(:, :)
+      real(dp), allocatable, private :: wave(:, :), damping_wave(:, :)
    contains
       procedure :: setup
       procedure :: find_forces
@@ -49,10 +53,8 @@ module geartrain_balance_mesh_forces
       procedure :: damping_of
       procedure :: mean_stiffness
       procedure, private :: find_force
-      procedure, private :: find_tangent
       procedure, private :: damp_tangent
-      procedure, private :: damping_rate
-      procedure, private :: product
+      procedure, private :: rate_of
    end type mesh_forces_type
 
 contains
@@ -78,17 +80,18 @@ contains
       if (.not. allocated(self%contact)) allocate (self%contact(self%unknowns))
       do i = 1, self%unknowns
          associate (j => self%mesh(i))
-            call self%contact(i)%setup(system%half_backlash(j), system%mesh_stiffness(j), eta, self%harmonic, 2*highest, samples)
+            call self%contact(i)%setup(system%law(j), eta, self%harmonic, 2*highest, samples)
          end associate
       end do
       call self%fine%plan(fine_samples(maxval([1, self%harmonic])))
-      if (allocated(self%force)) deallocate (self%force, self%wave, self%tangent)
-      allocate (self%force(self%block, self%unknowns))
+      if (allocated(self%force)) deallocate (self%force, self%force_rate, self%wave, self%damping_wave, self%tangent)
+      allocate (self%force(self%block, self%unknowns), self%force_rate(self%block, self%unknowns))
       self%explicit = size(self%harmonic)
       if (self%explicit > most_direct) self%explicit = explicit_of_many
       ! No alias of a product with spectra up to twice the highest harmonic reaches a carried harmonic.
       if (.not. self%is_direct()) call self%products%plan(transform_length(4*self%harmonic(size(self%harmonic)) + 1))
       allocate (self%wave(merge(0, self%products%samples, self%is_direct()), self%unknowns))
+      allocate (self%damping_wave(merge(size(self%wave, 1), 0, any(system%law(self%mesh)%jumps)), self%unknowns))
       allocate (self%tangent(1 + 2*self%explicit, 1 + 2*self%explicit, self%unknowns))
    end subroutine setup
 
@@ -105,23 +108,24 @@ contains
       end do
    end subroutine find_forces
 
-   !> Damping over stiffness, gamma [1], of an unknown mesh.
+   !> Mean damping over stiffness [1] of an unknown mesh at the last `find_forces`.
    pure real(dp) function damping_of(self, i)
       class(mesh_forces_type), intent(in) :: self
       !> Number of the unknown mesh.
       integer, intent(in) :: i
 
-      damping_of = self%system%damping(self%system%mesh_element(self%mesh(i)))
+      damping_of = self%contact(i)%spectra%mean_damping(self%contact(i)%law)
    end function damping_of
 
    !> Mean dynamic stiffness of an unknown mesh over its stiffness [1] at the last `find_forces`: mean stiffness in contact plus i
-   !> times gamma times the frequency of a harmonic.
+   !> times mean damping times the frequency of a harmonic.
    pure complex(dp) function mean_stiffness(self, i, harmonic)
       class(mesh_forces_type), intent(in) :: self
       !> Number of the unknown mesh; harmonic of Lambda/eta.
       integer, intent(in) :: i, harmonic
 
-      mean_stiffness = cmplx(real(self%contact(i)%stiffness(0), dp), self%damping_of(i)*harmonic*self%frequency_ratio/self%eta, dp)
+      mean_stiffness = cmplx(real(self%contact(i)%spectra%stiffness(0), dp), &
+                             self%damping_of(i)*harmonic*self%frequency_ratio/self%eta, dp)
    end function mean_stiffness
 
    !> Whether `tangent` holds the derivatives at all carried harmonics.
@@ -142,98 +146,104 @@ contains
       deallocate (self%tangent)
       allocate (self%tangent(1 + 2*self%explicit, 1 + 2*self%explicit, self%unknowns))
       do i = 1, self%unknowns
-         call self%find_tangent(i)
+         call toeplitz(self%harmonic(:self%explicit), self%contact(i)%spectra%stiffness, self%tangent(:, :, i))
          call self%damp_tangent(i)
       end do
    end subroutine make_explicit
 
-   !> Force and derivative of unknown mesh i by the spectra of its contact.
+   !> phi of unknown mesh i by the spectra of its contact, and its derivatives (geartrain_mesh_law_spectra).
    subroutine find_force(self, i, u)
       class(mesh_forces_type), intent(inout) :: self
       integer, intent(in) :: i
       real(dp), intent(in) :: u(:)
-      real(dp) :: rate
       integer :: k
 
       call self%contact(i)%update(u, self%fine)
-      call self%find_tangent(i)
-      if (self%is_direct()) then
-         self%force(:, i) = 0
-         do k = 1, self%block
-            self%force(:, i) = self%force(:, i) + u(k)*self%tangent(:, k, i)
-         end do
-      else
-         self%products%coefficient = 0
-         associate (n => 2*self%harmonic(size(self%harmonic)))
-            self%products%coefficient(:n + 1) = self%contact(i)%stiffness(:n)
-         end associate
-         call self%products%to_samples()
-         self%wave(:, i) = self%products%sample
-         call self%product(i, u, self%force(:, i))
-      end if
-      associate (f => self%force(:, i), sigma => self%contact(i)%offset, b => self%contact(i)%half_backlash, r => self%harmonic)
-         f(1) = f(1) - b*real(sigma(0), dp)
-         do k = 1, size(r)
-            f(2*k) = f(2*k) - 2*b*real(sigma(r(k)), dp)
-            f(2*k + 1) = f(2*k + 1) + 2*b*aimag(sigma(r(k)))
-            rate = self%damping_rate(i, k)
-            f(2*k) = f(2*k) + rate*u(2*k + 1)
-            f(2*k + 1) = f(2*k + 1) - rate*u(2*k)
-         end do
+      call toeplitz(self%harmonic(:self%explicit), self%contact(i)%spectra%stiffness, self%tangent(:, :, i))
+      associate (f => self%force(:, i), spectra => self%contact(i)%spectra)
+         if (self%is_direct()) then
+            f = 0
+            do k = 1, self%block
+               f = f + u(k)*self%tangent(:, k, i)
+            end do
+         else
+            call find_wave(self%harmonic, spectra%stiffness, self%products, self%wave(:, i))
+            if (self%contact(i)%law%jumps) &
+               call find_wave(self%harmonic, spectra%damping, self%products, self%damping_wave(:, i))
+            call wave_product(self%harmonic, self%wave(:, i), u, self%products, f)
+         end if
+         call add_coefficients(self%harmonic, -1.0_dp, spectra%offset, f)
       end associate
       call self%damp_tangent(i)
+      call self%rate_of(i, u, self%force_rate(:, i))
+      self%force(:, i) = self%force(:, i) + self%frequency_ratio*self%force_rate(:, i)
    end subroutine find_force
 
-   !> Sets `tangent` of unknown mesh i to Toeplitz(w), d phi/du without damping.
-   subroutine find_tangent(self, i)
+   !> Derivative of damping p + impulse with respect to time per Lambda, of unknown mesh i at the coefficients x; `linear`: of what
+   !> a change x adds.
+   subroutine rate_of(self, i, x, rate, linear)
       class(mesh_forces_type), intent(inout) :: self
       integer, intent(in) :: i
-      complex(dp) :: difference, total
-      integer :: k, l, m
+      real(dp), intent(in) :: x(:)
+      real(dp), intent(out) :: rate(:)
+      logical, intent(in), optional :: linear
+      real(dp) :: gamma
+      real(dp), allocatable :: integral(:), matrix(:, :)
+      integer :: k
 
-      associate (w => self%contact(i)%stiffness, t => self%tangent(:, :, i), r => self%harmonic)
-         t(1, 1) = real(w(0), dp)
-         do k = 1, self%explicit
-            t(1, 2*k) = real(w(r(k)), dp)
-            t(1, 2*k + 1) = -aimag(w(r(k)))
-            t(2*k, 1) = 2*t(1, 2*k)
-            t(2*k + 1, 1) = 2*t(1, 2*k + 1)
+      rate(1) = 0
+      if (self%contact(i)%law%jumps) then
+         associate (spectra => self%contact(i)%spectra)
+            allocate (integral(self%block))
+            if (self%is_direct()) then
+               allocate (matrix(self%block, self%block))
+               call toeplitz(self%harmonic, spectra%damping, matrix)
+               integral = matmul(matrix, x)
+            else
+               call wave_product(self%harmonic, self%damping_wave(:, i), x, self%products, integral)
+            end if
+            if (.not. present(linear)) call add_coefficients(self%harmonic, 1.0_dp, spectra%impulse, integral)
+         end associate
+         do k = 1, size(self%harmonic)
+            gamma = real(self%harmonic(k), dp)/self%eta
+            rate(2*k) = gamma*integral(2*k + 1)
+            rate(2*k + 1) = -gamma*integral(2*k)
          end do
-         do l = 1, self%explicit
-            do m = 1, self%explicit
-               difference = w(abs(r(m) - r(l)))
-               if (r(m) < r(l)) difference = conjg(difference)
-               total = w(r(m) + r(l))
-               t(2*m, 2*l) = difference%re + total%re
-               t(2*m + 1, 2*l) = -difference%im - total%im
-               t(2*m, 2*l + 1) = difference%im - total%im
-               t(2*m + 1, 2*l + 1) = difference%re - total%re
-            end do
+      else
+         gamma = self%damping_of(i)/self%eta
+         do k = 1, size(self%harmonic)
+            rate(2*k) = gamma*self%harmonic(k)*x(2*k + 1)
+            rate(2*k + 1) = -gamma*self%harmonic(k)*x(2*k)
          end do
-      end associate
-   end subroutine find_tangent
+      end if
+   end subroutine rate_of
 
-   !> Adds gamma dp'/du to `tangent` of unknown mesh i.
+   !> Adds what damping does to the tangent of unknown mesh i: gamma dp'/du.
    subroutine damp_tangent(self, i)
       class(mesh_forces_type), intent(inout) :: self
       integer, intent(in) :: i
-      real(dp) :: rate
+      real(dp), allocatable :: matrix(:, :)
+      real(dp) :: rate, gamma
       integer :: k
 
-      do k = 1, self%explicit
-         rate = self%damping_rate(i, k)
-         self%tangent(2*k, 2*k + 1, i) = self%tangent(2*k, 2*k + 1, i) + rate
-         self%tangent(2*k + 1, 2*k, i) = self%tangent(2*k + 1, 2*k, i) - rate
-      end do
+      gamma = self%damping_of(i)
+      if (self%contact(i)%law%jumps) then
+         allocate (matrix(1 + 2*self%explicit, 1 + 2*self%explicit))
+         call toeplitz(self%harmonic(:self%explicit), self%contact(i)%spectra%damping, matrix)
+      end if
+      associate (tangent => self%tangent(:, :, i))
+         do k = 1, self%explicit
+            rate = self%harmonic(k)*self%frequency_ratio/self%eta
+            if (self%contact(i)%law%jumps) then
+               tangent(2*k, :) = tangent(2*k, :) + rate*matrix(2*k + 1, :)
+               tangent(2*k + 1, :) = tangent(2*k + 1, :) - rate*matrix(2*k, :)
+            else
+               tangent(2*k, 2*k + 1) = tangent(2*k, 2*k + 1) + gamma*rate
+               tangent(2*k + 1, 2*k) = tangent(2*k + 1, 2*k) - gamma*rate
+            end if
+         end do
+      end associate
    end subroutine damp_tangent
-
-   !> gamma times the frequency of the k-th carried harmonic [1], for unknown mesh i.
-   pure real(dp) function damping_rate(self, i, k)
-      class(mesh_forces_type), intent(in) :: self
-      integer, intent(in) :: i, k
-
-      damping_rate = self%damping_of(i)*self%harmonic(k)*self%frequency_ratio/self%eta
-   end function damping_rate
 
    !> (d phi/du) x of an unknown mesh at all carried harmonics, where these are not all explicit.
    subroutine tangent_product(self, i, x, f)
@@ -244,36 +254,11 @@ contains
       real(dp), intent(in) :: x(:)
       !> Change of its force [1], (block).
       real(dp), intent(out) :: f(:)
-      real(dp) :: rate
-      integer :: k
+      real(dp) :: rate(self%block)
 
-      call self%product(i, x, f)
-      do k = 1, size(self%harmonic)
-         rate = self%damping_rate(i, k)
-         f(2*k) = f(2*k) + rate*x(2*k + 1)
-         f(2*k + 1) = f(2*k + 1) - rate*x(2*k)
-      end do
+      call wave_product(self%harmonic, self%wave(:, i), x, self%products, f)
+      call self%rate_of(i, x, rate, linear=.true.)
+      f = f + self%frequency_ratio*rate
    end subroutine tangent_product
-
-   !> Toeplitz(w) x of unknown mesh i at all carried harmonics, by samples of its stiffness in contact: exact, because there are
-   !> more than four samples per period of the highest harmonic.
-   subroutine product(self, i, x, f)
-      class(mesh_forces_type), intent(inout) :: self
-      integer, intent(in) :: i
-      real(dp), intent(in) :: x(:)
-      real(dp), intent(out) :: f(:)
-      integer :: k
-
-      associate (products => self%products, r => self%harmonic)
-         call sample(x, r, products)
-         products%sample = self%wave(:, i)*products%sample
-         call products%to_coefficients()
-         f(1) = real(products%coefficient(1), dp)/products%samples
-         do k = 1, size(r)
-            f(2*k) = 2*real(products%coefficient(r(k) + 1), dp)/products%samples
-            f(2*k + 1) = -2*aimag(products%coefficient(r(k) + 1))/products%samples
-         end do
-      end associate
-   end subroutine product
 
 end module geartrain_balance_mesh_forces

@@ -1,7 +1,7 @@
 !> A motion of a train: the result of every method (balance, integration, shooting).
 module geartrain_balance_motion
-   use geartrain_base_kinds, only: dp
    use geartrain_balance_mesh_load, only: mesh_load_type
+   use geartrain_base_kinds, only: dp
    implicit none (type, external)
    private
    public :: motion_type

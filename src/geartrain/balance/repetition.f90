@@ -4,8 +4,9 @@
 module geartrain_balance_repetition
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp
+   use geartrain_base_series, only: series_type
    use geartrain_floquet_multipliers, only: power
-   use geartrain_model_system, only: series_type, system_type
+   use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
    public :: repetitions_of, divide_orders, take_one, repeat_motion
@@ -45,7 +46,7 @@ contains
          call divide(times, system%torque(j))
       end do
       do j = 1, system%meshes
-         call divide(times, system%mesh_stiffness(j))
+         if (size(system%law(j)%amplitude, 1) > 0) system%law(j)%order = system%law(j)%order/times
          call divide(times, system%transmission_error(j))
       end do
       system%excitation_order = system%excitation_order/times

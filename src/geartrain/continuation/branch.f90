@@ -1,5 +1,6 @@
 !> A branch of periodic motions over frequency: what continuation gives, point by point, through the folds.
 module geartrain_continuation_branch
+   use geartrain_balance_mesh_load, only: mesh_load_type
    use geartrain_base_carry, only: carry
    use geartrain_base_field, only: row => field_type
    use geartrain_base_fields, only: arranging, fields_type, listing, reading
@@ -7,7 +8,6 @@ module geartrain_continuation_branch
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_flow_fields, only: about_coefficients, about_frequency, about_maximum, about_mean, about_mesh, about_minimum, &
       about_multipliers, about_rms, about_stable, about_true_ac_rms, about_undecided, carry_loads, coefficient_axis, on_stability
-   use geartrain_balance_mesh_load, only: mesh_load_type
    implicit none (type, external)
    private
    public :: arrange_points, branch_type, contact_edge_type, response_settings_type, special_point_type, trace_state_type, &

@@ -2,6 +2,7 @@
 module geartrain_continuation_recorder
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_error_estimate, only: error_estimate_type
+   use geartrain_balance_mesh_load, only: force_reader_type
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: arrange_points, branch_type
    use geartrain_continuation_corrector, only: solution_point_type
@@ -9,7 +10,6 @@ module geartrain_continuation_recorder
    use geartrain_floquet_monodromy, only: monodromy_type
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: extremes, fine_samples, rms
-   use geartrain_balance_mesh_load, only: force_reader_type
    implicit none (type, external)
    private
    public :: recorder_type
@@ -96,8 +96,13 @@ contains
          branch%rms(j, n) = rms(coefficients(:, j))
          branch%mean(j, n) = coefficients(1, j)
          call extremes(coefficients(:, j), self%harmonic, self%transform, branch%minimum(j, n), branch%maximum(j, n))
-         call self%reader%read(balance%system, j, solution%frequency_ratio, coefficients(:, j), self%harmonic, self%transform, &
-                               branch%mesh_load(j, n))
+         if (balance%system%law(j)%jumps) then
+            call self%reader%read(balance%system, j, solution%frequency_ratio, coefficients(:, j), self%harmonic, self%transform, &
+                                  branch%mesh_load(j, n), balance%contact(findloc(balance%mesh, j, 1)))
+         else
+            call self%reader%read(balance%system, j, solution%frequency_ratio, coefficients(:, j), self%harmonic, self%transform, &
+                                  branch%mesh_load(j, n))
+         end if
          branch%mesh_load(j, n)%separation = 0
          branch%mesh_load(j, n)%back_contact = 0
       end do

@@ -50,12 +50,16 @@ contains
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
       type(solution_point_type) :: solution
+      integer :: i
 
       associate (balance => tracer%corrector%balance, system => tracer%system)
          allocate (solution%u(balance%block, balance%unknowns), source=0.0_dp)
          solution%frequency_ratio = frequency_ratio
-         solution%u(1, :) = system%static_force(system%mesh_element(balance%mesh))
-         solution%u(1, :) = solution%u(1, :) + sign(system%half_backlash(balance%mesh), solution%u(1, :))
+         do i = 1, balance%unknowns
+            associate (j => balance%mesh(i))
+               solution%u(1, i) = system%law(j)%rest(system%static_force(system%mesh_element(j)))
+            end associate
+         end do
       end associate
    end function resting
 

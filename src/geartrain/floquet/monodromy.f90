@@ -1,5 +1,5 @@
 !> Floquet multipliers of a periodic motion from its monodromy matrix, integrated piece by piece between contact events.
-!> Liouville's formula, det M = exp(-T sum over n of W_nn gamma_n), whatever the contacts, checks every one of them.
+!> Liouville's formula, det M = exp(-sum over n of W_nn times the integral of gamma_n), checks every one of them.
 !> Of a train of many states only the leading multipliers are found, by products with a few vectors.
 module geartrain_floquet_monodromy
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
@@ -54,11 +54,12 @@ module geartrain_floquet_monodromy
       integer, private :: repetitions = 1
       !> What makes a whole of a half.
       type(time_reversal_type), private :: reversal
-      !> `transposed` holds nothing yet: it stands for the identity.
-      logical, private :: empty = .true.
+      !> `transposed` holds nothing yet: it stands for the identity. The open piece has met a wall at which a force jumps.
+      logical, private :: empty = .true., sheared = .false.
       logical, private :: interrupted = .false.
-      !> Rate at which the determinant decays; the open piece's beginning and the longest one.
-      real(dp), private :: decay = 0, piece_start = 0, piece_limit = 0
+      !> Rate at which the determinant decays, every mesh on its drive flank; what the open piece has less of it by meshes whose
+      !> damping is another; its beginning and the longest one.
+      real(dp), private :: decay = 0, spared = 0, piece_start = 0, piece_limit = 0
       real(dp), allocatable, private :: product(:, :), piece(:, :), before(:, :), factors(:, :), instant(:)
       integer, allocatable, private :: mesh(:), contact(:), now(:), pivot(:)
    contains
@@ -69,6 +70,7 @@ module geartrain_floquet_monodromy
       procedure, private :: carry
       procedure, private :: carry_along
       procedure, private :: advance
+      procedure, private :: change
       procedure, private :: find_leading
       procedure, private :: carry_vectors
       procedure, private :: collect_events
@@ -212,7 +214,7 @@ contains
       do i = 1, events
          call self%few%advance(time, self%instant(i), self%now)
          time = self%instant(i)
-         self%now(self%mesh(i)) = self%contact(i)
+         call self%change(i, self%few)
       end do
       call self%few%advance(time, period, self%now)
    end subroutine carry_vectors
@@ -234,6 +236,8 @@ contains
       end do
       self%empty = .true.
       self%liouville_defect = 0
+      self%spared = 0
+      self%sheared = .false.
       if (events > 0) then
          begin = self%instant(1)
       else
@@ -242,13 +246,25 @@ contains
       self%piece_start = begin
       if (events == 0) call self%carry_along(frequency_ratio, begin, begin + period)
       do i = 1, events
-         self%now(self%mesh(i)) = self%contact(i)
+         call self%change(i, self%propagator)
          next = begin + period
          if (i < events) next = self%instant(i + 1)
          call self%carry_along(frequency_ratio, self%instant(i), next)
       end do
       call self%close_piece(begin + period)
    end subroutine carry
+
+   !> Passes event i with a propagator.
+   subroutine change(self, i, propagator)
+      class(monodromy_type), intent(inout) :: self
+      integer, intent(in) :: i
+      type(propagator_type), intent(inout) :: propagator
+
+      associate (mesh => self%mesh(i))
+         call propagator%pass_wall(mesh, self%now(mesh), self%contact(i), self%sheared)
+         self%now(mesh) = self%contact(i)
+      end associate
+   end subroutine change
 
    !> Along constant contacts: where kappa is even about an instant between, the part as long before it as after it is made of the
    !> latter.
@@ -279,9 +295,9 @@ contains
       call self%close_piece(last)
       if (begins) then
          self%product = self%transposed
-         call self%reversal%complete(self%product, self%transposed, self%piece)
+         call self%reversal%complete(self%now, self%product, self%transposed, self%piece)
       else
-         call self%reversal%complete(self%transposed, self%piece, self%product)
+         call self%reversal%complete(self%now, self%transposed, self%piece, self%product)
          call dgemm('N', 'N', n, n, n, 1.0_dp, self%before, n, self%piece, n, 0.0_dp, self%transposed, n)
       end if
       if (to - last > rounding*(to - from)) call self%carry_along(frequency_ratio, last, to)
@@ -291,15 +307,18 @@ contains
    subroutine advance(self, from, to)
       class(monodromy_type), intent(inout) :: self
       real(dp), intent(in) :: from, to
-      real(dp) :: time
+      real(dp) :: time, rate
 
       time = from
+      rate = self%propagator%spared(self%now)
       do while (to > self%piece_start + self%piece_limit)
          call self%propagator%advance(time, self%piece_start + self%piece_limit, self%now)
+         self%spared = self%spared + rate*(self%piece_start + self%piece_limit - time)
          time = self%piece_start + self%piece_limit
          call self%close_piece(time)
       end do
       call self%propagator%advance(time, to, self%now)
+      self%spared = self%spared + rate*(to - time)
    end subroutine advance
 
    !> Events of all meshes in order of time.
@@ -346,7 +365,7 @@ contains
       real(dp) :: log_determinant
       integer :: n, i, info
 
-      if (.not. time > self%piece_start) return
+      if (.not. (time > self%piece_start .or. self%sheared)) return
       n = self%states
       call self%propagator%get(self%piece)
       self%factors = self%piece
@@ -355,7 +374,7 @@ contains
       do i = 1, n
          log_determinant = log_determinant + log(max(abs(self%factors(i, i)), tiny(1.0_dp)))
       end do
-      self%liouville_defect = self%liouville_defect + abs(log_determinant + self%decay*(time - self%piece_start))
+      self%liouville_defect = self%liouville_defect + abs(log_determinant + self%decay*(time - self%piece_start) - self%spared)
       if (self%empty) then
          self%transposed = self%piece
       else
@@ -363,6 +382,8 @@ contains
          self%transposed = self%product
       end if
       self%empty = .false.
+      self%sheared = .false.
+      self%spared = 0
       call self%propagator%restart()
       self%piece_start = time
    end subroutine close_piece

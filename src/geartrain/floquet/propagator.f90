@@ -9,7 +9,7 @@ module geartrain_floquet_propagator
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_chebyshev_exponential, only: chebyshev_exponential_type
    use geartrain_model_spectrum, only: eigenvalues_of
-   use geartrain_model_system, only: system_type
+   use geartrain_model_system, only: shear, system_type
    implicit none (type, external)
    private
    public :: propagator_type
@@ -64,6 +64,8 @@ module geartrain_floquet_propagator
       procedure :: start
       procedure :: advance
       procedure :: restart
+      procedure :: pass_wall
+      procedure :: spared
       procedure :: get
       procedure :: put_columns
       procedure :: get_columns
@@ -92,7 +94,7 @@ contains
       type(system_type), intent(in) :: system
       !> Carry so many columns (at most `widest`), given by `put_columns`, instead of a whole matrix.
       integer, intent(in), optional :: columns
-      real(dp) :: stiffest(system%elements), aspect
+      real(dp) :: stiffest(system%elements), damping(system%elements), aspect
       integer :: blocks, i, j, k, most
 
       self%system = system
@@ -108,18 +110,20 @@ contains
          self%width = 4*((columns + 3)/4)
       end if
       stiffest = 1
+      damping = system%damping
       self%highest_order = 0
       self%fastest_mesh = 0
       do j = 1, system%meshes
-         associate (s => system%mesh_stiffness(j), n => system%mesh_element(j))
-            if (size(s%amplitude) == 0) cycle
-            stiffest(n) = 1 + sum(abs(s%amplitude))
+         associate (law => system%law(j), n => system%mesh_element(j))
+            stiffest(n) = law%stiffest()
+            damping(n) = maxval(law%damping)
+            if (.not. any(law%varies)) cycle
             self%fastest_mesh = max(self%fastest_mesh, sqrt(system%own(n)*stiffest(n)))
-            self%highest_order = max(self%highest_order, s%order*size(s%amplitude))
+            self%highest_order = max(self%highest_order, law%order*size(law%amplitude, 1))
          end associate
       end do
       self%fastest = sqrt(largest_eigenvalue(system, stiffest))
-      self%fastest_decay = largest_eigenvalue(system, system%damping)
+      self%fastest_decay = largest_eigenvalue(system, damping)
       aspect = min(0.6_dp, max(0.1_dp, 2*self%fastest_decay/self%fastest))
       self%fastest = hypot(self%fastest, self%fastest_decay/aspect)
       if (.not. allocated(self%motion)) allocate (self%motion, self%kappa)
@@ -235,10 +239,12 @@ contains
       end do
       self%terms = 0
       do j = 1, self%system%meshes
-         if (contact(j) /= 0 .and. size(self%system%mesh_stiffness(j)%amplitude) == 0) cycle
-         n = self%system%mesh_element(j)
-         self%spring(n) = 0
-         if (contact(j) /= 0) self%terms(n) = 1
+         associate (law => self%system%law(j), s => contact(j))
+            n = self%system%mesh_element(j)
+            self%terms(n) = merge(1, 0, law%varies(s))
+            self%spring(n) = merge(0.0_dp, law%stiffness(s), law%varies(s))*self%spring(n)
+            if (law%jumps) self%damper(n) = -self%system%own(n)*law%damping(s)/self%band
+         end associate
       end do
       limit = longest/self%band
       if (any(self%terms > 0)) limit = min(limit, longest_kappa/(self%frequency_ratio*self%highest_order))
@@ -246,13 +252,46 @@ contains
       h = (to - from)/steps
       do i = 1, steps
          if (self%system%interrupt%raised()) return
-         call self%step(from + (i - 1)*h, h)
+         call self%step(from + (i - 1)*h, h, contact)
       end do
    end subroutine advance
 
-   subroutine step(self, time, h)
+   !> Takes the columns past an event of a mesh that goes from one region of its law to another.
+   subroutine pass_wall(self, mesh, from, to, sheared)
+      class(propagator_type), intent(inout) :: self
+      integer, intent(in) :: mesh, from, to
+      !> Becomes true where that changes them.
+      logical, intent(inout) :: sheared
+      integer :: i
+
+      associate (law => self%system%law(mesh), e => self%coordinates)
+         if (.not. law%jumps) return
+         do i = 1, size(self%x, 3)
+            call shear(self%system, self%system%mesh_element(mesh), (law%damping(to) - law%damping(from))/self%band, &
+                       self%x(:, :e, i), self%x(:, e + 1:, i))
+         end do
+      end associate
+      sheared = .true.
+   end subroutine pass_wall
+
+   !> By how much less than on all drive flanks the determinant decays with the given contacts (mesh) [1].
+   pure real(dp) function spared(self, contact)
+      class(propagator_type), intent(in) :: self
+      integer, intent(in) :: contact(:)
+      integer :: j
+
+      spared = 0
+      do j = 1, size(contact)
+         associate (law => self%system%law(j))
+            if (law%jumps) spared = spared + self%system%own(self%system%mesh_element(j))*(law%damping(1) - law%damping(contact(j)))
+         end associate
+      end do
+   end function spared
+
+   subroutine step(self, time, h, contact)
       class(propagator_type), intent(inout) :: self
       real(dp), intent(in) :: time, h
+      integer, intent(in) :: contact(:)
       real(dp) :: power
       integer :: series, degree, i, j, k
 
@@ -264,7 +303,7 @@ contains
          power = power*h*self%band
       end do
       do j = 1, self%system%meshes
-         if (self%terms(self%system%mesh_element(j)) > 0) call self%expand_kappa(j, time, h)
+         if (self%terms(self%system%mesh_element(j)) > 0) call self%expand_kappa(j, contact(j), time, h)
       end do
       do i = 1, size(self%x, 3)
          call take_step(self%width, self%chain, self%coordinates, self%elements, degree, most_terms, self%terms, self%spring, &
@@ -276,22 +315,22 @@ contains
 
    !> -W_nn times the derivatives of kappa at the beginning of a step: kappa as a polynomial about the middle of the step, shifted
    !> to its beginning.
-   subroutine expand_kappa(self, mesh, time, h)
+   subroutine expand_kappa(self, mesh, region, time, h)
       class(propagator_type), intent(inout) :: self
-      integer, intent(in) :: mesh
+      integer, intent(in) :: mesh, region
       real(dp), intent(in) :: time, h
       real(dp) :: polynomial(0:most_terms - 1), rate, power, factor
       complex(dp) :: phase
       integer :: i, l, last, n, series
 
       polynomial = 0
-      polynomial(0) = 1
       last = 0
-      associate (stiffness => self%system%mesh_stiffness(mesh))
-         do i = 1, size(stiffness%amplitude)
-            rate = i*stiffness%order*self%frequency_ratio
+      associate (law => self%system%law(mesh))
+         polynomial(0) = law%stiffness(region)
+         do i = 1, size(law%amplitude, 1)
+            rate = i*law%order*self%frequency_ratio
             series = self%kappa%index_of(rate*h/2)
-            phase = stiffness%amplitude(i)*exp(cmplx(0, rate*(time + h/2), dp))
+            phase = law%amplitude(i, region)*exp(cmplx(0, rate*(time + h/2), dp))
             power = 1
             last = max(last, self%kappa%degree(series))
             do l = 0, self%kappa%degree(series)

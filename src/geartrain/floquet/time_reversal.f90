@@ -21,10 +21,12 @@ module geartrain_floquet_time_reversal
       !> Phases Lambda t in [0, 2 pi) about which every kappa is even [rad].
       real(dp), allocatable :: centre(:)
       real(dp), allocatable, private :: j(:, :), inverse(:, :)
-      !> Whether kappa of a mesh does.
-      logical, allocatable, private :: varies(:)
+      !> Whether damping changes with the contacts, on which J then depends.
+      logical, private :: jumps = .false.
+      type(system_type), private :: system
    contains
       procedure :: setup
+      procedure, private :: damp
       procedure :: centre_near
       procedure :: complete
    end type time_reversal_type
@@ -55,19 +57,15 @@ contains
       if (info == 0) call solve_factored(m, m, symmetric, pivot, inertia)
       if (allocated(self%j)) deallocate (self%j, self%inverse)
       allocate (self%j(2*m, 2*m), self%inverse(2*m, 2*m), source=0.0_dp)
-      self%varies = [(size(system%mesh_stiffness(n)%amplitude) > 0, n=1, system%meshes)]
+      self%system = system
+      self%jumps = any(system%law%jumps)
       do n = 1, m
-         self%j(n, n) = scale(n)*system%damping(n)
-         do i = m + 1, system%elements
-            self%j(n, :m) = self%j(n, :m) + system%network%loop(i - m, n)*system%network%loop(i - m, :) &
-                            *system%damping(i)*system%stiffness(i)/system%stiffness(1)
-         end do
          self%j(n, m + 1:) = scale(n)*inertia(n, :)
          self%j(m + 1:, n) = self%j(n, m + 1:)
          self%inverse(:m, m + n) = coupling(:, n)/scale(n)
       end do
       self%inverse(m + 1:, :m) = transpose(self%inverse(:m, m + 1:))
-      self%inverse(m + 1:, m + 1:) = -matmul(matmul(self%inverse(m + 1:, :m), self%j(:m, :m)), self%inverse(:m, m + 1:))
+      call self%damp(system%damping)
       product = matmul(self%j, self%inverse)
       do i = 1, 2*m
          product(i, i) = product(i, i) - 1
@@ -79,29 +77,51 @@ contains
       end if
    end subroutine setup
 
+   !> Puts the damping of all elements into J.
+   pure subroutine damp(self, damping)
+      class(time_reversal_type), intent(inout) :: self
+      real(dp), intent(in) :: damping(:)
+      integer :: i, m, n
+
+      associate (stiffness => self%system%stiffness, loop => self%system%network%loop)
+         m = self%system%coordinates
+         self%j(:m, :m) = 0
+         do n = 1, m
+            self%j(n, n) = stiffness(n)/stiffness(1)*damping(n)
+            do i = m + 1, size(damping)
+               self%j(n, :m) = self%j(n, :m) + loop(i - m, n)*loop(i - m, :)*damping(i)*stiffness(i)/stiffness(1)
+            end do
+         end do
+      end associate
+      self%inverse(m + 1:, m + 1:) = -matmul(matmul(self%inverse(m + 1:, :m), self%j(:m, :m)), self%inverse(:m, m + 1:))
+   end subroutine damp
+
    !> Where all amplitudes of kappa are real, counted from there; 0 where no kappa varies.
    pure function centres(system) result(centre)
       type(system_type), intent(in) :: system
       real(dp), allocatable :: centre(:)
       logical, allocatable :: even(:)
       complex(dp) :: amplitude
-      integer :: h, i, k, n
+      integer :: h, i, k, n, s
 
       centre = [0.0_dp]
       even = [.true.]
       n = 0
       do k = 1, system%meshes
-         associate (s => system%mesh_stiffness(k))
-            do h = 1, size(s%amplitude)
-               if (.not. abs(s%amplitude(h)) > 0) cycle
-               if (n == 0) then
-                  n = 2*h*s%order
-                  centre = [(modulo(2*pi*i/n - atan2(s%amplitude(h)%im, s%amplitude(h)%re)*2/n, 2*pi), i=0, n - 1)]
-                  even = [(.true., i=1, n)]
-               end if
-               do i = 1, n
-                  amplitude = s%amplitude(h)*exp(cmplx(0, h*s%order*centre(i), dp))
-                  even(i) = even(i) .and. abs(amplitude%im) <= rounding*h*s%order*abs(amplitude)
+         associate (law => system%law(k))
+            do s = law%highest, law%lowest, -1
+               do h = 1, size(law%amplitude, 1)
+                  amplitude = law%amplitude(h, s)
+                  if (.not. abs(amplitude) > 0) cycle
+                  if (n == 0) then
+                     n = 2*h*law%order
+                     centre = [(modulo(2*pi*i/n - atan2(amplitude%im, amplitude%re)*2/n, 2*pi), i=0, n - 1)]
+                     even = [(.true., i=1, n)]
+                  end if
+                  do i = 1, n
+                     amplitude = law%amplitude(h, s)*exp(cmplx(0, h*law%order*centre(i), dp))
+                     even(i) = even(i) .and. abs(amplitude%im) <= rounding*h*law%order*abs(amplitude)
+                  end do
                end do
             end do
          end associate
@@ -121,7 +141,10 @@ contains
       centre_near = -huge(1.0_dp)
       if (size(self%centre) == 0) return
       centre_near = middle
-      if (.not. any(self%varies .and. contact /= 0)) return
+      do i = 1, size(contact)
+         if (self%system%law(i)%varies(contact(i))) exit
+      end do
+      if (i > size(contact)) return
       least = huge(1.0_dp)
       do i = 1, size(self%centre)
          offset = middle*frequency_ratio - self%centre(i)
@@ -132,12 +155,21 @@ contains
    end function centre_near
 
    !> From the transposed matrix of the second half to that of the whole: J Phi J^-1 Phi^T.
-   subroutine complete(self, half, whole, work)
-      class(time_reversal_type), intent(in) :: self
+   subroutine complete(self, contact, half, whole, work)
+      class(time_reversal_type), intent(inout) :: self
+      integer, intent(in) :: contact(:)
       real(dp), intent(in) :: half(:, :)
       real(dp), intent(inout) :: whole(:, :), work(:, :)
-      integer :: n
+      real(dp) :: damping(merge(self%system%elements, 0, self%jumps))
+      integer :: i, n
 
+      if (self%jumps) then
+         damping = self%system%damping
+         do i = 1, size(contact)
+            damping(self%system%mesh_element(i)) = self%system%law(i)%damping(contact(i))
+         end do
+         call self%damp(damping)
+      end if
       n = size(half, 1)
       call dgemm('N', 'N', n, n, n, 1.0_dp, self%inverse, n, half, n, 0.0_dp, whole, n)
       call dgemm('T', 'N', n, n, n, 1.0_dp, half, n, whole, n, 0.0_dp, work, n)

@@ -1,12 +1,12 @@
 !> The fields of motions, of which an analysis gives a list.
 module geartrain_flow_fields
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
+   use geartrain_balance_mesh_load, only: mesh_load_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_carry, only: carry
    use geartrain_base_field, only: row => field_type
    use geartrain_base_fields, only: fields_type, listing, reading
    use geartrain_base_kinds, only: dp
-   use geartrain_balance_mesh_load, only: mesh_load_type
    implicit none (type, external)
    private
    public :: carry_loads, coefficient_axis, visit_motions

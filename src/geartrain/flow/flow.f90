@@ -2,18 +2,19 @@
 !>
 !> Between contact events the equations are linear with analytic coefficients, so the Taylor coefficients of the solution
 !> follow from a short recurrence, to any order; the series is its own dense output, in which the events are found. The
-!> force is continuous at an event, so tangents pass it unchanged (the saltation matrix is the identity).
+!> elastic force is continuous at an event, and tangents pass it unchanged unless the damping force jumps (`shear`).
 !>
 !> A state is the displacement of the elements that are coordinates (a mesh: p; a shaft: its twist less that at rest), then the
 !> velocities. Elements that close loops follow from these.
 module geartrain_flow_flow
    use geartrain_base_kinds, only: dp
-   use geartrain_flow_taylor, only: add_series, last_term, recur, sum_series
+   use geartrain_base_series, only: series_type
+   use geartrain_flow_taylor, only: add_waves, last_term, recur, sum_series
    use geartrain_linalg_first_root, only: first_root
-   use geartrain_model_system, only: series_type, system_type
+   use geartrain_model_system, only: shear, system_type
    implicit none (type, external)
    private
-   public :: flow_type, contact_at
+   public :: flow_type
 
    !> Events one after another without time passing, at most, before one is passed over.
    integer, parameter :: most_stuck = 3
@@ -26,7 +27,7 @@ module geartrain_flow_flow
       !> Time [1] and columns, (column, 2*coordinates).
       real(dp) :: time = 0
       real(dp), allocatable :: x(:, :)
-      !> Present contact of each mesh: +1 drive flank, 0 separation, -1 back flank; 1 for a mesh without backlash.
+      !> Region of its law in which each mesh is: +1 drive flank, 0 separation, -1 back flank; 1 for a mesh without backlash.
       integer, allocatable :: contact(:)
       !> Events met in the latest `step` (0 or 1) and the smallest impact or release speed of all since `start`.
       logical :: event = .false.
@@ -42,7 +43,7 @@ module geartrain_flow_flow
       real(dp), allocatable, private :: phi(:, :), kappa(:, :), excitation(:, :)
       !> Taylor coefficients of what closes loops while the coordinates are 0, (0:order + 1, loop).
       real(dp), allocatable, private :: loop(:, :)
-      integer, private :: event_mesh = 0, event_side = 0, stuck = 0
+      integer, private :: event_mesh = 0, event_wall = 0, stuck = 0
       !> Since `setup`, events followed one another without time passing, and one was passed over, or a state without bound left no
       !> step to go on with: the state is not to be trusted.
       logical :: lost = .false.
@@ -107,23 +108,9 @@ contains
       self%slowest_event = huge(1.0_dp)
       do j = 1, self%system%meshes
          call self%mesh_now(j, p, v)
-         self%contact(j) = contact_at(p, v, self%system%half_backlash(j))
+         self%contact(j) = self%system%law(j)%region_at(p, v)
       end do
    end subroutine start
-
-   !> Contact of a mesh at displacement p with velocity v (which decides exactly on a wall); 1 without backlash.
-   pure integer function contact_at(p, v, half_backlash)
-      real(dp), intent(in) :: p, v, half_backlash
-
-      contact_at = 1
-      if (.not. half_backlash > 0) return
-      if (p > half_backlash) return
-      if (.not. p < half_backlash .and. v > 0) return
-      contact_at = -1
-      if (p < -half_backlash) return
-      if (.not. p > -half_backlash .and. v < 0) return
-      contact_at = 0
-   end function contact_at
 
    !> Advances to `end_time`, or less far where it is interrupted.
    subroutine advance(self, end_time)
@@ -141,7 +128,7 @@ contains
       class(flow_type), intent(inout) :: self
       real(dp), intent(in) :: end_time
       real(dp) :: h
-      integer :: n, mesh, side
+      integer :: n, mesh, wall
       logical :: reaches_end
 
       call self%expand()
@@ -158,14 +145,14 @@ contains
       end if
       if (reaches_end) h = end_time - self%time
       self%event = .false.
-      call self%first_event(h, self%event, mesh, side)
+      call self%first_event(h, self%event, mesh, wall)
       n = self%system%coordinates
       call sum_series(self%columns*n, self%columns*self%system%elements, self%order, self%p, h, self%x(:, :n))
       call sum_series(self%columns*n, self%columns*self%system%elements, self%order, self%v, h, self%x(:, n + 1:))
       self%length = h
       if (self%event) then
          self%time = self%time + h
-         call enter(self, mesh, side, h)
+         call enter(self, mesh, wall, h)
       else
          self%event_mesh = 0
          self%stuck = 0
@@ -174,22 +161,26 @@ contains
       end if
    end subroutine step
 
-   !> Changes the contact of `mesh` at the wall `side`.
-   subroutine enter(self, mesh, side, h)
+   !> Changes the contact of `mesh` at a wall of its law.
+   subroutine enter(self, mesh, wall, h)
       class(flow_type), intent(inout) :: self
-      integer, intent(in) :: mesh, side
+      integer, intent(in) :: mesh, wall
       real(dp), intent(in) :: h
       real(dp) :: p, v
+      integer :: before
 
-      associate (n => self%system%mesh_element(mesh))
-         if (n <= self%system%coordinates) self%x(1, n) = side*self%system%half_backlash(mesh)
-         self%contact(mesh) = merge(0, side, self%contact(mesh) /= 0)
+      associate (n => self%system%mesh_element(mesh), e => self%system%coordinates, law => self%system%law(mesh))
+         if (n <= e) self%x(1, n) = law%wall(wall)
+         before = self%contact(mesh)
+         self%contact(mesh) = merge(wall + 1, wall, before == wall)
+         if (law%jumps .and. self%columns > 1) call shear(self%system, n, law%damping(self%contact(mesh)) - law%damping(before), &
+                                                          self%x(2:, :e), self%x(2:, e + 1:))
          call self%mesh_now(mesh, p, v)
          self%slowest_event = min(self%slowest_event, abs(v))
       end associate
       self%events = self%events + 1
       self%event_mesh = mesh
-      self%event_side = side
+      self%event_wall = wall
       if (h > 0) then
          self%stuck = 0
       else
@@ -201,7 +192,7 @@ contains
    !> Taylor coefficients of all columns at the present time.
    subroutine expand(self)
       class(flow_type), intent(inout) :: self
-      real(dp) :: spring(self%system%elements), reach
+      real(dp) :: spring(self%system%elements), damping(self%system%elements), origin(self%system%meshes), reach
       integer :: j, n, terms(self%system%meshes)
 
       associate (system => self%system)
@@ -210,22 +201,27 @@ contains
          self%v(:, :n, 0) = self%x(:, n + 1:)
          if (system%elements > n) call self%expand_loops(self%order + 1, self%loop)
          spring = 1
+         damping = system%damping
          terms = -1
          reach = huge(1.0_dp)
          if (self%reach > 0) reach = self%reach
          do j = 1, system%meshes
             n = system%mesh_element(j)
-            if (self%contact(j) == 0) spring(n) = 0
-            if (self%contact(j) == 0 .or. size(system%mesh_stiffness(j)%amplitude) == 0) cycle
-            spring(n) = 0
-            self%kappa(:, j) = 0
-            self%kappa(0, j) = 1
-            call add_series(system%mesh_stiffness(j), self%frequency_ratio, self%time, self%kappa(:, j))
+            associate (law => system%law(j), s => self%contact(j))
+               spring(n) = law%stiffness(s)
+               damping(n) = law%damping(s)
+               origin(j) = law%origin(s)
+               if (.not. law%varies(s)) cycle
+               spring(n) = 0
+               self%kappa(:, j) = 0
+               self%kappa(0, j) = law%stiffness(s)
+               call add_waves(law%amplitude(:, s), law%order*self%frequency_ratio, self%time, self%kappa(:, j))
+            end associate
             terms(j) = last_term(self%kappa(:, j), reach, 0.01_dp*self%tolerance)
          end do
          call expand_excitation(self)
-         call recur(self%columns, system%elements, system%meshes, self%order, spring, terms, self%kappa, system, &
-                    self%contact, self%excitation, self%loop, self%phi, self%p, self%v)
+         call recur(self%columns, system%elements, system%meshes, self%order, spring, damping, terms, self%kappa, system, &
+                    origin, self%excitation, self%loop, self%phi, self%p, self%v)
       end associate
    end subroutine expand
 
@@ -243,7 +239,9 @@ contains
          do j = 1, system%meshes
             if (size(system%transmission_error(j)%amplitude) == 0) cycle
             error = 0
-            call add_series(system%transmission_error(j), self%frequency_ratio, self%time, error)
+            associate (series => system%transmission_error(j))
+               call add_waves(series%amplitude, series%order*self%frequency_ratio, self%time, error)
+            end associate
             associate (n => system%mesh_element(j))
                do i = 1, size(coefficient, 2)
                   if (n > system%coordinates) then
@@ -294,7 +292,7 @@ contains
          do j = 1, size(system%torque)
             if (size(system%torque(j)%amplitude) == 0) cycle
             torque = 0
-            call add_series(system%torque(j), self%frequency_ratio, self%time, torque)
+            call add_waves(system%torque(j)%amplitude, system%torque(j)%order*self%frequency_ratio, self%time, torque)
             do n = 1, system%elements
                self%excitation(:, n) = self%excitation(:, n) + system%torque_gain(n, j)*torque
             end do
@@ -305,7 +303,8 @@ contains
             do h = 1, size(second%amplitude)
                second%amplitude(h) = -(h*second%order*self%frequency_ratio)**2*second%amplitude(h)
             end do
-            call add_series(second, self%frequency_ratio, self%time, self%excitation(:, system%mesh_element(j)))
+            call add_waves(second%amplitude, second%order*self%frequency_ratio, self%time, &
+                           self%excitation(:, system%mesh_element(j)))
          end do
       end associate
    end subroutine expand_excitation
@@ -336,33 +335,28 @@ contains
    end function step_length
 
    !> The first instant in (0, h] at which a mesh leaves its present contact; h is shortened to it.
-   subroutine first_event(self, h, found, mesh, side)
+   subroutine first_event(self, h, found, mesh, wall)
       class(flow_type), intent(in) :: self
       real(dp), intent(inout) :: h
       logical, intent(out) :: found
-      integer, intent(out) :: mesh, side
+      integer, intent(out) :: mesh, wall
       real(dp) :: f(0:self%order), root
-      integer :: j, s, n
+      integer :: j, n, w
       logical :: hit
 
       found = .false.
       mesh = 0
-      side = 0
+      wall = 0
       if (self%stuck > most_stuck) return
       do j = 1, self%system%meshes
-         if (.not. self%system%half_backlash(j) > 0) cycle
          n = self%system%mesh_element(j)
-         do s = -1, 1, 2
-            if (self%contact(j) == -s) cycle
-            ! Distance from the wall s b, positive while the present contact lasts.
+         ! The walls on either side of the region.
+         do w = max(self%contact(j) - 1, self%system%law(j)%lowest), min(self%contact(j), self%system%law(j)%highest - 1)
+            ! Distance from the wall, positive while the present contact lasts.
             f = self%p(1, n, :)
-            f(0) = f(0) - s*self%system%half_backlash(j)
-            if (self%contact(j) == 0) then
-               f = -s*f
-            else
-               f = s*f
-            end if
-            if (j == self%event_mesh .and. s == self%event_side) then
+            f(0) = f(0) - self%system%law(j)%wall(w)
+            if (w == self%contact(j)) f = -f
+            if (j == self%event_mesh .and. w == self%event_wall) then
                ! Just left this wall: divide the known root at 0 out.
                f(0:self%order - 1) = f(1:self%order)
                f(self%order) = 0
@@ -372,7 +366,7 @@ contains
             h = root
             found = .true.
             mesh = j
-            side = s
+            wall = w
          end do
       end do
    end subroutine first_event

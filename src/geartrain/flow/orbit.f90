@@ -1,12 +1,12 @@
 !> A known periodic orbit of the flow: its waveform and what is read off it, its monodromy matrix.
 module geartrain_flow_orbit
+   use geartrain_balance_mesh_load, only: mesh_load_type, put_force
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp, pi
    use geartrain_flow_floating, only: is_floating
    use geartrain_flow_flow, only: flow_type
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: transform_length
-   use geartrain_balance_mesh_load, only: elastic, mesh_load_type, put_force, stiffness_samples
    use geartrain_model_excitation, only: excited_harmonics, reach_of_sources
    use geartrain_model_system, only: system_type
    implicit none (type, external)
@@ -63,8 +63,9 @@ contains
    end subroutine begin_tangents
 
    !> Mesh displacement, and mesh force over k b_c where asked for, at `samples` equidistant instants of one period of the
-   !> orbit, (samples, mesh); shares of the period that each mesh spends on the back flank, in separation and on the drive flank.
-   subroutine sample_orbit(system, frequency_ratio, period, state, displacement, force, share)
+   !> orbit, (samples, mesh); shares of the period that each mesh spends on the back flank, in separation and on the drive flank;
+   !> the largest of the mesh forces and of their opposites on either side of events.
+   subroutine sample_orbit(system, frequency_ratio, period, state, displacement, force, share, largest)
       type(system_type), intent(in) :: system
       real(dp), intent(in) :: frequency_ratio, state(:)
       integer, intent(in) :: period
@@ -72,6 +73,8 @@ contains
       real(dp), intent(out), optional :: force(:, :)
       !> (-1:1, mesh)
       real(dp), intent(out), optional :: share(-1:, :)
+      !> (2, mesh); 0 for a mesh without events.
+      real(dp), intent(out), optional :: largest(:, :)
       type(flow_type) :: flow
       real(dp) :: spacing, mesh_period, begun, spent(-1:1, system%meshes), velocity(size(displacement, 1), system%meshes)
       integer :: i, j, q, contact(system%meshes)
@@ -85,6 +88,7 @@ contains
          call flow%mesh_now(j, displacement(1, j), velocity(1, j))
       end do
       spent = 0
+      if (present(largest)) largest = 0
       q = 2
       do i = 1, period
          call flow%start(frequency_ratio, 0.0_dp)
@@ -94,7 +98,12 @@ contains
             contact = flow%contact
             call flow%step(mesh_period)
             do j = 1, system%meshes
-               spent(contact(j), j) = spent(contact(j), j) + flow%length
+               associate (region => max(-1, min(1, contact(j))))
+                  spent(region, j) = spent(region, j) + flow%length
+               end associate
+               if (flow%contact(j) == contact(j) .or. .not. present(largest)) cycle
+               call reach(contact(j))
+               call reach(flow%contact(j))
             end do
             do while (q <= size(displacement, 1))
                associate (t => (q - 1)*spacing - (i - 1)*mesh_period)
@@ -114,11 +123,27 @@ contains
       end if
       if (present(share)) share = spent/(period*mesh_period)
       if (.not. present(force)) return
-      force = stiffness_samples(system, period, size(force, 1))
       do j = 1, system%meshes
-         force(:, j) = force(:, j)*elastic(displacement(:, j), system%half_backlash(j)) &
-                       + system%damping(system%mesh_element(j))*velocity(:, j)
+         force(:, j) = [(system%law(j)%force(frequency_ratio*spacing*(q - 1), displacement(q, j), velocity(q, j)), q=1, &
+                         size(force, 1))]
       end do
+
+   contains
+
+      !> Takes the force of mesh j at the event just met as it is in a region beside it.
+      subroutine reach(region)
+         integer, intent(in) :: region
+         real(dp) :: p, v, phi
+
+         call flow%mesh_now(j, p, v)
+         associate (law => system%law(j))
+            phi = law%damping(region)*v
+            if (law%stiffness(region) > 0) &
+               phi = phi + law%stiffness_at(region, frequency_ratio*flow%time)*(p - law%origin(region))
+         end associate
+         largest(:, j) = max(largest(:, j), [phi, -phi])
+      end subroutine reach
+
    end subroutine sample_orbit
 
    !> Harmonics of Lambda that tell what a motion is made of, where nobody says how many to store.
@@ -138,7 +163,7 @@ contains
       type(motion_type), intent(inout) :: motion
       type(transform_type) :: transform
       real(dp), allocatable :: p(:, :), force(:, :)
-      real(dp) :: share(-1:1, system%meshes)
+      real(dp) :: share(-1:1, system%meshes), largest(2, system%meshes)
       integer :: harmonics, j, k, q
 
       harmonics = wanted
@@ -146,7 +171,7 @@ contains
       q = motion%period*transform_length(max(samples_per_period, samples_per_tooth*reach_of_sources(system), &
                                              samples_per_harmonic*harmonics))
       allocate (p(q, system%meshes), force(q, system%meshes))
-      call sample_orbit(system, motion%frequency_ratio, motion%period, motion%state, p, force, share)
+      call sample_orbit(system, motion%frequency_ratio, motion%period, motion%state, p, force, share, largest)
       call transform%plan(q)
       if (allocated(motion%coefficients)) deallocate (motion%coefficients)
       allocate (motion%coefficients(1 + 2*harmonics*motion%period, system%meshes))
@@ -157,7 +182,14 @@ contains
       if (allocated(motion%mesh_load)) deallocate (motion%mesh_load)
       allocate (motion%mesh_load(system%meshes))
       do j = 1, system%meshes
-         call put_force(system, j, peak(force(:, j)), peak(-force(:, j)), motion%mesh_load(j))
+         if (system%law(j)%jumps) then
+            associate (region => [(system%law(j)%region_at(p(k, j)), k=1, q)])
+               largest(:, j) = max(largest(:, j), [peak(force(:, j), region), peak(-force(:, j), region)])
+            end associate
+         else
+            largest(:, j) = [peak(force(:, j)), peak(-force(:, j))]
+         end if
+         call put_force(system, j, largest(1, j), largest(2, j), motion%mesh_load(j))
          if (.not. system%half_backlash(j) > 0) cycle
          motion%mesh_load(j)%separation = share(0, j)
          motion%mesh_load(j)%back_contact = share(-1, j)
@@ -174,9 +206,11 @@ contains
       end do
    end subroutine measure
 
-   !> Largest value of a periodic sequence: of the polynomial through the largest sample and two neighbours on either side.
-   pure real(dp) function peak(p)
+   !> Largest value of a periodic sequence: of the polynomial through the largest sample and two neighbours on either side, where
+   !> these are in one region with it.
+   pure real(dp) function peak(p, region)
       real(dp), intent(in) :: p(:)
+      integer, intent(in), optional :: region(:)
       !> Differences from the largest sample.
       real(dp) :: d(-2:2), c(4), x, slope, curvature
       integer :: i, k, n
@@ -184,6 +218,9 @@ contains
       n = size(p)
       i = maxloc(p, 1)
       peak = p(i)
+      if (present(region)) then
+         if (any(region([(modulo(i - 1 + k, n) + 1, k=-2, 2)]) /= region(i))) return
+      end if
       do k = -2, 2
          d(k) = p(modulo(i - 1 + k, n) + 1) - p(i)
       end do

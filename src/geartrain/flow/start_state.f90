@@ -11,7 +11,7 @@ module geartrain_flow_start_state
 
 contains
 
-   !> At rest, every mesh in contact under its mean load (see geartrain_flow_flow for what a state is), (2*coordinates).
+   !> At rest, every mesh on the flank that bears its mean load (see geartrain_flow_flow for what a state is), (2*coordinates).
    pure function resting_state(system) result(state)
       type(system_type), intent(in) :: system
       real(dp) :: state(2*system%coordinates)
@@ -21,7 +21,7 @@ contains
       do j = 1, system%meshes
          associate (n => system%mesh_element(j))
             if (n > system%coordinates) cycle
-            state(n) = system%static_force(n) + sign(system%half_backlash(j), system%static_force(n))
+            state(n) = system%law(j)%rest(system%static_force(n))
          end associate
       end do
    end function resting_state

@@ -1,19 +1,21 @@
 !> Taylor series in time: of the excitation, and of the solution of the equations of motion along constant contacts.
 module geartrain_flow_taylor
    use geartrain_base_kinds, only: dp
-   use geartrain_model_system, only: series_type, system_type
+   use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: add_series, last_term, recur, sum_series
+   public :: add_waves, last_term, recur, sum_series
 
 contains
 
-   !> The recurrence: p(k+1) = v(k)/(k+1), v(k+1) = (-W phi(k) + s(k))/(k+1) with phi = kappa g + gamma v. The columns of
-   !> element n are the numbers (n-1)*columns + 1 .. n*columns, so that most lines are long loops over all elements.
-   pure subroutine recur(columns, elements, meshes, order, spring, terms, kappa, system, contact, excitation, &
+   !> The recurrence: p(k+1) = v(k)/(k+1), v(k+1) = (-W phi(k) + s(k))/(k+1) with phi = kappa (p - origin) + damping v, kappa of a
+   !> mesh a series where it has terms (`terms` >= 0), else `spring`. The columns of element n are the numbers
+   !> (n-1)*columns + 1 .. n*columns, so that most lines are long loops over all elements.
+   pure subroutine recur(columns, elements, meshes, order, spring, damping, terms, kappa, system, origin, excitation, &
                          loop, phi, p, v)
-      integer, intent(in) :: columns, elements, meshes, order, terms(meshes), contact(meshes)
-      real(dp), intent(in) :: spring(elements), kappa(0:order, meshes), excitation(0:order, elements), loop(0:, :)
+      integer, intent(in) :: columns, elements, meshes, order, terms(meshes)
+      real(dp), intent(in) :: spring(elements), damping(elements), kappa(0:order, meshes), origin(meshes), &
+                              excitation(0:order, elements), loop(0:, :)
       type(system_type), intent(in) :: system
       real(dp), intent(inout) :: phi(columns*elements), p(columns*elements, 0:order), v(columns*elements, 0:order)
       real(dp), dimension(columns*elements) :: own, gamma, k_spring
@@ -24,7 +26,7 @@ contains
          first = (n - 1)*columns + 1
          last = n*columns
          own(first:last) = -system%own(n)
-         gamma(first:last) = system%damping(n)
+         gamma(first:last) = damping(n)
          k_spring(first:last) = spring(n)
       end do
       all_ = columns*system%coordinates
@@ -39,9 +41,9 @@ contains
                phi(first:last) = phi(first:last) + kappa(l, j)*p(first:last, k - l)
             end do
             if (terms(j) >= 0) then
-               phi(first) = phi(first) - contact(j)*system%half_backlash(j)*kappa(k, j)
+               phi(first) = phi(first) - origin(j)*kappa(k, j)
             else if (k == 0) then
-               phi(first) = phi(first) - contact(j)*system%half_backlash(j)
+               phi(first) = phi(first) - origin(j)*spring(n)
             end if
             if (k == 0) phi(first) = phi(first) - system%static_force(n)
          end do
@@ -97,25 +99,25 @@ contains
       end do
    end subroutine sum_series
 
-   !> Adds the Taylor coefficients in time of a series.
-   pure subroutine add_series(series, frequency_ratio, time, coefficient)
-      type(series_type), intent(in) :: series
+   !> Adds the Taylor coefficients in time of the sum over h of Re(amplitude(h) exp(i h frequency t)).
+   pure subroutine add_waves(amplitude, frequency_ratio, time, coefficient)
+      complex(dp), intent(in) :: amplitude(:)
       real(dp), intent(in) :: frequency_ratio, time
       real(dp), intent(inout) :: coefficient(0:)
       complex(dp) :: term
       real(dp) :: rate
       integer :: h, k
 
-      do h = 1, size(series%amplitude)
-         rate = h*series%order*frequency_ratio
-         term = series%amplitude(h)*exp(cmplx(0, rate*time, dp))
+      do h = 1, size(amplitude)
+         rate = h*frequency_ratio
+         term = amplitude(h)*exp(cmplx(0, rate*time, dp))
          coefficient(0) = coefficient(0) + term%re
          do k = 1, ubound(coefficient, 1)
             term = cmplx(-term%im, term%re, dp)*(rate/k)
             coefficient(k) = coefficient(k) + term%re
          end do
       end do
-   end subroutine add_series
+   end subroutine add_waves
 
    !> Index of the last coefficient that matters within `reach`.
    pure integer function last_term(coefficient, reach, tolerance)

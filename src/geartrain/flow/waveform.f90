@@ -4,7 +4,6 @@ module geartrain_flow_waveform
    use geartrain_base_kinds, only: dp, pi
    use geartrain_flow_orbit, only: sample_orbit
    use geartrain_linalg_trigonometric, only: evaluate
-   use geartrain_balance_mesh_load, only: elastic, stiffness_samples
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -48,17 +47,17 @@ contains
       integer, intent(in) :: period
       real(dp), intent(out) :: displacement(:, :), phi(:, :)
       integer, allocatable :: harmonic(:)
-      real(dp) :: slope, curvature, rate
+      real(dp) :: slope, curvature
       integer :: samples, q, j, k
 
       samples = size(displacement, 1)
       harmonic = [(k, k=1, (size(motion%coefficients, 1) - 1)/2)]
-      phi = stiffness_samples(system, period, samples)
       do j = 1, system%meshes
-         rate = system%damping(system%mesh_element(j))*motion%frequency_ratio/period
          do q = 1, samples
-            call evaluate(motion%coefficients(:, j), harmonic, 2*pi*(q - 1)/samples, displacement(q, j), slope, curvature)
-            phi(q, j) = phi(q, j)*elastic(displacement(q, j), system%half_backlash(j)) + rate*slope
+            associate (theta => 2*pi*(q - 1)/samples)
+               call evaluate(motion%coefficients(:, j), harmonic, theta, displacement(q, j), slope, curvature)
+               phi(q, j) = system%law(j)%force(period*theta, displacement(q, j), slope*motion%frequency_ratio/period)
+            end associate
          end do
       end do
    end subroutine sum_series

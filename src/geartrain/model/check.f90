@@ -63,6 +63,7 @@ contains
       do i = 1, meshes
          call checker%enter('mesh', i)
          call check_stiffness(train%meshes(i), checker)
+         call check_back(train%meshes(i), checker)
          call checker%leave()
       end do
       call check_stiffest(train, checker)
@@ -133,6 +134,18 @@ contains
       end function is_given
 
    end subroutine check_stiffness
+
+   !> Without backlash there are no back flanks of their own.
+   subroutine check_back(mesh, checker)
+      type(mesh_type), intent(in) :: mesh
+      class(checker_type), intent(inout) :: checker
+      character(*), parameter :: cure = 'a mesh with half_backlash = 0 never parts, and has no back flanks of its own: leave it &
+         &out, or give half_backlash'
+
+      if (mesh%half_backlash > 0) return
+      if (mesh%back_stiffness > 0) call checker%complain('back_stiffness', real_text(mesh%back_stiffness), cure)
+      if (abs(mesh%back_phase) > 0) call checker%complain('back_phase', real_text(mesh%back_phase), cure)
+   end subroutine check_back
 
    !> A rigid shaft has neither stiffness nor damping; an elastic one has stiffness.
    subroutine check_shaft(shaft, checker)

@@ -1,6 +1,7 @@
 !> Which harmonics of Lambda excite a train: those of the torque, of the mesh stiffnesses and of the transmission errors.
 module geartrain_model_excitation
-   use geartrain_model_system, only: series_type, system_type
+   use geartrain_base_series, only: series_type
+   use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
    public :: excited_harmonics, lowest_harmonic, reach_of_sources
@@ -16,14 +17,14 @@ contains
 
       r = maxval([0, (highest_harmonic(system%torque(j)), j=1, size(system%torque))])
       do j = 1, system%meshes
-         r = max(r, highest_harmonic(system%mesh_stiffness(j)), highest_harmonic(system%transmission_error(j)))
+         r = max(r, highest_harmonic(system%law(j)%variation()), highest_harmonic(system%transmission_error(j)))
       end do
       allocate (excited(r), source=.false.)
       do j = 1, size(system%torque)
          call mark(system%torque(j), excited)
       end do
       do j = 1, system%meshes
-         call mark(system%mesh_stiffness(j), excited)
+         call mark(system%law(j)%variation(), excited)
          call mark(system%transmission_error(j), excited)
       end do
       harmonic = pack([(r, r=1, size(excited))], excited)
@@ -37,7 +38,7 @@ contains
 
       reach = maxval([1, (lowest_harmonic(system%torque(j)), j=1, size(system%torque))])
       do j = 1, system%meshes
-         reach = max(reach, lowest_harmonic(system%mesh_stiffness(j)), lowest_harmonic(system%transmission_error(j)))
+         reach = max(reach, lowest_harmonic(system%law(j)%variation()), lowest_harmonic(system%transmission_error(j)))
       end do
    end function reach_of_sources
 

@@ -5,10 +5,11 @@ module geartrain_model_limits
    use geartrain_base_checker, only: checker_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
+   use geartrain_base_series, only: series_type
    use geartrain_model_excitation, only: lowest_harmonic
    use geartrain_model_mesh, only: mean_stiffness
    use geartrain_model_network, only: bodies_of, body_count, ends_of, join_rigid, network_type
-   use geartrain_model_system, only: put_excitation, series_type, system_type
+   use geartrain_model_system, only: put_excitation, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -63,7 +64,7 @@ contains
          end if
       end do
       do j = 1, system%meshes
-         call check_source(system%mesh_stiffness(j), 'the variation of the stiffness of &mesh '//integer_text(j))
+         call check_source(system%law(j)%variation(), 'the variation of the stiffness of &mesh '//integer_text(j))
          call check_source(system%transmission_error(j), 'the transmission error of &mesh '//integer_text(j))
       end do
 
@@ -94,6 +95,7 @@ contains
       type(train_type), intent(in) :: train
       class(checker_type), intent(inout) :: checker
       type(network_type) :: network
+      character(*), parameter :: units = 'are radii, inertias and stiffness in SI units?'
       real(dp) :: own
       integer :: i
 
@@ -103,33 +105,36 @@ contains
       do i = 1, size(train%shafts)
          associate (shaft => train%shafts(i), nodes => network%node(ends_of(train, i, mesh=.false.)))
             if (shaft%rigid) cycle
-            call check_element(sqrt(shaft%stiffness)*sqrt(sum(1/network%inertia(nodes))), 'shaft', shaft%stiffness, &
+            call check_element(sqrt(shaft%stiffness)*sqrt(sum(1/network%inertia(nodes))), 'shaft', 'stiffness', shaft%stiffness, &
                                shaft%damping_ratio, shaft%damping_given, shaft%damping, &
                                'make the shaft rigid, or give the inertias at its ends as they are')
          end associate
       end do
       do i = 1, size(train%meshes)
          associate (mesh => train%meshes(i))
-            call check_element(mesh_frequency(train, i), 'mesh', mean_stiffness(mesh), mesh%damping_ratio, mesh%damping_given, &
-                               mesh%damping, 'are radii, inertias and stiffness in SI units?')
+            call check_element(mesh_frequency(train, i), 'mesh', 'stiffness', mean_stiffness(mesh), mesh%damping_ratio, &
+                               mesh%damping_given, mesh%damping, units)
+            if (mesh%back_stiffness > 0) &
+               call check_element(mesh_frequency(train, i)*sqrt(mesh%back_stiffness/mean_stiffness(mesh)), 'mesh', &
+                                  'back_stiffness', mesh%back_stiffness, 0.0_dp, .false., 0.0_dp, units)
          end associate
       end do
 
    contains
 
-      subroutine check_element(frequency, group, stiffness, ratio, given, damping, cure)
+      subroutine check_element(frequency, group, name, stiffness, ratio, given, damping, cure)
          real(dp), intent(in) :: frequency, stiffness, ratio, damping
          logical, intent(in) :: given
-         character(*), intent(in) :: group, cure
+         character(*), intent(in) :: group, name, cure
          character(*), parameter :: creeps = 'must be smaller: the rate at which it brings the part to rest, damping times &
             &frequency^2 over stiffness, is more than 1e6 times the frequency of the slowest mesh, too fast to be followed'
 
          call checker%enter(group, i)
          if (frequency > largest_ratio*own) then
-            call checker%complain('stiffness', real_text(stiffness), 'must be smaller: it makes the part vibrate more than 1e6 &
+            call checker%complain(name, real_text(stiffness), 'must be smaller: it makes the part vibrate more than 1e6 &
                                   &times as fast as the slowest mesh, too fast to be followed: '//cure)
          else if (frequency < own/largest_ratio) then
-            call checker%complain('stiffness', real_text(stiffness), 'must be larger: it makes the part vibrate more than 1e6 &
+            call checker%complain(name, real_text(stiffness), 'must be larger: it makes the part vibrate more than 1e6 &
                                   &times as slowly as the slowest mesh, which is lost in rounding')
          else if (given) then
             if (damping*frequency/stiffness*frequency > largest_ratio*own) &

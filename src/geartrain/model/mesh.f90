@@ -1,10 +1,12 @@
 !> A gear pair in SI units.
 module geartrain_model_mesh
    use geartrain_base_kinds, only: dp, pi
+   use geartrain_base_series, only: make_series, series_type
+   use geartrain_mesh_law_law, only: law_type
    use geartrain_model_body, only: name_length
    implicit none (type, external)
    private
-   public :: mesh_type, has_table, mean_stiffness, plain_mesh
+   public :: mesh_type, has_table, mean_stiffness, plain_mesh, put_law
 
    type :: mesh_type
       !> Names of the bodies that the gears are on, that of the driving one first; blank in a chain.
@@ -22,8 +24,13 @@ module geartrain_model_mesh
       !> Damping coefficient [N s/m], in force when `damping_given`.
       real(dp) :: damping = 0
       logical :: damping_given = .false.
+      !> 'always' or 'contact': not while the teeth are apart.
+      character(8) :: damping_acts = 'always'
       !> Half of the backlash [m]; 0 makes the mesh linear.
       real(dp) :: half_backlash = 0
+      !> Mean stiffness of the back flanks [N/m], 0: as that of the drive flanks; by which their kappa lags that of the drive flanks
+      !> [rad of the mesh cycle].
+      real(dp) :: back_stiffness = 0, back_phase = 0
       !> Harmonics 1..K of kappa(t) = 1 + ... [1], equation (7a); empty where there are none.
       real(dp), allocatable :: stiffness_cos(:), stiffness_sin(:)
       !> In place of stiffness and its harmonics: stiffness at equidistant instants of a mesh cycle from its beginning [N/m].
@@ -77,6 +84,39 @@ contains
       call delay(mesh%phase, plain%error_cos, plain%error_sin)
       plain%phase = 0
    end subroutine plain_mesh
+
+   !> The law of the force of a plain mesh, displacements over `length` [m], damping over that of the mesh.
+   pure subroutine put_law(mesh, length, law)
+      type(mesh_type), intent(in) :: mesh
+      real(dp), intent(in) :: length
+      type(law_type), intent(out) :: law
+      type(series_type) :: kappa
+      real(dp) :: back
+      integer :: h
+
+      kappa = make_series(mesh%stiffness_cos, mesh%stiffness_sin, 1.0_dp, mesh%order)
+      associate (b => mesh%half_backlash/length)
+         if (b > 0) then
+            call law%begin(mesh%order, -1, [-b, b], size(kappa%amplitude))
+         else
+            call law%begin(mesh%order, 1, [real(dp) ::], size(kappa%amplitude))
+         end if
+         law%damping(:) = 1
+         ! The drive flank.
+         law%stiffness(1) = 1
+         law%origin(1) = b
+         law%amplitude(:, 1) = kappa%amplitude
+         if (.not. b > 0) return
+         ! The gap.
+         if (mesh%damping_acts == 'contact') law%damping(0) = 0
+         ! The back flank.
+         back = 1
+         if (mesh%back_stiffness > 0) back = mesh%back_stiffness/mesh%stiffness
+         law%stiffness(-1) = back
+         law%origin(-1) = -b
+         law%amplitude(:, -1) = [(back*kappa%amplitude(h)*exp(cmplx(0, -h*mesh%back_phase, dp)), h=1, size(kappa%amplitude))]
+      end associate
+   end subroutine put_law
 
    !> The trigonometric polynomial of least degree through the values of a table.
    pure subroutine transform(table, mesh)

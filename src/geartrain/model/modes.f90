@@ -1,4 +1,5 @@
-!> Natural frequencies and mode shapes of the mean linear system (contact everywhere, mean mesh stiffness).
+!> Natural frequencies and mode shapes of the mean linear system: every mesh on the flank that bears its mean load, at its mean
+!> stiffness.
 module geartrain_model_modes
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_kinds, only: dp
@@ -55,10 +56,10 @@ contains
    pure function natural_frequencies(system) result(frequency)
       type(system_type), intent(in) :: system
       real(dp), allocatable :: frequency(:)
-      integer :: n, info
+      integer :: info
 
       allocate (frequency(system%coordinates))
-      call eigenvalues_of(system, [(1.0_dp, n=1, system%elements)], frequency, info)
+      call eigenvalues_of(system, stiffness_at_rest(system), frequency, info)
       frequency = sqrt(max(frequency, 0.0_dp))
       if (info /= 0) frequency = [real(dp) ::]
    end function natural_frequencies
@@ -71,39 +72,55 @@ contains
       integer :: i
 
       allocate (modes%shape(system%elements, system%coordinates))
-      call eigenvalues_of(system, [(1.0_dp, i=1, system%elements)], square, info, modes%shape)
+      call eigenvalues_of(system, stiffness_at_rest(system), square, info, modes%shape)
       if (info /= 0) return
       modes%natural_frequency = sqrt(max(square, 0.0_dp))
       do i = 1, system%coordinates
-         modes%shape(:, i) = modes%shape(:, i)/sqrt(system%stiffness)
+         modes%shape(:, i) = modes%shape(:, i)/sqrt(system%stiffness*stiffness_at_rest(system))
          modes%shape(:, i) = modes%shape(:, i)/modes%shape(maxloc(abs(modes%shape(:, i)), 1), i)
       end do
    end subroutine undamped
 
-   !> Eigenvalues of p'' + W Gamma p' + W p = 0, each given to the mode of the nearest magnitude.
+   !> Stiffness of each element at rest over its mean stiffness, (element): 1 but on back flanks of their own.
+   pure function stiffness_at_rest(system) result(stiffness)
+      type(system_type), intent(in) :: system
+      real(dp) :: stiffness(system%elements)
+      integer :: j
+
+      stiffness = 1
+      do j = 1, system%meshes
+         associate (n => system%mesh_element(j), law => system%law(j))
+            stiffness(n) = law%stiffness(law%bearing(system%static_force(n)))
+         end associate
+      end do
+   end function stiffness_at_rest
+
+   !> Eigenvalues of p'' + W Gamma p' + W K p = 0, K the stiffness at rest, each given to the mode of the nearest magnitude.
    subroutine damped(system, modes, info)
       type(system_type), intent(in) :: system
       type(modes_type), intent(inout) :: modes
       integer, intent(out) :: info
       real(dp), allocatable :: a(:, :), wr(:), wi(:), work(:), empty(:, :)
+      real(dp) :: stiffness(system%elements)
       logical, allocatable :: taken(:)
       integer :: n, i, j, best
 
       n = system%coordinates
+      stiffness = stiffness_at_rest(system)
       allocate (a(2*n, 2*n), wr(2*n), wi(2*n), work(16*n), empty(1, 1), taken(2*n))
       a = 0
       do i = 1, n
          a(i, n + i) = 1
-         a(n + i, i) = -system%own(i)
+         a(n + i, i) = -system%own(i)*stiffness(i)
          a(n + i, n + i) = -system%own(i)*system%damping(i)
          do j = system%first(i), system%first(i + 1) - 1
             associate (m => system%neighbour(j))
                if (m <= n) then
-                  a(n + i, m) = a(n + i, m) - system%coupling(j)
+                  a(n + i, m) = a(n + i, m) - system%coupling(j)*stiffness(m)
                   a(n + i, n + m) = a(n + i, n + m) - system%coupling(j)*system%damping(m)
                else
                   associate (loop => system%network%loop(m - n, :))
-                     a(n + i, :n) = a(n + i, :n) - system%coupling(j)*loop
+                     a(n + i, :n) = a(n + i, :n) - system%coupling(j)*stiffness(m)*loop
                      a(n + i, n + 1:) = a(n + i, n + 1:) - system%coupling(j)*system%damping(m)*loop
                   end associate
                end if

@@ -3,8 +3,9 @@
 !> j over the unknown meshes that share a linear part with i, and the displacements within the parts afterwards.
 module geartrain_model_receptance
    use geartrain_base_kinds, only: dp
+   use geartrain_base_series, only: series_type
    use geartrain_model_part, only: part_state_type, part_type
-   use geartrain_model_system, only: series_type, system_type
+   use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
    public :: receptance_type, find_receptance, linear_displacements

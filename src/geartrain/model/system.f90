@@ -8,21 +8,17 @@
 module geartrain_model_system
    use geartrain_base_interrupt, only: interrupt_type
    use geartrain_base_kinds, only: dp
+   use geartrain_base_series, only: make_series, series_type
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
+   use geartrain_mesh_law_law, only: law_type
    use geartrain_model_cut, only: cut_network, cut_type
    use geartrain_model_mean, only: mean_rows, mean_type
-   use geartrain_model_mesh, only: mesh_type, plain_mesh
+   use geartrain_model_mesh, only: mesh_type, plain_mesh, put_law
    use geartrain_model_network, only: build_network, network_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: system_type, build_system, put_excitation, series_type, series_value
-
-   !> A periodic function as complex amplitudes: sum over h of Re(amplitude(h) exp(i h order Lambda t)).
-   type :: series_type
-      integer :: order = 1
-      complex(dp), allocatable :: amplitude(:)
-   end type series_type
+   public :: system_type, build_system, put_excitation, shear
 
    type :: system_type
       !> The displacements of the first `coordinates` elements are the coordinates of the train; the others close loops.
@@ -35,17 +31,19 @@ module geartrain_model_system
       !> W of each of them is in `coupling`.
       real(dp), allocatable :: own(:), coupling(:)
       integer, allocatable :: first(:), neighbour(:)
-      !> gamma = c omega_c/k [1] and static force over k b_c [1], (element).
+      !> gamma = c omega_c/k [1], of a mesh that of its drive flank, and static force over k b_c [1], (element).
       real(dp), allocatable :: damping(:), static_force(:)
       !> Displacement of each element that closes a loop while the coordinates and the transmission errors are 0: the static twists
       !> of its shafts, which coordinates leave out [1], (loop).
       real(dp), allocatable :: loop_offset(:)
-      !> Rate at which the determinant of the monodromy decays [1].
+      !> Rate at which the determinant of the monodromy decays, every mesh on its drive flank [1].
       real(dp) :: decay = 0
       !> b/b_c [1], (mesh).
       real(dp), allocatable :: half_backlash(:)
-      !> kappa - 1 and e/b_c, (mesh).
-      type(series_type), allocatable :: mesh_stiffness(:), transmission_error(:)
+      !> The force of each mesh, (mesh).
+      type(law_type), allocatable :: law(:)
+      !> e/b_c, (mesh).
+      type(series_type), allocatable :: transmission_error(:)
       !> Fluctuating torques T/b_c [N m/m], the bodies of the train on which they act, (torque), and the acceleration of each
       !> element per unit of their amplitudes [1], (element, torque).
       type(series_type), allocatable :: torque(:)
@@ -88,7 +86,9 @@ contains
       end associate
       allocate (system%mesh_element(system%meshes))
       do n = 1, system%elements
-         if (system%element_mesh(n) > 0) system%mesh_element(system%element_mesh(n)) = n
+         if (system%element_mesh(n) == 0) cycle
+         system%mesh_element(system%element_mesh(n)) = n
+         call system%law(system%element_mesh(n))%complete(system%damping(n))
       end do
       call couple(system%network, system)
       call find_rest(system)
@@ -182,16 +182,11 @@ contains
    !> The train at rest under its mean torques: the forces of its elements, and where those that close loops stand.
    pure subroutine find_rest(system)
       type(system_type), intent(inout) :: system
-      real(dp) :: force(system%elements), half_backlash(system%elements), twist(system%coordinates)
-      integer :: j
+      real(dp) :: force(system%elements), twist(system%coordinates)
 
-      half_backlash = 0
-      do j = 1, system%meshes
-         half_backlash(system%mesh_element(j)) = system%half_backlash(j)*system%characteristic_length
-      end do
       force(:system%coordinates) = tree_forces(system%network)
       force(system%coordinates + 1:) = 0
-      if (system%elements > system%coordinates) call share_force(system%network%loop, system%stiffness, half_backlash, force)
+      if (system%elements > system%coordinates) call share_force(system, system%network%loop, force)
       system%static_force = force/(system%stiffness*system%characteristic_length)
       twist = merge(system%static_force(:system%coordinates), 0.0_dp, system%element_shaft(:system%coordinates) > 0)
       system%loop_offset = matmul(system%network%loop, twist)
@@ -199,12 +194,13 @@ contains
 
    !> Which forces the elements that close loops take [N]: those of least complementary energy, the sum of F^2/(2 k) + b |F|, with
    !> |F| made smooth, less and less so.
-   pure subroutine share_force(loop, stiffness, half_backlash, force)
-      real(dp), intent(in) :: loop(:, :), stiffness(:), half_backlash(:)
+   pure subroutine share_force(system, loop, force)
+      type(system_type), intent(in) :: system
+      real(dp), intent(in) :: loop(:, :)
       !> In: of the tree alone; out: of all, (element).
       real(dp), intent(inout) :: force(:)
       real(dp) :: gradient(size(loop, 1)), hessian(size(loop, 1), size(loop, 1)), taken(size(loop, 1), size(force)), smooth, &
-                  unit, root(size(force)), step
+                  unit, root(size(force)), step, compliance(size(force)), half_backlash(size(force))
       integer :: pivot(size(loop, 1)), i, info, n, round
 
       n = size(loop, 2)
@@ -220,9 +216,10 @@ contains
       do round = 1, 16
          smooth = 0.1_dp*smooth
          do i = 1, 50
+            call find_compliance(system, force, compliance, half_backlash)
             root = sqrt(force**2 + smooth**2)
-            gradient = matmul(taken, force/stiffness + half_backlash*force/root)
-            hessian = matmul(taken*spread(1/stiffness + half_backlash*smooth**2/root**3, 1, size(loop, 1)), transpose(taken))
+            gradient = matmul(taken, force*compliance + half_backlash*force/root)
+            hessian = matmul(taken*spread(compliance + half_backlash*smooth**2/root**3, 1, size(loop, 1)), transpose(taken))
             call factor_matrix(size(gradient), hessian, pivot, info)
             if (info /= 0) return
             call solve_factored(size(gradient), 1, hessian, pivot, gradient)
@@ -232,6 +229,52 @@ contains
          end do
       end do
    end subroutine share_force
+
+   !> Of what bears these forces: compliance [m/N], and displacement at which its force is 0, in the direction of the force [m].
+   pure subroutine find_compliance(system, force, compliance, half_backlash)
+      type(system_type), intent(in) :: system
+      real(dp), intent(in) :: force(:)
+      real(dp), intent(out) :: compliance(:), half_backlash(:)
+      integer :: j, s
+
+      compliance = 1/system%stiffness
+      half_backlash = 0
+      do j = 1, system%meshes
+         associate (n => system%mesh_element(j), law => system%law(j))
+            s = law%bearing(force(n)/(system%stiffness(n)*system%characteristic_length))
+            compliance(n) = compliance(n)/law%stiffness(s)
+            half_backlash(n) = abs(law%origin(s))*system%characteristic_length
+         end associate
+      end do
+   end subroutine find_compliance
+
+   !> Changes velocities by column `element` of W times `jump` times the displacement of that element: what tangents of the flow do
+   !> where the force of a mesh jumps by `jump` times its velocity as it meets a wall. (The saltation matrix divides by that
+   !> velocity.)
+   pure subroutine shear(system, element, jump, displacement, velocity)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: element
+      real(dp), intent(in) :: jump
+      !> (column, coordinate)
+      real(dp), intent(in) :: displacement(:, :)
+      real(dp), intent(inout) :: velocity(:, :)
+      real(dp) :: change(size(displacement, 1))
+      integer :: i, k, m
+
+      if (element <= system%coordinates) then
+         change = jump*displacement(:, element)
+         velocity(:, element) = velocity(:, element) - system%own(element)*change
+      else
+         change = jump*matmul(displacement, system%network%loop(element - system%coordinates, :))
+      end if
+      do i = system%first(element), system%first(element + 1) - 1
+         m = system%neighbour(i)
+         if (m > system%coordinates) cycle
+         do k = system%first(m), system%first(m + 1) - 1
+            if (system%neighbour(k) == element) velocity(:, m) = velocity(:, m) - system%coupling(k)*change
+         end do
+      end do
+   end subroutine shear
 
    !> Mean forces of the elements of the tree [N], (coordinate): each body that has but one of them left tells that one.
    pure function tree_forces(network) result(force)
@@ -292,61 +335,27 @@ contains
       integer :: j
 
       system%meshes = size(train%meshes)
-      allocate (system%mesh_stiffness(system%meshes), system%transmission_error(system%meshes))
+      allocate (system%law(system%meshes), system%transmission_error(system%meshes))
       associate (bc => train%characteristic_length)
          if (allocated(train%bodies)) then
             system%torque_body = [(j, j=1, size(train%bodies))]
             allocate (system%torque(size(train%bodies)))
             do j = 1, size(train%bodies)
-               system%torque(j) = series(train%bodies(j)%torque_cos, train%bodies(j)%torque_sin, 1/bc, 1)
+               system%torque(j) = make_series(train%bodies(j)%torque_cos, train%bodies(j)%torque_sin, 1/bc, 1)
             end do
          else
             system%torque_body = [1]
             allocate (system%torque(1))
-            system%torque(1) = series(train%torque_cos, train%torque_sin, 1/bc, 1)
+            system%torque(1) = make_series(train%torque_cos, train%torque_sin, 1/bc, 1)
          end if
          do j = 1, system%meshes
             call plain_mesh(train%meshes(j), mesh)
-            system%mesh_stiffness(j) = series(mesh%stiffness_cos, mesh%stiffness_sin, 1.0_dp, mesh%order)
-            system%transmission_error(j) = series(mesh%error_cos, mesh%error_sin, 1/bc, mesh%order)
+            call put_law(mesh, bc, system%law(j))
+            system%transmission_error(j) = make_series(mesh%error_cos, mesh%error_sin, 1/bc, mesh%order)
          end do
       end associate
       system%excitation_order = common_order(system)
    end subroutine put_excitation
-
-   !> Series of cos and sin amplitudes, either of which may be absent or shorter; trailing zeros are dropped.
-   pure function series(cosine, sine, factor, order)
-      real(dp), allocatable, intent(in) :: cosine(:), sine(:)
-      real(dp), intent(in) :: factor
-      integer, intent(in) :: order
-      type(series_type) :: series
-      complex(dp), allocatable :: amplitude(:)
-      integer :: length, h
-
-      length = 0
-      if (allocated(cosine)) length = size(cosine)
-      if (allocated(sine)) length = max(length, size(sine))
-      allocate (amplitude(length), source=(0.0_dp, 0.0_dp))
-      if (allocated(cosine)) amplitude(:size(cosine)) = amplitude(:size(cosine)) + cosine
-      if (allocated(sine)) amplitude(:size(sine)) = amplitude(:size(sine)) - (0, 1)*sine
-      do h = length, 1, -1
-         if (abs(amplitude(h)) > 0) exit
-      end do
-      series%order = order
-      series%amplitude = factor*amplitude(:h)
-   end function series
-
-   !> Value of a series at the phase Lambda t [rad].
-   pure real(dp) function series_value(series, phase)
-      type(series_type), intent(in) :: series
-      real(dp), intent(in) :: phase
-      integer :: h
-
-      series_value = 0
-      do h = 1, size(series%amplitude)
-         series_value = series_value + real(series%amplitude(h)*exp(cmplx(0, h*series%order*phase, dp)), dp)
-      end do
-   end function series_value
 
    pure integer function common_order(system)
       type(system_type), intent(in) :: system
@@ -357,7 +366,7 @@ contains
          call add(system%torque(j))
       end do
       do j = 1, system%meshes
-         call add(system%mesh_stiffness(j))
+         call add(system%law(j)%variation())
          call add(system%transmission_error(j))
       end do
       if (common_order == 0) common_order = 1

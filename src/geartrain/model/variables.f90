@@ -113,7 +113,8 @@ contains
       !> It stands in a chain, which has no bodies.
       logical, intent(in) :: chain
       class(visitor_type), intent(inout) :: v
-      logical :: by_ratio, own_gears, plain, rectangular
+      logical :: by_ratio, own_gears, plain, rectangular, own_back
+      character(:), allocatable :: word
 
       call v%enter('mesh', index)
       call v%on_names(row('between', '', 'names of the bodies that the driving and the driven gear are on; none in a chain'), &
@@ -138,6 +139,10 @@ contains
                      mesh%damping_ratio, by_ratio)
       call v%on_real(row('damping', 'N s/m', 'damping coefficient, instead of damping_ratio', least=zero, &
                          excludes='damping_ratio'), mesh%damping, mesh%damping_given)
+      word = trim(mesh%damping_acts)
+      call v%on_text(row('damping_acts', '', 'at all times, or in contact only: not while the teeth are apart', &
+                         choices='always contact'), word)
+      mesh%damping_acts = word
       call v%on_real(row('half_backlash', 'm', 'half of the backlash, b; 0: no backlash, a linear mesh', least=zero), &
                      mesh%half_backlash)
       call v%on_list(row('stiffness_cos', '', 'cosine amplitudes, harmonics 1, 2, ... of kappa(t) = 1 + ..., the mesh stiffness &
@@ -145,6 +150,11 @@ contains
       call v%on_list(row('stiffness_sin', '', 'sine amplitudes, likewise'), mesh%stiffness_sin)
       call v%on_list(row('stiffness_table', 'N/m', 'stiffness at equidistant instants of one mesh cycle, 4 values or more, taken &
                          &as a trigonometric polynomial: gives stiffness and its harmonics', above=zero), mesh%stiffness_table)
+      own_back = mesh%back_stiffness > 0
+      call v%on_real(row('back_stiffness', 'N/m', 'mean stiffness of the back flanks, which touch at p < -half_backlash, where it &
+                         &is not that of the drive flanks', above=zero), mesh%back_stiffness, own_back)
+      call v%on_real(row('back_phase', 'rad', 'by which kappa of the back flanks lags that of the drive flanks, in the mesh &
+                         &cycle'), mesh%back_phase)
       rectangular = mesh%contact_ratio > 0
       call v%on_real(row('contact_ratio', '', 'gives kappa as the rectangular wave of as many tooth pairs in contact, instead of &
                          &stiffness_cos and stiffness_sin', above=one, most=10*one), mesh%contact_ratio, rectangular)

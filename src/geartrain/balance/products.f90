@@ -1,0 +1,166 @@
+!> Products of a periodic function, given by its two-sided Fourier coefficients w, with a motion on a list of harmonics, given by
+!> mean, cos, sin, ...: as a matrix, or by FFT; and with or at harmonics of a tail, given by complex amplitudes.
+module geartrain_balance_products
+   use geartrain_base_kinds, only: dp
+   use geartrain_linalg_fftw, only: transform_type
+   use geartrain_linalg_trigonometric, only: sample
+   implicit none (type, external)
+   private
+   public :: add_coefficients, driven, find_wave, multiply, tail_force, toeplitz, transform_tail, wave_product
+
+contains
+
+   !> Matrix of the product, (1 + 2*harmonics, 1 + 2*harmonics).
+   pure subroutine toeplitz(harmonic, w, t)
+      integer, intent(in) :: harmonic(:)
+      complex(dp), intent(in) :: w(0:)
+      real(dp), intent(out) :: t(:, :)
+      complex(dp) :: difference, total
+      integer :: k, l, m
+
+      associate (r => harmonic)
+         t(1, 1) = real(w(0), dp)
+         do k = 1, size(r)
+            t(1, 2*k) = real(w(r(k)), dp)
+            t(1, 2*k + 1) = -aimag(w(r(k)))
+            t(2*k, 1) = 2*t(1, 2*k)
+            t(2*k + 1, 1) = 2*t(1, 2*k + 1)
+         end do
+         do l = 1, size(r)
+            do m = 1, size(r)
+               difference = w(abs(r(m) - r(l)))
+               if (r(m) < r(l)) difference = conjg(difference)
+               total = w(r(m) + r(l))
+               t(2*m, 2*l) = difference%re + total%re
+               t(2*m + 1, 2*l) = -difference%im - total%im
+               t(2*m, 2*l + 1) = difference%im - total%im
+               t(2*m + 1, 2*l + 1) = difference%re - total%re
+            end do
+         end do
+      end associate
+   end subroutine toeplitz
+
+   !> Adds a multiple of the function itself to coefficients f.
+   pure subroutine add_coefficients(harmonic, factor, w, f)
+      integer, intent(in) :: harmonic(:)
+      real(dp), intent(in) :: factor
+      complex(dp), intent(in) :: w(0:)
+      real(dp), intent(inout) :: f(:)
+      integer :: k
+
+      f(1) = f(1) + factor*real(w(0), dp)
+      do k = 1, size(harmonic)
+         f(2*k) = f(2*k) + 2*factor*real(w(harmonic(k)), dp)
+         f(2*k + 1) = f(2*k + 1) - 2*factor*aimag(w(harmonic(k)))
+      end do
+   end subroutine add_coefficients
+
+   !> Samples of the function, of its coefficients up to twice the highest harmonic.
+   subroutine find_wave(harmonic, w, transform, wave)
+      integer, intent(in) :: harmonic(:)
+      complex(dp), intent(in) :: w(0:)
+      type(transform_type), intent(inout) :: transform
+      real(dp), intent(out) :: wave(:)
+
+      transform%coefficient = 0
+      associate (n => 2*harmonic(size(harmonic)))
+         transform%coefficient(:n + 1) = w(:n)
+      end associate
+      call transform%to_samples()
+      wave = transform%sample
+   end subroutine find_wave
+
+   !> Coefficients f of the product of the function, given by samples, with the motion x: exact where there are more samples than
+   !> four times the highest harmonic.
+   subroutine wave_product(harmonic, wave, x, transform, f)
+      integer, intent(in) :: harmonic(:)
+      real(dp), intent(in) :: wave(:), x(:)
+      type(transform_type), intent(inout) :: transform
+      real(dp), intent(out) :: f(:)
+      integer :: k
+
+      call sample(x, harmonic, transform)
+      transform%sample = wave*transform%sample
+      call transform%to_coefficients()
+      f(1) = real(transform%coefficient(1), dp)/transform%samples
+      do k = 1, size(harmonic)
+         f(2*k) = 2*real(transform%coefficient(harmonic(k) + 1), dp)/transform%samples
+         f(2*k + 1) = -2*aimag(transform%coefficient(harmonic(k) + 1))/transform%samples
+      end do
+   end subroutine wave_product
+
+   !> Multiplies the waveform in wide%sample with that of the two-sided coefficients w; leaves coefficients there.
+   subroutine multiply(wide, w)
+      type(transform_type), intent(inout) :: wide
+      complex(dp), intent(in) :: w(:)
+      real(dp) :: waveform(wide%samples)
+
+      waveform = wide%sample/wide%samples
+      wide%coefficient = 0
+      wide%coefficient(:size(w)) = w
+      call wide%to_samples()
+      wide%sample = waveform*wide%sample
+      call wide%to_coefficients()
+   end subroutine multiply
+
+   !> Force at harmonic r, not a kept one, that the kept harmonics cause.
+   pure complex(dp) function driven(kept, w, u, r)
+      integer, intent(in) :: kept(:), r
+      complex(dp), intent(in) :: w(0:)
+      real(dp), intent(in) :: u(:)
+      integer :: k
+
+      driven = 0
+      do k = 1, size(kept)
+         driven = driven + two_sided(w, r - kept(k))*cmplx(u(2*k), -u(2*k + 1), dp) &
+                  + w(r + kept(k))*cmplx(u(2*k), u(2*k + 1), dp)
+      end do
+   end function driven
+
+   pure complex(dp) function two_sided(w, k)
+      complex(dp), intent(in) :: w(0:)
+      integer, intent(in) :: k
+
+      two_sided = w(abs(k))
+      if (k < 0) two_sided = conjg(two_sided)
+   end function two_sided
+
+   !> Force at the kept harmonics that the missing tail causes, to first order.
+   pure subroutine tail_force(kept, harmonic, w, tail, d_phi)
+      integer, intent(in) :: kept(:), harmonic(:)
+      complex(dp), intent(in) :: w(0:), tail(:)
+      real(dp), intent(out) :: d_phi(:)
+      complex(dp) :: total
+      integer :: k, m
+
+      d_phi(1) = sum(real(conjg(w(harmonic))*tail, dp))
+      do k = 1, size(kept)
+         total = 0
+         do m = 1, size(tail)
+            total = total + conjg(two_sided(w, harmonic(m) - kept(k)))*tail(m) + w(harmonic(m) + kept(k))*conjg(tail(m))
+         end do
+         d_phi(2*k) = total%re
+         d_phi(2*k + 1) = -total%im
+      end do
+   end subroutine tail_force
+
+   !> The same by FFT.
+   subroutine transform_tail(kept, harmonic, w, tail, wide, d_phi)
+      integer, intent(in) :: kept(:), harmonic(:)
+      complex(dp), intent(in) :: w(0:), tail(:)
+      type(transform_type), intent(inout) :: wide
+      real(dp), intent(out) :: d_phi(:)
+      integer :: k
+
+      wide%coefficient = 0
+      wide%coefficient(harmonic + 1) = tail/2
+      call wide%to_samples()
+      call multiply(wide, w)
+      d_phi(1) = real(wide%coefficient(1), dp)
+      do k = 1, size(kept)
+         d_phi(2*k) = 2*real(wide%coefficient(kept(k) + 1), dp)
+         d_phi(2*k + 1) = -2*aimag(wide%coefficient(kept(k) + 1))
+      end do
+   end subroutine transform_tail
+
+end module geartrain_balance_products

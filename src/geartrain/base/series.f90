@@ -1,0 +1,58 @@
+!> Periodic functions as complex amplitudes.
+module geartrain_base_series
+   use geartrain_base_kinds, only: dp
+   implicit none (type, external)
+   private
+   public :: series_type, make_series, series_value, wave_value
+
+   !> Sum over h of Re(amplitude(h) exp(i h order Lambda t)).
+   type :: series_type
+      integer :: order = 1
+      complex(dp), allocatable :: amplitude(:)
+   end type series_type
+
+contains
+
+   !> Series of cos and sin amplitudes, either of which may be absent or shorter; trailing zeros are dropped.
+   pure function make_series(cosine, sine, factor, order) result(series)
+      real(dp), allocatable, intent(in) :: cosine(:), sine(:)
+      real(dp), intent(in) :: factor
+      integer, intent(in) :: order
+      type(series_type) :: series
+      complex(dp), allocatable :: amplitude(:)
+      integer :: length, h
+
+      length = 0
+      if (allocated(cosine)) length = size(cosine)
+      if (allocated(sine)) length = max(length, size(sine))
+      allocate (amplitude(length), source=(0.0_dp, 0.0_dp))
+      if (allocated(cosine)) amplitude(:size(cosine)) = amplitude(:size(cosine)) + cosine
+      if (allocated(sine)) amplitude(:size(sine)) = amplitude(:size(sine)) - (0, 1)*sine
+      do h = length, 1, -1
+         if (abs(amplitude(h)) > 0) exit
+      end do
+      series%order = order
+      series%amplitude = factor*amplitude(:h)
+   end function make_series
+
+   !> Value of a series at the phase Lambda t [rad].
+   pure real(dp) function series_value(series, phase)
+      type(series_type), intent(in) :: series
+      real(dp), intent(in) :: phase
+
+      series_value = wave_value(series%amplitude, series%order*phase)
+   end function series_value
+
+   !> Sum over h of Re(amplitude(h) exp(i h phase)).
+   pure real(dp) function wave_value(amplitude, phase)
+      complex(dp), intent(in) :: amplitude(:)
+      real(dp), intent(in) :: phase
+      integer :: h
+
+      wave_value = 0
+      do h = 1, size(amplitude)
+         wave_value = wave_value + real(amplitude(h)*exp(cmplx(0, h*phase, dp)), dp)
+      end do
+   end function wave_value
+
+end module geartrain_base_series

@@ -1,0 +1,148 @@
+!> Two-sided Fourier coefficients of what makes the force of a mesh along a given motion,
+!>    phi = stiffness p - offset + d/dt (damping p + impulse),
+!> each bracket the sum over regions s of chi_s, which is 1 where the motion is in s, times a row of the law: kappa_s,
+!> kappa_s origin_s, gamma_s, impulse_s. Between the events all of them are trigonometric polynomials: closed form.
+!>
+!> The last bracket is continuous, so the derivative of phi by the motion is stiffness + d/dt damping: no term for the instants of
+!> the events is left, though the damping force may jump there.
+module geartrain_mesh_law_spectra
+   use geartrain_base_kinds, only: dp, pi
+   use geartrain_mesh_law_law, only: law_type
+   implicit none (type, external)
+   private
+   public :: spectra_type, find_spectra
+
+   !> Coefficients 0:highest. The last two are allocated where the force jumps; else damping is the same everywhere.
+   type :: spectra_type
+      complex(dp), allocatable :: stiffness(:), offset(:), damping(:), impulse(:)
+   contains
+      procedure :: reserve
+      procedure :: mean_damping
+   end type spectra_type
+
+contains
+
+   pure subroutine reserve(self, law, highest)
+      class(spectra_type), intent(inout) :: self
+      type(law_type), intent(in) :: law
+      integer, intent(in) :: highest
+
+      if (allocated(self%stiffness)) then
+         if (ubound(self%stiffness, 1) == highest .and. (allocated(self%damping) .eqv. law%jumps)) return
+         deallocate (self%stiffness, self%offset)
+         if (allocated(self%damping)) deallocate (self%damping, self%impulse)
+      end if
+      allocate (self%stiffness(0:highest), self%offset(0:highest))
+      if (law%jumps) allocate (self%damping(0:highest), self%impulse(0:highest))
+   end subroutine reserve
+
+   !> Mean damping of the motion over the mesh's stiffness.
+   pure real(dp) function mean_damping(self, law)
+      class(spectra_type), intent(in) :: self
+      type(law_type), intent(in) :: law
+
+      mean_damping = law%damping(1)
+      if (law%jumps) mean_damping = real(self%damping(0), dp)
+   end function mean_damping
+
+   !> As far as the arrays of `spectra` reach, or to `highest`.
+   pure subroutine find_spectra(law, eta, first, instant, region, spectra, highest)
+      type(law_type), intent(in) :: law
+      !> theta = Lambda t/eta; region at theta = 0.
+      integer, intent(in) :: eta, first
+      !> Events in [0, 2 pi), ascending, and the regions that they lead to.
+      real(dp), intent(in) :: instant(:)
+      integer, intent(in) :: region(:)
+      type(spectra_type), intent(inout) :: spectra
+      integer, intent(in), optional :: highest
+      integer :: h, n, stride
+
+      n = ubound(spectra%stiffness, 1)
+      if (present(highest)) n = highest
+      stride = law%order*eta
+      spectra%stiffness(:n) = 0
+      spectra%offset(:n) = 0
+      if (law%jumps) then
+         spectra%damping(:n) = 0
+         spectra%impulse(:n) = 0
+      end if
+      if (size(instant) > 0) then
+         call add_pieces(law, stride, first, instant, region, n, spectra)
+         return
+      end if
+      if (law%jumps) then
+         spectra%damping(0) = law%damping(first)
+         spectra%impulse(0) = law%impulse(first)
+      end if
+      if (.not. law%stiffness(first) > 0) return
+      spectra%stiffness(0) = law%stiffness(first)
+      do h = 1, min(size(law%amplitude, 1), n/stride)
+         spectra%stiffness(h*stride) = law%amplitude(h, first)/2
+      end do
+      if (abs(law%origin(first)) > 0) spectra%offset(:n) = law%origin(first)*spectra%stiffness(:n)
+   end subroutine find_spectra
+
+   !> A jump of size J at theta adds J exp(-i k theta)/(2 pi i k) to coefficient k of chi; then come the products with the rows.
+   pure subroutine add_pieces(law, stride, first, instant, region, n, spectra)
+      type(law_type), intent(in) :: law
+      integer, intent(in) :: stride, first, n
+      real(dp), intent(in) :: instant(:)
+      integer, intent(in) :: region(:)
+      type(spectra_type), intent(inout) :: spectra
+      !> The last column: the powers of exp(-i theta) of an event.
+      complex(dp) :: chi(0:n + stride*size(law%amplitude, 1), law%lowest:law%highest + 1), z, factor, kappa
+      real(dp) :: last
+      integer :: h, i, k, now, powers, s
+
+      powers = law%highest + 1
+      do s = law%lowest, law%highest
+         if (law%acts(s)) chi(:, s) = 0
+      end do
+      last = 0
+      now = first
+      do i = 1, size(instant)
+         z = exp(cmplx(0, -instant(i), dp))
+         factor = cmplx(0, -1/(2*pi), dp)
+         do k = 1, ubound(chi, 1)
+            factor = factor*z
+            chi(k, powers) = factor
+         end do
+         if (law%acts(now)) then
+            chi(0, now) = chi(0, now) + (instant(i) - last)/(2*pi)
+            chi(1:, now) = chi(1:, now) - chi(1:, powers)
+         end if
+         last = instant(i)
+         now = region(i)
+         if (law%acts(now)) chi(1:, now) = chi(1:, now) + chi(1:, powers)
+      end do
+      if (law%acts(now)) chi(0, now) = chi(0, now) + (2*pi - last)/(2*pi)
+      do s = law%lowest, law%highest
+         if (.not. law%acts(s)) cycle
+         ! The motion is never there.
+         if (.not. real(chi(0, s), dp) > 0) cycle
+         do k = 1, ubound(chi, 1)
+            chi(k, s) = chi(k, s)/k
+         end do
+         if (law%jumps) then
+            spectra%damping(:n) = spectra%damping(:n) + law%damping(s)*chi(:n, s)
+            spectra%impulse(:n) = spectra%impulse(:n) + law%impulse(s)*chi(:n, s)
+         end if
+         if (.not. law%stiffness(s) > 0) cycle
+         do k = 0, n
+            kappa = law%stiffness(s)*chi(k, s)
+            do i = 1, size(law%amplitude, 1)
+               factor = law%amplitude(i, s)/2
+               h = i*stride
+               if (k >= h) then
+                  kappa = kappa + factor*chi(k - h, s) + conjg(factor)*chi(k + h, s)
+               else
+                  kappa = kappa + factor*conjg(chi(h - k, s)) + conjg(factor)*chi(k + h, s)
+               end if
+            end do
+            spectra%stiffness(k) = spectra%stiffness(k) + kappa
+            spectra%offset(k) = spectra%offset(k) + law%origin(s)*kappa
+         end do
+      end do
+   end subroutine add_pieces
+
+end module geartrain_mesh_law_spectra
