@@ -1,4 +1,4 @@
-!> Forces of the unknown meshes at the harmonics of a balance, over k b_c, and their derivatives:
+!> Forces of the unknown meshes at the harmonics of a balance, over k b_c, and their derivatives by the coefficients u of p:
 !>    phi = Toeplitz(w) p - b sigma + gamma p'    with the spectra w and sigma of the contact of each mesh.
 module geartrain_balance_mesh_forces
    use geartrain_balance_needed_harmonics, only: needed_harmonics
@@ -21,7 +21,7 @@ module geartrain_balance_mesh_forces
       integer :: eta = 1
       integer, allocatable :: harmonic(:)
       integer :: block = 1
-      !> Highest harmonic asked for: carried are those of 1..highest that the excitation reaches.
+      !> Highest harmonic asked for; carried are all of 1..highest where eta > 1, else those that the excitation reaches.
       integer :: highest = 0
       !> Samples a period by which the coefficients are found; 0: the coefficients are exact.
       integer :: samples = 0
@@ -57,7 +57,7 @@ module geartrain_balance_mesh_forces
 
 contains
 
-   !> Chooses the carried harmonics and prepares work space: `find_forces` allocates and plans nothing.
+   !> Chooses the carried harmonics and prepares work space and plans for `find_forces`.
    subroutine setup(self, system, highest, eta, samples)
       class(mesh_forces_type), intent(inout) :: self
       !> Dimensionless system of the train.
