@@ -1,4 +1,4 @@
-!> Forces of the unknown meshes at the harmonics of a balance, over k b_c, and their derivatives:
+!> Forces of the unknown meshes at the harmonics of a balance, over k b_c, and their derivatives by the coefficients of p:
 !>    phi = Toeplitz(w) p - sigma + d/dt (Toeplitz(d) p + j)
 !> with the spectra of the contact of each mesh: stiffness w, offset sigma, damping d and impulse j (geartrain_mesh_law_spectra).
 module geartrain_balance_mesh_forces
@@ -23,7 +23,7 @@ module geartrain_balance_mesh_forces
       integer :: eta = 1
       integer, allocatable :: harmonic(:)
       integer :: block = 1
-      !> Highest harmonic asked for: carried are those of 1..highest that the excitation reaches.
+      !> Highest harmonic asked for; carried are all of 1..highest where eta > 1, else those that the excitation reaches.
       integer :: highest = 0
       !> Samples a period by which the coefficients are found; 0: the coefficients are exact.
       integer :: samples = 0
@@ -59,7 +59,7 @@ module geartrain_balance_mesh_forces
 
 contains
 
-   !> Chooses the carried harmonics and prepares work space: `find_forces` allocates and plans nothing.
+   !> Chooses the carried harmonics and prepares work space and plans for `find_forces`.
    subroutine setup(self, system, highest, eta, samples)
       class(mesh_forces_type), intent(inout) :: self
       !> Dimensionless system of the train.

@@ -86,7 +86,7 @@ contains
          do j = 1, size(f_next)
             if (f_next(j)*f(j, k) > 0) cycle
             call find_zero(matrix, j, side(k), next, step(k), f(j, k), f_next(j), solution, success)
-            ! A branch of even period crosses that of half its period where it begins and ends.
+            ! A branch of even period crosses the branch of half its period where it begins and ends.
             if (success .and. .not. matrix%doubles .and. mod(matrix%period(), 2) == 0) &
                success = odd_product(solution, solution) > half_period**2*sum(solution%u**2)
             if (success .and. present(taken)) then

@@ -23,8 +23,8 @@ module geartrain_continuation_stability_changes
    real(dp), parameter :: largest_multiplier = 1e11_dp
    !> Imaginary part over magnitude up to which a pair is two real multipliers, as of equal stages that are nearly decoupled.
    real(dp), parameter :: real_enough = 1e-6_dp
-   !> Distance of changes, as a share of the step, below which changes are simultaneous; excess of a multiplier over the unit circle
-   !> from which a chord through the latest two steps is exact enough.
+   !> Distance of changes, as a share of the step, below which changes are simultaneous; distance of a multiplier from the unit
+   !> circle up to which a chord through the latest two steps is exact enough.
    real(dp), parameter :: together = 1e-6_dp, nearly = 1e-5_dp
    integer, parameter :: most_steps = 60
 

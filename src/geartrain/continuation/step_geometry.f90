@@ -51,7 +51,7 @@ contains
 
    !> Inner product of the odd harmonics of two solution points, for motions of even period, whose balance carries all harmonics.
    pure real(dp) function odd_product(here, next)
-      !> Solution points with as many harmonics.
+      !> Solution points with equal numbers of harmonics.
       type(solution_point_type), intent(in) :: here, next
       integer :: k
 

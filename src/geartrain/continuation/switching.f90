@@ -75,7 +75,7 @@ contains
       type(branch_type), intent(in) :: branch
       !> Number of the special point, a period doubling or a branch point.
       integer, intent(in) :: special
-      !> Critical point of the balance, with the critical vector as its tangent, and whether `find_critical` found it.
+      !> Critical point of the balance as `find_critical` gives it, with the critical vector as its tangent.
       type(solution_point_type), intent(in) :: critical
       !> Whether there is a critical point.
       logical, intent(in) :: found

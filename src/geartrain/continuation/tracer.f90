@@ -18,7 +18,7 @@ module geartrain_continuation_tracer
    public :: tracer_type, reached_end, came_back, closed_loop, left_by_amplitude, cancelled, stuck, full, met_half_period
 
    !> Outcomes of a trace: it reached the target bound; came back to the other bound; closed where it began; passed the amplitude
-   !> limit; was ended by the observer; found no step; had max_points; met the branch of half its period.
+   !> limit; was ended by the observer; failed with the smallest step; had max_points; met the branch of half its period.
    integer, parameter :: reached_end = 1, came_back = 2, closed_loop = 3, left_by_amplitude = 4, cancelled = 5, stuck = 6, &
                          full = 7, met_half_period = 8
    !> The trace goes on.

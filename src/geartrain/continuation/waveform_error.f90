@@ -18,7 +18,7 @@ contains
    end function harmonics_told
 
    !> Relative error of the coefficients [1], defined as the error estimate of a balance is: norm of the error over norm of the
-   !> alternating part, all meshes together, a mean counted with sqrt(2).
+   !> alternating part, all meshes together; the error of a mean counts sqrt(2) times.
    pure real(dp) function waveform_error(coefficients, orbit, kept_only)
       !> Coefficients of the balance and of the orbit [1], (1 + 2*harmonics, mesh).
       real(dp), intent(in) :: coefficients(:, :), orbit(:, :)
