@@ -23,13 +23,13 @@ module geartrain_continuation_orbit_path
 
    !> A point of the exact branch.
    type :: orbit_type
-      !> Lambda and the states where the sections of the period begin, (2*coordinates, section).
+      !> Lambda and the states where the sections of the period begin, (state, section).
       real(dp) :: frequency_ratio = 0
       real(dp), allocatable :: states(:, :)
       !> The unit tangent there.
       real(dp) :: tangent_frequency = 0
       real(dp), allocatable :: tangent(:, :)
-      !> All of them over the whole period, largest magnitude first, (2*coordinates).
+      !> All of them over the whole period, largest magnitude first, (state).
       complex(dp), allocatable :: multipliers(:)
    end type orbit_type
 
@@ -42,7 +42,7 @@ module geartrain_continuation_orbit_path
       type(units_type) :: units
       !> At constant Lambda, and along the branch.
       type(sections_type), private :: fixed, moving
-      !> Metric of the states, (2*coordinates, section).
+      !> Metric of the states, (state, section).
       real(dp), allocatable, private :: weight(:, :)
    contains
       procedure :: setup
@@ -89,8 +89,8 @@ contains
       parts = most_parts(system, period)
       call self%fixed%setup(self%system, period, parts, moves=.false.)
       call self%moving%setup(self%system, period, parts, moves=.true.)
-      associate (n => system%coordinates, m => self%fixed%sections)
-         allocate (self%weight(2*n, m))
+      associate (n => system%displacements, m => self%fixed%sections)
+         allocate (self%weight(system%states, m))
          self%weight(:n, :) = 1/(m*self%units%length**2)
          self%weight(n + 1:, :) = 1/(m*(self%units%length*self%units%frequency_ratio)**2)
       end associate

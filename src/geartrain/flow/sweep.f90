@@ -46,7 +46,7 @@ contains
       call check_integration(train, settings, error)
       if (allocated(error)) return
       call build_system(train, system)
-      allocate (state(2*system%coordinates))
+      allocate (state(system%states))
       state = resting_state(system)
       low = min(settings%start, settings%stop)
       high = max(settings%start, settings%stop)

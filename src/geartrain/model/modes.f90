@@ -49,16 +49,17 @@ contains
             write (modes%element(n), '(a, i0)') 'shaft ', system%element_shaft(n)
          end if
       end do
+      modes%element = pack(modes%element, system%spring > 0)
    end subroutine natural_modes
 
    !> Natural frequencies alone, over characteristic frequency, ascending; empty where LAPACK does not converge.
    pure function natural_frequencies(system) result(frequency)
       type(system_type), intent(in) :: system
       real(dp), allocatable :: frequency(:)
-      integer :: n, info
+      integer :: info
 
-      allocate (frequency(system%coordinates))
-      call eigenvalues_of(system, [(1.0_dp, n=1, system%elements)], frequency, info)
+      allocate (frequency(system%displacements))
+      call eigenvalues_of(system, system%spring, frequency, info)
       frequency = sqrt(max(frequency, 0.0_dp))
       if (info /= 0) frequency = [real(dp) ::]
    end function natural_frequencies
@@ -67,52 +68,60 @@ contains
       type(system_type), intent(in) :: system
       type(modes_type), intent(inout) :: modes
       integer, intent(out) :: info
-      real(dp) :: square(system%coordinates)
+      real(dp) :: square(system%displacements)
       integer :: i
 
-      allocate (modes%shape(system%elements, system%coordinates))
-      call eigenvalues_of(system, [(1.0_dp, i=1, system%elements)], square, info, modes%shape)
+      allocate (modes%shape(system%elements, system%displacements))
+      call eigenvalues_of(system, system%spring, square, info, modes%shape)
       if (info /= 0) return
       modes%natural_frequency = sqrt(max(square, 0.0_dp))
-      do i = 1, system%coordinates
+      do i = 1, system%displacements
          modes%shape(:, i) = modes%shape(:, i)/sqrt(system%stiffness)
          modes%shape(:, i) = modes%shape(:, i)/modes%shape(maxloc(abs(modes%shape(:, i)), 1), i)
       end do
+      modes%shape = modes%shape(pack([(i, i=1, system%elements)], system%spring > 0), :)
    end subroutine undamped
 
-   !> Eigenvalues of p'' + W Gamma p' + W p = 0, each given to the mode of the nearest magnitude.
+   !> Eigenvalues of p'' + W Gamma p' + W p = 0, each given to the mode of the nearest magnitude. Damping to ground adds the rate at
+   !> which the train as a whole comes to rest, the smallest real one, which is no mode.
    subroutine damped(system, modes, info)
       type(system_type), intent(in) :: system
       type(modes_type), intent(inout) :: modes
       integer, intent(out) :: info
       real(dp), allocatable :: a(:, :), wr(:), wi(:), work(:), empty(:, :)
       logical, allocatable :: taken(:)
-      integer :: n, i, j, best
+      integer, allocatable :: kept(:)
+      integer :: n, i, j, best, states
 
       n = system%coordinates
-      allocate (a(2*n, 2*n), wr(2*n), wi(2*n), work(16*n), empty(1, 1), taken(2*n))
+      allocate (a(2*n, 2*n), wr(system%states), wi(system%states), work(16*n), empty(1, 1))
       a = 0
       do i = 1, n
          a(i, n + i) = 1
-         a(n + i, i) = -system%own(i)
+         a(n + i, i) = -system%own(i)*system%spring(i)
          a(n + i, n + i) = -system%own(i)*system%damping(i)
          do j = system%first(i), system%first(i + 1) - 1
             associate (m => system%neighbour(j))
                if (m <= n) then
-                  a(n + i, m) = a(n + i, m) - system%coupling(j)
+                  a(n + i, m) = a(n + i, m) - system%coupling(j)*system%spring(m)
                   a(n + i, n + m) = a(n + i, n + m) - system%coupling(j)*system%damping(m)
                else
                   associate (loop => system%network%loop(m - n, :))
-                     a(n + i, :n) = a(n + i, :n) - system%coupling(j)*loop
+                     a(n + i, :n) = a(n + i, :n) - system%coupling(j)*system%spring(m)*loop
                      a(n + i, n + 1:) = a(n + i, n + 1:) - system%coupling(j)*system%damping(m)*loop
                   end associate
                end if
             end associate
          end do
       end do
-      call dgeev('N', 'N', 2*n, a, 2*n, wr, wi, empty, 1, empty, 1, work, size(work), info)
+      kept = [(i, i=1, system%displacements), (n + i, i=1, n)]
+      a = a(kept, kept)
+      states = system%states
+      call dgeev('N', 'N', states, a, states, wr, wi, empty, 1, empty, 1, work, size(work), info)
+      n = system%displacements
       allocate (modes%damped_frequency(n), modes%damping_ratio(n))
       taken = wi < 0
+      if (n < system%coordinates) taken(minloc(abs(wr), 1, .not. abs(wi) > 0)) = .true.
       do i = 1, n
          best = minloc(abs(hypot(wr, wi) - modes%natural_frequency(i)), 1, .not. taken)
          taken(best) = .true.

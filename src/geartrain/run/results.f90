@@ -19,7 +19,7 @@ module geartrain_run_results
    use geartrain_input_text, only: case_text
    use geartrain_model_fields, only: visit_modes
    use geartrain_model_modes, only: modes_type
-   use geartrain_model_network, only: coordinate_count
+   use geartrain_model_network, only: state_count
    use geartrain_results_file, only: replace_file
    use geartrain_results_hdf5_reader, only: read_groups
    use geartrain_results_hdf5_writer, only: hdf5_content
@@ -138,7 +138,7 @@ contains
       logical, intent(in) :: summary
       integer :: i, n, points, starts, states
 
-      states = 2*coordinate_count(case%train)
+      states = state_count(case%train)
       call fields%expect('mesh', size(case%train%meshes))
       call fields%expect('coordinate', states)
       call fields%check(allocated(case%response) .or. fields%find_group('/response') == 0, 'response')
