@@ -1,7 +1,7 @@
 !> Trains of the tests, and what their settings are made from; random ones are the same on every machine.
 module fixtures
    use, intrinsic :: iso_fortran_env, only: int64
-   use geartrain, only: body_type, case_type, dp, motion_type, response_settings_type, shaft_type, train_type
+   use geartrain, only: body_type, case_type, dp, mesh_type, motion_type, response_settings_type, shaft_type, train_type
    use geartrain_base_kinds, only: pi
    use geartrain_input_template, only: paper_case
    use geartrain_linalg_fftw, only: transform_type
@@ -9,8 +9,8 @@ module fixtures
    use geartrain_mesh_law_contact, only: contact_type
    implicit none (type, external)
    private
-   public :: body, closest, linear_pair, long_train, paper_train, random_train, rattling_pair, rectangular, reducer, settings_of, &
-             single_pair, slow_train, uniform, update_contact
+   public :: body, closest, linear_pair, long_train, paper_train, random_train, rattling_pair, rectangular, reducer, ring, &
+             settings_of, single_pair, slow_train, uniform, update_contact
 
 contains
 
@@ -181,6 +181,31 @@ contains
       end do
       train%meshes%order = [71, 19]
    end function reducer
+
+   !> Motor, a ring of four gears with two ways from gear a to gear d, and a load.
+   function ring() result(train)
+      type(train_type) :: train
+      integer :: j
+
+      train%characteristic_length = 3e-5_dp
+      train%characteristic_frequency = 9870
+      train%bodies = [body('motor', 2.3e-3_dp, 150.0_dp), body('a', 2.3e-3_dp), body('b', 4.6e-3_dp), body('c', 4e-3_dp), &
+                      body('d', 0.037_dp), body('load', 0.023_dp, balances=.true.)]
+      train%shafts = [shaft_type(between=[character(64) :: 'motor', 'a'], stiffness=1e4_dp, damping_ratio=0.1_dp), &
+                      shaft_type(between=[character(64) :: 'd', 'load'], stiffness=2e4_dp, damping_ratio=0.1_dp)]
+      allocate (train%meshes(4))
+      train%meshes(1) = mesh_type(between=[character(64) :: 'a', 'b'], driving_radius=0.05_dp, driven_radius=0.06_dp)
+      train%meshes(2) = mesh_type(between=[character(64) :: 'a', 'c'], driving_radius=0.05_dp, driven_radius=0.055_dp)
+      train%meshes(3) = mesh_type(between=[character(64) :: 'b', 'd'], driving_radius=0.06_dp, driven_radius=0.1_dp)
+      train%meshes(4) = mesh_type(between=[character(64) :: 'c', 'd'], driving_radius=0.055_dp, driven_radius=0.1_dp)
+      do j = 1, 4
+         train%meshes(j)%stiffness = 2e8_dp + 2e7_dp*j
+         train%meshes(j)%damping_ratio = 0.05_dp
+         train%meshes(j)%half_backlash = 3e-5_dp
+         train%meshes(j)%stiffness_cos = [0.3_dp - 0.05_dp*j]
+         train%meshes(j)%error_sin = [1e-6_dp*j]
+      end do
+   end function ring
 
    !> One to three pairs: equal stages or not, orders 1, alike up to 80 or unlike up to 7, shafts with and without damping, torque
    !> of either sign; a range below, at or above the first resonance; few harmonics.

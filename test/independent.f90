@@ -19,7 +19,7 @@ module independent
    end type joint_type
 
    type :: machine_type
-      real(dp), allocatable :: inertia(:), torque(:), fluctuation(:)
+      real(dp), allocatable :: inertia(:), torque(:), fluctuation(:), drag(:)
       type(joint_type), allocatable :: joint(:)
       !> Fundamental mesh frequency [rad/s]; a step.
       real(dp) :: omega = 0, step = 0
@@ -42,6 +42,7 @@ contains
       n = size(train%bodies)
       machine%inertia = train%bodies%inertia
       machine%torque = train%bodies%torque
+      machine%drag = train%bodies%damping_to_ground
       allocate (machine%fluctuation(n), source=0.0_dp)
       do i = 1, n
          if (allocated(train%bodies(i)%torque_cos)) machine%fluctuation(i) = train%bodies(i)%torque_cos(1)
@@ -170,7 +171,7 @@ contains
       n = size(machine%inertia)
       call displacements(machine, t, y, p, v)
       slope(:n) = y(n + 1:)
-      slope(n + 1:) = machine%torque + machine%fluctuation*cos(machine%omega*t)
+      slope(n + 1:) = machine%torque + machine%fluctuation*cos(machine%omega*t) - machine%drag*y(n + 1:)
       do i = 1, size(contact)
          associate (joint => machine%joint(i))
             kappa = 1

@@ -21,6 +21,7 @@ program main
    use unit_elimination, only: elimination_tests
    use unit_flow, only: flow_tests
    use unit_mesh, only: mesh_tests
+   use unit_network, only: network_checks
    use unit_results, only: results_tests
    use unit_results_run, only: results_run_tests
    use unit_robust, only: robust_tests
@@ -35,6 +36,7 @@ program main
    use validation_error_estimate, only: error_estimate_tests
    use validation_excitations, only: excitations_tests
    use validation_figures, only: figures_tests
+   use validation_ground, only: ground_tests
    use validation_jumps, only: jumps_tests
    use validation_mesh_law, only: mesh_law_tests
    use validation_mesh_load, only: mesh_load_tests
@@ -60,12 +62,14 @@ program main
                    suite_type('unit_elimination', elimination_tests), &
                    suite_type('unit_flow', flow_tests), &
                    suite_type('unit_mesh', mesh_tests), &
+                   suite_type('unit_network', network_checks), &
                    suite_type('unit_results', results_tests), &
                    suite_type('unit_robust', robust_tests), &
                    suite_type('unit_scale', scale_tests), &
                    suite_type('unit_results_run', results_run_tests), &
                    suite_type('validation_paper_train', paper_train_tests), &
                    suite_type('validation_network', network_tests), &
+                   suite_type('validation_ground', ground_tests), &
                    suite_type('validation_random_networks', random_networks_tests), &
                    suite_type('validation_orders', orders_tests), &
                    suite_type('validation_single_pair', single_pair_tests), &

@@ -194,7 +194,7 @@ contains
       integer :: k, n
 
       call build_system(rich_train(), system)
-      n = 2*system%coordinates
+      n = system%states
       allocate (state(n), ahead(n), behind(n), monodromy(n, n), ignored(n, n))
       state = 0
       state(system%mesh_element) = [2.5_dp, -1.2_dp]

@@ -1,6 +1,6 @@
 !> Trains of any shape: trees and loops of gears against chains, closed forms and another code of the same equations.
 module validation_network
-   use fixtures, only: body, long_train, paper_train, settings_of
+   use fixtures, only: body, long_train, paper_train, ring, settings_of
    use geartrain, only: branch_type, case_type, dp, error_type, mesh_type, modes_type, motion_type, natural_modes, read_case_text, &
                         response, shaft_type, solutions_at, train_type
    use geartrain_base_kinds, only: pi
@@ -203,28 +203,28 @@ contains
    !> Four gears in a ring, one mesh of which is next to nothing: the tree without it.
    subroutine weak_loop(tests)
       class(tests_type), intent(inout) :: tests
-      type(train_type) :: ring, tree
+      type(train_type) :: looped, tree
       type(branch_type) :: a, b
       type(error_type), allocatable :: error
       type(motion_type), allocatable :: of_ring(:), of_tree(:)
       integer :: k
       real(dp) :: off(2)
 
-      call make_ring(ring)
+      looped = ring()
       ! Without the fourth mesh gear c would float in its gap.
-      ring%meshes(4)%damping_ratio = 0
-      ring%bodies(1)%torque = 400
-      ring%bodies(4)%torque = -150
-      tree = ring
-      tree%meshes = ring%meshes(:3)
+      looped%meshes(4)%damping_ratio = 0
+      looped%bodies(1)%torque = 400
+      looped%bodies(4)%torque = -150
+      tree = looped
+      tree%meshes = looped%meshes(:3)
       call response(tree, settings_of(1.0_dp, 1.4_dp, 8), b, error)
       call solutions_at(tree, settings_of(1.0_dp, 1.4_dp, 8), b, 1.2_dp, of_tree, error)
       do k = 1, 2
-         ring%meshes(4)%stiffness = 10.0_dp**(6 - 2*k)
-         call response(ring, settings_of(1.0_dp, 1.4_dp, 8), a, error)
+         looped%meshes(4)%stiffness = 10.0_dp**(6 - 2*k)
+         call response(looped, settings_of(1.0_dp, 1.4_dp, 8), a, error)
          call tests%is_true(.not. allocated(error), 'weak loop: runs')
          if (allocated(error)) return
-         call solutions_at(ring, settings_of(1.0_dp, 1.4_dp, 8), a, 1.2_dp, of_ring, error)
+         call solutions_at(looped, settings_of(1.0_dp, 1.4_dp, 8), a, 1.2_dp, of_ring, error)
          call tests%is_true(size(of_ring) == size(of_tree) .and. size(of_ring) > 0, 'weak loop: as many motions')
          if (size(of_ring) /= size(of_tree) .or. size(of_ring) == 0) return
          off(k) = maxval(abs(of_ring(1)%rms(:3) - of_tree(1)%rms))
@@ -232,30 +232,6 @@ contains
       call tests%is_close(off(1), 0.0_dp, 1e-3_dp, 'weak loop: 1e4 N/m')
       call tests%is_close(off(2)/off(1), 0.01_dp, 1e-3_dp, 'weak loop: goes to the tree in proportion')
    end subroutine weak_loop
-
-   subroutine make_ring(train)
-      type(train_type), intent(out) :: train
-      integer :: j
-
-      train%characteristic_length = 3e-5_dp
-      train%characteristic_frequency = 9870
-      train%bodies = [body('motor', 2.3e-3_dp, 150.0_dp), body('a', 2.3e-3_dp), body('b', 4.6e-3_dp), body('c', 4e-3_dp), &
-                      body('d', 0.037_dp), body('load', 0.023_dp, balances=.true.)]
-      train%shafts = [shaft_type(between=[character(64) :: 'motor', 'a'], stiffness=1e4_dp, damping_ratio=0.1_dp), &
-                      shaft_type(between=[character(64) :: 'd', 'load'], stiffness=2e4_dp, damping_ratio=0.1_dp)]
-      allocate (train%meshes(4))
-      train%meshes(1) = mesh_type(between=[character(64) :: 'a', 'b'], driving_radius=0.05_dp, driven_radius=0.06_dp)
-      train%meshes(2) = mesh_type(between=[character(64) :: 'a', 'c'], driving_radius=0.05_dp, driven_radius=0.055_dp)
-      train%meshes(3) = mesh_type(between=[character(64) :: 'b', 'd'], driving_radius=0.06_dp, driven_radius=0.1_dp)
-      train%meshes(4) = mesh_type(between=[character(64) :: 'c', 'd'], driving_radius=0.055_dp, driven_radius=0.1_dp)
-      do j = 1, 4
-         train%meshes(j)%stiffness = 2e8_dp + 2e7_dp*j
-         train%meshes(j)%damping_ratio = 0.05_dp
-         train%meshes(j)%half_backlash = 3e-5_dp
-         train%meshes(j)%stiffness_cos = [0.3_dp - 0.05_dp*j]
-         train%meshes(j)%error_sin = [1e-6_dp*j]
-      end do
-   end subroutine make_ring
 
    !> Natural frequencies of a branched train whose meshes are as good as rigid [Hz]: 425.4, 634.1 and 3247.2, those of motor, gears
    !> and rotors in one sense, and of the rotors against one another.
@@ -290,7 +266,7 @@ contains
       complex(dp) :: p(4)
       integer :: j
 
-      call make_ring(train)
+      train = ring()
       do j = 1, 4
          train%meshes(j)%half_backlash = 0
          deallocate (train%meshes(j)%stiffness_cos)

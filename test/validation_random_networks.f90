@@ -19,6 +19,7 @@ contains
       class(tests_type), intent(inout) :: tests
 
       if (tests%runs('another_code')) call random_networks(tests)
+      if (tests%runs('damping_to_ground')) call dragged_networks(tests)
    end subroutine random_networks_tests
 
    !> Random trees and loops of up to 12 meshes: their settled motions close in the other code over a period, with the rms and
@@ -29,14 +30,28 @@ contains
       integer :: i
 
       do i = 1, size(bodies)
-         call one_network(tests, bodies(i), loops(i), i, laws=.false.)
-         call one_network(tests, bodies(i), loops(i), i, laws=.true.)
+         call one_network(tests, bodies(i), loops(i), i, dragged=0, laws=.false.)
+         call one_network(tests, bodies(i), loops(i), i, dragged=0, laws=.true.)
       end do
    end subroutine random_networks
 
-   subroutine one_network(tests, bodies, loops, seed, laws)
+   !> With damping to ground of one body or of several, and of bodies without a mean torque.
+   subroutine dragged_networks(tests)
+      class(tests_type), intent(inout) :: tests
+
+      call one_network(tests, 4, 0, 1, dragged=1, laws=.false.)
+      call one_network(tests, 5, 1, 2, dragged=5, laws=.false.)
+      call one_network(tests, 6, 0, 3, dragged=3, laws=.false.)
+      call one_network(tests, 8, 2, 4, dragged=4, laws=.false.)
+      call one_network(tests, 5, 1, 2, dragged=2, laws=.true.)
+      call one_network(tests, 8, 2, 4, dragged=1, laws=.true.)
+   end subroutine dragged_networks
+
+   subroutine one_network(tests, bodies, loops, seed, dragged, laws)
       class(tests_type), intent(inout) :: tests
       integer, intent(in) :: bodies, loops, seed
+      !> Bodies, the last ones, that are damped to ground.
+      integer, intent(in) :: dragged
       !> The meshes have laws of their own.
       logical, intent(in) :: laws
       type(train_type) :: train
@@ -53,11 +68,12 @@ contains
       character(60) :: name
       integer :: i, n, first, periods
 
-      write (name, '(2(a, i0))') 'network of ', bodies, ' bodies, loops: ', loops
+      write (name, '(3(a, i0))') 'network of ', bodies, ' bodies, loops: ', loops, ', drags: ', dragged
       if (laws) name = trim(name)//', laws'
       call random_network(bodies, loops, seed, train)
       if (laws) call draw_laws(seed, train)
-      call integrate(train, frequency_ratio, integration_settings_type(), motion, error)
+      train%bodies(bodies - dragged + 1:)%damping_to_ground = [(0.3_dp*i, i=1, dragged)]
+      call integrate(train, frequency_ratio, integration_settings_type(stability=.not. laws .or. dragged > 0), motion, error)
       call tests%is_true(.not. allocated(error), trim(name)//': runs')
       if (allocated(error)) then
          call tests%is_text(error%message, '', trim(name)//': message')
@@ -69,7 +85,7 @@ contains
       call build_system(train, system)
       call build_machine(train, frequency_ratio, machine)
       period = 2*pi*periods/(frequency_ratio*train%characteristic_frequency)
-      n = 2*system%coordinates
+      n = system%states
       allocate (final(n), tangents(n, n))
       call propagate(system, frequency_ratio, periods, motion%state, final, tangents)
       allocate (p(size(machine%joint)), v(size(machine%joint)))
@@ -82,7 +98,7 @@ contains
          history(i, :) = p(first + 1:)/train%characteristic_length
          call fly(machine, (i - 1)*period/samples, i*period/samples, y)
       end do
-      scale = maxval(abs(motion%state(:system%coordinates)))
+      scale = maxval(abs(motion%state(:system%displacements)))
       call tests%is_close(maxval(abs(state_of_bodies(system, machine, train, y, period) - final))/scale, 0.0_dp, 1e-8_dp, &
                           trim(name)//': the other code comes as far')
       if (motion%period > 0) call tests%is_close(maxval(abs(final - motion%state))/scale, 0.0_dp, 1e-8_dp, trim(name)//': and back')
@@ -91,6 +107,7 @@ contains
          rms = sqrt(2*sum((history(:, i) - sum(history(:, i))/samples)**2)/samples)
          call tests%is_close(motion%rms(i), rms, 1e-8_dp, trim(name)//': rms')
       end do
+      if (allocated(motion%multipliers)) call tests%is_true(size(motion%multipliers) == n, trim(name)//': number of multipliers')
       allocate (map(n, n))
       do i = 1, n
          up = motion%state
@@ -155,7 +172,7 @@ contains
       allocate (y(2*b), source=0.0_dp)
       call displacements(machine, 0.0_dp, y, p, v)
       known = .false.
-      do n = 1, system%coordinates
+      do n = 1, system%displacements
          associate (element => system%network%elements(n))
             i = element%mesh + size(train%shafts)
             if (element%shaft > 0) i = element%shaft
@@ -164,7 +181,7 @@ contains
                if (element%shaft > 0) moved = moved + system%static_force(n)
                ! A shaft is measured along a radius, the other code counts its twist.
                moved = moved*train%characteristic_length*joint%ra/element%radius(1) - p(i)
-               speed = state(system%coordinates + n)*train%characteristic_length*train%characteristic_frequency &
+               speed = state(system%displacements + n)*train%characteristic_length*train%characteristic_frequency &
                        *joint%ra/element%radius(1) - v(i)
                if (n == 1) known(joint%a) = .true.
                if (known(joint%a)) then
@@ -178,6 +195,11 @@ contains
             end associate
          end associate
       end do
+      if (system%coordinates == system%displacements) return
+      ! All of them turn so that the body whose vibration is a state has it.
+      i = system%network%elements(system%coordinates)%from
+      speed = state(system%states)*train%characteristic_length*train%characteristic_frequency - y(b + i)*system%network%radius(i)
+      y(b + 1:) = y(b + 1:) + speed/system%network%radius
    end function bodies_of_state
 
    function state_of_bodies(system, machine, train, y, t) result(state)
@@ -185,15 +207,19 @@ contains
       type(machine_type), intent(in) :: machine
       type(train_type), intent(in) :: train
       real(dp), intent(in) :: y(:), t
-      real(dp) :: state(2*system%coordinates), p(size(machine%joint)), v(size(p))
+      real(dp) :: state(system%states), p(size(machine%joint)), v(size(p))
       integer :: i, n
 
       call displacements(machine, t, y, p, v)
-      do n = 1, system%coordinates
+      associate (grounded => system%network%elements(system%coordinates)%from, b => size(machine%inertia))
+         state(system%states) = y(b + grounded)*system%network%radius(grounded) &
+                                /(train%characteristic_length*train%characteristic_frequency)
+      end associate
+      do n = 1, system%displacements
          associate (element => system%network%elements(n))
             i = element%mesh + size(train%shafts)
             if (element%shaft > 0) i = element%shaft
-            associate (joint => machine%joint(i), e => system%coordinates)
+            associate (joint => machine%joint(i), e => system%displacements)
                state(n) = p(i)*element%radius(1)/joint%ra/train%characteristic_length
                if (element%shaft > 0) state(n) = state(n) - system%static_force(n)
                state(e + n) = v(i)*element%radius(1)/joint%ra/(train%characteristic_length*train%characteristic_frequency)

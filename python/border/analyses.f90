@@ -74,7 +74,7 @@ end subroutine read_path
 
 ! Meshes of the case's train, and the size of its states.
 subroutine train_sizes(handle, sizes)
-   use geartrain_model_network, only: coordinate_count
+   use geartrain_model_network, only: state_count
    use geartrain_python_box, only: box_type, box_of
    implicit none
    integer(8), intent(in) :: handle
@@ -83,7 +83,7 @@ subroutine train_sizes(handle, sizes)
 
    box => box_of(handle)
    sizes(1) = size(box%case%train%meshes)
-   sizes(2) = 2*coordinate_count(box%case%train)
+   sizes(2) = state_count(box%case%train)
 end subroutine train_sizes
 
 ! The natural modes of the case's train.

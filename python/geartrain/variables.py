@@ -31,6 +31,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "torque": Variable("torque", "real", "float", 0.0, False, "Mean torque on it, positive in the sense in which it turns; [N m]"),
         "torque_cos": Variable("torque_cos", "reals", "Series", None, False, "Cosine amplitudes of its torque, orders 1, 2, ... of Lambda; [N m]"),
         "torque_sin": Variable("torque_sin", "reals", "Series", None, False, "Sine amplitudes, likewise; [N m]"),
+        "damping_to_ground": Variable("damping_to_ground", "real", "float", 0.0, False, "Damping of its vibration against the ground; none of its mean motion: a mean drag is a torque; [N m s/rad]; >= 0"),
         "balances": Variable("balances", "logical", "bool", False, False, "Its mean torque balances those of all others; true for exactly one body"),
     },
     "shaft": {
@@ -128,6 +129,7 @@ class Body(Part, variables=VARIABLES["body"]):
     torque: float | None = None
     torque_cos: Series | None = None
     torque_sin: Series | None = None
+    damping_to_ground: float | None = None
     balances: bool | None = None
 
 

@@ -241,7 +241,7 @@ contains
       integer :: j
 
       generator = begin_random(seed, start)
-      allocate (state(2*system%coordinates))
+      allocate (state(system%states))
       state = resting_state(system)
       do j = 1, system%meshes
          associate (n => system%mesh_element(j))
@@ -249,7 +249,7 @@ contains
             if (n > system%coordinates) cycle
             reach = 3*abs(state(n))
             state(n) = reach*(2*generator%uniform() - 1)
-            state(system%coordinates + n) = reach*(2*generator%uniform() - 1)
+            state(system%displacements + n) = reach*(2*generator%uniform() - 1)
          end associate
       end do
    end function random_state

@@ -183,7 +183,7 @@ contains
       call check_integration(train, settings, error)
       if (allocated(error)) return
       call build_system(train, system)
-      allocate (state(2*system%coordinates))
+      allocate (state(system%states))
       state = resting_state(system)
       low = min(settings%start, settings%stop)
       high = max(settings%start, settings%stop)
@@ -256,7 +256,7 @@ contains
       call check_single(train, settings, frequency_ratio, error)
       if (allocated(error)) return
       call build_system(train, system)
-      allocate (state(2*system%coordinates))
+      allocate (state(system%states))
       state = resting_state(system)
       if (present(start)) then
          call check_start(system, start, error)
@@ -270,7 +270,7 @@ contains
       else if (.not. allocated(motion%coefficients)) then
          call fatal(error, 'the motion grows without bound at Lambda = '// &
                     text(frequency_ratio)//': it was given up at a displacement &
-                    &of '//text(maxval(abs(state(:system%coordinates))))//' characteristic lengths', status_ended_early)
+                    &of '//text(maxval(abs(state(:system%displacements))))//' characteristic lengths', status_ended_early)
          return
       end if
       call add_exponent(system, settings, motion, observer)
@@ -322,8 +322,8 @@ contains
       type(error_type), allocatable, intent(inout) :: error
 
       if (allocated(start%state)) then
-         if (size(start%state) /= 2*system%coordinates) call fatal(error, 'start: a state of '//text(size(start%state)) &
-            //' values: must have '//text(2*system%coordinates)//' (displacement of each elastic element, then the velocities)')
+         if (size(start%state) /= system%states) call fatal(error, 'start: a state of '//text(size(start%state)) &
+            //' values: must have '//text(system%states)//' (displacement of each elastic element, then the velocities)')
       else if (.not. allocated(start%coefficients)) then
          call fatal(error, 'start: has neither a state nor coefficients')
       else if (size(start%coefficients, 2) /= system%meshes) then

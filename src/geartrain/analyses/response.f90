@@ -17,7 +17,7 @@ module geartrain_analyses_response
    use geartrain_continuation_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
    use geartrain_continuation_summary_fields, only: visit_summary
    use geartrain_continuation_variables, only: check_response_consistency, visit_response
-   use geartrain_model_network, only: coordinate_count
+   use geartrain_model_network, only: state_count
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -113,7 +113,7 @@ contains
 
       call visit_branch(branch, home, fields)
       if (fields%way == reading) then
-         call fields%check(branch%states <= 2*coordinate_count(train), home)
+         call fields%check(branch%states <= state_count(train), home)
          branch%half_backlash = train%meshes%half_backlash/train%characteristic_length
       else if (summary .and. (branch%points > 0 .or. fields%way == listing)) then
          call visit_summary(branch, home, fields)

@@ -25,12 +25,12 @@ module geartrain_continuation_orbit_corrector
    type :: orbit_type
       !> Lambda [1], of one repetition (see orbit_corrector_type).
       real(dp) :: frequency_ratio = 0
-      !> Dimensionless states at the beginnings of the sections of the period, (2*coordinates, section).
+      !> Dimensionless states at the beginnings of the sections of the period, (state, section).
       real(dp), allocatable :: states(:, :)
-      !> Unit tangent: its parts of Lambda and of the states, (2*coordinates, section).
+      !> Unit tangent: its parts of Lambda and of the states, (state, section).
       real(dp) :: tangent_frequency = 0
       real(dp), allocatable :: tangent(:, :)
-      !> Multipliers over the whole period, largest magnitude first, (2*coordinates).
+      !> Multipliers over the whole period, largest magnitude first, (state).
       complex(dp), allocatable :: multipliers(:)
    end type orbit_type
 
@@ -45,7 +45,7 @@ module geartrain_continuation_orbit_corrector
       type(units_type) :: units
       !> Sections for shooting at constant Lambda, and for shooting along the branch.
       type(sections_type), private :: fixed, moving
-      !> Metric of the states, (2*coordinates, section).
+      !> Metric of the states, (state, section).
       real(dp), allocatable, private :: weight(:, :)
    contains
       procedure :: setup
@@ -95,8 +95,8 @@ contains
       parts = most_parts(system, period)
       call self%fixed%setup(self%system, period, parts, moves=.false.)
       call self%moving%setup(self%system, period, parts, moves=.true.)
-      associate (n => system%coordinates, m => self%fixed%sections)
-         allocate (self%weight(2*n, m))
+      associate (n => system%displacements, m => self%fixed%sections)
+         allocate (self%weight(system%states, m))
          self%weight(:n, :) = 1/(m*self%units%length**2)
          self%weight(n + 1:, :) = 1/(m*(self%units%length*self%units%frequency_ratio)**2)
       end associate

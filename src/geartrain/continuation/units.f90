@@ -2,6 +2,7 @@
 !> tolerances and guards so depend neither on the characteristic values given for a train nor on its size.
 module geartrain_continuation_units
    use geartrain_base_kinds, only: dp
+   use geartrain_model_network, only: stiffening
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
@@ -22,13 +23,14 @@ contains
    pure type(units_type) function units_of(system) result(units)
       !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
-      real(dp) :: drive, gap
+      real(dp) :: drive, gap, stiff(system%elements)
 
       drive = max(largest_load(system), largest_error(system))
       gap = maxval(system%half_backlash)
       if (drive > 0) gap = min(gap, rattle*drive)
       units%length = decade(max(drive, gap))
-      units%frequency_ratio = decade(sqrt(minval(system%own(system%mesh_element))))
+      stiff = stiffening(system%network)
+      units%frequency_ratio = decade(sqrt(minval(system%own(system%mesh_element)*stiff(system%mesh_element))))
    end function units_of
 
    !> Unit of displacement of motions that cross the gap, over characteristic length [1]: amplitude limits are multiples of it.

@@ -34,7 +34,9 @@ module geartrain_floquet_monodromy
 
    !> Work space of one branch.
    type :: monodromy_type
+      !> Displacements and velocities of all coordinates that the matrix has, and those of them that are states of the train.
       integer :: states = 0
+      integer, allocatable, private :: kept(:)
       !> Number of multipliers that are given: of all states, or of the leading ones.
       integer :: given = 0
       !> Monodromy matrix, transposed, (state, state); not held where the leading multipliers suffice.
@@ -85,12 +87,14 @@ contains
       !> All multipliers, however many states there are.
       logical, intent(in), optional :: all_of_them
       logical :: whole
+      integer :: i
 
       self%states = 2*system%coordinates
       allocate (self%now(system%meshes), self%instant(64), self%mesh(64), self%contact(64))
       whole = self%states < many_states
       if (present(all_of_them)) whole = whole .or. all_of_them
-      self%given = self%states
+      self%given = system%states
+      self%kept = [(i, i=1, system%displacements), (system%coordinates + i, i=1, system%coordinates)]
       if (whole) return
       self%given = leading
       call self%few%setup(system, columns=pair)
@@ -134,7 +138,7 @@ contains
       events = events/self%repetitions
       self%now = 1
       if (allocated(self%found)) deallocate (self%found)
-      if (self%given < self%states) then
+      if (self%few%states > 0) then
          call self%find_leading(balance, frequency_ratio, period, events, success)
          if (success) return
       end if
@@ -392,7 +396,8 @@ contains
    subroutine multipliers(self, values)
       class(monodromy_type), intent(inout) :: self
       complex(dp), intent(out) :: values(:)
-      complex(dp) :: all_of_them(self%states)
+      complex(dp) :: all_of_them(size(self%kept))
+      real(dp), allocatable :: matrix(:, :)
 
       if (allocated(self%found)) then
          values = self%found
@@ -400,8 +405,8 @@ contains
          values = ieee_value(0.0_dp, ieee_quiet_nan)
          return
       else
-         self%product = self%transposed
-         call eigenvalues(self%product, all_of_them)
+         matrix = self%transposed(self%kept, self%kept)
+         call eigenvalues(matrix, all_of_them)
          values = all_of_them(:size(values))
       end if
       if (self%repetitions > 1) values = power(values, self%repetitions)

@@ -34,7 +34,7 @@ module geartrain_floquet_propagator
       real(dp) :: fastest_decay = 0
       !> Largest rate of all modes, with all meshes in contact and stiffest [1].
       real(dp) :: fastest = 0
-      !> Columns of displacements, then velocities over `band`, (column, 2*coordinates, block of columns).
+      !> Columns of displacements, of all coordinates, then velocities over `band`, (column, 2*coordinates, block of columns).
       real(dp), allocatable, private :: x(:, :, :)
       integer, private :: coordinates = 0, elements = 0, width = 0
       !> The columns are those of a whole matrix, which begins as the identity.
@@ -109,7 +109,7 @@ contains
          blocks = 1
          self%width = 4*((columns + 3)/4)
       end if
-      stiffest = 1
+      stiffest = system%spring
       damping = system%damping
       self%highest_order = 0
       self%fastest_mesh = 0
@@ -216,13 +216,14 @@ contains
       self%x(:, self%coordinates + 1:, 1) = self%x(:, self%coordinates + 1:, 1)/self%band
    end subroutine put_columns
 
-   !> Gives them back.
+   !> Gives them back, but for the displacement that is no state.
    subroutine get_columns(self, columns)
       class(propagator_type), intent(in) :: self
       real(dp), intent(out) :: columns(:, :)
 
       columns = transpose(self%x(:size(columns, 2), :, 1))
       columns(self%coordinates + 1:, :) = columns(self%coordinates + 1:, :)*self%band
+      columns(self%system%displacements + 1:self%coordinates, :) = 0
    end subroutine get_columns
 
    !> From one time to another along constant contacts (mesh), 0 for separation; less far where it is interrupted.
@@ -235,7 +236,7 @@ contains
 
       if (.not. to > from) return
       do n = 1, self%elements
-         self%spring(n) = -self%system%own(n)/self%band**2
+         self%spring(n) = -self%system%own(n)*self%system%spring(n)/self%band**2
       end do
       self%terms = 0
       do j = 1, self%system%meshes

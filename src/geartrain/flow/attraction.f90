@@ -28,7 +28,7 @@ module geartrain_flow_attraction
    type :: attraction_type
       !> Mesh periods; 0: no orbit is known.
       integer :: period = 0
-      !> Of the orbit at phase 0, (2*coordinates); largest magnitude first, (2*coordinates).
+      !> Of the orbit at phase 0, (state); largest magnitude first, (state).
       real(dp), allocatable :: state(:)
       complex(dp), allocatable :: multipliers(:)
       !> Last Newton step that found the orbit, relative [1].
@@ -69,7 +69,7 @@ contains
       real(dp), intent(in) :: frequency_ratio
       !> Mesh periods.
       integer, intent(in) :: period
-      !> (2*coordinates), (state, state).
+      !> (state), (state, state).
       real(dp), intent(in) :: state(:), monodromy(:, :)
       !> Last Newton step that found the orbit, relative [1].
       real(dp), intent(in) :: accuracy
@@ -104,7 +104,7 @@ contains
    !> Looks at the section of the flow, a period of the orbit after the last look.
    subroutine follow(self, section, tolerance, caught)
       class(attraction_type), intent(inout) :: self
-      !> (2*coordinates) at phase 0; distance to the orbit over the state that counts as nothing.
+      !> (state) at phase 0; distance to the orbit over the state that counts as nothing.
       real(dp), intent(in) :: section(:), tolerance
       !> The flow goes to this orbit.
       logical, intent(out) :: caught
@@ -164,7 +164,7 @@ contains
    !> Sets `ahead`: the flow is tried where M foretells the largest displacement of a mesh, in each octave of periods.
    subroutine look_ahead(self, distance)
       class(attraction_type), intent(inout) :: self
-      !> From the orbit, in energy coordinates, (2*coordinates).
+      !> From the orbit, in energy coordinates, (state).
       real(dp), intent(in) :: distance(:)
       real(dp) :: now(size(distance)), worst(size(distance)), state(size(distance)), largest, reach
       integer :: i, k, octave

@@ -1,6 +1,5 @@
 !> The energy of a vibration of the mean train (every mesh in contact, at its mean stiffness) as a norm of states: free vibration
-!> without damping keeps it, where a plain norm swings between displacements and velocities. What closes a loop is left out: a norm
-!> all the same.
+!> without damping keeps it, where a plain norm swings between displacements and velocities.
 module geartrain_flow_energy
    use geartrain_base_kinds, only: dp
    use geartrain_model_system, only: system_type
@@ -10,12 +9,13 @@ module geartrain_flow_energy
 
    !> Coordinates whose sum of squares is twice the energy over the largest stiffness of the train.
    type :: energy_type
-      !> Elastic elements.
-      integer, private :: elements = 0
-      !> Root of the stiffness of each element over the largest, (element).
-      real(dp), allocatable, private :: root(:)
-      !> Cholesky factor of the inverse inertia of the elements: velocities = factor*coordinates, (element, element), and the first
-      !> column of each row that is not 0: next to the diagonal on a chain.
+      !> Displacements of a state.
+      integer, private :: displacements = 0
+      !> Cholesky factor of the stiffness over the largest: its transpose makes coordinates of displacements, (displacement,
+      !> displacement); diagonal but for loops.
+      real(dp), allocatable, private :: root(:, :)
+      !> Cholesky factor of the inverse inertia of the elements: velocities = factor*coordinates, (velocity, velocity), and the
+      !> first column of each row that is not 0: next to the diagonal on a chain.
       real(dp), allocatable, private :: factor(:, :)
       integer, allocatable, private :: first(:)
    contains
@@ -30,12 +30,25 @@ contains
    pure subroutine setup(self, system)
       class(energy_type), intent(inout) :: self
       type(system_type), intent(in) :: system
-      real(dp) :: stiffness(system%coordinates)
+      real(dp) :: stiffness(system%elements)
       integer :: i, n, m
 
-      self%elements = system%coordinates
-      stiffness = system%stiffness(:system%coordinates)/maxval(system%stiffness)
-      self%root = sqrt(stiffness)
+      stiffness = system%stiffness/maxval(system%stiffness)
+      self%displacements = system%displacements
+      associate (d => system%displacements, c => system%coordinates)
+         self%root = matmul(transpose(system%network%loop(:, :d)), &
+                            spread(stiffness(c + 1:)*system%spring(c + 1:), 2, d)*system%network%loop(:, :d))
+         do n = 1, d
+            self%root(n, n) = self%root(n, n) + stiffness(n)
+         end do
+         do n = 1, d
+            do m = 1, n - 1
+               self%root(n, m) = (self%root(n, m) - dot_product(self%root(n, :m - 1), self%root(m, :m - 1)))/self%root(m, m)
+            end do
+            self%root(n, n) = sqrt(max(self%root(n, n) - sum(self%root(n, :n - 1)**2), tiny(1.0_dp)))
+            self%root(n, n + 1:) = 0
+         end do
+      end associate
       if (allocated(self%factor)) deallocate (self%factor, self%first)
       allocate (self%factor(system%coordinates, system%coordinates), source=0.0_dp)
       allocate (self%first(system%coordinates))
@@ -59,18 +72,20 @@ contains
       end do
    end subroutine setup
 
-   !> Energy coordinates of a difference of two states, (2*coordinates).
+   !> Energy coordinates of a difference of two states, (state).
    pure function coordinates(self, difference) result(y)
       class(energy_type), intent(in) :: self
       real(dp), intent(in) :: difference(:)
       real(dp) :: y(size(difference))
       integer :: n
 
-      associate (e => self%elements, l => self%factor)
-         y(:e) = self%root*difference(:e)
-         do n = 1, e
+      associate (d => self%displacements, l => self%factor, root => self%root)
+         do n = 1, d
+            y(n) = dot_product(root(n:, n), difference(n:d))
+         end do
+         do n = 1, size(l, 1)
             associate (i => self%first(n))
-               y(e + n) = (difference(e + n) - dot_product(l(n, i:n - 1), y(e + i:e + n - 1)))/l(n, n)
+               y(d + n) = (difference(d + n) - dot_product(l(n, i:n - 1), y(d + i:d + n - 1)))/l(n, n)
             end associate
          end do
       end associate
@@ -83,11 +98,13 @@ contains
       real(dp) :: difference(size(y))
       integer :: n
 
-      associate (e => self%elements, l => self%factor)
-         difference(:e) = y(:e)/self%root
-         do n = 1, e
+      associate (d => self%displacements, l => self%factor, root => self%root)
+         do n = d, 1, -1
+            difference(n) = (y(n) - dot_product(root(n + 1:, n), difference(n + 1:d)))/root(n, n)
+         end do
+         do n = 1, size(l, 1)
             associate (i => self%first(n))
-               difference(e + n) = dot_product(l(n, i:n), y(e + i:e + n))
+               difference(d + n) = dot_product(l(n, i:n), y(d + i:d + n))
             end associate
          end do
       end associate

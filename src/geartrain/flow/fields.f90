@@ -75,7 +75,8 @@ contains
       end if
       call fields%index_axis('mesh', meshes, about_mesh)
       if (fields%has('initial_state', coordinates > 0)) call fields%index_axis('coordinate', coordinates, &
-         'coordinate of the state: the displacement of every elastic element, then the velocities')
+         'coordinate of the state: the displacement of every elastic element, then the velocities; with damping to ground that of &
+         &a body last')
       if (fields%has('multipliers', states > 0)) call fields%index_axis('state', states, &
                                                    'number of the multiplier, in no order that holds between '//along//'s')
       call fields%begin_list(along)

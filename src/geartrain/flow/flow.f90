@@ -5,7 +5,7 @@
 !> elastic force is continuous at an event, and tangents pass it unchanged unless the damping force jumps (`shear`).
 !>
 !> A state is the displacement of the elements that are coordinates (a mesh: p; a shaft: its twist less that at rest), then the
-!> velocities. Elements that close loops follow from these.
+!> velocities. Elements that close loops follow from these. Of a body with damping to ground only the velocity is a state.
 module geartrain_flow_flow
    use geartrain_base_kinds, only: dp
    use geartrain_base_series, only: series_type
@@ -24,7 +24,7 @@ module geartrain_flow_flow
       real(dp) :: frequency_ratio = 1
       !> Columns of `x`: the first is the state, the others are tangents to the flow.
       integer :: columns = 1
-      !> Time [1] and columns, (column, 2*coordinates).
+      !> Time [1] and columns, (column, state).
       real(dp) :: time = 0
       real(dp), allocatable :: x(:, :)
       !> Region of its law in which each mesh is: +1 drive flank, 0 separation, -1 back flank; 1 for a mesh without backlash.
@@ -81,7 +81,7 @@ contains
       if (allocated(self%x)) deallocate (self%x, self%p, self%v, self%phi, self%kappa, self%excitation, self%contact, &
                                          self%loop)
       associate (n => system%elements)
-         allocate (self%x(columns, 2*system%coordinates), self%p(columns, n, 0:order), self%v(columns, n, 0:order), &
+         allocate (self%x(columns, system%states), self%p(columns, n, 0:order), self%v(columns, n, 0:order), &
                    self%phi(columns, n), self%kappa(0:order, system%meshes), self%excitation(0:order, n), &
                    self%contact(system%meshes), self%loop(0:order + 1, n - system%coordinates))
       end associate
@@ -128,7 +128,7 @@ contains
       class(flow_type), intent(inout) :: self
       real(dp), intent(in) :: end_time
       real(dp) :: h
-      integer :: n, mesh, wall
+      integer :: d, n, mesh, wall
       logical :: reaches_end
 
       call self%expand()
@@ -146,9 +146,10 @@ contains
       if (reaches_end) h = end_time - self%time
       self%event = .false.
       call self%first_event(h, self%event, mesh, wall)
+      d = self%system%displacements
       n = self%system%coordinates
-      call sum_series(self%columns*n, self%columns*self%system%elements, self%order, self%p, h, self%x(:, :n))
-      call sum_series(self%columns*n, self%columns*self%system%elements, self%order, self%v, h, self%x(:, n + 1:))
+      call sum_series(self%columns*d, self%columns*self%system%elements, self%order, self%p, h, self%x(:, :d))
+      call sum_series(self%columns*n, self%columns*self%system%elements, self%order, self%v, h, self%x(:, d + 1:))
       self%length = h
       if (self%event) then
          self%time = self%time + h
@@ -169,7 +170,7 @@ contains
       real(dp) :: p, v
       integer :: before
 
-      associate (n => self%system%mesh_element(mesh), e => self%system%coordinates, law => self%system%law(mesh))
+      associate (n => self%system%mesh_element(mesh), e => self%system%displacements, law => self%system%law(mesh))
          if (n <= e) self%x(1, n) = law%wall(wall)
          before = self%contact(mesh)
          self%contact(mesh) = merge(wall + 1, wall, before == wall)
@@ -197,10 +198,13 @@ contains
 
       associate (system => self%system)
          n = system%coordinates
-         self%p(:, :n, 0) = self%x(:, :n)
-         self%v(:, :n, 0) = self%x(:, n + 1:)
+         associate (d => system%displacements)
+            self%p(:, d + 1:n, 0) = 0
+            self%p(:, :d, 0) = self%x(:, :d)
+            self%v(:, :n, 0) = self%x(:, d + 1:)
+         end associate
          if (system%elements > n) call self%expand_loops(self%order + 1, self%loop)
-         spring = 1
+         spring = system%spring
          damping = system%damping
          terms = -1
          reach = huge(1.0_dp)
@@ -267,15 +271,15 @@ contains
       real(dp), intent(out) :: p, v
       real(dp), allocatable :: loop(:, :)
 
-      associate (n => self%system%mesh_element(mesh), e => self%system%coordinates)
-         if (n <= e) then
+      associate (n => self%system%mesh_element(mesh), e => self%system%coordinates, d => self%system%displacements)
+         if (n <= d) then
             p = self%x(1, n)
-            v = self%x(1, e + n)
+            v = self%x(1, d + n)
          else
             allocate (loop(0:1, self%system%elements - e))
             call self%expand_loops(1, loop)
-            p = dot_product(self%system%network%loop(n - e, :), self%x(1, :e)) + loop(0, n - e)
-            v = dot_product(self%system%network%loop(n - e, :), self%x(1, e + 1:)) + loop(1, n - e)
+            p = dot_product(self%system%network%loop(n - e, :d), self%x(1, :d)) + loop(0, n - e)
+            v = dot_product(self%system%network%loop(n - e, :), self%x(1, d + 1:)) + loop(1, n - e)
          end if
       end associate
    end subroutine mesh_now

@@ -44,7 +44,7 @@ contains
       type(system_type), intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
-      !> (2*coordinates) at phase 0.
+      !> (state) at phase 0.
       real(dp), intent(in) :: state(:)
       integer, intent(in) :: most
       !> Per unit of time [1], and its uncertainty.

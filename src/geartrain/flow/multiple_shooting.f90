@@ -38,17 +38,17 @@ contains
       type(system_type), intent(in) :: system
       integer, intent(in) :: period
 
-      most_parts = max(1, min(usual_parts, int(largest/(4.0_dp*system%coordinates**2*period))))
+      most_parts = max(1, min(usual_parts, int(largest/(real(system%states, dp)**2*period))))
    end function most_parts
 
-   !> A motion's states where the sections begin, (2*coordinates, section).
+   !> A motion's states where the sections begin, (state, section).
    subroutine section_states(system, motion, sections, states)
       type(system_type), intent(in) :: system
       type(motion_type), intent(in) :: motion
       type(sections_type), intent(inout) :: sections
       real(dp), allocatable, intent(out) :: states(:, :)
 
-      allocate (states(2*system%coordinates, sections%sections))
+      allocate (states(system%states, sections%sections))
       if (allocated(motion%state)) then
          states(:, 1) = motion%state
          call sections%guess(motion%frequency_ratio, states)
@@ -62,7 +62,7 @@ contains
    subroutine find_orbit_in_sections(sections, frequency_ratio, states, length, found, row, row_frequency, tangent, &
                                      tangent_frequency)
       type(sections_type), intent(inout) :: sections
-      !> Lambda and the states, (2*coordinates, section): a guess, then the orbit's.
+      !> Lambda and the states, (state, section): a guess, then the orbit's.
       real(dp), intent(inout) :: frequency_ratio, states(:, :)
       !> Largest change by the last step, relative.
       real(dp), intent(out) :: length

@@ -49,7 +49,7 @@ contains
       monodromy = transpose(flow%x(2:, :))
    end subroutine propagate
 
-   !> Sets the state and the identity as tangents of a flow of 2*coordinates + 1 columns.
+   !> Sets the state and the identity as tangents of a flow of a column for each state and one more.
    pure subroutine begin_tangents(flow, state)
       type(flow_type), intent(inout) :: flow
       real(dp), intent(in) :: state(:)

@@ -25,9 +25,9 @@ module geartrain_flow_orbit_search
       integer, private :: longest = 1, harmonics = 1
       !> Mesh periods so far; the trial that comes next there: 2*period - 1 and 2*period.
       integer, private :: periods = 0, trial = 1
-      !> The latest sections, the last one first, (2*coordinates, 0:longest).
+      !> The latest sections, the last one first, (state, 0:longest).
       real(dp), allocatable, private :: section(:, :)
-      !> States of the orbits found, (2*coordinates, orbit).
+      !> States of the orbits found, (state, orbit).
       real(dp), allocatable, private :: known(:, :)
       type(flow_type), private :: flow
    contains

@@ -21,9 +21,9 @@ module geartrain_flow_sections
       !> In mesh periods; sections of the whole.
       integer :: period = 1, sections = 1
       logical, private :: moves = .false.
-      !> (2*coordinates, 2*coordinates, 2:sections) and (2*coordinates, 2:sections + 1).
+      !> (state, state, 2:sections) and (state, 2:sections + 1).
       real(dp), allocatable :: transfer(:, :, :), drift(:, :), missed(:, :)
-      !> (2*coordinates, 2*coordinates): the transfer over all of them.
+      !> (state, state): the transfer over all of them.
       real(dp), allocatable :: monodromy(:, :)
       type(flow_type), private :: flow, single
    contains
@@ -48,19 +48,19 @@ contains
       self%period = period
       self%sections = period*parts
       self%moves = moves
-      columns = 2*system%coordinates + 1
+      columns = system%states + 1
       ! One section at constant Lambda needs no more; else what is missed, and the drift.
       if (self%sections > 1) columns = columns + 1
       if (moves) columns = columns + 1
-      associate (n => 2*system%coordinates, m => self%sections)
+      associate (n => system%states, m => self%sections)
          if (allocated(self%transfer)) deallocate (self%transfer, self%drift, self%missed, self%monodromy)
          allocate (self%transfer(n, n, 2:m), self%drift(n, 2:m + 1), self%missed(n, 2:m + 1), self%monodromy(n, n))
          call self%flow%setup(system, columns, flow_order, flow_tolerance)
       end associate
-      if (columns > 2*system%coordinates + 1) call self%single%setup(system, 1, flow_order, flow_tolerance)
+      if (columns > system%states + 1) call self%single%setup(system, 1, flow_order, flow_tolerance)
    end subroutine setup
 
-   !> The states at the beginnings of all sections by the flow from the first, (2*coordinates, section).
+   !> The states at the beginnings of all sections by the flow from the first, (state, section).
    subroutine guess(self, frequency_ratio, states)
       class(sections_type), intent(inout) :: self
       real(dp), intent(in) :: frequency_ratio
@@ -73,7 +73,7 @@ contains
       end do
    end subroutine guess
 
-   !> Flies all sections from `states`, (2*coordinates, section).
+   !> Flies all sections from `states`, (state, section).
    subroutine fly(self, frequency_ratio, states)
       class(sections_type), intent(inout) :: self
       real(dp), intent(in) :: frequency_ratio, states(:, :)

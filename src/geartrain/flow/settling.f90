@@ -68,7 +68,7 @@ contains
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
       type(integration_settings_type), intent(in) :: settings
-      !> (2*coordinates) at phase 0.
+      !> (state) at phase 0.
       real(dp), intent(inout) :: state(:)
       type(motion_type), intent(out), target :: motion
       class(observer_type), intent(inout), optional :: observer
@@ -197,7 +197,7 @@ contains
       type(system_type), intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
-      !> The latest sections of the flow, the last one first, (2*coordinates, 0:).
+      !> The latest sections of the flow, the last one first, (state, 0:).
       real(dp), intent(in) :: section(:, 0:)
       !> Mesh periods so far.
       integer, intent(in) :: k
@@ -320,7 +320,7 @@ contains
    !> nothing of what it will settle on.
    logical function is_leaving(system, frequency_ratio, state, exponent)
       type(system_type), intent(in) :: system
-      !> Lambda, (2*coordinates) at phase 0, largest Lyapunov exponent [1].
+      !> Lambda, (state) at phase 0, largest Lyapunov exponent [1].
       real(dp), intent(in) :: frequency_ratio, state(:), exponent
       type(flow_type) :: flow
       real(dp) :: orbit(size(state)), monodromy(size(state), size(state)), power(size(state), size(state)), length

@@ -53,7 +53,7 @@ contains
          return
       end if
       call build_system(train, system)
-      n = 2*system%coordinates
+      n = system%states
       if (allocated(motion%state)) then
          if (size(motion%state) /= n) call fatal(error, 'refine: a state of '//text(size(motion%state))//' values: must have ' &
                                                  //text(n)//' (displacement of each elastic element, then the velocities)')
@@ -122,7 +122,7 @@ contains
       real(dp), intent(in) :: frequency_ratio
       !> Mesh periods; Newton steps at most.
       integer, intent(in) :: period, most
-      !> (2*coordinates) at phase 0; where no orbit is found it is what the last step left.
+      !> (state) at phase 0; where no orbit is found it is what the last step left.
       real(dp), intent(inout) :: state(:)
       !> Of the orbit found, (state, state).
       real(dp), intent(out) :: monodromy(:, :)
@@ -155,7 +155,7 @@ contains
 
    !> The step of Newton's method towards a state that the flow carries into itself.
    subroutine newton_step(state, final, monodromy, step, info)
-      !> A state, what the flow makes of it, (2*coordinates).
+      !> A state, what the flow makes of it, (state).
       real(dp), intent(in) :: state(:), final(:)
       !> Derivative of `final`, (state, state).
       real(dp), intent(in) :: monodromy(:, :)

@@ -11,10 +11,10 @@ module geartrain_flow_start_state
 
 contains
 
-   !> At rest, every mesh on the flank that bears its mean load (see geartrain_flow_flow for what a state is), (2*coordinates).
+   !> At rest, every mesh on the flank that bears its mean load (see geartrain_flow_flow for what a state is), (state).
    pure function resting_state(system) result(state)
       type(system_type), intent(in) :: system
-      real(dp) :: state(2*system%coordinates)
+      real(dp) :: state(system%states)
       integer :: j
 
       state = 0
@@ -41,7 +41,7 @@ contains
       state = states(:, 1)
    end subroutine state_of
 
-   !> States of a motion at equidistant instants of its period from time 0 on, (2*coordinates, instant), from its coefficients, with
+   !> States of a motion at equidistant instants of its period from time 0 on, (state, instant), from its coefficients, with
    !> the shafts' twists recovered from the mesh forces.
    subroutine states_of(system, motion, states)
       type(system_type), intent(in) :: system
@@ -77,14 +77,14 @@ contains
       end do
       mean(system%cut%element) = u(1, :)
       do i = 1, size(states, 2)
-         associate (phase => 2*pi*(i - 1)/size(states, 2), state => states(:, i), e => system%coordinates)
+         associate (phase => 2*pi*(i - 1)/size(states, 2), state => states(:, i), d => system%displacements)
             state = 0
-            state(:e) = mean(:e)
+            state(:d) = mean(:d)
             do k = 1, size(balance%harmonic)
                associate (r => balance%harmonic(k))
-                  turned = amplitudes(:e, k)*exp(cmplx(0, r*phase, dp))
-                  state(:e) = state(:e) + turned%re
-                  state(e + 1:) = state(e + 1:) - r*motion%frequency_ratio/motion%period*turned%im
+                  turned = amplitudes(:system%coordinates, k)*exp(cmplx(0, r*phase, dp))
+                  state(:d) = state(:d) + turned(:d)%re
+                  state(d + 1:) = state(d + 1:) - r*motion%frequency_ratio/motion%period*turned%im
                end associate
             end do
          end associate

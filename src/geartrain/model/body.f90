@@ -17,7 +17,7 @@ module geartrain_model_body
       real(dp) :: torque = 0
       !> Harmonics 1.. of the torque [N m], orders of Lambda.
       real(dp), allocatable :: torque_cos(:), torque_sin(:)
-      !> Damping of its vibration against the ground [N m s/rad].
+      !> Damping of its vibration, which has no mean, against the ground [N m s/rad].
       real(dp) :: damping_to_ground = 0
       !> Its mean torque is such that all of them balance.
       logical :: balances = .false.

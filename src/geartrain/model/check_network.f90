@@ -5,7 +5,10 @@ module geartrain_model_check_network
    use geartrain_base_kinds, only: dp
    use geartrain_base_nearest, only: nearest_name
    use geartrain_base_numbers, only: integer_text, real_text, text
-   use geartrain_model_network, only: ends_of
+   use geartrain_mesh_law_law, only: law_type
+   use geartrain_model_mesh, only: mesh_type, plain_mesh, put_law
+   use geartrain_model_network, only: build_network, ends_of, join_rigid, network_type
+   use geartrain_model_rest, only: largest_residual, rest_forces
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -32,7 +35,10 @@ contains
       if (any([(ends_of(train, i, mesh=.false.) == 0, i=1, size(train%shafts))])) return
       if (any([(ends_of(train, i, mesh=.true.) == 0, i=1, size(train%meshes))])) return
       call check_inertias(train, checker)
-      if (all(train%meshes%driving_radius > 0 .and. train%meshes%driven_radius > 0)) call check_joints(train, checker)
+      if (.not. all(train%meshes%driving_radius > 0 .and. train%meshes%driven_radius > 0)) return
+      call check_joints(train, checker)
+      call check_elastic(train, checker)
+      if (checker%problems%count == before) call check_rest(train, checker)
    end subroutine check_network
 
    !> What belongs to the chain of shafts and meshes stands in no network.
@@ -178,6 +184,87 @@ contains
          call checker%leave()
       end do
    end subroutine check_inertias
+
+   !> A mesh or an elastic shaft whose ends turn as one does nothing.
+   subroutine check_elastic(train, checker)
+      type(train_type), intent(in) :: train
+      class(checker_type), intent(inout) :: checker
+      type(network_type) :: network
+      integer :: i
+
+      call join_rigid(train, network)
+      do i = 1, size(train%shafts)
+         if (.not. train%shafts(i)%rigid) call check_one('shaft', train%shafts(i)%between, ends_of(train, i, mesh=.false.))
+      end do
+      do i = 1, size(train%meshes)
+         call check_one('mesh', train%meshes(i)%between, ends_of(train, i, mesh=.true.))
+      end do
+
+   contains
+
+      subroutine check_one(group, between, ends)
+         character(*), intent(in) :: group, between(2)
+         integer, intent(in) :: ends(2)
+
+         if (network%node(ends(1)) /= network%node(ends(2))) return
+         call checker%enter(group, i)
+         call checker%complain('between', "'"//trim(between(1))//"', '"//trim(between(2))//"'", &
+                               'are made one body by '//trim(rigid_way(train, ends))//': nothing moves in between')
+         call checker%leave()
+      end subroutine check_one
+
+   end subroutine check_elastic
+
+   !> The rigid shafts from one body to another: 'the rigid &shaft 1, &shaft 3'.
+   function rigid_way(train, ends) result(words)
+      type(train_type), intent(in) :: train
+      integer, intent(in) :: ends(2)
+      character(400) :: words
+      !> The rigid shaft by which each body was met, seen from the second end; 0: not met.
+      integer :: by(size(train%bodies)), pair(2), body, i, round
+
+      by = 0
+      by(ends(2)) = -1
+      do round = 1, size(by)
+         do i = 1, size(train%shafts)
+            if (.not. train%shafts(i)%rigid) cycle
+            pair = ends_of(train, i, mesh=.false.)
+            if (by(pair(1)) /= 0 .neqv. by(pair(2)) /= 0) by(merge(pair(2), pair(1), by(pair(1)) /= 0)) = i
+         end do
+      end do
+      words = ''
+      body = ends(1)
+      do while (body /= ends(2))
+         i = by(body)
+         words = trim(words)//', &shaft '//integer_text(i)
+         body = sum(ends_of(train, i, mesh=.false.)) - body
+      end do
+      words = 'the rigid '//words(3:)
+   end function rigid_way
+
+   !> Where stiffnesses lie too far apart, how loops share the mean torque is lost in rounding.
+   subroutine check_rest(train, checker)
+      type(train_type), intent(in) :: train
+      class(checker_type), intent(inout) :: checker
+      type(network_type) :: network
+      type(mesh_type) :: plain
+      type(law_type) :: law(size(train%meshes))
+      real(dp), allocatable :: force(:)
+      real(dp) :: residual
+      integer :: i
+
+      do i = 1, size(law)
+         call plain_mesh(train%meshes(i), plain)
+         call put_law(plain, train%characteristic_length, law(i))
+      end do
+      call build_network(train, network)
+      allocate (force(size(network%elements)))
+      call rest_forces(network, law, train%characteristic_length, force, residual)
+      if (residual < largest_residual) return
+      call checker%problems%add('how the loops share the mean torque was not found: the displacements round them agree to '// &
+                                text(residual)//' only, 1e-10 is asked: are the stiffnesses in SI units?', 'train', 1, &
+                                names_group=.true.)
+   end subroutine check_rest
 
    !> Walks from the first body to all that it is joined with: whom it does not meet is joined with nothing, and where it meets one
    !> again the ratios must agree.

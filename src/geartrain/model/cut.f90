@@ -103,14 +103,15 @@ contains
          cut%mass(body) = [(b, b=1, size(body))]
          masses(1, :) = cut%mass(ends(1, :))
          masses(2, :) = cut%mass(ends(2, :))
-         inside = pack([(n, n=1, size(cut%slot))], .not. cut%is_unknown .and. cut%home(ends(1, :)) == p)
+         inside = pack([(n, n=1, size(cut%slot))], .not. (cut%is_unknown .or. network%elements%grounded) .and. &
+                       cut%home(ends(1, :)) == p)
          do n = 1, size(inside)
             associate (element => network%elements(inside(n)))
                cut%scale(inside(n)) = element%radius(1)/network%radius(element%from)
             end associate
          end do
          associate (part => cut%part(p), element => network%elements(inside), scale => cut%scale(inside))
-            call part%setup(body, network%inertia(body)/network%radius(body)**2, &
+            call part%setup(body, network%inertia(body)/network%radius(body)**2, network%damping(body)/network%radius(body)**2, &
                             masses(:, inside), scale**2*element%stiffness, &
                             scale**2*element%damping)
             part%element = inside

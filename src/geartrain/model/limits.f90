@@ -8,7 +8,7 @@ module geartrain_model_limits
    use geartrain_base_series, only: series_type
    use geartrain_model_excitation, only: lowest_harmonic
    use geartrain_model_mesh, only: mean_stiffness
-   use geartrain_model_network, only: bodies_of, body_count, ends_of, join_rigid, network_type
+   use geartrain_model_network, only: bodies_of, body_count, build_network, ends_of, join_rigid, network_type, stiffening
    use geartrain_model_system, only: put_excitation, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -96,11 +96,12 @@ contains
       class(checker_type), intent(inout) :: checker
       type(network_type) :: network
       character(*), parameter :: units = 'are radii, inertias and stiffness in SI units?'
-      real(dp) :: own
+      real(dp) :: own, frequency(merge(size(train%meshes), 0, allocated(train%meshes)))
       integer :: i
 
       if (.not. in_order(train, checker)) return
       own = own_frequency(train)
+      frequency = mesh_frequencies(train)
       call join_rigid(train, network)
       do i = 1, size(train%shafts)
          associate (shaft => train%shafts(i), nodes => network%node(ends_of(train, i, mesh=.false.)))
@@ -110,13 +111,22 @@ contains
                                'make the shaft rigid, or give the inertias at its ends as they are')
          end associate
       end do
+      do i = 1, size(network%node)
+         if (.not. allocated(train%bodies)) exit
+         if (.not. train%bodies(i)%damping_to_ground > largest_ratio*own*network%inertia(network%node(i))) cycle
+         call checker%enter('body', i)
+         call checker%complain('damping_to_ground', real_text(train%bodies(i)%damping_to_ground), 'must be smaller: the rate at &
+                               &which it brings the body to rest is more than 1e6 times the frequency of the slowest mesh, too &
+                               &fast to be followed')
+         call checker%leave()
+      end do
       do i = 1, size(train%meshes)
          associate (mesh => train%meshes(i))
-            call check_element(mesh_frequency(train, i), 'mesh', 'stiffness', mean_stiffness(mesh), mesh%damping_ratio, &
-                               mesh%damping_given, mesh%damping, units)
+            call check_element(frequency(i), 'mesh', 'stiffness', mean_stiffness(mesh), mesh%damping_ratio, mesh%damping_given, &
+                               mesh%damping, units)
             if (mesh%back_stiffness > 0) &
-               call check_element(mesh_frequency(train, i)*sqrt(mesh%back_stiffness/mean_stiffness(mesh)), 'mesh', &
-                                  'back_stiffness', mesh%back_stiffness, 0.0_dp, .false., 0.0_dp, units)
+               call check_element(frequency(i)*sqrt(mesh%back_stiffness/mean_stiffness(mesh)), 'mesh', 'back_stiffness', &
+                                  mesh%back_stiffness, 0.0_dp, .false., 0.0_dp, units)
          end associate
       end do
 
@@ -165,28 +175,33 @@ contains
                                       checker%problems%in_group('shaft') .or. checker%problems%in_group('mesh'))
    end function in_order
 
-   !> Frequency of the slowest mesh [rad/s], between its two gears alone; neither 0 nor infinite.
+   !> Frequency of the slowest mesh [rad/s], between its two gears alone, and what stiffens it in loops; neither 0 nor infinite.
    pure real(dp) function own_frequency(train)
       type(train_type), intent(in) :: train
-      integer :: j
 
-      own_frequency = huge(1.0_dp)
-      do j = 1, size(train%meshes)
-         own_frequency = min(own_frequency, max(tiny(1.0_dp), mesh_frequency(train, j)))
-      end do
+      own_frequency = min(huge(1.0_dp), max(tiny(1.0_dp), minval(mesh_frequencies(train))))
    end function own_frequency
 
-   pure real(dp) function mesh_frequency(train, j) result(frequency)
+   !> Frequency of each mesh [rad/s].
+   pure function mesh_frequencies(train) result(frequency)
       type(train_type), intent(in) :: train
-      integer, intent(in) :: j
+      real(dp) :: frequency(size(train%meshes))
       real(dp), dimension(body_count(train)) :: inertia, torque
-      integer :: balancing
+      type(network_type) :: network
+      integer :: balancing, j
 
       call bodies_of(train, inertia, torque, balancing)
-      associate (mesh => train%meshes(j), ends => ends_of(train, j, mesh=.true.))
-         frequency = sqrt(mean_stiffness(mesh))*hypot(mesh%driving_radius/sqrt(inertia(ends(1))), &
-                                                mesh%driven_radius/sqrt(inertia(ends(2))))
+      do j = 1, size(frequency)
+         associate (mesh => train%meshes(j), ends => ends_of(train, j, mesh=.true.))
+            frequency(j) = sqrt(mean_stiffness(mesh))*hypot(mesh%driving_radius/sqrt(inertia(ends(1))), &
+                                                            mesh%driven_radius/sqrt(inertia(ends(2))))
+         end associate
+      end do
+      if (.not. allocated(train%bodies)) return
+      call build_network(train, network)
+      associate (n => network%elements%mesh)
+         frequency(pack(n, n > 0)) = frequency(pack(n, n > 0))*sqrt(pack(stiffening(network), n > 0))
       end associate
-   end function mesh_frequency
+   end function mesh_frequencies
 
 end module geartrain_model_limits

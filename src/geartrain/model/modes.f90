@@ -50,6 +50,7 @@ contains
             write (modes%element(n), '(a, i0)') 'shaft ', system%element_shaft(n)
          end if
       end do
+      modes%element = pack(modes%element, system%spring > 0)
    end subroutine natural_modes
 
    !> Natural frequencies alone, over characteristic frequency, ascending; empty where LAPACK does not converge.
@@ -58,7 +59,7 @@ contains
       real(dp), allocatable :: frequency(:)
       integer :: info
 
-      allocate (frequency(system%coordinates))
+      allocate (frequency(system%displacements))
       call eigenvalues_of(system, stiffness_at_rest(system), frequency, info)
       frequency = sqrt(max(frequency, 0.0_dp))
       if (info /= 0) frequency = [real(dp) ::]
@@ -68,26 +69,27 @@ contains
       type(system_type), intent(in) :: system
       type(modes_type), intent(inout) :: modes
       integer, intent(out) :: info
-      real(dp) :: square(system%coordinates)
+      real(dp) :: square(system%displacements)
       integer :: i
 
-      allocate (modes%shape(system%elements, system%coordinates))
+      allocate (modes%shape(system%elements, system%displacements))
       call eigenvalues_of(system, stiffness_at_rest(system), square, info, modes%shape)
       if (info /= 0) return
       modes%natural_frequency = sqrt(max(square, 0.0_dp))
-      do i = 1, system%coordinates
-         modes%shape(:, i) = modes%shape(:, i)/sqrt(system%stiffness*stiffness_at_rest(system))
+      do i = 1, system%displacements
+         modes%shape(:, i) = modes%shape(:, i)/sqrt(system%stiffness*merge(stiffness_at_rest(system), 1.0_dp, system%spring > 0))
          modes%shape(:, i) = modes%shape(:, i)/modes%shape(maxloc(abs(modes%shape(:, i)), 1), i)
       end do
+      modes%shape = modes%shape(pack([(i, i=1, system%elements)], system%spring > 0), :)
    end subroutine undamped
 
-   !> Stiffness of each element at rest over its mean stiffness, (element): 1 but on back flanks of their own.
+   !> Stiffness of each element at rest over its mean stiffness, (element): 1 but on back flanks of their own, 0 of damping to ground.
    pure function stiffness_at_rest(system) result(stiffness)
       type(system_type), intent(in) :: system
       real(dp) :: stiffness(system%elements)
       integer :: j
 
-      stiffness = 1
+      stiffness = system%spring
       do j = 1, system%meshes
          associate (n => system%mesh_element(j), law => system%law(j))
             stiffness(n) = law%stiffness(law%bearing(system%static_force(n)))
@@ -95,7 +97,8 @@ contains
       end do
    end function stiffness_at_rest
 
-   !> Eigenvalues of p'' + W Gamma p' + W K p = 0, K the stiffness at rest, each given to the mode of the nearest magnitude.
+   !> Eigenvalues of p'' + W Gamma p' + W K p = 0, K the stiffness at rest, each given to the mode of the nearest magnitude. Damping
+   !> to ground adds the rate at which the train as a whole comes to rest, the smallest real eigenvalue, which is no mode.
    subroutine damped(system, modes, info)
       type(system_type), intent(in) :: system
       type(modes_type), intent(inout) :: modes
@@ -103,11 +106,12 @@ contains
       real(dp), allocatable :: a(:, :), wr(:), wi(:), work(:), empty(:, :)
       real(dp) :: stiffness(system%elements)
       logical, allocatable :: taken(:)
-      integer :: n, i, j, best
+      integer, allocatable :: kept(:)
+      integer :: n, i, j, best, states
 
       n = system%coordinates
       stiffness = stiffness_at_rest(system)
-      allocate (a(2*n, 2*n), wr(2*n), wi(2*n), work(16*n), empty(1, 1), taken(2*n))
+      allocate (a(2*n, 2*n), wr(system%states), wi(system%states), work(16*n), empty(1, 1))
       a = 0
       do i = 1, n
          a(i, n + i) = 1
@@ -127,9 +131,14 @@ contains
             end associate
          end do
       end do
-      call dgeev('N', 'N', 2*n, a, 2*n, wr, wi, empty, 1, empty, 1, work, size(work), info)
+      kept = [(i, i=1, system%displacements), (n + i, i=1, n)]
+      a = a(kept, kept)
+      states = system%states
+      call dgeev('N', 'N', states, a, states, wr, wi, empty, 1, empty, 1, work, size(work), info)
+      n = system%displacements
       allocate (modes%damped_frequency(n), modes%damping_ratio(n))
       taken = wi < 0
+      if (n < system%coordinates) taken(minloc(abs(wr), 1, .not. abs(wi) > 0)) = .true.
       do i = 1, n
          best = minloc(abs(hypot(wr, wi) - modes%natural_frequency(i)), 1, .not. taken)
          taken(best) = .true.

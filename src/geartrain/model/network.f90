@@ -9,7 +9,7 @@ module geartrain_model_network
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: network_type, element_type, build_network, join_rigid, bodies_of, ends_of, body_count, coordinate_count
+   public :: network_type, element_type, build_network, join_rigid, bodies_of, ends_of, body_count, state_count, stiffening
 
    !> A shaft or a mesh: its force is F, its displacement p = radius(1) theta_from - radius(2) theta_to.
    type :: element_type
@@ -23,6 +23,9 @@ module geartrain_model_network
       real(dp) :: stiffness = 0, damping = 0
       !> A mesh with backlash or a varying stiffness: an unknown of the harmonic balance.
       logical :: unknown = .false.
+      !> Damping to ground of the node `from`, which is `to` as well, at radius 0: its displacement is the vibration of the node,
+      !> its stiffness but a unit of its force.
+      logical :: grounded = .false.
    end type element_type
 
    type :: network_type
@@ -30,12 +33,19 @@ module geartrain_model_network
       integer, allocatable :: node(:)
       !> [kg m^2], mean torque [N m], but for the node that balances all others, and reduced radii [m], (node).
       real(dp), allocatable :: inertia(:), torque(:), radius(:)
+      !> Sum of the magnitudes of the torques on the bodies of a node [N m], which tells the rounding of `torque`, (node).
+      real(dp), allocatable :: magnitude(:)
+      !> Damping to ground [N m s/rad], (node).
+      real(dp), allocatable :: damping(:)
       !> The node whose mean torque balances all others'.
       integer :: balancing = 0
       !> First the elements of a tree that joins all nodes, each with a node in common with one before it: their displacements are
-      !> the coordinates of the network. Then those that close loops; unknown meshes wherever the loop has one.
+      !> the coordinates of the network, with one more where there is damping to ground, to tell the vibration of all nodes from:
+      !> only its velocity matters. Then those that close loops, unknown meshes wherever the loop has one; the further grounded
+      !> ones.
       type(element_type), allocatable :: elements(:)
-      integer :: coordinates = 0
+      !> Coordinates, and those of which the displacement matters.
+      integer :: coordinates = 0, displacements = 0
       !> Displacement of each element that closes a loop per displacement of those of the tree [1], (loop, coordinate): what a force
       !> in it takes from the forces of the tree.
       real(dp), allocatable :: loop(:, :)
@@ -51,9 +61,11 @@ contains
 
       call join_rigid(train, network)
       call list_elements(train, network, elements)
-      network%coordinates = size(network%inertia) - 1
+      network%displacements = size(network%inertia) - 1
+      network%coordinates = network%displacements
       call sort_elements(elements, in_tree(elements, size(network%inertia)), size(network%inertia), network%elements)
       call find_radii(network)
+      if (any(network%damping > 0)) call add_grounded(network)
       call find_loops(network)
    end subroutine build_network
 
@@ -68,17 +80,17 @@ contains
       end if
    end function body_count
 
-   !> How many displacements the elements of the tree have that joins all bodies: a state is these and their velocities. 0 for a
-   !> train of nothing.
-   pure integer function coordinate_count(train)
+   !> How many numbers a state has: displacements of the tree's elements, their velocities and, with damping to ground, one more. 0
+   !> for a train of nothing.
+   pure integer function state_count(train)
       type(train_type), intent(in) :: train
       type(network_type) :: network
 
-      coordinate_count = 0
+      state_count = 0
       if (body_count(train) == 0) return
       call join_rigid(train, network)
-      coordinate_count = size(network%inertia) - 1
-   end function coordinate_count
+      state_count = 2*(size(network%inertia) - 1) + merge(1, 0, any(network%damping > 0))
+   end function state_count
 
    !> Inertias of the bodies [kg m^2] and mean torques [N m], (body); the body whose torque balances the others'.
    pure subroutine bodies_of(train, inertia, torque, balancing)
@@ -147,11 +159,13 @@ contains
          if (root(i) == i) nodes = nodes + 1
          network%node(i) = merge(nodes, network%node(root(i)), root(i) == i)
       end do
-      allocate (network%inertia(nodes), network%torque(nodes), source=0.0_dp)
+      allocate (network%inertia(nodes), network%torque(nodes), network%magnitude(nodes), network%damping(nodes), source=0.0_dp)
       do i = 1, size(root)
          associate (node => network%node(i))
             network%inertia(node) = network%inertia(node) + inertia(i)
             network%torque(node) = network%torque(node) + torque(i)
+            network%magnitude(node) = network%magnitude(node) + abs(torque(i))
+            if (allocated(train%bodies)) network%damping(node) = network%damping(node) + train%bodies(i)%damping_to_ground
          end associate
       end do
       network%balancing = network%node(max(1, balancing))
@@ -313,6 +327,24 @@ contains
       elements(n + 1:) = pack(given, .not. chosen)
    end subroutine sort_elements
 
+   !> Adds an element for each node with damping to ground.
+   pure subroutine add_grounded(network)
+      type(network_type), intent(inout) :: network
+      type(element_type) :: grounded(count(network%damping > 0))
+      integer :: i
+
+      grounded%grounded = .true.
+      grounded%from = pack([(i, i=1, size(network%damping))], network%damping > 0)
+      grounded%to = grounded%from
+      grounded%radius(1) = network%radius(grounded%from)
+      grounded%damping = network%damping(grounded%from)/grounded%radius(1)**2
+      grounded%stiffness = network%elements(1)%stiffness
+      associate (d => network%displacements)
+         network%elements = [network%elements(:d), grounded(1), network%elements(d + 1:), grounded(2:)]
+         network%coordinates = d + 1
+      end associate
+   end subroutine add_grounded
+
    !> Each node lies at the end of a path of the tree from the first one; a loop goes along the paths to the ends of its element.
    pure subroutine find_loops(network)
       type(network_type), intent(inout) :: network
@@ -326,7 +358,7 @@ contains
       allocate (x(network%coordinates, size(network%inertia)), source=0.0_dp)
       met = .false.
       met(network%elements(1)%from) = .true.
-      do n = 1, network%coordinates
+      do n = 1, network%displacements
          associate (element => network%elements(n))
             if (met(element%from)) then
                x(:, element%to) = x(:, element%from)
@@ -338,9 +370,15 @@ contains
             met([element%from, element%to]) = .true.
          end associate
       end do
+      if (network%coordinates > network%displacements) then
+         ! From the node whose vibration is the last coordinate.
+         x = x - spread(x(:, network%elements(network%coordinates)%from), 2, size(x, 2))
+         x(network%coordinates, :) = 1
+      end if
       do i = 1, size(network%loop, 1)
          associate (element => network%elements(network%coordinates + i))
-            network%loop(i, :) = gain(element)*(x(:, element%from) - x(:, element%to))
+            network%loop(i, :) = gain(element)*x(:, element%from)
+            if (.not. element%grounded) network%loop(i, :) = network%loop(i, :) - gain(element)*x(:, element%to)
          end associate
       end do
 
@@ -354,6 +392,27 @@ contains
       end function gain
 
    end subroutine find_loops
+
+   !> Factor >= 1 by which the loops that an element is in stiffen it: a soft mesh beside stiff ones moves with them, (element).
+   pure function stiffening(network) result(factor)
+      type(network_type), intent(in) :: network
+      real(dp) :: factor(size(network%elements)), share(size(network%elements)), others
+      integer :: i, m, n
+
+      factor = 1
+      do i = 1, size(network%loop, 1)
+         if (network%elements(network%coordinates + i)%grounded) cycle
+         share = 0
+         share(:network%coordinates) = -network%loop(i, :)
+         share(network%coordinates + i) = 1
+         do n = 1, size(share)
+            if (.not. abs(share(n)) > 0) cycle
+            ! What the others of the loop yield to a unit of force in it, over what this element does.
+            others = sum(share**2*(network%elements(n)%stiffness/network%elements%stiffness), [(m, m=1, size(share))] /= n)
+            factor(n) = max(factor(n), 1 + share(n)**2/max(others, tiny(others)))
+         end do
+      end do
+   end function stiffening
 
    !> The first element has its own radius at its first node.
    pure subroutine find_radii(network)

@@ -16,6 +16,9 @@ module geartrain_model_part
       !> Body of the network of each mass, and masses over reduced radii squared [kg], (mass).
       integer, allocatable :: body(:)
       real(dp), allocatable :: mass(:)
+      !> Damping to ground over reduced radii squared [N s/m], (mass); whether there is any.
+      real(dp), allocatable :: drag(:)
+      logical :: dragged = .false.
       !> Which masses springs join, with fill; stiffness [N/m] and damping [N s/m], (slot).
       type(graph_type) :: graph
       real(dp), allocatable :: stiffness(:), damping(:)
@@ -50,14 +53,16 @@ module geartrain_model_part
 contains
 
    !> Masses joined by springs, each column of `ends` one; parallel springs add up. The ports come later.
-   pure subroutine setup(self, body, mass, ends, stiffness, damping)
+   pure subroutine setup(self, body, mass, drag, ends, stiffness, damping)
       class(part_type), intent(inout) :: self
       integer, intent(in) :: body(:), ends(:, :)
-      real(dp), intent(in) :: mass(:), stiffness(:), damping(:)
+      real(dp), intent(in) :: mass(:), drag(:), stiffness(:), damping(:)
       integer :: n, slot
 
       self%body = body
       self%mass = mass
+      self%drag = drag
+      self%dragged = any(drag > 0)
       call self%graph%setup(size(mass), ends)
       allocate (self%stiffness(self%graph%slots), self%damping(self%graph%slots), source=0.0_dp)
       do n = 1, size(stiffness)
@@ -102,7 +107,7 @@ contains
       end do
    end subroutine receptance
 
-   !> `receptance` in closed form between one mass, or two on a spring: (1, 1), (1, 2) and (2, 2).
+   !> `receptance` in closed form between one mass, or two on a spring, without damping to ground: (1, 1), (1, 2) and (2, 2).
    pure subroutine receptance_of_two(self, omega, alpha, d_alpha)
       class(part_type), intent(in) :: self
       real(dp), intent(in) :: omega
@@ -136,7 +141,7 @@ contains
 
       state%omega = omega
       state%spring = cmplx(self%stiffness, omega*self%damping, dp)
-      state%ground = cmplx(-omega**2*self%mass, 0, dp)
+      state%ground = cmplx(-omega**2*self%mass, omega*self%drag, dp)
       allocate (state%inverse(size(self%mass)))
       associate (graph => self%graph)
          do k = 1, graph%nodes
@@ -211,7 +216,7 @@ contains
       complex(dp) :: force(size(x)), damping
       integer :: i, k, s
 
-      force = -2*omega*self%mass*x
+      force = cmplx(-2*omega*self%mass, self%drag, dp)*x
       do k = 1, self%graph%nodes
          i = self%graph%order(k)
          do s = self%graph%first(k), self%graph%first(k + 1) - 1

@@ -41,7 +41,7 @@ contains
          do p = 1, size(cut%part)
             associate (part => cut%part(p))
                if (size(part%at) == 0) cycle
-               if (size(part%mass) > 2) then
+               if (size(part%mass) > 2 .or. part%dragged) then
                   call add_part(part, omega, d_omega, r)
                else
                   call part%receptance_of_two(omega, alpha, d_alpha)
@@ -60,7 +60,7 @@ contains
       end associate
    end subroutine find_receptance
 
-   !> Adds the receptance of a part of more than two masses.
+   !> Adds the receptance of a part that has no closed form.
    pure subroutine add_part(part, omega, d_omega, r)
       type(part_type), intent(in) :: part
       real(dp), intent(in) :: omega, d_omega
@@ -143,7 +143,7 @@ contains
    end subroutine find_sources
 
    !> Displacements of the elements that are no unknowns, over b_c, at one harmonic, given the forces phi of the unknown meshes,
-   !> (unknown); those of the unknowns are left as they are, (element).
+   !> (unknown); those of the unknowns, and of damping to ground that is no coordinate, are left as they are, (element).
    pure subroutine linear_displacements(system, frequency_ratio, harmonic, eta, phi, p)
       type(system_type), intent(in) :: system
       real(dp), intent(in) :: frequency_ratio
@@ -159,7 +159,7 @@ contains
       associate (cut => system%cut)
          do k = 1, size(cut%part)
             associate (part => cut%part(k))
-               if (size(part%mass) == 1) cycle
+               if (size(part%mass) == 1 .and. .not. part%dragged) cycle
                allocate (x(size(part%mass)), dx(size(part%mass)), difference(part%graph%slots))
                call find_sources(system, k, omega, harmonic, eta, x, dx)
                do i = 1, size(part%at)
@@ -175,6 +175,11 @@ contains
                   if (system%element_mesh(n) > 0) &
                      p(n) = p(n) + amplitude_at(system%transmission_error(system%element_mesh(n)), harmonic, eta)
                end do
+               if (system%coordinates > system%displacements) then
+                  associate (node => system%network%elements(system%coordinates)%from)
+                     if (cut%home(node) == k) p(system%coordinates) = x(cut%mass(node))
+                  end associate
+               end if
                deallocate (x, dx, difference)
             end associate
          end do

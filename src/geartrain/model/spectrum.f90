@@ -1,5 +1,5 @@
 !> Eigenvalues of W diag(factor), which is similar to a symmetric matrix by the roots of stiffness and factor; banded, as the
-!> elements are numbered along the train. Over all elements it has one eigenvalue 0 for each that closes a loop.
+!> elements are numbered along the train. Over all elements it has one eigenvalue 0 for each that closes a loop, or has factor 0.
 module geartrain_model_spectrum
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_lapack, only: dsbev
@@ -10,8 +10,8 @@ module geartrain_model_spectrum
 
 contains
 
-   !> Eigenvalues, ascending, without those of loops, (coordinate), and the eigenvectors of the symmetric matrix, (element,
-   !> coordinate); info = 0: LAPACK converged.
+   !> The largest eigenvalues, ascending, as many as `values` has room for, and the eigenvectors of the symmetric matrix, (element,
+   !> value); info = 0: LAPACK converged.
    pure subroutine eigenvalues_of(system, factor, values, info, vectors)
       type(system_type), intent(in) :: system
       !> Factors >= 0 of the elements, (element).
@@ -22,7 +22,7 @@ contains
       real(dp), allocatable :: band(:, :), work(:), vector(:, :)
       real(dp) :: value(system%elements)
       real(dp) :: none(1, 1)
-      integer :: i, loops, n, width
+      integer :: below, i, n, width
 
       width = 0
       do n = 1, system%elements
@@ -41,15 +41,15 @@ contains
             end associate
          end do
       end do
-      loops = system%elements - system%coordinates
+      below = system%elements - size(values)
       if (present(vectors)) then
          allocate (vector(system%elements, system%elements))
          call dsbev('V', 'U', system%elements, width, band, width + 1, value, vector, system%elements, work, info)
-         vectors = vector(:, loops + 1:)
+         vectors = vector(:, below + 1:)
       else
          call dsbev('N', 'U', system%elements, width, band, width + 1, value, none, 1, work, info)
       end if
-      values = value(loops + 1:)
+      values = value(below + 1:)
    end subroutine eigenvalues_of
 
 end module geartrain_model_spectrum

@@ -9,24 +9,27 @@ module geartrain_model_system
    use geartrain_base_interrupt, only: interrupt_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_series, only: make_series, series_type
-   use geartrain_linalg_elimination, only: factor_matrix, solve_factored
    use geartrain_mesh_law_law, only: law_type
    use geartrain_model_cut, only: cut_network, cut_type
    use geartrain_model_mean, only: mean_rows, mean_type
    use geartrain_model_mesh, only: mesh_type, plain_mesh, put_law
    use geartrain_model_network, only: build_network, network_type
+   use geartrain_model_rest, only: rest_forces
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
    public :: system_type, build_system, put_excitation, shear
 
    type :: system_type
-      !> The displacements of the first `coordinates` elements are the coordinates of the train; the others close loops.
-      integer :: meshes = 0, elements = 0, coordinates = 0
+      !> The displacements of the first `coordinates` elements are the coordinates of the train; the others close loops. A state is
+      !> the first `displacements` of them and the velocities of all: with damping to ground the last coordinate is the vibration of
+      !> a body, whose displacement nothing depends on.
+      integer :: meshes = 0, elements = 0, coordinates = 0, displacements = 0, states = 0
       !> Element of each mesh (mesh); mesh and shaft of each element, 0 where it is none (element).
       integer, allocatable :: mesh_element(:), element_mesh(:), element_shaft(:)
-      !> Mean stiffness along the line of action [N/m], (element).
-      real(dp), allocatable :: stiffness(:)
+      !> Mean stiffness along the line of action [N/m], (element); `spring` is 1, but 0 of damping to ground, whose stiffness is
+      !> only the unit of its force.
+      real(dp), allocatable :: stiffness(:), spring(:)
       !> W_nn [1], (element); the elements first(n):first(n + 1) - 1 of `neighbour` have a body in common with element n, ascending;
       !> W of each of them is in `coupling`.
       real(dp), allocatable :: own(:), coupling(:)
@@ -68,6 +71,7 @@ contains
    pure subroutine build_system(train, system)
       type(train_type), intent(in) :: train
       type(system_type), intent(out) :: system
+      real(dp) :: residual
       integer :: i, j, n
 
       system%interrupt = train%interrupt
@@ -79,6 +83,9 @@ contains
       associate (elements => system%network%elements)
          system%elements = size(elements)
          system%coordinates = system%network%coordinates
+         system%displacements = system%network%displacements
+         system%states = system%displacements + system%coordinates
+         system%spring = merge(0.0_dp, 1.0_dp, elements%grounded)
          system%element_mesh = elements%mesh
          system%element_shaft = elements%shaft
          system%stiffness = elements%stiffness
@@ -91,7 +98,11 @@ contains
          call system%law(system%element_mesh(n))%complete(system%damping(n))
       end do
       call couple(system%network, system)
-      call find_rest(system)
+      allocate (system%static_force(system%elements))
+      call rest_forces(system%network, system%law, system%characteristic_length, system%static_force, residual)
+      system%static_force = system%static_force/(system%stiffness*system%characteristic_length)
+      system%loop_offset = matmul(system%network%loop, merge(system%static_force(:system%coordinates), 0.0_dp, &
+                                                             system%element_shaft(:system%coordinates) > 0))
       call cut_network(system%network, system%cut)
       call mean_rows(system%network, system%cut, system%static_force, system%mean)
       do n = 1, size(system%cut%part)
@@ -179,75 +190,6 @@ contains
 
    end subroutine couple
 
-   !> The train at rest under its mean torques: the forces of its elements, and where those that close loops stand.
-   pure subroutine find_rest(system)
-      type(system_type), intent(inout) :: system
-      real(dp) :: force(system%elements), twist(system%coordinates)
-
-      force(:system%coordinates) = tree_forces(system%network)
-      force(system%coordinates + 1:) = 0
-      if (system%elements > system%coordinates) call share_force(system, system%network%loop, force)
-      system%static_force = force/(system%stiffness*system%characteristic_length)
-      twist = merge(system%static_force(:system%coordinates), 0.0_dp, system%element_shaft(:system%coordinates) > 0)
-      system%loop_offset = matmul(system%network%loop, twist)
-   end subroutine find_rest
-
-   !> Which forces the elements that close loops take [N]: those of least complementary energy, the sum of F^2/(2 k) + b |F|, with
-   !> |F| made smooth, less and less so.
-   pure subroutine share_force(system, loop, force)
-      type(system_type), intent(in) :: system
-      real(dp), intent(in) :: loop(:, :)
-      !> In: of the tree alone; out: of all, (element).
-      real(dp), intent(inout) :: force(:)
-      real(dp) :: gradient(size(loop, 1)), hessian(size(loop, 1), size(loop, 1)), taken(size(loop, 1), size(force)), smooth, &
-                  unit, root(size(force)), step, compliance(size(force)), half_backlash(size(force))
-      integer :: pivot(size(loop, 1)), i, info, n, round
-
-      n = size(loop, 2)
-      unit = maxval(abs(force))
-      if (.not. unit > 0) return
-      ! What a force in a loop takes from each element.
-      taken = 0
-      taken(:, :n) = -loop
-      do i = 1, size(loop, 1)
-         taken(i, n + i) = 1
-      end do
-      smooth = unit
-      do round = 1, 16
-         smooth = 0.1_dp*smooth
-         do i = 1, 50
-            call find_compliance(system, force, compliance, half_backlash)
-            root = sqrt(force**2 + smooth**2)
-            gradient = matmul(taken, force*compliance + half_backlash*force/root)
-            hessian = matmul(taken*spread(compliance + half_backlash*smooth**2/root**3, 1, size(loop, 1)), transpose(taken))
-            call factor_matrix(size(gradient), hessian, pivot, info)
-            if (info /= 0) return
-            call solve_factored(size(gradient), 1, hessian, pivot, gradient)
-            step = min(1.0_dp, max(smooth, 0.3_dp*maxval(root))/max(maxval(abs(matmul(gradient, taken))), tiny(1.0_dp)))
-            force = force - step*matmul(gradient, taken)
-            if (maxval(abs(gradient)) < 1e-15_dp*unit) exit
-         end do
-      end do
-   end subroutine share_force
-
-   !> Of what bears these forces: compliance [m/N], and displacement at which its force is 0, in the direction of the force [m].
-   pure subroutine find_compliance(system, force, compliance, half_backlash)
-      type(system_type), intent(in) :: system
-      real(dp), intent(in) :: force(:)
-      real(dp), intent(out) :: compliance(:), half_backlash(:)
-      integer :: j, s
-
-      compliance = 1/system%stiffness
-      half_backlash = 0
-      do j = 1, system%meshes
-         associate (n => system%mesh_element(j), law => system%law(j))
-            s = law%bearing(force(n)/(system%stiffness(n)*system%characteristic_length))
-            compliance(n) = compliance(n)/law%stiffness(s)
-            half_backlash(n) = abs(law%origin(s))*system%characteristic_length
-         end associate
-      end do
-   end subroutine find_compliance
-
    !> Changes velocities by column `element` of W times `jump` times the displacement of that element: what tangents of the flow do
    !> where the force of a mesh jumps by `jump` times its velocity as it meets a wall. (The saltation matrix divides by that
    !> velocity.)
@@ -265,7 +207,7 @@ contains
          change = jump*displacement(:, element)
          velocity(:, element) = velocity(:, element) - system%own(element)*change
       else
-         change = jump*matmul(displacement, system%network%loop(element - system%coordinates, :))
+         change = jump*matmul(displacement, system%network%loop(element - system%coordinates, :size(displacement, 2)))
       end if
       do i = system%first(element), system%first(element + 1) - 1
          m = system%neighbour(i)
@@ -275,56 +217,6 @@ contains
          end do
       end do
    end subroutine shear
-
-   !> Mean forces of the elements of the tree [N], (coordinate): each body that has but one of them left tells that one.
-   pure function tree_forces(network) result(force)
-      type(network_type), intent(in) :: network
-      real(dp) :: force(network%coordinates), torque(size(network%torque))
-      integer :: open_elements(size(network%torque)), waiting(size(network%torque)), n, other, last
-      logical :: done(size(force))
-
-      torque = network%torque
-      force = 0
-      done = .false.
-      open_elements = 0
-      do n = 1, size(force)
-         associate (element => network%elements(n))
-            open_elements([element%from, element%to]) = open_elements([element%from, element%to]) + 1
-         end associate
-      end do
-      last = 0
-      do n = 1, size(torque)
-         if (open_elements(n) /= 1 .or. n == network%balancing) cycle
-         last = last + 1
-         waiting(last) = n
-      end do
-      do while (last > 0)
-         associate (body => waiting(last))
-            do n = 1, size(force)
-               if (.not. done(n) .and. any([network%elements(n)%from, network%elements(n)%to] == body)) exit
-            end do
-            associate (element => network%elements(n))
-               if (element%from == body) then
-                  other = element%to
-                  force(n) = torque(body)/element%radius(1)
-                  torque(other) = torque(other) + force(n)*element%radius(2)
-               else
-                  other = element%from
-                  force(n) = -torque(body)/element%radius(2)
-                  torque(other) = torque(other) - force(n)*element%radius(1)
-               end if
-            end associate
-         end associate
-         done(n) = .true.
-         open_elements(other) = open_elements(other) - 1
-         if (open_elements(other) == 1 .and. other /= network%balancing) then
-            waiting(last) = other
-         else
-            last = last - 1
-         end if
-      end do
-
-   end function tree_forces
 
    !> What excites the train: torque, mesh stiffnesses and transmission errors as series, and the greatest common divisor of the
    !> harmonics of Lambda in them.

@@ -79,6 +79,8 @@ contains
       call v%on_real(row('torque', 'N m', 'mean torque on it, positive in the sense in which it turns'), body%torque)
       call v%on_list(row('torque_cos', 'N m', 'cosine amplitudes of its torque, orders 1, 2, ... of Lambda'), body%torque_cos)
       call v%on_list(row('torque_sin', 'N m', 'sine amplitudes, likewise'), body%torque_sin)
+      call v%on_real(row('damping_to_ground', 'N m s/rad', 'damping of its vibration against the ground; none of its mean &
+                         &motion: a mean drag is a torque', least=zero), body%damping_to_ground)
       call v%on_logical(row('balances', '', 'its mean torque balances those of all others; true for exactly one body'), &
                         body%balances)
       call v%leave()

@@ -11,7 +11,7 @@ module geartrain_run_results
    use geartrain_base_kinds, only: version
    use geartrain_base_numbers, only: text
    use geartrain_input_text, only: case_text
-   use geartrain_model_network, only: coordinate_count
+   use geartrain_model_network, only: state_count
    use geartrain_results_file, only: replace_file
    use geartrain_results_hdf5_reader, only: read_groups
    use geartrain_results_hdf5_writer, only: hdf5_content
@@ -121,7 +121,7 @@ contains
       integer :: i, n
 
       call fields%expect('mesh', size(case%train%meshes))
-      call fields%expect('coordinate', 2*coordinate_count(case%train))
+      call fields%expect('coordinate', state_count(case%train))
       do i = 1, size(analyses)
          call find_analysis(i, case, results, analysis)
          call fields%check(analysis%asked .or. .not. is_found(i), trim(analyses(i)%name))
