@@ -77,13 +77,15 @@ contains
       if (info /= 0) return
       modes%natural_frequency = sqrt(max(square, 0.0_dp))
       do i = 1, system%displacements
-         modes%shape(:, i) = modes%shape(:, i)/sqrt(system%stiffness*merge(stiffness_at_rest(system), 1.0_dp, system%spring > 0))
+         modes%shape(:, i) = modes%shape(:, i) &
+                             /sqrt(system%stiffness*merge(stiffness_at_rest(system), 1.0_dp, system%spring > 0))
          modes%shape(:, i) = modes%shape(:, i)/modes%shape(maxloc(abs(modes%shape(:, i)), 1), i)
       end do
       modes%shape = modes%shape(pack([(i, i=1, system%elements)], system%spring > 0), :)
    end subroutine undamped
 
-   !> Stiffness of each element at rest over its mean stiffness, (element): 1 but on back flanks of their own, 0 of damping to ground.
+   !> Stiffness of each element at rest over its mean stiffness [1], (element): 1 except on back flanks of another stiffness; 0 of
+   !> damping to ground.
    pure function stiffness_at_rest(system) result(stiffness)
       type(system_type), intent(in) :: system
       real(dp) :: stiffness(system%elements)

@@ -26,8 +26,8 @@ contains
       real(dp), intent(in) :: length
       !> [N], (element); 0 of damping to ground.
       real(dp), intent(out) :: force(:)
-      !> Misfit of the displacements round the loops, beyond what gaps take up, over the sum of their magnitudes [1]; the forces were
-      !> found where it is below `largest_residual`.
+      !> Misfit of the displacements round the loops, beyond what gaps take up, over the sum of their magnitudes [1]; the forces
+      !> were found where it is below `largest_residual`.
       real(dp), intent(out) :: residual
       type(element_type) :: elements(count(.not. network%elements%grounded))
       real(dp) :: elastic(size(elements))
