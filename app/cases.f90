@@ -104,7 +104,7 @@ contains
       character(*), intent(in) :: output_file
       type(job_type), intent(inout) :: jobs(:)
       type(error_type), allocatable :: error
-      character(:), allocatable :: path
+      character(:), allocatable :: path, names
       integer :: k
 
       call read_case(files(i)%name, jobs(i)%case, error)
@@ -115,8 +115,12 @@ contains
       end if
       if (.not. asks_for_something(jobs(i)%case)) then
          ! A file of nothing must not take the place of results.
-         call complain(files(i)%name//': error: nothing to compute, nothing is written: add &modes, &response, &integration, &
-                       &&attractors or &stability_map')
+         names = ''
+         do k = 1, size(analyses)
+            if (k > 1) names = names//trim(merge(' or', ',  ', k == size(analyses)))//' '
+            names = names//'&'//trim(analyses(k)%name)
+         end do
+         call complain(files(i)%name//': error: nothing to compute, nothing is written: add '//names)
          jobs(i)%status = status_input
          return
       end if

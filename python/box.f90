@@ -2,21 +2,26 @@
 module geartrain_python_box
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_char, c_null_ptr
    use, intrinsic :: iso_fortran_env, only: int64, real64
-   use geartrain, only: audit_text, audit_type, case_text, case_type, error_type, interrupt_by, locate_contact_edges, &
-                        motion_type, observer_type, results_type, status_input, version
+   use geartrain, only: audit_branch, audit_text, audit_type, branch_type, case_text, case_type, error_type, integrate, &
+                        interrupt_by, locate_contact_edges, motion_type, observer_type, period_doubled, refine, refine_branch, &
+                        results_type, solutions_at, status_input, version
+   use geartrain_analyses_analysis, only: analysis_type
    use geartrain_analyses_audit_fields, only: visit_audit
+   use geartrain_analyses_list, only: find_analysis, number_of
    use geartrain_base_error, only: fatal
    use geartrain_base_field, only: field_type, text_type, values_type
    use geartrain_base_fields, only: fields_type, reading
    use geartrain_base_numbers, only: integer_text
    use geartrain_continuation_summary_fields, only: visit_bands, visit_jumps, visit_peaks, visit_ranges
    use geartrain_flow_fields, only: visit_motions
+   use geartrain_input_check, only: check_analyses
+   use geartrain_python_taker, only: taker_type
    use geartrain_run_reference, only: list_results
    use geartrain_run_results, only: take_results, visit_results
    implicit none (type, external)
    private
    public :: box_type, watch_type, begin_watch, close_with, box_of, handle_of
-   public :: field_at, get_text, joined, new_field, parted, show, take
+   public :: ask, field_at, get_text, joined, new_field, parted, show, take, work
 
    !> One call's data; Python knows it by a handle.
    type :: box_type
@@ -31,6 +36,8 @@ module geartrain_python_box
       type(fields_type) :: fields
       !> Message of the last error.
       character(:), allocatable :: message
+      !> A text on its way out, see `text_size`.
+      character(:), allocatable :: text
    end type box_type
 
    !> Writes the progress where Python's waiting thread reads it, and stops when that thread asks for it.
@@ -71,6 +78,70 @@ contains
       progress(3) = frequency_ratio
       if (progress(1) > 0) keep_going = .false.
    end subroutine on_step
+
+   !> Makes the case ask for the analyses whose variables were put into groups of their names. The response may have a seed.
+   subroutine ask(box, error)
+      type(box_type), intent(inout), target :: box
+      type(error_type), allocatable, intent(out) :: error
+      class(analysis_type), allocatable :: analysis
+      type(fields_type) :: none
+      type(taker_type) :: taker
+      integer :: i
+
+      do i = 1, box%fields%count
+         taker%given = box%fields%groups(i)
+         call find_analysis(number_of(taker%given%path), box%case, box%results, analysis, ask=.true.)
+         call analysis%visit_variables(taker)
+      end do
+      box%fields = none
+      call check_analyses(box%case, .true., taker)
+      call taker%problems%raise('', error)
+   end subroutine ask
+
+   !> Work on the box's branch: 'at' (its solutions at exactly the Lambda values(1) become the box's motions), 'refine', 'double'
+   !> (the branch of twice the period at special point values(1) takes its place), 'audit' (values(1) of its points, which values(2)
+   !> draws, and all special points); on the box's first motion, which the result takes the place of: 'integrate' (at the Lambda
+   !> values(1), from the motion if there is one) and 'shoot' (refine it).
+   subroutine work(box, what, values, watch, error)
+      type(box_type), intent(inout), target :: box
+      character(*), intent(in) :: what
+      real(real64), intent(in) :: values(:)
+      type(watch_type), intent(inout) :: watch
+      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable :: not_found
+      type(branch_type), allocatable :: doubled
+      type(motion_type), pointer :: start
+      type(motion_type) :: motion
+      integer :: i
+
+      select case (what)
+      case ('at')
+         call solutions_at(box%case%train, box%case%response, box%results%response, values(1), box%motions, error)
+         ! What there is then may not be solutions.
+         if (box%case%train%interrupt%raised()) deallocate (box%motions)
+         if (allocated(error) .or. .not. (allocated(box%results%response%correction) .and. allocated(box%motions))) return
+         ! Like a point of the branch, one that shooting does not find stays as it is.
+         do i = 1, size(box%motions)
+            call refine(box%case%train, box%motions(i), not_found)
+         end do
+      case ('refine')
+         call refine_branch(box%case%train, box%results%response, error, watch)
+      case ('double')
+         allocate (doubled)
+         call period_doubled(box%case%train, box%case%response, box%results%response, nint(values(1)), doubled, error, watch)
+         call move_alloc(doubled, box%results%response)
+      case ('audit')
+         allocate (box%audit)
+         call audit_branch(box%case%train, box%results%response, nint(values(1)), nint(values(2)), box%audit, error, watch)
+      case ('integrate')
+         nullify (start)
+         if (allocated(box%motions)) start => box%motions(1)
+         call integrate(box%case%train, values(1), box%case%integration, motion, error, start, watch)
+         if (.not. allocated(error)) box%motions = [motion]
+      case ('shoot')
+         call refine(box%case%train, box%motions(1), error)
+      end select
+   end subroutine work
 
    !> The box as a number that Python can hold.
    integer(int64) function handle_of(box) result(handle)

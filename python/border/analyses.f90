@@ -40,37 +40,29 @@ subroutine close_box(handle)
    deallocate (box)
 end subroutine close_box
 
-! Reads a case from namelist text that a Python call wrote.
-subroutine read_text(handle, text, status)
-   use geartrain, only: error_type, read_case_text
+! Reads the case of the box, and its results: `kind` tells what `text` is: 'text' of a case, the path of a 'case' file, or of
+! 'results'.
+subroutine read_input(handle, kind, text, status)
+   use geartrain, only: error_type, read_case, read_case_text, read_results
    use geartrain_python_box, only: box_type, box_of, close_with
    implicit none
    integer(8), intent(in) :: handle
-   character(*), intent(in) :: text
+   character(*), intent(in) :: kind, text
    integer, intent(out) :: status
    type(box_type), pointer :: box
    type(error_type), allocatable :: error
 
    box => box_of(handle)
-   call read_case_text(text, '', box%case, error)
+   select case (kind)
+   case ('text')
+      call read_case_text(text, '', box%case, error)
+   case ('case')
+      call read_case(text, box%case, error)
+   case default
+      call read_results(text, box%case, box%results, error)
+   end select
    status = close_with(box, error)
-end subroutine read_text
-
-! Reads a case from a file.
-subroutine read_path(handle, path, status)
-   use geartrain, only: error_type, read_case
-   use geartrain_python_box, only: box_type, box_of, close_with
-   implicit none
-   integer(8), intent(in) :: handle
-   character(*), intent(in) :: path
-   integer, intent(out) :: status
-   type(box_type), pointer :: box
-   type(error_type), allocatable :: error
-
-   box => box_of(handle)
-   call read_case(path, box%case, error)
-   status = close_with(box, error)
-end subroutine read_path
+end subroutine read_input
 
 ! Meshes of the case's train, and the size of its states.
 subroutine train_sizes(handle, sizes)
@@ -86,163 +78,20 @@ subroutine train_sizes(handle, sizes)
    sizes(2) = state_count(box%case%train)
 end subroutine train_sizes
 
-! The natural modes of the case's train.
-subroutine find_modes(handle, progress, status)
-   use geartrain, only: error_type, natural_modes
+! Runs one analysis that the case asks for, by its name, on from what the box has of it; from the box's first motion, if it has one.
+! The branches that follow from it are the box's further ones, after those that it had.
+subroutine run_analysis(handle, name, progress, status)
+   use geartrain, only: error_type, motion_type
    use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type
+   use geartrain_run_run_case, only: run => run_analysis
    implicit none
    integer(8), intent(in) :: handle
-   double precision, intent(inout), target :: progress(3)
-   integer, intent(out) :: status
-   type(box_type), pointer :: box
-   type(error_type), allocatable :: error
-   type(watch_type) :: watch
-   !f2py threadsafe
-
-   box => box_of(handle)
-   call begin_watch(watch, box, progress)
-   allocate (box%results%modes)
-   call natural_modes(box%case%train, box%results%modes, error)
-   status = close_with(box, error)
-end subroutine find_modes
-
-! The seed is the box's first motion, if it has one. The branches that bifurcate from it are the box's further ones.
-subroutine follow_response(handle, progress, status)
-   use geartrain, only: error_type, follow_bifurcations, motion_type, refine_branch, response
-   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type
-   implicit none
-   integer(8), intent(in) :: handle
-   double precision, intent(inout), target :: progress(3)
-   integer, intent(out) :: status
-   type(box_type), pointer :: box
-   type(error_type), allocatable :: error
-   type(motion_type), pointer :: seed
-   type(watch_type) :: watch
-   integer :: i
-   !f2py threadsafe
-
-   box => box_of(handle)
-   call begin_watch(watch, box, progress)
-   nullify (seed)
-   if (allocated(box%motions)) seed => box%motions(1)
-   allocate (box%results%response)
-   call response(box%case%train, box%case%response, box%results%response, error, seed, watch)
-   if (.not. (allocated(error) .or. box%results%response%cancelled)) &
-      call follow_bifurcations(box%case%train, box%case%response, box%results%response, box%results%branches, error, watch)
-   if (box%case%response%refine .and. .not. (allocated(error) .or. box%results%response%cancelled)) then
-      call refine_branch(box%case%train, box%results%response, error, watch)
-      if (allocated(box%results%branches)) then
-         do i = 1, size(box%results%branches)
-            if (.not. allocated(error)) call refine_branch(box%case%train, box%results%branches(i), error, watch)
-         end do
-      end if
-   end if
-   status = close_with(box, error)
-end subroutine follow_response
-
-! Refines the box's branch.
-subroutine refine_points(handle, progress, status)
-   use geartrain, only: error_type, refine_branch
-   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type
-   implicit none
-   integer(8), intent(in) :: handle
-   double precision, intent(inout), target :: progress(3)
-   integer, intent(out) :: status
-   type(box_type), pointer :: box
-   type(error_type), allocatable :: error
-   type(watch_type) :: watch
-   !f2py threadsafe
-
-   box => box_of(handle)
-   call begin_watch(watch, box, progress)
-   call refine_branch(box%case%train, box%results%response, error, watch)
-   status = close_with(box, error)
-end subroutine refine_points
-
-! The stability map that the case asks for.
-subroutine map_stability(handle, progress, status)
-   use geartrain, only: error_type, stability_map
-   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type
-   implicit none
-   integer(8), intent(in) :: handle
-   double precision, intent(inout), target :: progress(3)
-   integer, intent(out) :: status
-   type(box_type), pointer :: box
-   type(error_type), allocatable :: error
-   type(watch_type) :: watch
-   !f2py threadsafe
-
-   box => box_of(handle)
-   call begin_watch(watch, box, progress)
-   allocate (box%results%stability_map)
-   call stability_map(box%case%train, box%case%stability_map, box%results%stability_map, error, watch)
-   status = close_with(box, error)
-end subroutine map_stability
-
-! The branch of twice the period at one of the special points of the box's branch takes its place.
-subroutine follow_doubled(handle, special, progress, status)
-   use geartrain, only: branch_type, error_type, period_doubled
-   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type
-   implicit none
-   integer(8), intent(in) :: handle
-   integer, intent(in) :: special
-   double precision, intent(inout), target :: progress(3)
-   integer, intent(out) :: status
-   type(box_type), pointer :: box
-   type(branch_type), allocatable :: doubled
-   type(error_type), allocatable :: error
-   type(watch_type) :: watch
-   !f2py threadsafe
-
-   box => box_of(handle)
-   call begin_watch(watch, box, progress)
-   allocate (doubled)
-   call period_doubled(box%case%train, box%case%response, box%results%response, special, doubled, error, watch)
-   call move_alloc(doubled, box%results%response)
-   status = close_with(box, error)
-end subroutine follow_doubled
-
-! Every solution of the box's branch at exactly `frequency`; they become the box's motions, refined where the branch is.
-subroutine solve_at(handle, frequency, progress, status)
-   use geartrain, only: error_type, refine, solutions_at
-   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type
-   implicit none
-   integer(8), intent(in) :: handle
-   double precision, intent(in) :: frequency
-   double precision, intent(inout), target :: progress(3)
-   integer, intent(out) :: status
-   type(box_type), pointer :: box
-   type(error_type), allocatable :: error
-   type(watch_type) :: watch
-   integer :: i
-   !f2py threadsafe
-
-   box => box_of(handle)
-   call begin_watch(watch, box, progress)
-   call solutions_at(box%case%train, box%case%response, box%results%response, frequency, box%motions, error)
-   status = close_with(box, error)
-   ! What there is then may not be solutions.
-   if (box%case%train%interrupt%raised()) deallocate (box%motions)
-   if (status /= 0 .or. .not. (allocated(box%results%response%correction) .and. allocated(box%motions))) return
-   ! Like a point of the branch, one that shooting does not find stays as it is.
-   do i = 1, size(box%motions)
-      call refine(box%case%train, box%motions(i), error)
-   end do
-end subroutine solve_at
-
-! Starts from the box's first motion, if it has one; the result takes its place.
-subroutine integrate_at(handle, frequency, progress, status)
-   use geartrain, only: error_type, integrate, motion_type
-   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type
-   implicit none
-   integer(8), intent(in) :: handle
-   double precision, intent(in) :: frequency
+   character(*), intent(in) :: name
    double precision, intent(inout), target :: progress(3)
    integer, intent(out) :: status
    type(box_type), pointer :: box
    type(error_type), allocatable :: error
    type(motion_type), pointer :: start
-   type(motion_type) :: motion
    type(watch_type) :: watch
    !f2py threadsafe
 
@@ -250,16 +99,19 @@ subroutine integrate_at(handle, frequency, progress, status)
    call begin_watch(watch, box, progress)
    nullify (start)
    if (allocated(box%motions)) start => box%motions(1)
-   call integrate(box%case%train, frequency, box%case%integration, motion, error, start, watch)
-   if (.not. allocated(error)) box%motions = [motion]
+   call run(name, box%case, box%results, error, watch, start)
    status = close_with(box, error)
-end subroutine integrate_at
+end subroutine run_analysis
 
-subroutine sweep_range(handle, progress, status)
-   use geartrain, only: error_type, sweep
-   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type
+! Work on the box's branch or on its first motion, see `work` in python/box.f90.
+subroutine do_work(handle, what, values, n, progress, status)
+   use geartrain, only: error_type
+   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type, work
    implicit none
    integer(8), intent(in) :: handle
+   character(*), intent(in) :: what
+   integer, intent(in) :: n
+   double precision, intent(in) :: values(n)
    double precision, intent(inout), target :: progress(3)
    integer, intent(out) :: status
    type(box_type), pointer :: box
@@ -269,73 +121,9 @@ subroutine sweep_range(handle, progress, status)
 
    box => box_of(handle)
    call begin_watch(watch, box, progress)
-   allocate (box%results%integration)
-   call sweep(box%case%train, box%case%integration, box%results%integration, error, watch)
+   call work(box, what, values, watch, error)
    status = close_with(box, error)
-end subroutine sweep_range
-
-! Where the box holds a response, motions on neither it nor the box's further branches are followed; the new branches come last.
-subroutine find_attractors(handle, progress, status)
-   use geartrain, only: attractors, error_type, follow_attractors
-   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type
-   implicit none
-   integer(8), intent(in) :: handle
-   double precision, intent(inout), target :: progress(3)
-   integer, intent(out) :: status
-   type(box_type), pointer :: box
-   type(error_type), allocatable :: error
-   type(watch_type) :: watch
-   !f2py threadsafe
-
-   box => box_of(handle)
-   call begin_watch(watch, box, progress)
-   allocate (box%results%attractors)
-   call attractors(box%case%train, box%case%attractors, box%results%attractors, error, watch)
-   if (.not. allocated(error) .and. box%results%attractors%complete .and. allocated(box%results%response)) &
-      call follow_attractors(box%case%train, box%case%response, box%results%attractors, box%results%response, &
-                             box%results%branches, error, watch)
-   status = close_with(box, error)
-end subroutine find_attractors
-
-! Refines the box's first motion.
-subroutine refine_motion(handle, progress, status)
-   use geartrain, only: error_type, refine
-   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type
-   implicit none
-   integer(8), intent(in) :: handle
-   double precision, intent(inout), target :: progress(3)
-   integer, intent(out) :: status
-   type(box_type), pointer :: box
-   type(error_type), allocatable :: error
-   type(watch_type) :: watch
-   !f2py threadsafe
-
-   box => box_of(handle)
-   call begin_watch(watch, box, progress)
-   call refine(box%case%train, box%motions(1), error)
-   status = close_with(box, error)
-end subroutine refine_motion
-
-! Audits the box's branch: `points` of its points, which `random_seed` draws, and all special points.
-subroutine audit_points(handle, points, random_seed, progress, status)
-   use geartrain, only: audit_branch, error_type
-   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type
-   implicit none
-   integer(8), intent(in) :: handle
-   integer, intent(in) :: points, random_seed
-   double precision, intent(inout), target :: progress(3)
-   integer, intent(out) :: status
-   type(box_type), pointer :: box
-   type(error_type), allocatable :: error
-   type(watch_type) :: watch
-   !f2py threadsafe
-
-   box => box_of(handle)
-   call begin_watch(watch, box, progress)
-   allocate (box%audit)
-   call audit_branch(box%case%train, box%results%response, points, random_seed, box%audit, error, watch)
-   status = close_with(box, error)
-end subroutine audit_points
+end subroutine do_work
 
 ! One period of the box's first motion; force in N.
 subroutine sample_waveform(handle, samples, meshes, time, displacement, force)
@@ -370,22 +158,6 @@ subroutine run_all(handle, path, checkpoint, progress, status)
    call run_case(box%case, path, box%results, error, watch, checkpoint)
    status = close_with(box, error)
 end subroutine run_all
-
-! Reads results and the case that they are of.
-subroutine read_file(handle, path, status)
-   use geartrain, only: error_type, read_results
-   use geartrain_python_box, only: box_type, box_of, close_with
-   implicit none
-   integer(8), intent(in) :: handle
-   character(*), intent(in) :: path
-   integer, intent(out) :: status
-   type(box_type), pointer :: box
-   type(error_type), allocatable :: error
-
-   box => box_of(handle)
-   call read_results(path, box%case, box%results, error)
-   status = close_with(box, error)
-end subroutine read_file
 
 ! Writes the box's results.
 subroutine write_path(handle, path, status)

@@ -4,28 +4,31 @@
 ! fields that the box shows, a line each: path of the group, name, kind (r, i, l or t), bytes of a text, extents in the order of
 ! memory, dimensions in the reverse order, unit and description, parted by tabs. An attribute has no dimensions.
 subroutine text_size(handle, name, bytes)
-   use geartrain_python_box, only: box_of, get_text
+   use geartrain_python_box, only: box_type, box_of, get_text
    implicit none
    integer(8), intent(in) :: handle
    character(*), intent(in) :: name
    integer, intent(out) :: bytes
+   type(box_type), pointer :: box
    character(:), allocatable :: text
 
-   call get_text(box_of(handle), name, text)
+   box => box_of(handle)
+   call get_text(box, name, text)
    bytes = len(text)
+   call move_alloc(text, box%text)
 end subroutine text_size
 
-subroutine copy_text(handle, name, bytes, text)
-   use geartrain_python_box, only: box_of, get_text
+! The text whose size was asked for last.
+subroutine copy_text(handle, bytes, text)
+   use geartrain_python_box, only: box_type, box_of
    implicit none
    integer(8), intent(in) :: handle
-   character(*), intent(in) :: name
    integer, intent(in) :: bytes
    integer(1), intent(out) :: text(bytes)
-   character(:), allocatable :: found
+   type(box_type), pointer :: box
 
-   call get_text(box_of(handle), name, found)
-   text = transfer(found, text)
+   box => box_of(handle)
+   text = transfer(box%text, text)
 end subroutine copy_text
 
 ! Makes the box show fields: 'results', 'motions' (those on their own), 'audit', what is read off its response ('peaks', 'jumps',
@@ -127,16 +130,18 @@ subroutine put_texts(handle, path, name, rank, extents, values, bytes)
    call parted(transfer(values, repeat(' ', bytes)), field%texts)
 end subroutine put_texts
 
-! The fields put become what they are of: 'results' or 'motions'.
+! The fields put become what they are of: 'results', 'motions', or 'variables': groups of the names of analyses, which the case asks
+! for then.
 subroutine take_fields(handle, what, status)
    use geartrain, only: error_type
-   use geartrain_python_box, only: box_of, close_with, take
+   use geartrain_python_box, only: ask, box_of, close_with, take
    implicit none
    integer(8), intent(in) :: handle
    character(*), intent(in) :: what
    integer, intent(out) :: status
    type(error_type), allocatable :: error
 
-   call take(box_of(handle), what, error)
+   if (what == 'variables') call ask(box_of(handle), error)
+   if (what /= 'variables') call take(box_of(handle), what, error)
    status = close_with(box_of(handle), error)
 end subroutine take_fields

@@ -1,10 +1,12 @@
-"""Calls into Fortran: a box holds a case and fields in, fields out, and is freed before the call returns."""
+"""Calls into Fortran: a box holds a case, what was computed, and fields on their way in or out; it is freed with its last use."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cache
+from math import prod
 from types import TracebackType
 from typing import Any
 
@@ -13,15 +15,12 @@ from numpy.typing import NDArray
 
 import geartrain._geartrain as fortran
 
-from ._motion_check import VALUES, check_motion
 from ._namelist import in_words_of_the_call
 from .errors import InputError, SolverError
 
-__all__ = ["ATTRACTORS", "INTEGRATION", "LOOSE", "Box", "Group", "as_columns", "file_name", "fortran"]
+__all__ = ["Box", "Group", "described", "file_name", "fortran"]
 
 Array = NDArray[Any]
-
-LOOSE, INTEGRATION, ATTRACTORS = "/motions", "/integration", "/attractors"  # which motions of a box
 
 _INPUT, _ENDED_EARLY, _FILE = 2, 3, 4
 
@@ -46,6 +45,11 @@ class Group:
     def column(self, name: str, *shape: int) -> Array:
         """An array of a list; none of an empty one."""
         return self.arrays.get(name, np.zeros((0, *shape)))
+
+    def values(self) -> dict[str, Any]:
+        """Attributes and arrays by name, an array of texts as a tuple."""
+        texts = {name: tuple(values) for name, values in self.arrays.items() if values.dtype.kind == "O"}
+        return {**self.attributes, **self.arrays, **texts}
 
     def rows(self, *names: str) -> list[tuple[Any, ...]]:
         """The items of a list, of each the fields of these names; False for one that is not there."""
@@ -73,12 +77,16 @@ class Box:
         if text is None:
             return
         try:
-            self.check(fortran.read_text(self._handle, text.encode()))
+            self.read("text", text.encode())
         except BaseException:
             self.close()
             raise
 
-    def __enter__(self) -> Box:  # noqa: PYI034 typing.Self is younger than Python 3.10  # noqa: PYI034 (typing.Self needs Python 3.11)
+    def read(self, kind: str, text: bytes) -> None:
+        """Read a case, and its results; ``kind`` tells what the text is, see ``read_input`` in border/analyses.f90."""
+        self.check(fortran.read_input(self._handle, kind, text))
+
+    def __enter__(self) -> Box:  # noqa: PYI034 (typing.Self needs Python 3.11)
         return self
 
     def __exit__(
@@ -119,7 +127,7 @@ class Box:
     def text(self, name: str) -> str:
         """A text of the box, see ``text_size`` in border/fields.f90."""
         size = fortran.text_size(self.handle, name)
-        return fortran.copy_text(self.handle, name, size).tobytes().decode(errors="replace") if size else ""
+        return fortran.copy_text(self._handle, size).tobytes().decode(errors="replace") if size else ""
 
     # ------------------------------------------------------------------------------------------------- out
 
@@ -143,7 +151,7 @@ class Box:
         return groups
 
     def _values(self, line: int, kind: str, size: int, shape: tuple[int, ...]) -> Array:
-        items = int(np.prod(shape))
+        items = prod(shape)
         if kind == "t":
             text = fortran.copy_texts(self.handle, line, size).tobytes().decode(errors="replace") if size else ""
             return np.array(text.split("\0")[:items], object).reshape(shape)
@@ -158,88 +166,58 @@ class Box:
             self._results = self.show()
         return self._results
 
-    def modes(self) -> dict[str, Any] | None:
-        group = self.results().get("/modes")
-        if group is None or not len(group.arrays["mode"]):
-            return None
-        names = ("natural_frequency", "damped_frequency", "damping_ratio", "shape")
-        return {"element": tuple(group.arrays["element"]), **{name: group.arrays[name] for name in names}}
-
-    def has(self, path: str) -> bool:
-        """Whether motions of this kind were computed, be it none in the end."""
-        return path in self.results()
-
-    def motions(self, path: str = LOOSE) -> list[dict[str, Any]]:
-        """The motions of a group, each as keywords of `Motion`."""
-        group = (self.show("motions") if path == LOOSE else self.results()).get(path, Group())
-        return [_motion(group, place) for place in range(len(group.arrays.get("frequency", ())))]
-
-    def sweep(self) -> dict[str, Any]:
-        group = self.results()[INTEGRATION]
-        return {
-            "direction": tuple(group.arrays.get("direction", ())),
-            **{name: group.attributes[name] for name in ("ended", "complete")},
-        }
-
-    def attractors(self) -> dict[str, Any]:
-        return self.results()[ATTRACTORS].attributes
-
-    def branch(self, place: int = 0) -> dict[str, Any] | None:
-        """The response (place 0) or a further branch as fields by name; None where it has no point."""
-        path = f"/branch_{place}" if place else "/response"
-        group = self.results().get(path, Group())
-        if "frequency" not in group.arrays or not (place or len(group.arrays["frequency"])):
-            return None
-        specials = self.results().get(f"{path}/special_points")
-        attributes = {name: value for name, value in group.attributes.items() if name not in ("coordinates", "harmonics")}
-        return {
-            **{name: values for name, values in group.arrays.items() if name not in _DERIVED},
-            **attributes,
-            "special_points": [] if specials is None else specials.rows("kind", "frequency", "after_point", "undecided", "rms"),
-        }
+    def read_off(self, what: str) -> Group:
+        """A list read off the box's branch, see ``show_fields``."""
+        return next(iter(self.show(what).values()), Group())
 
     def ended(self) -> str:
         """Why the response ended."""
         return str(self.results().get("/response", Group()).attributes.get("ended", ""))
 
-    def stability_map(self) -> dict[str, Any] | None:
-        group = self.results().get("/stability_map")
-        if group is None or "parameter" not in group.arrays:
-            return None
-        names = ("frequency", "parameter", "motions", "stable_motions", "multiplier", "rms", "row_done", "row_whole")
-        attributes = group.attributes
-        return {
-            **{name: group.arrays.get(name) for name in names},
-            **{name: attributes[name] for name in ("linear", "ended", "complete")},
-            "name": attributes["parameter_name"],
-            "unit": attributes["parameter_unit"],
-        }
-
-    def audit(self) -> dict[str, Any]:
-        group = self.show("audit")["/audit"]
-        texts = {name: tuple(values) for name, values in group.arrays.items() if values.dtype.kind == "O"}
-        point = group.arrays["point"] - 1
-        arrays = {name: values for name, values in group.arrays.items() if name != "row"}
-        return {**arrays, **texts, "point": point, **group.attributes, "table": self.text("audit")}
-
-    def read_off(self, what: str) -> Group:
-        """A list read off the box's branch, see ``show_fields``."""
-        return next(iter(self.show(what).values()), Group())
-
     # -------------------------------------------------------------------------------------------------- in
 
-    def put(self, path: str, attributes: Mapping[str, Any], arrays: Mapping[str, Any], what: str = "results", **axes: int) -> None:
-        """Put a group, whose fields Fortran takes by their names; what is None is not there."""
+    def ask(self, analyses: Mapping[str, Mapping[str, Any]]) -> None:
+        """Make the case ask for analyses by the variables of their groups, as ``_namelist.values`` gives them."""
+        for name, values in analyses.items():
+            self._begin("variables")
+            for variable, value in {"": 0, **values}.items():  # a value without a name makes the group where there is no other
+                self._put_field(name, variable, np.asarray(value))
+        self.take()
+
+    def put(
+        self, path: str, attributes: Mapping[str, Any], arrays: Mapping[str, Any], what: str = "results", like: str = ""
+    ) -> None:
+        """Put a group.
+
+        Parameters
+        ----------
+        path : str
+        attributes, arrays : mapping
+            By the names of the fields; what is None is not there.
+        what : str
+            What the group becomes, see ``take_fields`` in border/fields.f90.
+        like : str
+            Path of a group of a results file that has the same dimensions, where it is not this one.
+        """
+        self._begin(what)
+        about = described()[like or path].about
+        lengths: dict[str, int] = {}
+        for name, value in attributes.items():
+            if value is not None:
+                self._put_field(path, name, np.asarray(value))
+        for name, value in arrays.items():
+            if value is not None:
+                self._put_field(path, name, np.asarray(value))
+                lengths.update(zip(about[name][0], np.shape(value)))
+        for name in lengths.keys() & about.keys() - arrays.keys():
+            if about[name][1]:  # a dimension whose places are numbered, not named
+                self._put_field(path, name, np.arange(1, lengths[name] + 1, dtype=np.intc))
+
+    def _begin(self, what: str) -> None:
         if self._put != what:
             self.take()
         self._put = what
         self._results = None
-        for name, length in axes.items():
-            self._put_field(path, name, np.arange(1, length + 1, dtype=np.intc))
-        for fields in (attributes, arrays):
-            for name, value in fields.items():
-                if value is not None:
-                    self._put_field(path, name, np.asarray(value))
 
     def _put_field(self, path: str, name: str, values: Array) -> None:
         if values.dtype.kind == "c":
@@ -260,155 +238,30 @@ class Box:
         meshes, states = map(int, fortran.train_sizes(self._handle))
         return meshes, states
 
-    def put_modes(self, modes: Any) -> None:
-        names = ("element", "natural_frequency", "damped_frequency", "damping_ratio", "shape")
-        arrays = {name: getattr(modes, name) for name in names}
-        self.put("/modes", {}, arrays, mode=len(modes.natural_frequency))
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Write the results as a file."""
+        self.check(fortran.write_path(self.handle, file_name(path)))
 
-    def put_motions(self, *motions: Any, what: str = "motion", only_state: bool = False) -> None:
-        """Put motions of the case's train; ``what`` is what messages call them, ``only_state`` as in `check_motion`."""
-        self._put_list(LOOSE, "motion", what, motions, {}, {}, only_state)
+    # ------------------------------------------------------------------------------------------------ work
 
-    def put_sweep(self, sweep: Any) -> None:
-        if len(sweep.direction) != len(sweep) or not {*sweep.direction} <= {"up", "down"}:
-            raise InputError(f"integration: direction: must be 'up' or 'down' of each of the {len(sweep)} motions")
-        attributes = {"ended": sweep.ended, "complete": sweep.complete}
-        self._put_list(INTEGRATION, "point", "integration", sweep, attributes, {"direction": list(sweep.direction)})
+    def run(self, name: str, progress: Array) -> int:
+        """Run an analysis that the case asks for; the status."""
+        status: int = fortran.run_analysis(self.handle, name, progress)
+        return status
 
-    def put_attractors(self, found: Any) -> None:
-        names = ("ended", "complete", "frequency", "starts", "random_seed", "unsettled")
-        self._put_list(ATTRACTORS, "motion", "attractors", found, {name: getattr(found, name) for name in names}, {})
-
-    def _put_list(
-        self, path: str, along: str, what: str, motions: Iterable[Any], attributes: Mapping[str, Any],
-        arrays: Mapping[str, Any], only_state: bool = False,
-    ) -> None:
-        """Put motions as one table."""
-        motions = list(motions)
-        for motion in motions:
-            check_motion(motion, what, *self.sizes(), only_state=only_state)
-        if len({len(motion.multipliers) for motion in motions if motion.multipliers is not None}) > 1:
-            raise InputError(f"{what}: multipliers: must be as many of one motion as of another")
-        columns = as_columns(motions)
-        del columns["true_ac_rms"]
-        if only_state:
-            columns.update({name: np.full((len(motions), self.sizes()[0]), np.nan) for name in VALUES})
-        axes = {along: len(motions), "mesh": self.sizes()[0]}
-        if columns["initial_state"] is not None:
-            axes["coordinate"] = columns["initial_state"].shape[1]
-        if columns["multipliers"] is not None:
-            axes["state"] = columns["multipliers"].shape[1]
-        self.put(path, attributes, {**columns, **arrays} if motions else {}, "motions" if path == LOOSE else "results", **axes)
-
-    def put_stability_map(self, chart: Any) -> None:
-        names = ("frequency", "parameter", "motions", "stable_motions", "multiplier", "rms", "row_done", "row_whole")
-        attributes = {
-            "parameter_name": chart.name, "parameter_unit": chart.unit, "linear": chart.linear,
-            "ended": chart.ended, "complete": chart.complete,
-        }
-        axes = {} if chart.rms is None else {"mesh": chart.rms.shape[-1]}
-        self.put("/stability_map", attributes, {name: getattr(chart, name) for name in names}, **axes)
-
-    def put_branches(self, branches: list[Any]) -> None:
-        """Put further branches."""
-        for place, branch in enumerate(branches, 1):
-            self.put_branch(branch, place)
-
-    def put_branch(self, branch: Any, place: int = 0) -> None:
-        """Put the response (place 0) or a further branch."""
-        path = f"/branch_{place}" if place else "/response"
-        attributes = {
-            "ended": branch.ended, "origin": branch.origin or None, "complete": branch.complete, "closed": branch.closed,
-            "subharmonic": branch.subharmonic, "harmonics": (branch.coefficients.shape[-1] - 1) // 2,
-        }
-        arrays = branch.arrays()
-        axes = {"point": len(branch), "mesh": branch.rms.shape[-1]}
-        if branch.multipliers is not None:
-            axes["state"] = branch.multipliers.shape[-1]
-        self.put(path, attributes, arrays, **axes)
-        specials = branch.special_points
-        if specials:
-            columns = {
-                "kind": [special.kind for special in specials],
-                "frequency": [float(special.frequency) for special in specials],
-                "after_point": [special.point + 1 for special in specials],
-                "rms": np.stack([special.rms for special in specials]),
-            }
-            self.put(f"{path}/special_points", {}, columns, special_point=len(specials))
+    def work(self, what: str, progress: Array, *values: float) -> int:
+        """Work on the box's branch or motion, see ``work`` in box.f90; the status."""
+        status: int = fortran.do_work(self.handle, what, np.array(values or (0,), float), progress)
+        return status
 
 
-#: Numbers of a motion, one each.
-_NUMBERS = ("error_estimate", "share", "lyapunov_exponent", "lyapunov_error")
-#: Fields of a branch that follow from others, and axes.
-_DERIVED = {"point", "mesh", "state", "coefficient", "complex", "true_ac_rms"}
+@cache
+def described() -> dict[str, Group]:
+    """All fields of a results file, without values."""
+    with Box() as box:
+        return box.show("listing")
 
 
 def file_name(path: str | os.PathLike[str]) -> bytes:
     """The path as Fortran wants it."""
     return os.fsencode(path)
-
-
-def _motion(group: Group, place: int) -> dict[str, Any]:
-    """One motion of a group, as keywords of `Motion`; what is NaN throughout it does not have."""
-    meshes = len(group.arrays["mesh"])
-    row = {name: values[place] for name, values in group.arrays.items() if len(group.about[name][0]) and name in _OF_MOTION}
-    nothing = np.full(meshes, np.nan)
-    coefficients = row.get("coefficients", nothing[:, np.newaxis])
-    there = ~np.isnan(coefficients).all(axis=0)
-    multipliers, state = (None if row.get(name) is None or np.isnan(row[name]).all() else row[name]
-                          for name in ("multipliers", "initial_state"))
-    return {
-        **{name: row.get(name, nothing) for name in VALUES},
-        **{name: float(row.get(name, np.nan)) for name in ("frequency", *_NUMBERS)},
-        "lyapunov_error": float(np.nan_to_num(row.get("lyapunov_error", 0.0))),
-        "period": int(row["period"]),
-        "kind": row["kind"],
-        "coefficients": coefficients[:, there] if there.any() else nothing[:, np.newaxis],
-        "stable": None if multipliers is None else bool(row["stable"]),
-        "undecided": bool(row.get("undecided", False)),
-        "floating": bool(row.get("floating", False)),
-        "multipliers": multipliers,
-        "state": state,
-    }
-
-
-_OF_MOTION = {
-    *VALUES, *_NUMBERS,
-    *("frequency", "period", "kind", "coefficients", "stable", "undecided", "floating", "multipliers", "initial_state"),
-}
-
-
-def as_columns(motions: Sequence[Any]) -> dict[str, Any]:
-    """Motions as fields by their names in a results file; None for what none of them has."""
-    multipliers = _padded([motion.multipliers for motion in motions])
-    numbers = {name: np.array([float(getattr(motion, name)) for motion in motions]) for name in _NUMBERS}
-    if np.isnan(numbers["lyapunov_exponent"]).all():
-        numbers["lyapunov_error"] = numbers["lyapunov_exponent"]
-    known = multipliers is not None
-    return {
-        "frequency": np.array([float(motion.frequency) for motion in motions]),
-        "period": np.array([motion.period for motion in motions], np.intc),
-        "kind": np.array([motion.kind for motion in motions], object),
-        **{name: np.array([getattr(motion, name) for motion in motions], float) for name in VALUES},
-        "true_ac_rms": np.array([motion.rms for motion in motions], float) / np.sqrt(2),
-        "coefficients": _padded([motion.coefficients for motion in motions]),
-        **{name: None if np.isnan(values).all() else values for name, values in numbers.items()},
-        "floating": np.array([bool(motion.floating) for motion in motions]) if any(m.floating for m in motions) else None,
-        "initial_state": _padded([motion.state for motion in motions]),
-        "multipliers": multipliers,
-        "stable": np.array([bool(motion.stable) for motion in motions]) if known else None,
-        "undecided": np.array([bool(motion.undecided) for motion in motions]) if known else None,
-    }
-
-
-def _padded(rows: list[Any]) -> Array | None:
-    """Arrays of one shape but for the last dimension, filled up with NaN; None where there is none."""
-    known = [row for row in rows if row is not None]
-    if not known:
-        return None
-    length = max(row.shape[-1] for row in known)
-    table = np.full((len(rows), *known[0].shape[:-1], length), np.nan, complex if known[0].dtype.kind == "c" else float)
-    for place, row in enumerate(rows):
-        if row is not None:
-            table[place, ..., : row.shape[-1]] = row
-    return table

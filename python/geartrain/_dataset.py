@@ -2,25 +2,17 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._box import Box, Group
+from ._box import described
 from ._extras import extra
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
 __all__ = ["dataset"]
-
-
-@cache
-def _described() -> dict[str, Group]:
-    """All fields of a results file, without values."""
-    with Box() as box:
-        return box.show("listing")
 
 
 def dataset(path: str, values: dict[str, Any], attributes: dict[str, Any], coordinates: tuple[str, ...] = ()) -> Dataset:
@@ -39,7 +31,7 @@ def dataset(path: str, values: dict[str, Any], attributes: dict[str, Any], coord
     """
     variables: dict[str, Any] = {}
     axes: dict[str, Any] = {}
-    about = _described()[path].about
+    about = described()[path].about
     for name, (dimensions, unit, description) in about.items():
         value = values.get(name)
         if value is None:

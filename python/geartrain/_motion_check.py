@@ -9,14 +9,15 @@ import numpy as np
 
 from .errors import InputError, shown
 
-__all__ = ["VALUES", "check_motion", "check_states"]
+__all__ = ["NUMBERS", "VALUES", "check_motion", "check_states"]
 
 #: Values of every mesh, in Fortran's order.
 VALUES = (
     *("rms", "mean", "minimum", "maximum"),
     *("mesh_force_maximum", "dynamic_factor", "separation_fraction", "back_contact_fraction"),
 )
-_NUMBERS = ("error_estimate", "share", "lyapunov_exponent", "lyapunov_error")
+#: Numbers of a motion, one each.
+NUMBERS = ("error_estimate", "share", "lyapunov_exponent", "lyapunov_error")
 _KINDS = ("periodic", "chaotic", "quasi-periodic", "still settling", "undecided", "unbounded")
 _LARGEST = 1e20  # of any number, as in a case file
 _LONGEST = 2**31 - 1  # mesh periods, what Fortran can count; the harmonics must hold them as well
@@ -79,7 +80,7 @@ def _check_numbers(motion: Any, what: str) -> None:
         raise InputError(f"{what}: period = {shown(motion.period)}: must be a whole number >= 0 and <= {_LONGEST}")
     if not (_is_number(motion.frequency) and np.isfinite(float(motion.frequency))):
         raise InputError(f"{what}: frequency = {shown(motion.frequency)}: must be a finite number")
-    for name in _NUMBERS:
+    for name in NUMBERS:
         if not _is_number(getattr(motion, name)):
             raise InputError(f"{what}: {name} = {shown(getattr(motion, name))}: must be a number")
     for name in ("stable", "undecided", "floating"):

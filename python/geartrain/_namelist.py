@@ -12,7 +12,7 @@ from ._variable import Variable
 from .errors import shown
 from .variables import VARIABLES
 
-__all__ = ["group", "in_words_of_the_call", "parse"]
+__all__ = ["group", "in_words_of_the_call", "parse", "values"]
 
 Value = Any
 Variables = Mapping[str, Variable]
@@ -30,8 +30,16 @@ _WANTED = {
 }
 
 
-def group(name: str, variables: Variables, values: Mapping[str, Value], problems: dict[str, str], place: str = "") -> str:
-    """One namelist group.
+def group(name: str, variables: Variables, given: Mapping[str, Value], problems: dict[str, str], place: str = "") -> str:
+    """One namelist group; the arguments are those of `values`."""
+    lines = [f"   {key} = {_text(value)}" for key, value in values(name, variables, given, problems, place).items()]
+    return "\n".join([f"&{name}", *lines, "/", ""])
+
+
+def values(
+    name: str, variables: Variables, given: Mapping[str, Value], problems: dict[str, str], place: str = ""
+) -> dict[str, Value]:
+    """What is given for the variables of a group, by their names in the case file, each of the type that its kind has.
 
     Parameters
     ----------
@@ -39,34 +47,34 @@ def group(name: str, variables: Variables, values: Mapping[str, Value], problems
         The group, without ``&``.
     variables : mapping of str to Variable
         Those of the group by their keywords.
-    values : mapping
+    given : mapping
         By keywords, or by names in the case file; those that are None are left out, so that Fortran's default holds.
     problems : dict of str to str
-        Takes up what cannot be written, messages by the names of the variables; the group goes without them.
+        Takes up what is of another kind, messages by the names of the variables; the result goes without them.
     place : str
         What messages call the group, ``&name`` unless told.
     """
-    lines = [f"&{name}"]
+    found: dict[str, Value] = {}
     label = place or "&" + name
-    for given, value in values.items():
+    for word, value in given.items():
         if value is None:
             continue
-        key = _KEYWORDS.get(given, given)
+        key = _KEYWORDS.get(word, word)
         if key not in variables:
             problems[f"{label}: {key}"] = f"{label}: there is no {key}: must be one of {', '.join(variables) or 'none'}"
             continue
-        if key != given and values.get(key) is not None:
-            problems[f"{label}: {key}"] = f"{label}: {key} is given twice, also as {given}: leave out one of the two"
+        if key != word and given.get(key) is not None:
+            problems[f"{label}: {key}"] = f"{label}: {key} is given twice, also as {word}: leave out one of the two"
             continue
         kind = variables[key].kind
         try:
-            text = _list(value, _FORMATS[kind[:-1]]) if kind.endswith("s") else _FORMATS[kind](value)
+            taken = _list(value, _TAKEN[kind[:-1]]) if kind.endswith("s") else _TAKEN[kind](value)
         except (TypeError, ValueError, OverflowError):
             problems[f"{label}: {key}"] = f"{label}: {key} = {shown(value)}: must be {_WANTED[kind]}"
             continue
-        if text:
-            lines.append(f"   {variables[key].name} = {text}")
-    return "\n".join([*lines, "/", ""])
+        if taken != []:
+            found[variables[key].name] = taken
+    return found
 
 
 def in_words_of_the_call(message: str, words: Mapping[str, str] = _KEYWORDS) -> str:
@@ -83,43 +91,55 @@ def in_words_of_the_call(message: str, words: Mapping[str, str] = _KEYWORDS) -> 
     return message.replace(".true.", "True").replace(".false.", "False")
 
 
-def _real(value: Value) -> str:
+def _real(value: Value) -> float:
     if isinstance(value, bool) or not isinstance(value, Real):
         raise TypeError
-    return repr(float(value))
+    return float(value)
 
 
-def _integer(value: Value) -> str:
+def _integer(value: Value) -> int:
     if isinstance(value, bool) or not isinstance(value, Integral):
         raise TypeError
     if abs(int(value)) >= 2**31:
         raise OverflowError
-    return str(int(value))
+    return int(value)
 
 
-def _logical(value: Value) -> str:
+def _logical(value: Value) -> bool:
     if value is True or value is False or type(value).__name__ in ("bool_", "bool"):
-        return ".true." if value else ".false."
+        return bool(value)
     raise TypeError
 
 
-def _text(value: Value) -> str:
+def _line(value: Value) -> str:
     # As the table of variables has it (variable.f90): every other character is allowed, be it a space without a break.
     if not isinstance(value, str) or any(byte < 32 or byte == 127 for byte in value.encode()):
         raise TypeError
-    return "'" + value.replace("'", "''") + "'"
+    return value
 
 
-def _list(value: Value, format_of_one: Callable[[Value], str]) -> str:
+def _list(value: Value, take: Callable[[Value], Value]) -> list[Value]:
     """A list, or one value of it."""
     if isinstance(value, (str, Real)):
-        return format_of_one(value)
+        return [take(value)]
     if isinstance(value, (bytes, bytearray, Mapping, AbstractSet)) or not isinstance(value, Iterable):
         raise TypeError
-    return ", ".join(format_of_one(item) for item in value)
+    return [take(item) for item in value]
 
 
-_FORMATS = {"real": _real, "integer": _integer, "logical": _logical, "text": _text, "name": _text}
+_TAKEN: dict[str, Callable[[Value], Value]] = {
+    "real": _real, "integer": _integer, "logical": _logical, "text": _line, "name": _line
+}
+
+
+def _text(value: Value) -> str:
+    """A value as a namelist has it."""
+    if isinstance(value, list):
+        return ", ".join(map(_text, value))
+    if isinstance(value, str):
+        return "'" + value.replace("'", "''") + "'"
+    return (".true." if value else ".false.") if isinstance(value, bool) else repr(value)
+
 
 _TOKEN = re.compile(
     r"""(?P<text>'(?:[^']|'')*')|(?P<comment>![^\n]*)|&(?P<group>\w+)|(?P<end>/)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from ._box import ATTRACTORS, Box
+from ._box import Box
+from ._motion_table import ATTRACTORS, motions_of, put_table
 from .branch import Branch
 from .description import Description
 from .motion import Motion, table
@@ -57,13 +58,22 @@ class Attractors(list[Motion]):
 
     def to_dataset(self) -> Dataset:
         """The motions as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
-        names = ("ended", "complete", "starts", "random_seed", "unsettled")
-        return table("/attractors", self, (), {name: getattr(self, name) for name in names})
+        attributes = self._attributes()
+        del attributes["frequency"]
+        return table(ATTRACTORS, self, (), attributes)
 
     def __repr__(self) -> str:
         return f"<{len(self)} attractors from {self.starts} starts, {self.unsettled:.1%} unsettled: {self.ended}>"
 
     @classmethod
     def _from(cls, box: Box, train: Description, branches: Iterable[Branch] = ()) -> Attractors:
-        motions: list[dict[str, Any]] = box.motions(ATTRACTORS)
-        return cls([Motion(train=train, **fields) for fields in motions], **box.attractors(), branches=branches)
+        motions = [Motion(train=train, **fields) for fields in motions_of(box, ATTRACTORS)]
+        return cls(motions, **box.results()[ATTRACTORS].attributes, branches=branches)
+
+    def _put(self, box: Box) -> None:
+        """Put it into a box as its result."""
+        put_table(box, ATTRACTORS, "motion", self, self._attributes(), {}, "attractors")
+
+    def _attributes(self) -> dict[str, Any]:
+        """Those of the group of the results file."""
+        return {name: value for name, value in vars(self).items() if name != "branches"}

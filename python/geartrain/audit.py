@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,4 +86,6 @@ class Audit:
 
     @classmethod
     def _from(cls, box: Box) -> Audit:
-        return cls(**box.audit())
+        group = box.show("audit")["/audit"]
+        values = {**group.values(), "point": group.arrays["point"] - 1, "table": box.text("audit")}
+        return cls(**{item.name: values[item.name] for item in fields(cls)})

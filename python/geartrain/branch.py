@@ -12,16 +12,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._box import Box, Group, file_name, fortran
+from ._box import Box, Group, described
 from ._dataset import dataset
 from ._draw import check_mesh, draw_curve, label_axes
 from ._extras import extra
+from ._motion_table import motions_of
 from ._watch import watched
 from .audit import Audit
 from .description import Description
 from .errors import InputError, SolverError, shown
 from .motion import Motion
-from .summary import Jump, Peak
+from .summary import Readings
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,15 +31,6 @@ if TYPE_CHECKING:
 __all__ = ["Branch", "SpecialPoint"]
 
 Array = NDArray[np.float64]
-
-#: What a branch has of each point.
-_OF_POINTS = (
-    *("frequency", "rms", "mean", "minimum", "maximum"),
-    *("mesh_force_maximum", "dynamic_factor", "separation_fraction", "back_contact_fraction"),
-    *("stable", "undecided", "count_undecided", "second_estimate", "multipliers", "coefficients"),
-    *("error_estimate", "estimate_doubtful", "harmonics", "segment", "correction"),
-)
-
 
 @dataclass(frozen=True, eq=False)
 class SpecialPoint:
@@ -65,7 +57,7 @@ class SpecialPoint:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Branch:
+class Branch(Readings):
     """Periodic motions along a branch, through its folds. Displacements are over the characteristic length.
 
     Attributes
@@ -179,8 +171,8 @@ class Branch:
 
         def work(progress: NDArray[np.float64]) -> list[Motion]:
             with self._box() as box:
-                box.check(fortran.solve_at(box.handle, frequency, progress))
-                return [Motion(train=self.train, **found) for found in box.motions()]
+                box.check(box.work("at", progress, frequency))
+                return [Motion(train=self.train, **found) for found in motions_of(box)]
 
         return watched(work, "at")
 
@@ -204,7 +196,7 @@ class Branch:
 
         def work(progress: NDArray[np.float64]) -> Branch:
             with self._box() as box:
-                box.check(fortran.refine_points(box.handle, progress))
+                box.check(box.work("refine", progress))
                 refined = Branch._from(box, train, self.settings)
                 if refined is None:
                     raise SolverError("no point to refine")
@@ -233,7 +225,7 @@ class Branch:
 
         def work(progress: NDArray[np.float64]) -> Audit:
             with self._box() as box:
-                box.check(fortran.audit_points(box.handle, points, random_seed, progress))
+                box.check(box.work("audit", progress, points, random_seed))
                 return Audit._from(box)
 
         return watched(work, "audit", min(points, len(self)) + len(self.special_points))
@@ -260,7 +252,7 @@ class Branch:
 
         def work(progress: NDArray[np.float64]) -> Branch:
             with self._box() as box:
-                status = fortran.follow_doubled(box.handle, places[0], progress)
+                status = box.work("double", progress, places[0])
                 doubled = Branch._from(box, train, self.settings)
                 box.check(status, whole=doubled is None)
                 if doubled is None:
@@ -268,80 +260,6 @@ class Branch:
                 return doubled
 
         return watched(work, "period doubling")
-
-    def peaks(self, mesh: int) -> list[Peak]:
-        """The local maxima of the rms of a mesh, counted from 1, in their order along the branch.
-
-        Examples
-        --------
-        >>> highest = max(branch.peaks(mesh=2), key=lambda peak: peak.rms)
-        >>> round(highest.frequency, 3), round(highest.rms, 3), highest.stable
-        (0.731, 3.046, True)
-        """
-        known = self.stable is not None
-        rows = self._read_off("peaks", mesh).rows("frequency", "rms", "point", "stable", "undecided", "mesh")
-        return [
-            Peak(float(f), float(rms), int(point) - 1, bool(stable) if known else None, bool(undecided))
-            for f, rms, point, stable, undecided, number in rows
-            if number == mesh
-        ]
-
-    @cached_property
-    def jumps(self) -> list[Jump]:
-        """Where a sweep in speed jumps, by frequency; empty where stability was not asked for.
-
-        Examples
-        --------
-        >>> for jump in branch.jumps[-4:-2]:
-        ...     print(f"{jump.speed}, {jump.frequency:.4f}: {jump.kind}, {jump.before.round(2)} -> {jump.after.round(2)}")
-        falling, 1.5473: jump down, [0.85 0.17] -> [0.28 0.11]
-        rising, 1.6645: jump up, [0.47 0.12] -> [0.73 0.11]
-        """
-        names = ("frequency", "kind", "speed", "cause", "rms_before", "rms_after", "candidates", "undecided")
-        return [
-            Jump(float(frequency), kind, speed, cause, before, after, int(candidates), bool(undecided))
-            for frequency, kind, speed, cause, before, after, candidates, undecided in self._read_off("jumps").rows(*names)
-        ]
-
-    @property
-    def bands_without_stability(self) -> Array:
-        """Ranges of Lambda without a stable motion at any level of this branch: from, to; (bands, 2).
-
-        Examples
-        --------
-        >>> branch.bands_without_stability.round(4)
-        array([[1.7492, 2.0439]])
-        """
-        return _ends(self._read_off("bands"))
-
-    @property
-    def undecided_bands(self) -> NDArray[np.bool_]:
-        """Which of ``bands_without_stability`` are there by the guess of undecided points alone, (bands,)."""
-        guessed: NDArray[np.bool_] = self._read_off("bands").column("undecided") == 1
-        return guessed
-
-    def separation_ranges(self, mesh: int, stable: bool = False) -> Array:
-        """Ranges of Lambda in which the teeth of a mesh, counted from 1, separate at some instant: from, to; (ranges, 2).
-
-        Those of all motions, or of the stable ones alone.
-
-        Examples
-        --------
-        >>> branch.separation_ranges(mesh=2).round(3)
-        array([[0.459, 0.495],
-               [0.566, 1.103]])
-        """
-        return self._ranges("separation", mesh, stable)
-
-    def back_collision_ranges(self, mesh: int, stable: bool = False) -> Array:
-        """Ranges of Lambda in which the back flanks of a mesh collide at some instant, as in `separation_ranges`.
-
-        Examples
-        --------
-        >>> branch.back_collision_ranges(mesh=2).round(3)
-        array([[0.566, 0.732]])
-        """
-        return self._ranges("back collision", mesh, stable)
 
     def plot(self, mesh: int | None = None, ax: Axes | None = None, **style: Any) -> Axes:
         """Draw rms over Lambda: stable solid, unstable dashed; ``branches`` thinner. Special points are left to the caller.
@@ -407,26 +325,13 @@ class Branch:
         OSError
         """
         with self._box() as box:
-            box.put_branch(self)
-            box.put_branches(self.branches)
-            box.check(fortran.write_path(box.handle, file_name(path)))
+            for place, branch in enumerate([self, *self.branches]):
+                branch._put(box, place)
+            box.write(path)
 
     def arrays(self) -> dict[str, NDArray[Any] | None]:
         """The fields of the points by their names in the results file; None for what there is not."""
-        return {name: getattr(self, name) for name in (*_OF_POINTS, *self.others)}
-
-    def _read_off(self, what: str, mesh: int = 1) -> Group:
-        check_mesh(mesh, self.rms.shape[1])
-        with self._box() as box:
-            return box.read_off(what)
-
-    def _ranges(self, what: str, mesh: int, stable: bool) -> Array:
-        check_mesh(mesh, self.rms.shape[1])
-        if stable and self.stable is None:
-            raise InputError("stable = True: the stability of this branch was not asked for")
-        found = self._read_off(what)
-        ends: Array = _ends(found)[(found.column("mesh") == mesh) & (found.column("stable") == stable)]
-        return ends
+        return {name: getattr(self, name) for name in (*_of_points(), *self.others)}
 
     def _box(self) -> Box:
         """A box of the branch, which may be changed; the case is read and the fields are put but once."""
@@ -437,10 +342,28 @@ class Branch:
     @cached_property
     def _kept(self) -> Box:
         assert self.train is not None
-        box = Box(self.train.namelist(response=self.settings))
-        box.put_branch(self)
+        box = self.train._ask(response=self.settings)
+        self._put(box)
         box.take()
         return box
+
+    def _put(self, box: Box, place: int = 0) -> None:
+        """Put it into a box as the response (place 0) or a further branch."""
+        path = f"/branch_{place}" if place else "/response"
+        attributes = {
+            "ended": self.ended, "origin": self.origin or None, "complete": self.complete, "closed": self.closed,
+            "subharmonic": self.subharmonic, "harmonics": (self.coefficients.shape[-1] - 1) // 2,
+        }
+        box.put(path, attributes, self.arrays(), like="/response")
+        specials = self.special_points
+        if specials:
+            columns = {
+                "kind": [special.kind for special in specials],
+                "frequency": [float(special.frequency) for special in specials],
+                "after_point": [special.point + 1 for special in specials],
+                "rms": np.stack([special.rms for special in specials]),
+            }
+            box.put(f"{path}/special_points", {}, columns, like="/response/special_points")
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in self.__dict__.items() if name != "_kept"}
@@ -455,18 +378,24 @@ class Branch:
     @classmethod
     def _from(cls, box: Box, train: Description, settings: Mapping[str, Any], place: int = 0) -> Branch | None:
         """The response of the box (place 0) or a further branch; ``settings`` are those of the response."""
-        found = box.branch(place)
-        if found is None:
+        path = f"/branch_{place}" if place else "/response"
+        group = box.results().get(path, Group())
+        if "frequency" not in group.arrays or not (place or len(group.arrays["frequency"])):
             return None
+        rows = box.results().get(f"{path}/special_points", Group())
         specials = [
             SpecialPoint(kind, float(frequency), int(point) - 1, rms, bool(undecided))
-            for kind, frequency, point, undecided, rms in found.pop("special_points")
+            for kind, frequency, point, undecided, rms in rows.rows("kind", "frequency", "after_point", "undecided", "rms")
         ]
-        settings = _settings_for(settings, found["subharmonic"], (found["coefficients"].shape[-1] - 1) // 2)
         known = {item.name for item in fields(cls)}
-        others = {name: found.pop(name) for name in [*found] if name not in known}
-        absent: dict[str, Any] = dict.fromkeys({*_OF_POINTS} - {*found})
-        return cls(**found, **absent, special_points=specials, settings=settings, train=train, others=others)
+        # Axes, and what follows from the rms, are no fields of their own; an attribute may have the name of an array.
+        arrays = {name: values for name, values in group.arrays.items()
+                  if group.about[name][0] != (name,) and name != "true_ac_rms"}
+        told = {name: value for name, value in group.attributes.items() if name in known - arrays.keys()}
+        found: dict[str, Any] = {**dict.fromkeys(_of_points()), **told, **arrays}
+        others = {name: found.pop(name) for name in arrays if name not in known}
+        settings = _settings_for(settings, found["subharmonic"], (found["coefficients"].shape[-1] - 1) // 2)
+        return cls(**found, special_points=specials, settings=settings, train=train, others=others)
 
     @classmethod
     def _all_from(cls, box: Box, train: Description, settings: Mapping[str, Any], first: int = 1) -> list[Branch]:
@@ -475,9 +404,9 @@ class Branch:
         return [branch for place in places if (branch := cls._from(box, train, settings, place)) is not None]
 
 
-def _ends(ranges: Group) -> Array:
-    """From, to; (ranges, 2)."""
-    return np.stack([ranges.column("from"), ranges.column("to")], axis=1)
+def _of_points() -> list[str]:
+    """Fields that a branch has of each point."""
+    return [item.name for item in fields(Branch) if item.name in described()["/response"].about]
 
 
 def _settings_for(settings: Mapping[str, Any], period: int, harmonics: int) -> dict[str, Any]:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._box import ATTRACTORS, INTEGRATION, Box, file_name, fortran
+from ._box import Box, Group, file_name, fortran
+from ._motion_table import ATTRACTORS, INTEGRATION
 from ._namelist import parse
+from ._table import Found
 from ._watch import watched
 from .attractors import Attractors
 from .branch import Branch
@@ -19,7 +21,7 @@ from .modes import Modes
 from .motion import Sweep
 from .stability_map import StabilityMap
 from .train import Train
-from .variables import PARTS
+from .variables import ANALYSES, PARTS
 
 __all__ = ["Case", "Results", "read_case", "read_results"]
 
@@ -41,6 +43,8 @@ class Results:
         Why it ended early, in words; empty where it did not.
     text : str
         The resolved case.
+    others : mapping
+        Results of further analyses by their names; they are attributes as well.
     """
 
     modes: Modes | None
@@ -51,6 +55,7 @@ class Results:
     branches: list[Branch] = field(default_factory=list)
     ended: str = ""
     text: str = field(default="", repr=False)
+    others: Mapping[str, Found] = field(default_factory=dict)
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write the HDF5 file that the executable writes; `read_results` gives the results back.
@@ -64,19 +69,20 @@ class Results:
         OSError
         """
         with Box(self.text) as box:
-            if self.modes is not None:
-                box.put_modes(self.modes)
-            if self.response is not None:
-                box.put_branch(self.response)
-            if self.integration is not None:
-                box.put_sweep(self.integration)
-            if self.attractors is not None:
-                box.put_attractors(self.attractors)
-            if self.stability_map is not None and len(self.stability_map.parameter):  # f2py passes no empty array
-                box.put_stability_map(self.stability_map)
-            if self.branches:
-                box.put_branches(self.branches)
-            box.check(fortran.write_path(box.handle, file_name(path)))
+            for name in ANALYSES:
+                result = getattr(self, name, None)
+                if result is not None:
+                    result._put(box)
+            for place, branch in enumerate(self.branches, 1):
+                branch._put(box, place)
+            box.write(path)
+
+    def __getattr__(self, name: str) -> Any:
+        # Only what is no attribute comes here; `others` itself is not there yet while results are copied.
+        try:
+            return self.__dict__["others"][name]
+        except KeyError:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}") from None
 
 
 @dataclass(frozen=True)
@@ -95,6 +101,8 @@ class Case:
         The output file named in ``&output``.
     text : str
         The resolved case: every variable, defaults included.
+    others : mapping
+        The variables of further analyses by their names.
     """
 
     train: Train
@@ -105,6 +113,7 @@ class Case:
     stability_map: Mapping[str, Any] | None
     output: str | None
     text: str = field(repr=False)
+    others: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     def run(self, resume: str | os.PathLike[str] | None = None) -> Results:
         """Compute everything that the case asks for.
@@ -141,7 +150,6 @@ class Case:
 
     def _results(self, box: Box, ended: str) -> Results:
         """The results that the box holds."""
-        modes = box.modes()
         settings = self.response or {}
         branches = Branch._all_from(box, self.train, settings)
         bifurcated = [branch for branch in branches if not branch.origin.startswith("attractor")]
@@ -149,14 +157,15 @@ class Case:
         if response is not None:
             response.branches.extend(bifurcated)
         return Results(
-            modes=Modes(**modes) if modes else None,
+            modes=Modes._from(box),
             response=response,
-            integration=Sweep._from(box, self.train) if box.has(INTEGRATION) else None,
-            attractors=Attractors._from(box, self.train, branches[len(bifurcated):]) if box.has(ATTRACTORS) else None,
+            integration=Sweep._from(box, self.train) if INTEGRATION in box.results() else None,
+            attractors=Attractors._from(box, self.train, branches[len(bifurcated):]) if ATTRACTORS in box.results() else None,
             stability_map=StabilityMap._from(box),
             branches=branches,
             ended=ended,
             text=self.text,
+            others={name: Found._from(box, name) for name in _others(Results) if f"/{name}" in box.results()},
         )
 
     @classmethod
@@ -177,6 +186,7 @@ class Case:
             stability_map=one.get("stability_map"),
             output=one.get("output", {}).get("file"),
             text=text,
+            others={name: one[name] for name in _others(cls) if name in one},
         )
 
 
@@ -197,7 +207,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         With the executable's message: every problem with its line and column.
     """
     with Box() as box:
-        box.check(fortran.read_path(box.handle, file_name(path)))
+        box.read("case", file_name(path))
         return Case._from(box)
 
 
@@ -225,14 +235,16 @@ def read_results(path: str | os.PathLike[str]) -> Results:
     array([0.41033627, 0.71441951])
     """
     with Box() as box:
-        box.check(fortran.read_file(box.handle, file_name(path)))
+        box.read("results", file_name(path))
         case = Case._from(box)
-        parts = {
-            "response": "response", "integration": "integration", "attractors": "attractors", "stability_map": "stability map"
-        }
         told = [
-            f"{name} ended early: {group.attributes['ended']}"
-            for path, name in parts.items()
-            if (group := box.results().get(f"/{path}")) is not None and not group.attributes["complete"]
+            f"{name.replace('_', ' ')} ended early: {group.attributes['ended']}"
+            for name in ANALYSES
+            if not (group := box.results().get(f"/{name}", Group())).attributes.get("complete", True)
         ]
         return case._results(box, "\n".join(told))
+
+
+def _others(kind: type[Case | Results]) -> list[str]:
+    """Analyses that a class has no attribute for."""
+    return [name for name in ANALYSES if name not in {item.name for item in fields(kind)}]

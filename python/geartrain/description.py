@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
 from itertools import zip_longest
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 from ._box import Box
-from ._namelist import group, in_words_of_the_call
+from ._namelist import group, in_words_of_the_call, values
 from ._variable import Part
 from .errors import InputError, shown
 from .variables import PARTS, VARIABLES, TrainVariables
@@ -32,8 +33,7 @@ class Description(TrainVariables):
                 raise InputError(f"{name} = {shown(parts)}: must be a list of gt.{kind.__name__}")
             object.__setattr__(self, name, tuple(parts))
         super().__post_init__()
-        with Box(self.namelist()):
-            pass
+        _ = self._kept  # which checks it
 
     def namelist(self, **analyses: Unpack[Analyses]) -> str:
         """The train, and the analyses wanted, as a case file's text.
@@ -69,26 +69,55 @@ class Description(TrainVariables):
     def _values(part: Part) -> dict[str, Any]:
         return {name: getattr(part, name) for name in part.variables}
 
-    def _text_at(self, frequency: float, settings: Mapping[str, Any]) -> str:
-        """The case's text for integration at one frequency, which is both ends of the range."""
+    @cached_property
+    def _kept(self) -> Box:
+        """A box of the train, which stays as it is: the train is read but once."""
+        return Box(self.namelist())
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "_kept"}
+
+    def _ask(self, **analyses: Mapping[str, Any] | None) -> Box:
+        """A box of the train that asks for analyses by their variables, as `namelist` takes them; it may be changed."""
+        problems: dict[str, str] = {}
+        asked = {
+            name: values(name, VARIABLES[name], settings, problems)
+            for name, settings in analyses.items() if settings is not None
+        }
+        box = Box(copy=self._kept)
+        try:
+            box.ask(asked)
+        except InputError as error:
+            if not problems:
+                raise
+            raise InputError("\n".join([*problems.values(), *_others(error, problems)])) from None
+        if problems:
+            raise InputError("\n".join(problems.values()))
+        return box
+
+    def _ask_at(self, frequency: float, settings: Mapping[str, Any]) -> Box:
+        """A box that asks for integration at one frequency, which is both ends of the range."""
         if isinstance(frequency, bool) or not isinstance(frequency, Real):
             raise InputError(f"frequency = {shown(frequency)}: must be a number")
         try:
-            text = self.namelist(integration={"start": frequency, "stop": frequency, "points": 1, **settings})
-            with Box(text):
-                return text
+            return self._ask(integration={"start": frequency, "stop": frequency, "points": 1, **settings})
         except InputError as error:
             told = in_words_of_the_call(str(error), {"start": "frequency", "stop": "frequency"})
             raise InputError("\n".join(dict.fromkeys(told.splitlines()))) from None
 
 
 def _further_problems(text: str, known: Mapping[str, str]) -> list[str]:
-    """What Fortran says of the other values; not what follows from the lack of those whose problems are known."""
+    """What Fortran says of the other values."""
     try:
         with Box(text):
             return []
     except InputError as error:
-        return [line for line in str(error).splitlines() if not any(_follows(line, name) for name in known)]
+        return _others(error, known)
+
+
+def _others(error: InputError, known: Mapping[str, str]) -> list[str]:
+    """Problems that do not follow from the lack of those values whose problems are known."""
+    return [line for line in str(error).splitlines() if not any(_follows(line, name) for name in known)]
 
 
 def _follows(line: str, name: str) -> bool:

@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._dataset import dataset
-
-if TYPE_CHECKING:
-    from xarray import Dataset
+from ._table import Table
 
 __all__ = ["Modes"]
 
 
 @dataclass(frozen=True, eq=False)
-class Modes:
+class Modes(Table):
     """Modes of the mean linear system: contact everywhere, mean mesh stiffness; a rigid-body mode is left out.
 
     Attributes
@@ -33,12 +29,10 @@ class Modes:
         What the elements are: ``'shaft 1'``, ``'mesh 1'``, ...
     """
 
+    path = "/modes"
+
     natural_frequency: NDArray[np.float64]
     damped_frequency: NDArray[np.float64]
     damping_ratio: NDArray[np.float64]
     shape: NDArray[np.float64]
     element: tuple[str, ...]
-
-    def to_dataset(self) -> Dataset:
-        """The modes as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
-        return dataset("/modes", {**vars(self), "element": list(self.element)}, {})

@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._box import INTEGRATION, Box, as_columns, fortran
+from ._box import Box, fortran
 from ._dataset import dataset
 from ._draw import check_mesh
 from ._extras import extra
 from ._motion_check import check_motion, check_states
+from ._motion_table import INTEGRATION, as_columns, motions_of, put_motions, put_table
 from ._watch import watched
 from .description import Description
 from .errors import InputError, SolverError, shown
@@ -261,8 +262,8 @@ class Motion:
 
         def work(progress: NDArray[np.float64]) -> Motion:
             with self._box("refine") as box:
-                box.check(fortran.refine_motion(box.handle, progress))
-                return Motion(train=self.train, **box.motions()[0])
+                box.check(box.work("shoot", progress))
+                return Motion(train=self.train, **motions_of(box)[0])
 
         refined = watched(work, "refinement")
         moved = float(np.abs(refined.rms - self.rms).max() / max(refined.rms.max(), np.finfo(float).tiny))
@@ -287,14 +288,10 @@ class Motion:
         if self.unbounded:
             raise SolverError(f"the motion grows without bound at Lambda = {self.frequency:g}: it has no waveform")
         try:
-            box = Box(self.train._text_at(self.frequency, {}))
+            box = self.train._ask_at(self.frequency, {})
         except InputError as error:
             raise InputError(str(error).replace("&integration", what)) from None
-        try:
-            box.put_motions(self, what=what)
-        except BaseException:
-            box.close()
-            raise
+        put_motions(box, self, what=what)
         return box
 
 
@@ -346,8 +343,17 @@ class Sweep(list[Motion]):
 
     @classmethod
     def _from(cls, box: Box, train: Description) -> Sweep:
-        motions: list[dict[str, Any]] = box.motions(INTEGRATION)
-        return cls([Motion(train=train, **fields) for fields in motions], **box.sweep())
+        group = box.results()[INTEGRATION]
+        motions = [Motion(train=train, **fields) for fields in motions_of(box, INTEGRATION)]
+        ended, complete = group.attributes["ended"], group.attributes["complete"]
+        return cls(motions, tuple(group.arrays.get("direction", ())), ended, complete)
+
+    def _put(self, box: Box) -> None:
+        """Put it into a box as its result."""
+        if len(self.direction) != len(self) or not {*self.direction} <= {"up", "down"}:
+            raise InputError(f"integration: direction: must be 'up' or 'down' of each of the {len(self)} motions")
+        attributes = {"ended": self.ended, "complete": self.complete}
+        put_table(box, INTEGRATION, "point", self, attributes, {"direction": list(self.direction)}, "integration")
 
 
 def table(

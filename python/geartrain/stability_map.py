@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._box import Box
 from ._dataset import dataset
 from ._extras import extra
+from ._table import Table
 from .errors import InputError, shown
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ _TITLES = {
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class StabilityMap:
+class StabilityMap(Table):
     """Stability on a grid of a parameter (rows) and Lambda.
 
     Attributes
@@ -63,6 +63,9 @@ class StabilityMap:
     complete : bool
         Whether all rows are done and whole.
     """
+
+    path = "/stability_map"
+    names = {"name": "parameter_name", "unit": "parameter_unit"}  # noqa: RUF012 (with an annotation it would be a field)
 
     name: str
     unit: str
@@ -135,15 +138,7 @@ class StabilityMap:
 
     def to_dataset(self) -> Dataset:
         """The map as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
-        attributes = {
-            "ended": self.ended, "complete": self.complete, "linear": self.linear,
-            "parameter_name": self.name, "parameter_unit": self.unit,
-        }
-        found = dataset("/stability_map", {**vars(self), "spectral_radius": self.spectral_radius}, attributes)
+        attributes, arrays = self._columns()
+        found = dataset(self.path, {**arrays, "spectral_radius": self.spectral_radius}, attributes)
         found["parameter"].attrs["units"] = self.unit
         return found
-
-    @classmethod
-    def _from(cls, box: Box) -> StabilityMap | None:
-        found = box.stability_map()
-        return None if found is None else cls(**found)

@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Jump", "Peak"]
+from ._box import Box, Group
+from ._draw import check_mesh
+from .errors import InputError
+
+__all__ = ["Jump", "Peak", "Readings"]
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -68,3 +75,106 @@ class Jump:
     after: NDArray[np.float64]
     candidates: int
     undecided: bool = False
+
+
+class Readings:
+    """What one reads off a branch: its peaks and jumps, and ranges of Lambda."""
+
+    rms: Array
+    stable: NDArray[np.bool_] | None
+
+    def _box(self) -> Box:
+        """A box of the branch, which may be changed."""
+        raise NotImplementedError
+
+    def peaks(self, mesh: int) -> list[Peak]:
+        """The local maxima of the rms of a mesh, counted from 1, in their order along the branch.
+
+        Examples
+        --------
+        >>> highest = max(branch.peaks(mesh=2), key=lambda peak: peak.rms)
+        >>> round(highest.frequency, 3), round(highest.rms, 3), highest.stable
+        (0.731, 3.046, True)
+        """
+        known = self.stable is not None
+        rows = self._read_off("peaks", mesh).rows("frequency", "rms", "point", "stable", "undecided", "mesh")
+        return [
+            Peak(float(f), float(rms), int(point) - 1, bool(stable) if known else None, bool(undecided))
+            for f, rms, point, stable, undecided, number in rows
+            if number == mesh
+        ]
+
+    @cached_property
+    def jumps(self) -> list[Jump]:
+        """Where a sweep in speed jumps, by frequency; empty where stability was not asked for.
+
+        Examples
+        --------
+        >>> for jump in branch.jumps[-4:-2]:
+        ...     print(f"{jump.speed}, {jump.frequency:.4f}: {jump.kind}, {jump.before.round(2)} -> {jump.after.round(2)}")
+        falling, 1.5473: jump down, [0.85 0.17] -> [0.28 0.11]
+        rising, 1.6645: jump up, [0.47 0.12] -> [0.73 0.11]
+        """
+        names = ("frequency", "kind", "speed", "cause", "rms_before", "rms_after", "candidates", "undecided")
+        return [
+            Jump(float(frequency), kind, speed, cause, before, after, int(candidates), bool(undecided))
+            for frequency, kind, speed, cause, before, after, candidates, undecided in self._read_off("jumps").rows(*names)
+        ]
+
+    @property
+    def bands_without_stability(self) -> Array:
+        """Ranges of Lambda without a stable motion at any level of this branch: from, to; (bands, 2).
+
+        Examples
+        --------
+        >>> branch.bands_without_stability.round(4)
+        array([[1.7492, 2.0439]])
+        """
+        return _ends(self._read_off("bands"))
+
+    @property
+    def undecided_bands(self) -> NDArray[np.bool_]:
+        """Which of ``bands_without_stability`` are there by the guess of undecided points alone, (bands,)."""
+        guessed: NDArray[np.bool_] = self._read_off("bands").column("undecided") == 1
+        return guessed
+
+    def separation_ranges(self, mesh: int, stable: bool = False) -> Array:
+        """Ranges of Lambda in which the teeth of a mesh, counted from 1, separate at some instant: from, to; (ranges, 2).
+
+        Those of all motions, or of the stable ones alone.
+
+        Examples
+        --------
+        >>> branch.separation_ranges(mesh=2).round(3)
+        array([[0.459, 0.495],
+               [0.566, 1.103]])
+        """
+        return self._ranges("separation", mesh, stable)
+
+    def back_collision_ranges(self, mesh: int, stable: bool = False) -> Array:
+        """Ranges of Lambda in which the back flanks of a mesh collide at some instant, as in `separation_ranges`.
+
+        Examples
+        --------
+        >>> branch.back_collision_ranges(mesh=2).round(3)
+        array([[0.566, 0.732]])
+        """
+        return self._ranges("back collision", mesh, stable)
+
+    def _read_off(self, what: str, mesh: int = 1) -> Group:
+        check_mesh(mesh, self.rms.shape[1])
+        with self._box() as box:
+            return box.read_off(what)
+
+    def _ranges(self, what: str, mesh: int, stable: bool) -> Array:
+        check_mesh(mesh, self.rms.shape[1])
+        if stable and self.stable is None:
+            raise InputError("stable = True: the stability of this branch was not asked for")
+        found = self._read_off(what)
+        ends: Array = _ends(found)[(found.column("mesh") == mesh) & (found.column("stable") == stable)]
+        return ends
+
+
+def _ends(ranges: Group) -> Array:
+    """From, to; (ranges, 2)."""
+    return np.stack([ranges.column("from"), ranges.column("to")], axis=1)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._box import Box, fortran
+from ._motion_table import motions_of, put_motions
 from ._variable import takes
 from ._watch import watched
 from .attractors import Attractors
@@ -29,7 +30,11 @@ from .variables import (
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
+    from ._box import Box
+
 __all__ = ["Train"]
+
+Result = TypeVar("Result")
 
 
 class Train(Description):
@@ -78,14 +83,7 @@ class Train(Description):
 
     def modes(self) -> Modes:
         """Natural frequencies, damping ratios and mode shapes of the mean system."""
-        text = self.namelist()
-
-        def work(progress: NDArray[np.float64]) -> Modes:
-            with Box(text) as box:
-                box.check(fortran.find_modes(box.handle, progress))
-                return Modes(**(box.modes() or {}))
-
-        return watched(work, "modes", in_parts=False)
+        return self._found("modes", {}, Modes._from, in_parts=False)
 
     @takes(VARIABLES["response"], ResponseKeywords)
     def response(self, *, seed: Motion | None = None, **settings: Unpack[ResponseKeywords]) -> Branch:
@@ -125,17 +123,17 @@ class Train(Description):
         >>> [(twice.subharmonic, twice.origin[:47]) for twice in both.branches]
         [(2, 'period doubling of the response at Lambda = 3.5')]
         """
-        text = self.namelist(response=settings)
+        asked = self._ask(response=settings)
         if seed is not None and not isinstance(seed, Motion):
             raise InputError(f"seed = {shown(seed)}: must be a gt.Motion")
         if seed is not None and seed.unbounded:
             raise InputError("seed: a motion that grew without bound: must be a periodic one")
 
         def work(progress: NDArray[np.float64]) -> Branch:
-            with Box(text) as box:
+            with asked as box:
                 if seed is not None:
-                    box.put_motions(seed, what="seed")
-                status = fortran.follow_response(box.handle, progress)
+                    put_motions(box, seed, what="seed")
+                status = box.run("response", progress)
                 branch = Branch._from(box, self, settings)
                 box.check(status, whole=branch is None)
                 if branch is None:
@@ -176,16 +174,16 @@ class Train(Description):
         >>> motion.period, motion.rms.round(6)
         (2, array([0.456399, 0.549464]))
         """
-        text = self._text_at(frequency, settings)
+        asked = self._ask_at(frequency, settings)
 
         def work(progress: NDArray[np.float64]) -> Motion:
-            with Box(text) as box:
+            with asked as box:
                 if isinstance(start, Motion):
-                    box.put_motions(start, what="start")
+                    put_motions(box, start, what="start")
                 elif start is not None:
-                    box.put_motions(from_state(start, *box.sizes()), what="start", only_state=True)
-                box.check(fortran.integrate_at(box.handle, frequency, progress))
-                return Motion(train=self, **box.motions()[0])
+                    put_motions(box, from_state(start, *box.sizes()), what="start", only_state=True)
+                box.check(box.work("integrate", progress, frequency))
+                return Motion(train=self, **motions_of(box)[0])
 
         return watched(work, "integration")
 
@@ -213,11 +211,11 @@ class Train(Description):
         >>> motions.rms[[1, 4], 1].round(3)
         array([0.212, 2.133])
         """
-        text = self.namelist(integration=settings)
+        asked = self._ask(integration=settings)
 
         def work(progress: NDArray[np.float64]) -> Sweep:
-            with Box(text) as box:
-                status = fortran.sweep_range(box.handle, progress)
+            with asked as box:
+                status = box.run("integration", progress)
                 motions = Sweep._from(box, self)
                 box.check(status, whole=not motions)
                 return motions
@@ -259,18 +257,16 @@ class Train(Description):
         if follow is True or not isinstance(follow, (bool, Branch)):
             raise InputError(f"follow = {shown(follow)}: must be a gt.Branch, the response whose range and settings are meant")
         known = follow if isinstance(follow, Branch) else None
-        asked = None if known is None else known.settings
-        text = self.namelist(response=asked, attractors={"frequency": frequency, "follow": known is not None, **settings})
+        traced = None if known is None else known.settings
+        asked = self._ask(response=traced, attractors={"frequency": frequency, "follow": known is not None, **settings})
 
         def work(progress: NDArray[np.float64]) -> Attractors:
-            with Box(text) as box:
-                if known is not None:
-                    box.put_branch(known)
-                    box.put_branches(known.branches)
-                status = fortran.find_attractors(box.handle, progress)
-                box.check(status)
-                first = 1 + (0 if known is None else len(known.branches))
-                return Attractors._from(box, self, Branch._all_from(box, self, asked or {}, first))
+            with asked as box:
+                branches = [] if known is None else [known, *known.branches]
+                for place, branch in enumerate(branches):
+                    branch._put(box, place)
+                box.check(box.run("attractors", progress))
+                return Attractors._from(box, self, Branch._all_from(box, self, traced or {}, max(1, len(branches))))
 
         return watched(work, "attractors", settings["starts"])
 
@@ -300,11 +296,21 @@ class Train(Description):
         >>> chart.frequency[chart.spectral_radius[-1] > 1][[0, -1]].round(2)
         array([1.78, 2.04])
         """
-        text = self.namelist(stability_map=settings)
+        bar = settings["parameter_points"], "rows", settings["parameter"]
+        return self._found("stability_map", settings, StabilityMap._from, *bar)
 
-        def work(progress: NDArray[np.float64]) -> StabilityMap:
-            with Box(text) as box:
-                box.check(fortran.map_stability(box.handle, progress))
-                return StabilityMap(**(box.stability_map() or {}))
+    def _found(
+        self, name: str, settings: Mapping[str, Any], take: Callable[[Box], Result | None], *bar: Any, **more: Any
+    ) -> Result:
+        """Run an analysis and take what it gives out of the box; what follows are arguments of `watched`."""
+        asked = self._ask(**{name: settings})
 
-        return watched(work, "stability map", settings["parameter_points"], "rows", settings["parameter"])
+        def work(progress: NDArray[np.float64]) -> Result:
+            with asked as box:
+                box.check(box.run(name, progress))
+                found = take(box)
+                if found is None:
+                    raise SolverError("nothing found")
+                return found
+
+        return watched(work, name.replace("_", " "), *bar, **more)

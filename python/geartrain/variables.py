@@ -196,6 +196,9 @@ PARTS: dict[str, tuple[str, type[Part]]] = {
     "mesh": ("meshes", Mesh),
 }
 
+#: Analyses that a case may ask for, in their order.
+ANALYSES = ("modes", "response", "integration", "attractors", "stability_map")
+
 
 class Analyses(TypedDict, total=False):
     """Analyses that a case may ask for, each by its variables."""

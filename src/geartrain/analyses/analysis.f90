@@ -31,6 +31,7 @@ module geartrain_analyses_analysis
    contains
       procedure(visit_variables_interface), deferred :: visit_variables
       procedure :: check
+      procedure :: check_alone
       procedure :: give_example
       procedure(run_interface), deferred :: run
       procedure(tell_end_interface), deferred :: tell_end
@@ -40,11 +41,11 @@ module geartrain_analyses_analysis
 
    abstract interface
       !> Leads a visitor over the variables of the group.
-      subroutine visit_variables_interface(self, visitor)
+      subroutine visit_variables_interface(self, v)
          import :: analysis_type, visitor_type
          implicit none (type, external)
          class(analysis_type), intent(inout) :: self
-         class(visitor_type), intent(inout) :: visitor
+         class(visitor_type), intent(inout) :: v
       end subroutine visit_variables_interface
 
       !> Does the work as asked for, on from where the result is; nothing where that has ended.
@@ -106,6 +107,18 @@ contains
       associate (unused_self => self, unused_train => train, unused_seeded => seeded, unused_checker => checker)
       end associate
    end subroutine check
+
+   !> Checks what is asked for a train that is in order; the error tells every problem, one a line.
+   subroutine check_alone(self, train, error)
+      class(analysis_type), intent(inout) :: self
+      type(train_type), intent(in) :: train
+      type(error_type), allocatable, intent(out) :: error
+      type(checker_type) :: checker
+
+      call self%visit_variables(checker)
+      call self%check(train, .false., checker)
+      call checker%problems%raise('', error)
+   end subroutine check_alone
 
    !> Sets the variables that the template shows for the paper's train. Here: none.
    subroutine give_example(self)

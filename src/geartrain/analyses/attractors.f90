@@ -73,7 +73,7 @@ module geartrain_analyses_attractors
       type(attractors_type), pointer :: result => null()
    contains
       procedure :: visit_variables
-      procedure :: check => check_analysis
+      procedure :: check
       procedure :: give_example
       procedure :: run
       procedure :: tell_end
@@ -83,17 +83,12 @@ module geartrain_analyses_attractors
 
 contains
 
-   subroutine visit_variables(self, visitor)
+   subroutine visit_variables(self, v)
       class(attractors_analysis_type), intent(inout) :: self
-      class(visitor_type), intent(inout) :: visitor
-
-      call visit_attractors(self%settings, visitor)
-   end subroutine visit_variables
-
-   subroutine visit_attractors(settings, v)
-      type(attractors_settings_type), intent(inout) :: settings
       class(visitor_type), intent(inout) :: v
+      type(attractors_settings_type), pointer :: settings
 
+      settings => self%settings
       call v%enter('attractors', 1)
       call v%on_real(row('frequency', '', 'Lambda', required=.true., above=zero), settings%frequency_ratio)
       call v%on_integer(row('starts', '', 'random starts: mesh displacements and velocities within three times the resting &
@@ -110,43 +105,35 @@ contains
                          above=zero, most=one), settings%tolerance)
       call v%on_logical(row('stability', '', 'Floquet multipliers of every motion'), settings%stability)
       call v%leave()
-   end subroutine visit_attractors
-
-   subroutine check_analysis(self, train, seeded, checker)
-      class(attractors_analysis_type), intent(in) :: self
-      type(train_type), intent(in) :: train
-      logical, intent(in) :: seeded
-      class(checker_type), intent(inout) :: checker
-
-      call check_consistency(train, self%settings, checker)
-   end subroutine check_analysis
+   end subroutine visit_variables
 
    !> Checks the settings of a search for a train that is in order; the error tells every problem, one a line.
    subroutine check_attractors(train, settings, error)
       type(train_type), intent(in) :: train
       type(attractors_settings_type), intent(in) :: settings
       type(error_type), allocatable, intent(out) :: error
-      type(attractors_settings_type) :: copy
-      type(checker_type) :: checker
+      type(attractors_settings_type), target :: copy
+      type(attractors_analysis_type) :: analysis
 
       copy = settings
-      call visit_attractors(copy, checker)
-      call check_consistency(train, settings, checker)
-      call checker%problems%raise('', error)
+      analysis%settings => copy
+      call analysis%check_alone(train, error)
    end subroutine check_attractors
 
-   !> What single values cannot say; the problems are added to those of `checker`.
-   subroutine check_consistency(train, settings, checker)
+   subroutine check(self, train, seeded, checker)
+      class(attractors_analysis_type), intent(in) :: self
       type(train_type), intent(in) :: train
-      type(attractors_settings_type), intent(in) :: settings
+      logical, intent(in) :: seeded
       class(checker_type), intent(inout) :: checker
 
-      if (checker%problems%in_group('attractors')) return
-      call checker%enter('attractors', 1)
-      call check_frequency(train, 'frequency', settings%frequency_ratio, checker)
-      if (settings%harmonics > 0) call check_harmonics(train, settings%harmonics, 1, most_harmonics, checker)
-      call checker%leave()
-   end subroutine check_consistency
+      associate (settings => self%settings)
+         if (checker%problems%in_group('attractors')) return
+         call checker%enter('attractors', 1)
+         call check_frequency(train, 'frequency', settings%frequency_ratio, checker)
+         if (settings%harmonics > 0) call check_harmonics(train, settings%harmonics, 1, most_harmonics, checker)
+         call checker%leave()
+      end associate
+   end subroutine check
 
    subroutine give_example(self)
       class(attractors_analysis_type), intent(inout) :: self

@@ -48,7 +48,7 @@ module geartrain_analyses_integration
       type(sweep_type), pointer :: result => null()
    contains
       procedure :: visit_variables
-      procedure :: check => check_analysis
+      procedure :: check
       procedure :: give_example
       procedure :: run
       procedure :: tell_end
@@ -58,18 +58,13 @@ module geartrain_analyses_integration
 
 contains
 
-   subroutine visit_variables(self, visitor)
+   subroutine visit_variables(self, v)
       class(integration_analysis_type), intent(inout) :: self
-      class(visitor_type), intent(inout) :: visitor
-
-      call visit_integration(self%settings, visitor)
-   end subroutine visit_variables
-
-   subroutine visit_integration(settings, v)
-      type(integration_settings_type), intent(inout) :: settings
       class(visitor_type), intent(inout) :: v
+      type(integration_settings_type), pointer :: settings
       character(:), allocatable :: word
 
+      settings => self%settings
       call v%enter('integration', 1)
       call v%on_real(row('from', '', 'one end of the range of Lambda (start in a call)', required=.true., above=zero), &
                      settings%start)
@@ -88,46 +83,38 @@ contains
                          above=zero, most=one), settings%tolerance)
       call v%on_logical(row('stability', '', 'Floquet multipliers of every settled motion'), settings%stability)
       call v%leave()
-   end subroutine visit_integration
-
-   subroutine check_analysis(self, train, seeded, checker)
-      class(integration_analysis_type), intent(in) :: self
-      type(train_type), intent(in) :: train
-      logical, intent(in) :: seeded
-      class(checker_type), intent(inout) :: checker
-
-      call check_consistency(train, self%settings, checker)
-   end subroutine check_analysis
+   end subroutine visit_variables
 
    !> Checks the settings of a sweep for a train that is in order; the error tells every problem, one a line.
    subroutine check_integration(train, settings, error)
       type(train_type), intent(in) :: train
       type(integration_settings_type), intent(in) :: settings
       type(error_type), allocatable, intent(out) :: error
-      type(integration_settings_type) :: copy
-      type(checker_type) :: checker
+      type(integration_settings_type), target :: copy
+      type(integration_analysis_type) :: analysis
 
       copy = settings
-      call visit_integration(copy, checker)
-      call check_consistency(train, settings, checker)
-      call checker%problems%raise('', error)
+      analysis%settings => copy
+      call analysis%check_alone(train, error)
    end subroutine check_integration
 
-   !> What single values cannot say; the problems are added to those of `checker`.
-   subroutine check_consistency(train, settings, checker)
+   subroutine check(self, train, seeded, checker)
+      class(integration_analysis_type), intent(in) :: self
       type(train_type), intent(in) :: train
-      type(integration_settings_type), intent(in) :: settings
+      logical, intent(in) :: seeded
       class(checker_type), intent(inout) :: checker
 
-      if (checker%problems%in_group('integration')) return
-      call checker%enter('integration', 1)
-      if (abs(settings%start - settings%stop) <= 0 .and. settings%points /= 1) &
-         call checker%complain('points', integer_text(settings%points), 'must be 1 where "from" and "to" are equal')
-      call check_frequency(train, 'from', settings%start, checker)
-      call check_frequency(train, 'to', settings%stop, checker)
-      if (settings%harmonics > 0) call check_harmonics(train, settings%harmonics, 1, most_harmonics, checker)
-      call checker%leave()
-   end subroutine check_consistency
+      associate (settings => self%settings)
+         if (checker%problems%in_group('integration')) return
+         call checker%enter('integration', 1)
+         if (abs(settings%start - settings%stop) <= 0 .and. settings%points /= 1) &
+            call checker%complain('points', integer_text(settings%points), 'must be 1 where "from" and "to" are equal')
+         call check_frequency(train, 'from', settings%start, checker)
+         call check_frequency(train, 'to', settings%stop, checker)
+         if (settings%harmonics > 0) call check_harmonics(train, settings%harmonics, 1, most_harmonics, checker)
+         call checker%leave()
+      end associate
+   end subroutine check
 
    subroutine give_example(self)
       class(integration_analysis_type), intent(inout) :: self

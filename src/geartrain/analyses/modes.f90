@@ -31,14 +31,14 @@ module geartrain_analyses_modes
 contains
 
    !> The group has no variables.
-   subroutine visit_variables(self, visitor)
+   subroutine visit_variables(self, v)
       class(modes_analysis_type), intent(inout) :: self
-      class(visitor_type), intent(inout) :: visitor
+      class(visitor_type), intent(inout) :: v
 
       associate (unused => self)
       end associate
-      call visitor%enter('modes', 1)
-      call visitor%leave()
+      call v%enter('modes', 1)
+      call v%leave()
    end subroutine visit_variables
 
    !> They are found at once, so that those of an earlier run are of no use.

@@ -41,11 +41,11 @@ module geartrain_analyses_response
 
 contains
 
-   subroutine visit_variables(self, visitor)
+   subroutine visit_variables(self, v)
       class(response_analysis_type), intent(inout) :: self
-      class(visitor_type), intent(inout) :: visitor
+      class(visitor_type), intent(inout) :: v
 
-      call visit_response(self%settings, visitor)
+      call visit_response(self%settings, v)
    end subroutine visit_variables
 
    subroutine check(self, train, seeded, checker)

@@ -51,11 +51,11 @@ module geartrain_analyses_stability_map
 
 contains
 
-   subroutine visit_variables(self, visitor)
+   subroutine visit_variables(self, v)
       class(stability_map_analysis_type), intent(inout) :: self
-      class(visitor_type), intent(inout) :: visitor
+      class(visitor_type), intent(inout) :: v
 
-      call visit_stability_map(self%settings, visitor)
+      call visit_stability_map(self%settings, v)
    end subroutine visit_variables
 
    subroutine check(self, train, seeded, checker)
