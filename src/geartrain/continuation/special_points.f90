@@ -5,11 +5,11 @@ module geartrain_continuation_special_points
    use geartrain_continuation_branch, only: branch_type, special_point_type
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
    use geartrain_continuation_step_geometry, only: odd_product
+   use geartrain_linalg_bracket, only: between, shrink
    implicit none (type, external)
    private
    public :: locate_fold, locate_half_period, add_special_point
    public :: generic_vector, go_along
-   public :: between, shrink
 
    integer, parameter :: max_steps = 30
 
@@ -115,33 +115,6 @@ contains
       end do
       y = 0.3_dp
    end subroutine generic_vector
-
-   !> Where the chord crosses zero, kept off the ends of the bracket.
-   pure real(dp) function between(a, b, fa, fb)
-      real(dp), intent(in) :: a, b, fa, fb
-
-      between = a + (b - a)*min(0.999_dp, max(0.001_dp, fa/(fa - fb)))
-   end function between
-
-   !> Illinois' variant of regula falsi: the value at an end that stays a second time is halved. `kept` is the end that stayed
-   !> before, -1 for a and +1 for b, 0 at first.
-   pure subroutine shrink(a, b, fa, fb, s, f, kept)
-      real(dp), intent(inout) :: a, b, fa, fb
-      real(dp), intent(in) :: s, f
-      integer, intent(inout) :: kept
-
-      if ((f > 0) .eqv. (fa > 0)) then
-         a = s
-         fa = f
-         if (kept == 1) fb = fb/2
-         kept = 1
-      else
-         b = s
-         fb = f
-         if (kept == -1) fa = fa/2
-         kept = -1
-      end if
-   end subroutine shrink
 
    !> Puts it on the list of the branch, which goes along it; `point` is the index of the point before it, or of the fold itself.
    subroutine add_special_point(branch, kind, frequency_ratio, point, rms)

@@ -1,6 +1,6 @@
-!> The energy of a vibration of the mean train (every mesh in contact, at its mean stiffness) as a norm of states: free vibration
-!> without damping keeps it, where a plain norm swings between displacements and velocities. What closes a loop is left out: a norm
-!> all the same.
+!> Energy of a vibration of the mean train (every mesh in contact, at its mean stiffness) as a norm of states. Free vibration
+!> without damping keeps the energy, while the Euclidean norm oscillates between displacements and velocities. Elements that close
+!> loops are left out, which leaves a norm.
 module geartrain_flow_energy
    use geartrain_base_kinds, only: dp
    use geartrain_model_system, only: system_type
@@ -8,14 +8,14 @@ module geartrain_flow_energy
    private
    public :: energy_type
 
-   !> Coordinates whose sum of squares is twice the energy over the largest stiffness of the train.
+   !> Transforms states into energy coordinates, whose sum of squares is twice the energy over the largest stiffness of the train.
    type :: energy_type
-      !> Elastic elements.
+      !> Elastic elements that do not close loops.
       integer, private :: elements = 0
       !> Root of the stiffness of each element over the largest, (element).
       real(dp), allocatable, private :: root(:)
-      !> Cholesky factor of the inverse inertia of the elements: velocities = factor*coordinates, (element, element), and the first
-      !> column of each row that is not 0: next to the diagonal on a chain.
+      !> Cholesky factor of the inverse inertia of the elements: velocities = factor*coordinates, (element, element); first column
+      !> that is not 0 in each row, (element): next to the diagonal on a chain.
       real(dp), allocatable, private :: factor(:, :)
       integer, allocatable, private :: first(:)
    contains
@@ -27,8 +27,10 @@ module geartrain_flow_energy
 
 contains
 
+   !> Factors the inverse inertia of a train.
    pure subroutine setup(self, system)
       class(energy_type), intent(inout) :: self
+      !> The train.
       type(system_type), intent(in) :: system
       real(dp) :: stiffness(system%coordinates)
       integer :: i, n, m
@@ -62,6 +64,7 @@ contains
    !> Energy coordinates of a difference of two states, (2*coordinates).
    pure function coordinates(self, difference) result(y)
       class(energy_type), intent(in) :: self
+      !> State, or difference of states [1], (2*elements).
       real(dp), intent(in) :: difference(:)
       real(dp) :: y(size(difference))
       integer :: n
@@ -76,9 +79,10 @@ contains
       end associate
    end function coordinates
 
-   !> The inverse of `coordinates`.
+   !> The state [1], (2*elements), of energy coordinates: the inverse of `coordinates`.
    pure function state(self, y) result(difference)
       class(energy_type), intent(in) :: self
+      !> Energy coordinates, (2*elements).
       real(dp), intent(in) :: y(:)
       real(dp) :: difference(size(y))
       integer :: n
@@ -93,9 +97,10 @@ contains
       end associate
    end function state
 
-   !> A linear map of states in energy coordinates.
+   !> A linear map of states, transformed to energy coordinates.
    pure function transform(self, map) result(transformed)
       class(energy_type), intent(in) :: self
+      !> Matrix of the map of states, (2*elements, 2*elements).
       real(dp), intent(in) :: map(:, :)
       real(dp) :: transformed(size(map, 1), size(map, 2)), unit(size(map, 1))
       integer :: i
