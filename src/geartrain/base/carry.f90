@@ -1,6 +1,7 @@
-!> Carries one component of a result, of whatever type and rank, between itself and its field, see geartrain_base_fields. An array
-!> that is not allocated is no field, and stays so where there is none.
+!> Carries one component of a result, of any type and rank, between the result and its field, see geartrain_base_fields. An array
+!> that is not allocated has no field, and without a field an array is not allocated.
 module geartrain_base_carry
+   use geartrain_base_carry_values, only: carry_integers, carry_reals, carry_texts
    use geartrain_base_field, only: field_type, kind_integer, kind_logical, text_type
    use geartrain_base_fields, only: arranging, fields_type, reading
    use geartrain_base_kinds, only: dp
@@ -21,11 +22,11 @@ contains
       real(dp), intent(inout) :: value
       real(dp), allocatable :: values(:)
       integer :: extents(0)
-      logical :: found
+      logical :: changed
 
       values = [value]
-      call fields%carry_reals(about, extents, values, found)
-      if (found) value = values(1)
+      call carry_reals(fields, about, extents, values, changed)
+      if (changed) value = values(1)
    end subroutine real_0
 
    subroutine real_1(fields, about, value)
@@ -33,20 +34,11 @@ contains
       type(field_type), intent(in) :: about
       real(dp), allocatable, intent(inout) :: value(:)
       integer :: extents(1)
-      logical :: found
-      real(dp), allocatable :: arranged(:)
-      integer :: n(1)
+      logical :: changed
 
-      if (fields%way == arranging) then
-         n = fields%lengths_of(about, 1)
-         allocate (arranged(n(1)), source=0.0_dp)
-         if (allocated(value)) arranged(:size(fields%order)) = value(fields%order)
-         call move_alloc(arranged, value)
-         return
-      end if
       extents = 0
       if (allocated(value)) extents = shape(value)
-      call fields%carry_reals(about, extents, value, found)
+      call carry_reals(fields, about, extents, value, changed)
    end subroutine real_1
 
    subroutine real_2(fields, about, value)
@@ -55,22 +47,13 @@ contains
       real(dp), allocatable, intent(inout) :: value(:, :)
       real(dp), allocatable :: values(:)
       integer :: extents(2)
-      logical :: found
-      real(dp), allocatable :: arranged(:, :)
-      integer :: n(2)
+      logical :: changed
 
-      if (fields%way == arranging) then
-         n = fields%lengths_of(about, 2)
-         allocate (arranged(n(1), n(2)), source=0.0_dp)
-         if (allocated(value)) arranged(:, :size(fields%order)) = value(:, fields%order)
-         call move_alloc(arranged, value)
-         return
-      end if
       extents = 0
       if (allocated(value)) extents = shape(value)
-      if (allocated(value) .and. fields%way /= reading) values = reshape(value, [size(value)])
-      call fields%carry_reals(about, extents, values, found)
-      if (found) value = reshape(values, extents)
+      if (allocated(value)) values = reshape(value, [size(value)])
+      call carry_reals(fields, about, extents, values, changed)
+      if (changed) value = reshape(values, extents)
    end subroutine real_2
 
    subroutine real_3(fields, about, value)
@@ -79,26 +62,16 @@ contains
       real(dp), allocatable, intent(inout) :: value(:, :, :)
       real(dp), allocatable :: values(:)
       integer :: extents(3)
-      logical :: found
-      real(dp), allocatable :: arranged(:, :, :)
-      integer :: n(3)
+      logical :: changed
 
-      if (fields%way == arranging) then
-         n = fields%lengths_of(about, 3)
-         allocate (arranged(n(1), n(2), n(3)), source=0.0_dp)
-         if (allocated(value)) arranged(:min(n(1), size(value, 1)), :, :size(fields%order)) = &
-            value(:min(n(1), size(value, 1)), :, fields%order)
-         call move_alloc(arranged, value)
-         return
-      end if
       extents = 0
       if (allocated(value)) extents = shape(value)
-      if (allocated(value) .and. fields%way /= reading) values = reshape(value, [size(value)])
-      call fields%carry_reals(about, extents, values, found)
-      if (found) value = reshape(values, extents)
+      if (allocated(value)) values = reshape(value, [size(value)])
+      call carry_reals(fields, about, extents, values, changed)
+      if (changed) value = reshape(values, extents)
    end subroutine real_3
 
-   !> The row names the dimension `complex` last.
+   !> In the row, `complex` is the last dimension.
    subroutine complex_1(fields, about, value)
       class(fields_type), intent(inout) :: fields
       type(field_type), intent(in) :: about
@@ -110,41 +83,40 @@ contains
          parts(1, :) = value%re
          parts(2, :) = value%im
       end if
-      if (fields%length_of('complex') < 0) &
-         call fields%text_axis('complex', ['real     ', 'imaginary'], 'part of a complex number')
+      call complex_axis(fields)
       call carry(fields, about, parts)
-      if (.not. (fields%way == reading .and. allocated(parts))) return
+      if (fields%way /= reading .and. fields%way /= arranging .or. .not. allocated(parts)) return
       call fields%check(size(parts, 1) == 2, about%name)
       if (size(parts, 1) == 2) value = cmplx(parts(1, :), parts(2, :), dp)
    end subroutine complex_1
 
+   !> In the row, `complex` is the last dimension.
    subroutine complex_2(fields, about, value)
       class(fields_type), intent(inout) :: fields
       type(field_type), intent(in) :: about
       complex(dp), allocatable, intent(inout) :: value(:, :)
       real(dp), allocatable :: parts(:, :, :)
-      complex(dp), allocatable :: arranged(:, :)
-      integer :: n(3)
 
-      if (fields%way == arranging) then
-         n = fields%lengths_of(about, 3)
-         allocate (arranged(n(2), n(3)), source=(0.0_dp, 0.0_dp))
-         if (allocated(value)) arranged(:, :size(fields%order)) = value(:, fields%order)
-         call move_alloc(arranged, value)
-         return
-      end if
       if (allocated(value) .and. fields%way /= reading) then
          allocate (parts(2, size(value, 1), size(value, 2)))
          parts(1, :, :) = value%re
          parts(2, :, :) = value%im
       end if
-      if (fields%length_of('complex') < 0) &
-         call fields%text_axis('complex', ['real     ', 'imaginary'], 'part of a complex number')
+      call complex_axis(fields)
       call carry(fields, about, parts)
-      if (.not. (fields%way == reading .and. allocated(parts))) return
+      if (fields%way /= reading .and. fields%way /= arranging .or. .not. allocated(parts)) return
       call fields%check(size(parts, 1) == 2, about%name)
       if (size(parts, 1) == 2) value = cmplx(parts(1, :, :), parts(2, :, :), dp)
    end subroutine complex_2
+
+   !> Visits the axis `complex` of a group once.
+   subroutine complex_axis(fields)
+      class(fields_type), intent(inout) :: fields
+
+      if (fields%way == arranging) call fields%expect('complex', 2)
+      if (fields%length_of('complex') < 0) &
+         call fields%text_axis('complex', ['real     ', 'imaginary'], 'part of a complex number')
+   end subroutine complex_axis
 
    subroutine integer_0(fields, about, value)
       class(fields_type), intent(inout) :: fields
@@ -152,11 +124,11 @@ contains
       integer, intent(inout) :: value
       integer, allocatable :: values(:)
       integer :: extents(0)
-      logical :: found
+      logical :: changed
 
       values = [value]
-      call fields%carry_integers(about, kind_integer, extents, values, found)
-      if (found) value = values(1)
+      call carry_integers(fields, about, kind_integer, extents, values, changed)
+      if (changed) value = values(1)
    end subroutine integer_0
 
    subroutine integer_1(fields, about, value)
@@ -164,20 +136,11 @@ contains
       type(field_type), intent(in) :: about
       integer, allocatable, intent(inout) :: value(:)
       integer :: extents(1)
-      logical :: found
-      integer, allocatable :: arranged(:)
-      integer :: n(1)
+      logical :: changed
 
-      if (fields%way == arranging) then
-         n = fields%lengths_of(about, 1)
-         allocate (arranged(n(1)), source=0)
-         if (allocated(value)) arranged(:size(fields%order)) = value(fields%order)
-         call move_alloc(arranged, value)
-         return
-      end if
       extents = 0
       if (allocated(value)) extents = shape(value)
-      call fields%carry_integers(about, kind_integer, extents, value, found)
+      call carry_integers(fields, about, kind_integer, extents, value, changed)
    end subroutine integer_1
 
    subroutine integer_2(fields, about, value)
@@ -186,13 +149,13 @@ contains
       integer, allocatable, intent(inout) :: value(:, :)
       integer, allocatable :: values(:)
       integer :: extents(2)
-      logical :: found
+      logical :: changed
 
       extents = 0
       if (allocated(value)) extents = shape(value)
-      if (allocated(value) .and. fields%way /= reading) values = reshape(value, [size(value)])
-      call fields%carry_integers(about, kind_integer, extents, values, found)
-      if (found) value = reshape(values, extents)
+      if (allocated(value)) values = reshape(value, [size(value)])
+      call carry_integers(fields, about, kind_integer, extents, values, changed)
+      if (changed) value = reshape(values, extents)
    end subroutine integer_2
 
    subroutine logical_0(fields, about, value)
@@ -201,11 +164,11 @@ contains
       logical, intent(inout) :: value
       integer, allocatable :: values(:)
       integer :: extents(0)
-      logical :: found
+      logical :: changed
 
       values = [merge(1, 0, value)]
-      call fields%carry_integers(about, kind_logical, extents, values, found)
-      if (found) value = values(1) == 1
+      call carry_integers(fields, about, kind_logical, extents, values, changed)
+      if (changed) value = values(1) == 1
    end subroutine logical_0
 
    subroutine logical_1(fields, about, value)
@@ -214,46 +177,38 @@ contains
       logical, allocatable, intent(inout) :: value(:)
       integer, allocatable :: values(:)
       integer :: extents(1)
-      logical :: found
-      logical, allocatable :: arranged(:)
-      integer :: n(1)
+      logical :: changed
 
-      if (fields%way == arranging) then
-         n = fields%lengths_of(about, 1)
-         allocate (arranged(n(1)), source=.false.)
-         if (allocated(value)) arranged(:size(fields%order)) = value(fields%order)
-         call move_alloc(arranged, value)
-         return
-      end if
       extents = 0
       if (allocated(value)) extents = shape(value)
       if (allocated(value)) values = merge(1, 0, value)
-      call fields%carry_integers(about, kind_logical, extents, values, found)
-      if (found) value = values == 1
+      call carry_integers(fields, about, kind_logical, extents, values, changed)
+      if (changed) value = values == 1
    end subroutine logical_1
 
-   !> A text of a length of its own kind, as a name of some sort.
+   !> A name, which has blanks at its end.
    subroutine word_0(fields, about, value)
       class(fields_type), intent(inout) :: fields
       type(field_type), intent(in) :: about
       character(*), intent(inout) :: value
       type(text_type), allocatable :: values(:)
       integer :: extents(0)
-      logical :: found
+      logical :: changed
 
       allocate (values(1))
       values(1)%text = trim(value)
-      call fields%carry_texts(about, extents, values, found)
-      if (found) value = values(1)%text
+      call carry_texts(fields, about, extents, values, changed)
+      if (changed) value = values(1)%text
    end subroutine word_0
 
+   !> Names, which have blanks at their ends.
    subroutine word_1(fields, about, value)
       class(fields_type), intent(inout) :: fields
       type(field_type), intent(in) :: about
       character(*), allocatable, intent(inout) :: value(:)
       type(text_type), allocatable :: values(:)
       integer :: extents(1), i
-      logical :: found
+      logical :: changed
 
       extents = 0
       if (allocated(value)) then
@@ -263,8 +218,8 @@ contains
             values(i)%text = trim(value(i))
          end do
       end if
-      call fields%carry_texts(about, extents, values, found)
-      if (.not. found) return
+      call carry_texts(fields, about, extents, values, changed)
+      if (.not. changed) return
       if (allocated(value)) deallocate (value)
       allocate (value(size(values)))
       do i = 1, size(values)
@@ -272,21 +227,25 @@ contains
       end do
    end subroutine word_1
 
-   !> A text of any length. Where it is not allocated `none` stands for it.
+   !> Carries a text of any length.
    subroutine carry_text(fields, about, value, none)
+      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
+      !> The row of the table.
       type(field_type), intent(in) :: about
+      !> The text; not allocated: no field.
       character(:), allocatable, intent(inout) :: value
+      !> Text that stands in the field for a `value` that is not allocated.
       character(*), intent(in), optional :: none
       type(text_type), allocatable :: values(:)
       integer :: extents(0)
-      logical :: found
+      logical :: changed
 
       if (allocated(value) .or. present(none)) allocate (values(1))
       if (present(none)) values(1)%text = none
       if (allocated(value)) values(1)%text = value
-      call fields%carry_texts(about, extents, values, found)
-      if (.not. found) return
+      call carry_texts(fields, about, extents, values, changed)
+      if (.not. changed) return
       if (allocated(value)) deallocate (value)
       if (present(none)) then
          if (values(1)%text == none) return

@@ -1,4 +1,4 @@
-!> The visitor that holds every value against the range of its variable.
+!> The visitor that checks every value against the range of its variable.
 module geartrain_base_checker
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
@@ -25,8 +25,11 @@ contains
 
    subroutine check_real(self, variable, value, in_force)
       class(checker_type), intent(inout) :: self
+      !> Row of the table.
       type(variable_type), intent(in) :: variable
+      !> Value of the variable [variable%unit].
       real(dp), intent(inout) :: value
+      !> .false.: the value is not used and not checked.
       logical, intent(inout), optional :: in_force
 
       if (present(in_force)) then
@@ -38,17 +41,21 @@ contains
 
    subroutine check_integer(self, variable, value)
       class(checker_type), intent(inout) :: self
+      !> Row of the table.
       type(variable_type), intent(in) :: variable
+      !> Value of the variable.
       integer, intent(inout) :: value
 
       if (.not. variable%allows(real(value, dp))) &
          call self%complain(variable%name, integer_text(value), trim(variable%expectation()))
    end subroutine check_integer
 
-   !> Either value is allowed.
+   !> Finds nothing: both values are allowed.
    subroutine check_logical(self, variable, value)
       class(checker_type), intent(inout) :: self
+      !> Row of the table.
       type(variable_type), intent(in) :: variable
+      !> Value of the variable.
       logical, intent(inout) :: value
 
       associate (unused_self => self, unused_variable => variable, unused_value => value)
@@ -57,7 +64,9 @@ contains
 
    subroutine check_text(self, variable, value)
       class(checker_type), intent(inout) :: self
+      !> Row of the table.
       type(variable_type), intent(in) :: variable
+      !> Value of the variable, not allocated where it is not given.
       character(:), allocatable, intent(inout) :: value
 
       if (.not. allocated(value)) return
@@ -71,7 +80,9 @@ contains
 
    subroutine check_list(self, variable, value)
       class(checker_type), intent(inout) :: self
+      !> Row of the table.
       type(variable_type), intent(in) :: variable
+      !> Values of the variable [variable%unit], not allocated where they are not given.
       real(dp), allocatable, intent(inout) :: value(:)
       integer :: bad
 
@@ -82,7 +93,9 @@ contains
 
    subroutine check_names(self, variable, value)
       class(checker_type), intent(inout) :: self
+      !> Row of the table.
       type(variable_type), intent(in) :: variable
+      !> Values of the variable, blank where they are not given.
       character(*), intent(inout) :: value(:)
       integer :: i
 
@@ -92,11 +105,12 @@ contains
       end do
    end subroutine check_names
 
-   !> Adds 'name = value: expectation' unless the variable has its problem already.
+   !> Adds the problem 'name = value: expectation' unless the variable has a problem already.
    subroutine complain(self, name, value, expectation, place)
       class(checker_type), intent(inout) :: self
+      !> Name of the variable of the present group, its value as text, and what it must be.
       character(*), intent(in) :: name, value, expectation
-      !> Which value of a list it is.
+      !> Index of the value in a list.
       integer, intent(in), optional :: place
       character(:), allocatable :: text
 
@@ -106,13 +120,14 @@ contains
       call self%problems%add(text//' = '//value//': '//expectation, self%group, self%index, name, place=place)
    end subroutine complain
 
-   !> Adds 'lacks name (range)' unless the variable has its problem already.
+   !> Adds the problem 'lacks name (range)' unless the variable has a problem already.
    subroutine lacks(self, name, range, instead)
       class(checker_type), intent(inout) :: self
+      !> Name of the variable of the present group.
       character(*), intent(in) :: name
-      !> What it must be, with the unit; blank: anything.
+      !> Range of the variable, with its unit; blank: any value.
       character(*), intent(in) :: range
-      !> What may stand in its place, such as ' or rigid = .true.'.
+      !> Alternative to the variable, such as ' or rigid = .true.'.
       character(*), intent(in), optional :: instead
       character(:), allocatable :: text
 

@@ -1,5 +1,5 @@
-!> CRC-64 of bytes (the one of xz: polynomial of ECMA-182, reflected): whatever changes within eight neighbouring bytes, or in any
-!> two bits of a file, changes it for certain; anything else but for one case in 2**64.
+!> CRC-64 as in xz (polynomial of ECMA-182, reflected). A change within eight neighbouring bytes or of any two bits always changes
+!> the checksum, any other change fails to do so in one case of 2**64.
 module geartrain_base_checksum
    use, intrinsic :: iso_fortran_env, only: int8, int64
    implicit none (type, external)
@@ -10,9 +10,10 @@ module geartrain_base_checksum
 
 contains
 
-   !> The checksum; of the nine characters 123456789 it is 995DC9BBDF1939FA. Eight bytes at a time, each with a table of its own
+   !> Checksum; 995DC9BBDF1939FA for the nine characters 123456789. Takes eight bytes at a time, each with its own table
    !> (M. E. Kounavis and F. L. Berry, IEEE Symposium on Computers and Communications 2005).
    pure integer(int64) function crc64(bytes)
+      !> Any number of bytes.
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64) :: table(0:255, 0:7), word, i
       integer :: k
@@ -36,7 +37,7 @@ contains
       crc64 = not(crc64)
    end function crc64
 
-   !> What a byte, with as many bytes after it as the second index says, makes of the checksum.
+   !> table(b, k): what the byte b contributes to the checksum when k bytes follow it.
    pure subroutine make_tables(table)
       integer(int64), intent(out) :: table(0:255, 0:7)
       integer :: k, bit

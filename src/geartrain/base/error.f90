@@ -1,4 +1,4 @@
-!> Errors as values: what went wrong, in words, and the exit status that it means.
+!> Errors as values: a message and an exit status.
 module geartrain_base_error
    implicit none (type, external)
    private
@@ -9,17 +9,18 @@ module geartrain_base_error
 
    type :: error_type
       integer :: status = status_input
-      !> One message a line; each says place, value, expectation, cure.
+      !> One problem a line, with its place, value, expectation and cure.
       character(:), allocatable :: message
    end type error_type
 
 contains
 
-   !> Makes `error`; a second call on the same `error` adds a line, so that all problems are told at once.
+   !> Allocates `error`, or adds a line to an allocated one, so that all problems are told at once.
    subroutine fatal(error, message, status)
       type(error_type), allocatable, intent(inout) :: error
+      !> A line of text.
       character(*), intent(in) :: message
-      !> One of status_input (the default), status_ended_early, status_file.
+      !> Exit status of a new error: status_input (where absent), status_ended_early or status_file.
       integer, intent(in), optional :: status
 
       if (allocated(error)) then

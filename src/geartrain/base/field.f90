@@ -1,4 +1,4 @@
-!> A result by its name: the row that describes it, and its values as every reader and writer of results takes them.
+!> A field: a result with its name, the row that describes it, and its values as all readers and writers of results take them.
 module geartrain_base_field
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
@@ -6,66 +6,77 @@ module geartrain_base_field
    public :: field_type, group_type, groups_type, kind_integer, kind_logical, kind_real, kind_text, lengths_type, &
       text_type, values_type, word
 
-   !> A row of the tables of fields (the modules `geartrain_*_fields`): all that is said of a result that is no number.
+   !> A row of the tables of fields (the modules `geartrain_*_fields`).
    type :: field_type
+      !> Name of the dataset, or of the attribute.
       character(24) :: name = ''
-      !> In the order of the file, the last one varying fastest, separated by blanks; blank: an attribute of its group.
+      !> Dimensions in the order of the file, the last varying fastest, separated by blanks; blank: an attribute of its group.
       character(40) :: dimensions = ''
       !> '1' for a dimensionless value; blank for text.
       character(8) :: unit = ''
+      !> Meaning, as the file and the reference page tell it.
       character(480) :: description = ''
-      !> When it is there, in words that follow "Only"; blank: always.
+      !> When the field exists, in words that follow "Only"; blank: always.
       character(64) :: only = ''
-      !> Whether results without it are whole.
+      !> A file may lack the field.
       logical :: optional = .false.
-      !> Range of the whole numbers that are taken back.
+      !> Smallest and largest whole number that is accepted from a file.
       integer :: least = -huge(0), most = huge(0)
-      !> Whether a negative value stands for none, which is NaN outside of the program.
+      !> A negative value means none, and is NaN in the field.
       logical :: none_is_negative = .false.
    end type field_type
 
+   !> Kinds of values.
    character, parameter :: kind_real = 'r', kind_integer = 'i', kind_logical = 'l', kind_text = 't'
 
+   !> An element of a list of texts of different lengths.
    type :: text_type
       character(:), allocatable :: text
    end type text_type
 
-   !> The values of a field. Complex numbers have one dimension more, `complex`: real and imaginary part.
+   !> A field with its values. Complex numbers have the further dimension `complex`: real and imaginary part.
    type :: values_type
+      !> The row of the table.
       type(field_type) :: about
+      !> One of kind_real, kind_integer, kind_logical, kind_text.
       character :: kind = ''
-      !> Whether it numbers or names the places of the dimension of its own name.
+      !> The field is an axis: it numbers or names the places of the dimension of the same name.
       logical :: axis = .false.
-      !> In the order of memory, the first one varying fastest, hence the reverse of the names of the dimensions.
+      !> Lengths of the dimensions in the order of memory, the first varying fastest: the reverse of `about%dimensions`.
       integer, allocatable :: extents(:)
-      !> The one that belongs to `kind` is allocated, logical values as the integers 0 and 1.
+      !> Values in the order of memory; only the array of this `kind` is allocated. Logical values are the integers 0 and 1.
       real(dp), allocatable :: reals(:)
       integer, allocatable :: integers(:)
       type(text_type), allocatable :: texts(:)
    end type values_type
 
-   !> A group of fields: attributes and datasets, which may have a name in common.
+   !> A group of fields: attributes and datasets; an attribute and a dataset may have equal names.
    type :: group_type
-      !> Absolute, such as /response/special_points.
+      !> Absolute path in the file, such as /response/special_points.
       character(:), allocatable :: path
+      !> Meaning, as the file tells it.
       character(160) :: description = ''
+      !> Number of fields.
       integer :: count = 0
+      !> The first `count` elements are in use.
       type(values_type), allocatable :: fields(:)
    contains
       procedure :: place
       procedure :: add
    end type group_type
 
-   !> The groups of a results file, those that hold others before them.
+   !> The groups of a results file; a group stands before the groups inside it.
    type :: groups_type
+      !> Number of groups.
       integer :: count = 0
+      !> The first `count` elements are in use.
       type(group_type), allocatable :: groups(:)
    contains
       procedure :: find_group
       procedure :: add_group
    end type groups_type
 
-   !> How long dimensions are.
+   !> Lengths of dimensions by their names.
    type :: lengths_type
       integer, private :: known = 0
       character(24), private :: name(16) = ''
@@ -77,9 +88,10 @@ module geartrain_base_field
 
 contains
 
-   !> Length of a dimension, -1 where it is not known.
+   !> Length of a dimension; -1: not known.
    pure integer function of(self, name) result(length)
       class(lengths_type), intent(in) :: self
+      !> Name of the dimension.
       character(*), intent(in) :: name
       integer :: i
 
@@ -89,10 +101,12 @@ contains
       end do
    end function of
 
-   !> Sets how long a dimension is.
+   !> Sets the length of a dimension.
    pure subroutine set(self, name, length)
       class(lengths_type), intent(inout) :: self
+      !> Name of the dimension.
       character(*), intent(in) :: name
+      !> Number of places of the dimension.
       integer, intent(in) :: length
       integer :: i
 
@@ -104,9 +118,10 @@ contains
       self%known = max(self%known, i)
    end subroutine set
 
-   !> Number of the group of this path, 0 where there is none.
+   !> Number of the group of this path; 0: none.
    pure integer function find_group(self, path) result(number)
       class(groups_type), intent(in) :: self
+      !> Absolute path in the file.
       character(*), intent(in) :: path
 
       do number = self%count, 1, -1
@@ -114,15 +129,17 @@ contains
       end do
    end function find_group
 
-   !> Makes room for one group more, which is the last one then.
+   !> Adds an empty group at the end.
    subroutine add_group(self, path, description)
       class(groups_type), intent(inout) :: self
+      !> Absolute path in the file; meaning, as the file tells it.
       character(*), intent(in) :: path, description
       type(group_type), allocatable :: longer(:)
       integer :: i
 
       if (.not. allocated(self%groups)) allocate (self%groups(16))
       if (self%count == size(self%groups)) then
+         ! The components are moved: a copy would double the memory of large results.
          allocate (longer(2*self%count))
          do i = 1, self%count
             call move_alloc(self%groups(i)%path, longer(i)%path)
@@ -137,11 +154,14 @@ contains
       self%groups(self%count)%description = description
    end subroutine add_group
 
-   !> Number of the field, 0 where there is none; `guess` is tried first.
+   !> Number of a field in the group; 0: none.
    pure integer function place(self, name, attribute, guess)
       class(group_type), intent(in) :: self
+      !> Name of the field.
       character(*), intent(in) :: name
+      !> Whether an attribute is looked for, else a dataset.
       logical, intent(in) :: attribute
+      !> Number that is tried first, any integer.
       integer, intent(in) :: guess
       integer :: i
 
@@ -166,11 +186,14 @@ contains
 
    end function place
 
-   !> Makes room for one field more, which is the last one then.
+   !> Adds a field at the end, with the values 0.
    subroutine add(self, about, kind, extents)
       class(group_type), intent(inout) :: self
+      !> The row of the table.
       type(field_type), intent(in) :: about
+      !> One of kind_real, kind_integer, kind_logical, kind_text.
       character, intent(in) :: kind
+      !> Lengths of the dimensions in the order of memory; none for a scalar.
       integer, intent(in) :: extents(:)
       type(values_type), allocatable :: longer(:)
       integer :: i
@@ -199,6 +222,7 @@ contains
       end associate
    end subroutine add
 
+   !> Moves a field without a copy of its values.
    subroutine move_values(from, to)
       type(values_type), intent(inout) :: from, to
 
@@ -211,9 +235,11 @@ contains
       call move_alloc(from%texts, to%texts)
    end subroutine move_values
 
-   !> Word number n of a text, words being parted by single blanks.
+   !> Word number n of a text whose words are separated by single blanks.
    pure character(24) function word(text, n)
+      !> At least n words.
       character(*), intent(in) :: text
+      !> Number of the word, from 1.
       integer, intent(in) :: n
       integer :: i, first, next
 

@@ -1,11 +1,11 @@
-!> Results as fields by name, and back. One routine for each type of result (`visit_NAME` in the modules `geartrain_*_fields`) goes
-!> over its components with `carry`, which takes a row that describes the field and the component that holds it. The results file,
-!> the checkpoint, reading either back, the arrays of Python and the reference page all come of these routines.
+!> Results as fields by name, and back. A routine for each type of result (`visit_NAME` in the modules `geartrain_*_fields`) calls
+!> `carry` for each component, with the row that describes the field. Writing and reading the results file and the checkpoint, the
+!> arrays of Python and the reference page all use these routines.
 !>
-!> A type has groups; `enter` begins one. Its axes come first, since they say how long the dimensions are: arrays that have room to
-!> spare in the last index are cut, arrays that are shorter in the first index filled with NaN.
+!> `enter` begins a group of a type. The axes of a group come first and tell the lengths of the dimensions: an array with spare room
+!> in the last index is cut, an array that is shorter in the first index is filled with NaN.
 module geartrain_base_fields
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain_base_field, only: field_type, groups_type, kind_integer, kind_logical, kind_real, kind_text, &
       lengths_type, text_type, word
    use geartrain_base_kinds, only: dp
@@ -13,22 +13,26 @@ module geartrain_base_fields
    private
    public :: arranging, fields_type, listing, reading, writing
 
-   !> What `carry` does: makes fields of results; makes results of fields; notes every field that there can be, without values; or,
-   !> without any fields, gives each array the lengths that are expected of its dimensions and the last index the order `order`.
+   !> What `carry` does. writing: results to fields; reading: fields to results; listing: adds every possible field, without values;
+   !> arranging: no fields, each array gets the expected lengths of its dimensions and its last index the order `order`.
    integer, parameter :: writing = 0, reading = 1, listing = 2, arranging = 3
 
    type, extends(groups_type) :: fields_type
+      !> One of writing, reading, listing, arranging.
       integer :: way = writing
-      !> The first thing found that does not fit; not allocated while all does.
+      !> Path of the first field that does not fit; not allocated while all fields fit.
       character(:), allocatable :: wrong
-      !> Arranging: where in the last dimension the values were that come first, second, ...; beyond these there is 0.
+      !> Arranging: old index, in the last dimension, of the values that become first, second, ...; further values are 0.
       integer, allocatable :: order(:)
-      !> The group that is visited, and the field of it that is probably the next.
-      integer, private :: here = 0, next = 0
-      !> Lengths of the dimensions of the group; and of those that are to be the same in every group.
+      !> Number of the present group.
+      integer :: here = 0
+      !> Number of the field in the present group that probably comes next.
+      integer, private :: next = 0
+      !> Lengths of the dimensions of the present group; expected lengths in all groups.
       type(lengths_type), private :: lengths, expected
-      !> Where a list is visited item by item: the dimension along it, how many there are, and which is visited; '' and 0 elsewhere.
-      character(24), private :: along = ''
+      !> Dimension of the list that is visited item by item; '': no list.
+      character(24) :: along = ''
+      !> Number of items of the list; number of the present item.
       integer, private :: items = 0, item = 0
    contains
       procedure :: expect
@@ -44,28 +48,31 @@ module geartrain_base_fields
       procedure :: visit_item
       procedure :: end_list
       procedure :: check
-      procedure :: carry_reals
-      procedure :: carry_integers
-      procedure :: carry_texts
-      procedure, private :: find, room_for, say_length
+      procedure :: room_for
+      procedure :: take
+      procedure, private :: find, say_length
    end type fields_type
 
 contains
 
-   !> Says how long a dimension is in every group that has it and more than nothing in it.
+   !> Sets the length that a dimension must have in every group, unless it is 0 there.
    subroutine expect(self, name, length)
       class(fields_type), intent(inout) :: self
+      !> Name of the dimension.
       character(*), intent(in) :: name
+      !> Number of places of the dimension.
       integer, intent(in) :: length
 
       call self%expected%set(name, length)
       call self%lengths%set(name, length)
    end subroutine expect
 
-   !> Enters a group; false where there is nothing of it: writing where `there` is false, reading where it is not among the fields.
+   !> Enters a group; .false.: there is no group to visit.
    logical function enter(self, path, description, there)
       class(fields_type), intent(inout) :: self
+      !> Absolute path in the file; meaning, as the file tells it.
       character(*), intent(in) :: path, description
+      !> Whether there are results of the group; not used by reading.
       logical, intent(in) :: there
 
       self%lengths = self%expected
@@ -80,26 +87,29 @@ contains
       enter = self%here > 0 .and. .not. allocated(self%wrong)
    end function enter
 
-   !> Whether a field that not all results have is to be visited: writing where `there` is true, reading where it is found.
+   !> Whether to visit a dataset that only some results have.
    logical function has(self, name, there)
       class(fields_type), intent(inout) :: self
+      !> Name of the dataset.
       character(*), intent(in) :: name
+      !> Whether the results have values of the dataset; not used by reading.
       logical, intent(in) :: there
 
       has = there .or. self%way == listing
       if (self%way == reading) has = self%groups(self%here)%place(name, .false., self%next) > 0
    end function has
 
-   !> Whether values are visited that others tell, which are not taken back.
+   !> Whether to visit values that follow from other values, and are therefore not read.
    pure logical function derives(self)
       class(fields_type), intent(in) :: self
 
       derives = self%way == writing .or. self%way == listing
    end function derives
 
-   !> A text attribute of the group that is not taken back.
+   !> Writes a text attribute of the group, which is not read.
    subroutine describe(self, name, text)
       class(fields_type), intent(inout) :: self
+      !> Name of the attribute; its value.
       character(*), intent(in) :: name, text
 
       if (self%way /= writing) return
@@ -109,10 +119,12 @@ contains
       end associate
    end subroutine describe
 
-   !> A dimension whose places are numbered from 1; `length` is how many there are.
+   !> Visits an axis whose places are numbered from 1.
    subroutine index_axis(self, name, length, description)
       class(fields_type), intent(inout) :: self
+      !> Name of the dimension; meaning, as the file tells it.
       character(*), intent(in) :: name, description
+      !> Number of places; set by reading.
       integer, intent(inout) :: length
       integer :: i, place
 
@@ -133,9 +145,10 @@ contains
       end associate
    end subroutine index_axis
 
-   !> A dimension whose places have labels, which are not taken back.
+   !> Visits an axis whose places have labels, which are not read.
    subroutine text_axis(self, name, labels, description)
       class(fields_type), intent(inout) :: self
+      !> Name of the dimension; label of each place; meaning of the axis, as the file tells it.
       character(*), intent(in) :: name, labels(:), description
       integer :: i
 
@@ -150,7 +163,7 @@ contains
       end associate
    end subroutine text_axis
 
-   !> Sets how long a dimension of this group is.
+   !> Sets the length of a dimension of the present group.
    subroutine say_length(self, name, length)
       class(fields_type), intent(inout) :: self
       character(*), intent(in) :: name
@@ -160,28 +173,31 @@ contains
       call self%lengths%set(name, length)
    end subroutine say_length
 
-   !> Length of a dimension, -1 where it is not known.
+   !> Length of a dimension of the present group; -1: not known.
    pure integer function length_of(self, name) result(length)
       class(fields_type), intent(in) :: self
+      !> Name of the dimension.
       character(*), intent(in) :: name
 
       length = self%lengths%of(name)
    end function length_of
 
-   !> Lengths of the dimensions of a field in the order of memory.
+   !> Lengths of the dimensions of a field in the order of memory, (rank); -1: not known.
    pure function lengths_of(self, about, rank) result(lengths)
       class(fields_type), intent(in) :: self
+      !> The row of the table.
       type(field_type), intent(in) :: about
+      !> Number of dimensions of the field.
       integer, intent(in) :: rank
       integer :: lengths(rank), k
 
       lengths = [(self%length_of(word(about%dimensions, rank + 1 - k)), k=1, rank)]
    end function lengths_of
 
-   !> From here on the fields are those of the items of a list, which `visit_item` tells one by one, each with the dimension `along`
-   !> before its own ones.
+   !> Begins a list: fields are visited for each item (`visit_item`), until `end_list`, with the dimension `along` before their own.
    subroutine begin_list(self, along)
       class(fields_type), intent(inout) :: self
+      !> Name of the dimension along the list.
       character(*), intent(in) :: along
 
       self%along = along
@@ -189,23 +205,28 @@ contains
       if (self%way == listing) self%items = 1
    end subroutine begin_list
 
+   !> Begins an item of the list.
    subroutine visit_item(self, item)
       class(fields_type), intent(inout) :: self
+      !> Number of the item, from 1.
       integer, intent(in) :: item
 
       self%item = item
    end subroutine visit_item
 
+   !> Ends the list.
    subroutine end_list(self)
       class(fields_type), intent(inout) :: self
 
       self%along = ''
    end subroutine end_list
 
-   !> Keeps the name of the first thing read that does not fit.
+   !> Reading: keeps the path of the first field that does not fit.
    subroutine check(self, fits, name)
       class(fields_type), intent(inout) :: self
+      !> Whether the field is as expected.
       logical, intent(in) :: fits
+      !> Name of the field.
       character(*), intent(in) :: name
 
       if (fits .or. self%way /= reading .or. allocated(self%wrong)) return
@@ -213,7 +234,7 @@ contains
       if (self%here > 0) self%wrong = self%groups(self%here)%path//'/'//self%wrong
    end subroutine check
 
-   !> Number of a field in the group that is read, 0 where it is not there; what is not optional is missed then.
+   !> Number of a field in the group that is read; 0: none, which is an error unless the field is optional.
    integer function find(self, about) result(place)
       class(fields_type), intent(inout) :: self
       type(field_type), intent(in) :: about
@@ -225,14 +246,18 @@ contains
       call self%check(place > 0 .or. about%optional, about%name)
    end function find
 
-   !> Finds or makes the field that values of these extents go to, and where in it: they are item `first`/size of it.
+   !> Finds or adds the field for values of some extents; the values of the present item are those after number `first`.
    subroutine room_for(self, about, kind, extents, place, first, lengths)
       class(fields_type), intent(inout) :: self
+      !> The row of the table.
       type(field_type), intent(in) :: about
+      !> One of kind_real, kind_integer, kind_logical, kind_text.
       character, intent(in) :: kind
+      !> Shape of the array, in the order of memory.
       integer, intent(in) :: extents(:)
+      !> Number of the field in the group `here`; number of values before those of the array.
       integer, intent(out) :: place, first
-      !> Extents of the room.
+      !> Extents of the field, without the dimension of the list.
       integer, intent(out) :: lengths(size(extents))
       type(field_type) :: full
       integer :: k, length
@@ -267,150 +292,25 @@ contains
       if (self%along /= '') first = (self%item - 1)*product(lengths)
    end subroutine room_for
 
-   !> Carries real numbers in the order of memory.
-   subroutine carry_reals(self, about, extents, values, found)
+   !> Finds the values of a field, or of the present item in it, for reading.
+   subroutine take(self, about, kind, extents, place, first, n)
       class(fields_type), intent(inout) :: self
+      !> The row of the table.
       type(field_type), intent(in) :: about
-      !> Of the array; of what was found.
-      integer, intent(inout) :: extents(:)
-      !> Not allocated: none, which is NaN in a list of known lengths.
-      real(dp), allocatable, intent(inout) :: values(:)
-      !> Whether `values` are those of a field; writing is none.
-      logical, intent(out) :: found
-      integer :: place, first, lengths(size(extents)), short, i, n
-
-      found = .false.
-      if (self%way == reading) then
-         place = self%find(about)
-         if (place == 0) return
-         call take(self, about, place, kind_real, extents, first, n)
-         if (n < 0) return
-         values = self%groups(self%here)%fields(place)%reals(first + 1:first + n)
-         if (about%none_is_negative) then
-            where (ieee_is_nan(values)) values = -1
-         else if (self%along /= '' .and. size(extents) > 0) then
-            call shorten(values, extents)
-            if (product(extents) == 0) deallocate (values)
-            if (product(extents) == 0) return
-         end if
-         found = .true.
-         return
-      end if
-      if (.not. allocated(values) .and. self%way == writing) then
-         if (self%along == '' .or. any(self%lengths_of(about, size(extents)) < 0)) return
-         call self%room_for(about, kind_real, extents, place, first, lengths)
-         return
-      end if
-      call self%room_for(about, kind_real, extents, place, first, lengths)
-      if (self%way == listing) return
-      associate (all => self%groups(self%here)%fields(place)%reals)
-         n = product(lengths)
-         short = min(n, product(extents))
-         if (size(extents) == 0) then
-            all(first + 1) = values(1)
-         else if (lengths(1) == extents(1)) then
-            all(first + 1:first + short) = values(:short)
-         else
-            short = min(lengths(1), extents(1))
-            all(first + 1:first + n) = ieee_value(0.0_dp, ieee_quiet_nan)
-            do i = 0, min(product(lengths(2:)), product(extents(2:))) - 1
-               all(first + i*lengths(1) + 1:first + i*lengths(1) + short) = values(i*extents(1) + 1:i*extents(1) + short)
-            end do
-         end if
-         if (about%none_is_negative) then
-            do i = first + 1, first + n
-               if (all(i) < 0) all(i) = ieee_value(0.0_dp, ieee_quiet_nan)
-            end do
-         end if
-      end associate
-   end subroutine carry_reals
-
-   !> Drops what is NaN in the first index throughout, at its end.
-   pure subroutine shorten(values, extents)
-      real(dp), allocatable, intent(inout) :: values(:)
-      integer, intent(inout) :: extents(:)
-      integer :: i, k, last
-
-      associate (n => extents(1))
-         do last = n, 1, -1
-            if (.not. all(ieee_is_nan(values(last::n)))) exit
-         end do
-         if (last < n) values = [((values((k - 1)*n + i), i=1, last), k=1, product(extents(2:)))]
-      end associate
-      extents(1) = last
-   end subroutine shorten
-
-   !> Carries whole numbers, likewise; those of a list are one an item.
-   subroutine carry_integers(self, about, kind, extents, values, found)
-      class(fields_type), intent(inout) :: self
-      type(field_type), intent(in) :: about
-      !> Of numbers or of logical values, 0 and 1.
+      !> One of kind_real, kind_integer, kind_logical, kind_text.
       character, intent(in) :: kind
-      integer, intent(inout) :: extents(:)
-      integer, allocatable, intent(inout) :: values(:)
-      logical, intent(out) :: found
-      integer :: place, first, lengths(size(extents)), n
-
-      found = .false.
-      if (self%way == reading) then
-         place = self%find(about)
-         if (place == 0) return
-         call take(self, about, place, kind, extents, first, n)
-         if (n < 0) return
-         values = self%groups(self%here)%fields(place)%integers(first + 1:first + n)
-         found = all(values >= about%least .and. values <= about%most) .and. &
-                 (kind == kind_integer .or. all(values == 0 .or. values == 1))
-         call self%check(found, about%name)
-         return
-      end if
-      if (.not. allocated(values) .and. self%way == writing) return
-      call self%room_for(about, kind, extents, place, first, lengths)
-      if (self%way == listing) return
-      n = product(lengths)
-      self%groups(self%here)%fields(place)%integers(first + 1:first + n) = values(:n)
-   end subroutine carry_integers
-
-   !> Carries texts, likewise.
-   subroutine carry_texts(self, about, extents, values, found)
-      class(fields_type), intent(inout) :: self
-      type(field_type), intent(in) :: about
-      integer, intent(inout) :: extents(:)
-      type(text_type), allocatable, intent(inout) :: values(:)
-      logical, intent(out) :: found
-      integer :: place, first, lengths(size(extents)), i, n
-
-      found = .false.
-      if (self%way == reading) then
-         place = self%find(about)
-         if (place == 0) return
-         call take(self, about, place, kind_text, extents, first, n)
-         if (n < 0) return
-         values = self%groups(self%here)%fields(place)%texts(first + 1:first + n)
-         found = all([(allocated(values(i)%text), i=1, n)])
-         call self%check(found, about%name)
-         return
-      end if
-      if (.not. allocated(values) .and. self%way == writing) return
-      call self%room_for(about, kind_text, extents, place, first, lengths)
-      if (self%way == listing) return
-      do i = 1, product(lengths)
-         self%groups(self%here)%fields(place)%texts(first + i)%text = values(i)%text
-      end do
-   end subroutine carry_texts
-
-   !> Where in a field its values or those of the item visited are: the n after the first ones; n is -1 where the field is no such
-   !> one.
-   subroutine take(self, about, place, kind, extents, first, n)
-      class(fields_type), intent(inout) :: self
-      type(field_type), intent(in) :: about
-      integer, intent(in) :: place
-      character, intent(in) :: kind
-      integer, intent(out) :: extents(:), first, n
+      !> Shape of the array, in the order of memory; the size of `extents` is its rank.
+      integer, intent(out) :: extents(:)
+      !> Number of the field in the group `here`; number of values before those of the array; size of the array, -1: no array.
+      integer, intent(out) :: place, first, n
       integer :: k, length, rank
       logical :: fits
 
       n = -1
       first = 0
+      extents = 0
+      place = self%find(about)
+      if (place == 0) return
       associate (field => self%groups(self%here)%fields(place))
          rank = size(extents)
          fits = (field%kind == kind .or. field%kind == kind_integer .and. kind == kind_logical .and. about%dimensions == '') .and. &

@@ -1,6 +1,6 @@
-!> Ends work in the midst of a step. Whoever starts long work keeps a flag in memory and hands its address down with the train;
-!> every piece of work that may take a tenth of a second looks at it, ends as if it had failed where it is raised, and whoever
-!> called that piece drops the step it belongs to.
+!> Ends work within a step. The caller of long work keeps a flag in memory and passes its address down with the train. Each
+!> procedure that may take a tenth of a second looks at the flag and, where it is raised, returns as if it had failed; its caller
+!> drops the step.
 module geartrain_base_interrupt
    use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_loc, c_null_ptr, c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
@@ -8,7 +8,7 @@ module geartrain_base_interrupt
    private
    public :: interrupt_type, interrupt_by
 
-   !> Where the flag is: eight bytes, all zero until the work is to end; nowhere, and the work is not ended so.
+   !> Address of the flag, eight bytes that are 0 until the work is to end; a null address never interrupts.
    type :: interrupt_type
       private
       type(c_ptr) :: flag = c_null_ptr
@@ -18,14 +18,15 @@ module geartrain_base_interrupt
 
 contains
 
-   !> The interrupt of a flag that outlives the work.
+   !> Interrupt that is raised by a flag.
    type(interrupt_type) function interrupt_by(flag)
+      !> 0 until the work is to end; must exist until the work has ended.
       integer(int64), intent(in), target :: flag
 
       interrupt_by%flag = c_loc(flag)
    end function interrupt_by
 
-   !> Whether the work is to end: some nanoseconds, from any thread.
+   !> Whether the work is to end; takes some nanoseconds and may be called from any thread.
    logical function raised(self)
       class(interrupt_type), intent(in) :: self
       integer(int64), pointer, volatile :: flag

@@ -1,4 +1,4 @@
-!> The name that was probably meant by a misspelt one.
+!> The name that a misspelt name probably stands for.
 module geartrain_base_nearest
    implicit none (type, external)
    private
@@ -6,13 +6,14 @@ module geartrain_base_nearest
 
 contains
 
-   !> The candidate that is least different from `name`, at most one letter in three; 0: none.
+   !> Index of the candidate with the fewest edits from `name`, at most one edit for three letters; 0: none.
    pure integer function nearest_name(name, candidates)
+      !> The misspelt name, and the names it may stand for, which may have blanks at the end.
       character(*), intent(in) :: name, candidates(:)
       integer :: i, distance, least
 
       nearest_name = 0
-      ! So long a word is no misspelt name.
+      ! A text of this length is no misspelt name.
       if (len(name) > 60) return
       least = max(1, len(name)/3) + 1
       do i = 1, size(candidates)
@@ -24,7 +25,7 @@ contains
       end do
    end function nearest_name
 
-   !> Letters to change, insert, delete or swap with the next (optimal string alignment).
+   !> Number of letters to change, insert, delete or swap with their neighbour (optimal string alignment distance).
    pure integer function edits(a, b)
       character(*), intent(in) :: a, b
       integer :: table(0:len(a), 0:len(b)), i, j

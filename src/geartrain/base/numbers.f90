@@ -1,8 +1,8 @@
 !> Numbers as text: the shortest decimal that reads back to the same bits, or a rounded one for messages.
 !>
 !> No function of the library has a result `character(:), allocatable`: gfortran keeps the length of such a result in a static
-!> variable of the caller, so that two threads in one statement would each take the other's length for their own text. Short texts
-!> have a length that follows from the arguments, or blanks at the end; long ones are arguments of a subroutine.
+!> variable of the caller, which two threads in this statement would share. Short texts have a length that follows from the
+!> arguments, or blanks at the end; long texts are arguments of a subroutine.
 module geartrain_base_numbers
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
    use geartrain_base_kinds, only: dp
@@ -16,12 +16,12 @@ module geartrain_base_numbers
       module procedure :: integer_text
    end interface text
 
-   !> No number is longer.
+   !> Length of the longest number as text.
    integer, parameter :: longest = 40
 
 contains
 
-   ! Each text with blanks at its end comes before the one that has its length: gfortran wants to know the function by then.
+   ! Each function with blanks at the end stands before the function whose length it gives, as gfortran requires.
 
    pure function padded_real(value) result(text)
       real(dp), intent(in) :: value
@@ -47,8 +47,9 @@ contains
       end if
    end function padded_real
 
-   !> The shortest of 1 to 17 significant digits that reads back to the same bits: '0.05', '2.5e8', '-1.0'.
+   !> Shortest decimal of 1 to 17 significant digits that reads back to the same bits: '0.05', '2.5e8', '-1.0'.
    pure function real_text(value) result(text)
+      !> Any number; 'NaN', 'Infinity' or '-Infinity' where it is not finite.
       real(dp), intent(in) :: value
       character(len_trim(padded_real(value))) :: text
 
@@ -109,6 +110,7 @@ contains
 
    !> Up to six digits after the point, no padding: 0.6356, 1.0e-9, 12.
    pure function short_text(x) result(text)
+      !> Any number.
       real(dp), intent(in) :: x
       character(len_trim(padded_short(x))) :: text
 
@@ -122,7 +124,9 @@ contains
       write (text, '(i0)') value
    end function padded_integer
 
+   !> A whole number without blanks: '-12'.
    pure function integer_text(value) result(text)
+      !> Any number.
       integer, intent(in) :: value
       character(len_trim(padded_integer(value))) :: text
 

@@ -1,11 +1,11 @@
-!> How long work reports and is stopped: the library itself is silent.
+!> Progress of long work, and the way to stop it; the library itself prints nothing.
 module geartrain_base_observer
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
    private
    public :: observer_type
 
-   !> Extend it and give `on_step` to be told of every point; pass none to be told nothing.
+   !> Extend this type by an `on_step` that is called for every point.
    type, abstract :: observer_type
    contains
       procedure(on_step_interface), deferred :: on_step
@@ -17,14 +17,14 @@ module geartrain_base_observer
          import :: observer_type, dp
          implicit none (type, external)
          class(observer_type), intent(inout) :: self
-         !> Name of the analysis: 'response', 'branch' (a further one), 'integration', 'attractors', 'stability map',
-         !> 'refinement', 'audit', or 'settling' of one motion.
+         !> Name of the analysis: 'response', 'branch' (a further branch), 'integration', 'attractors', 'stability map',
+         !> 'refinement', 'audit', or 'settling' (of one motion).
          character(*), intent(in) :: analysis
          !> Points, starts, rows of the map or mesh periods done so far.
          integer, intent(in) :: done
-         !> Lambda of the latest point [1]; of a stability map the parameter of the latest row.
+         !> Lambda [1] of the latest point; in a stability map the parameter of the latest row.
          real(dp), intent(in) :: frequency_ratio
-         !> Set it to .false. to end the analysis; its points so far are kept.
+         !> .true. on entry; set it to .false. to end the analysis, whose points so far are kept.
          logical, intent(inout) :: keep_going
       end subroutine on_step_interface
    end interface

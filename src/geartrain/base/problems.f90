@@ -1,31 +1,35 @@
-!> A list of what is wrong with the input, so that all of it is told at once, in the order of the file.
+!> A list of the problems of the input, which are all told at once, in the order of the file.
 module geartrain_base_problems
    use geartrain_base_error, only: error_type, fatal
+   use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text
+   use geartrain_base_sorting, only: ascending
    use geartrain_base_variable, only: is_utf_8
    implicit none (type, external)
    private
    public :: problems_type, group_label
 
    type :: problem_type
-      !> Group, its number among its kind, and the variable that it is about; blank and 0 where there is none.
+      !> Group, number of the group among the groups of its name, and variable; blank and 0: none.
       character(16) :: group = ''
       integer :: index = 0
       character(64) :: name = ''
-      !> Which of its values, in a list; 0: all of them.
+      !> Index of the value in a list; 0: the whole variable.
       integer :: place = 0
-      !> Place in the file; 0 where it has none.
+      !> Line and column in the file; 0: none.
       integer :: line = 0, column = 0
-      !> The text names its group by itself.
+      !> The text itself names the group.
       logical :: names_group = .false.
       character(:), allocatable :: text
    end type problem_type
 
-   !> Further ones are counted alone.
+   !> Problems that are kept; further problems are only counted.
    integer, parameter :: most_told = 200
 
    type :: problems_type
+      !> Number of problems in `list`, and of further problems.
       integer :: count = 0, untold = 0
+      !> (most_told) from the first problem on.
       type(problem_type), allocatable :: list(:)
    contains
       procedure :: add
@@ -36,27 +40,23 @@ module geartrain_base_problems
 
 contains
 
+   !> Adds a problem.
    subroutine add(self, text, group, index, name, line, column, names_group, place)
       class(problems_type), intent(inout) :: self
+      !> The message, without the place in the file.
       character(*), intent(in) :: text
+      !> Group and variable.
       character(*), intent(in), optional :: group, name
+      !> Number of the group among the groups of its name; line and column in the file; index of the value in a list.
       integer, intent(in), optional :: index, line, column, place
+      !> The text itself names the group.
       logical, intent(in), optional :: names_group
-      type(problem_type), allocatable :: longer(:)
-      integer :: i
 
       if (self%count == most_told) then
          self%untold = self%untold + 1
          return
       end if
-      if (.not. allocated(self%list)) allocate (self%list(8))
-      if (self%count == size(self%list)) then
-         allocate (longer(2*self%count))
-         do i = 1, self%count
-            longer(i) = self%list(i)
-         end do
-         call move_alloc(longer, self%list)
-      end if
+      if (.not. allocated(self%list)) allocate (self%list(most_told))
       self%count = self%count + 1
       associate (problem => self%list(self%count))
          problem%text = text
@@ -70,10 +70,12 @@ contains
       end associate
    end subroutine add
 
-   !> There is a problem with this variable already: what follows from it need not be told.
+   !> Whether there is a problem with a variable already; its consequences need not be told.
    pure logical function reported(self, group, index, name)
       class(problems_type), intent(in) :: self
+      !> Group and variable.
       character(*), intent(in) :: group, name
+      !> Number of the group among the groups of its name.
       integer, intent(in) :: index
       integer :: i
 
@@ -84,34 +86,31 @@ contains
       end do
    end function reported
 
-   !> There is a problem with a group of this name already.
+   !> Whether there is a problem with a group of this name already.
    pure logical function in_group(self, group)
       class(problems_type), intent(in) :: self
+      !> Name of the group.
       character(*), intent(in) :: group
       integer :: i
 
       in_group = any([(self%list(i)%group == group, i = 1, self%count)])
    end function in_group
 
-   !> Makes the error that tells all problems, one a line; none, no error.
+   !> Makes the error that tells all problems, one a line, in the order of the file; no error where there is no problem.
    subroutine raise(self, file, error)
       class(problems_type), intent(in) :: self
-      !> What messages call the file; '' where there is none: they then start with the group.
+      !> Name of the file in messages; '': none, messages start with the group and keep their order.
       character(*), intent(in) :: file
       type(error_type), allocatable, intent(inout) :: error
       character(:), allocatable :: text
-      integer :: order(self%count), i, j, moving
+      real(dp) :: place(self%count)
+      integer :: order(self%count), i
 
-      do i = 1, self%count
-         order(i) = i
-         if (file == '') cycle
-         do j = i - 1, 1, -1
-            if (.not. before(self%list(order(j + 1)), self%list(order(j)))) exit
-            moving = order(j)
-            order(j) = order(j + 1)
-            order(j + 1) = moving
-         end do
-      end do
+      place = 0
+      ! A file has at most 10 million columns; problems without a line come last.
+      if (file /= '' .and. self%count > 0) place = merge(1e8_dp*self%list(:self%count)%line + self%list(:self%count)%column, &
+                                                         huge(1.0_dp), self%list(:self%count)%line > 0)
+      order = ascending(place)
       do i = 1, self%count
          call message(self%list(order(i)), file, text)
          call fatal(error, text)
@@ -119,20 +118,7 @@ contains
       if (self%untold > 0) call fatal(error, 'and '//integer_text(self%untold)//' more')
    end subroutine raise
 
-   !> The order of the file; what has no place comes last.
-   pure logical function before(a, b)
-      type(problem_type), intent(in) :: a, b
-
-      if (a%line == 0 .or. b%line == 0) then
-         before = a%line > 0 .and. b%line == 0
-      else if (a%line /= b%line) then
-         before = a%line < b%line
-      else
-         before = a%column < b%column
-      end if
-   end function before
-
-   !> The text with a question mark for each byte beyond ASCII where it is not UTF-8, as values of a file in another code are.
+   !> The text itself where it is UTF-8, else with a question mark for each byte beyond ASCII.
    pure function readable(text) result(whole)
       character(*), intent(in) :: text
       character(len(text)) :: whole
@@ -145,6 +131,7 @@ contains
       end do
    end function readable
 
+   !> The message of a problem with its place: 'file:line:column: error: &group: text'.
    pure subroutine message(problem, file, text)
       type(problem_type), intent(in) :: problem
       character(*), intent(in) :: file
@@ -162,16 +149,18 @@ contains
       end if
    end subroutine message
 
-   !> Groups that stand several times.
+   !> Whether a case may have several groups of this name.
    pure logical function is_numbered(group)
       character(*), intent(in) :: group
 
       is_numbered = group == 'body' .or. group == 'shaft' .or. group == 'mesh'
    end function is_numbered
 
-   !> '&mesh 2', or '&train' for a group that stands once.
+   !> Label of a group in messages: '&mesh 2', or '&train' where a case has only one group of this name.
    pure function group_label(group, index) result(text)
+      !> Name of the group.
       character(*), intent(in) :: group
+      !> Number of the group among the groups of its name.
       integer, intent(in) :: index
       character(1 + len_trim(group) + merge(1 + len(integer_text(index)), 0, is_numbered(group))) :: text
 

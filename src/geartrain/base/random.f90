@@ -1,4 +1,4 @@
-!> Random numbers that are the same on every machine: Park and Miller's minimal standard generator.
+!> Random numbers that are equal on every machine: Park and Miller's minimal standard generator.
 module geartrain_base_random
    use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_base_kinds, only: dp
@@ -15,20 +15,21 @@ module geartrain_base_random
 
 contains
 
-   !> The generator of a seed and of one of the streams of that seed.
+   !> A generator at its first number.
    type(generator_type) function begin_random(seed, stream) result(generator)
+      !> Seed, and number of the stream: a seed has many streams with different numbers.
       integer, intent(in) :: seed, stream
       real(dp) :: dropped
       integer :: i
 
       generator%last = 1 + abs(mod(int(seed, int64)*1000003_int64 + int(stream, int64)*7919_int64, 2147483646_int64))
-      ! Neighbouring streams begin alike.
+      ! The first numbers of neighbouring streams are alike.
       do i = 1, 10
          dropped = generator%uniform()
       end do
    end function begin_random
 
-   !> The next number, in (0, 1).
+   !> The next random number, uniform in (0, 1).
    real(dp) function uniform(self)
       class(generator_type), intent(inout) :: self
 
@@ -36,9 +37,10 @@ contains
       uniform = real(self%last, dp)/2147483647.0_dp
    end function uniform
 
-   !> The next number as one of 1 .. n.
+   !> The next random whole number, uniform in 1 .. n.
    integer function one_of(self, n)
       class(generator_type), intent(inout) :: self
+      !> Largest number, at least 1.
       integer, intent(in) :: n
 
       one_of = min(n, 1 + int(n*self%uniform()))

@@ -1,4 +1,4 @@
-!> What a path leads to, found without opening it.
+!> Whether a path leads to a regular file, found without opening the file.
 module geartrain_base_regular_file
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
    implicit none (type, external)
@@ -16,8 +16,9 @@ module geartrain_base_regular_file
 
 contains
 
-   !> Whether it is a file that can be read from its beginning to its end: no folder, device, pipe or socket.
+   !> Whether a file can be read from its beginning to its end: no folder, device, pipe or socket.
    logical function is_regular_file(path)
+      !> Any path; links are followed.
       character(*), intent(in) :: path
 
       is_regular_file = c_is_regular_file(path//c_null_char) == 1

@@ -1,7 +1,7 @@
-!> A row of the table of input variables, and the visitor that is led over the rows and the values that they name.
+!> A row of the table of input variables, and the visitor that is called for each row with the value of its variable.
 !>
-!> The table itself is written as visits (the modules `geartrain_*_variables`): one call a variable ties its
-!> name, unit, range and description to the component that holds it. Reading, checking, writing and documenting are visitors.
+!> The table is written as visits (the modules `geartrain_*_variables`): one call for each variable ties name, unit, range and
+!> description to the component that holds the value. Reading, checking, writing and documenting are visitors.
 module geartrain_base_variable
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use geartrain_base_kinds, only: dp
@@ -10,30 +10,31 @@ module geartrain_base_variable
    private
    public :: variable_type, visitor_type, is_utf_8, smallest, largest
 
-   !> Magnitudes of numbers that are not 0, for every variable: products of several of them are numbers still, and no train in SI
-   !> units comes near. A list may hold smaller ones: rounding of what is 0.
+   !> Range of the magnitude of every number except 0: products of several such numbers do not overflow, and no train in SI units
+   !> comes near. Lists may hold smaller numbers, which rounding makes of 0.
    real(dp), parameter :: smallest = 1e-20_dp, largest = 1e20_dp
 
-   !> Room for choices in a variable and in words, where each may gain quotes and a comma; for what is allowed, and for that in a
-   !> message.
+   !> Lengths: of the choices, of a range as text (each choice may gain quotes and a comma), of an expectation in a message.
    integer, parameter :: choices_length = 80, range_length = 5*choices_length, expectation_length = range_length + 200
-   !> Room for a number.
+   !> Length of the longest number as text.
    integer, parameter :: number_length = 40
 
    type :: variable_type
-      !> Name in the namelist; where the names differ, the keyword of a Fortran or Python call is told in the description.
+      !> Name in the namelist; the description tells where a Fortran or Python call has another name.
       character(24) :: name = ''
       !> Unit, blank for a dimensionless value.
       character(12) :: unit = ''
+      !> Meaning, as the reference page prints it.
       character(280) :: description = ''
+      !> The case must give the variable.
       logical :: required = .false.
       !> Range: above < value, least <= value <= most.
       real(dp) :: above = -huge(1.0_dp), least = -huge(1.0_dp), most = huge(1.0_dp)
-      !> One value outside the range that leaves the choice to the program; huge: there is none.
+      !> A value outside the range that leaves the choice to the program; huge: none.
       real(dp) :: automatic = huge(1.0_dp)
-      !> Words a text may be, separated by blanks; blank: any text.
+      !> Allowed words of a text, separated by blanks; blank: any text.
       character(choices_length) :: choices = ''
-      !> Name of a variable that may not be given together with this one.
+      !> Name of a variable that may not be given together with this variable; blank: none.
       character(24) :: excludes = ''
    contains
       procedure :: allows
@@ -44,7 +45,7 @@ module geartrain_base_variable
    end type variable_type
 
    type, abstract :: visitor_type
-      !> The group being visited, and its number among the groups of that name.
+      !> Name of the present group, blank between groups, and its number among the groups of this name.
       character(16) :: group = ''
       integer :: index = 1
    contains
@@ -63,70 +64,85 @@ module geartrain_base_variable
          import :: visitor_type, variable_type, dp
          implicit none (type, external)
          class(visitor_type), intent(inout) :: self
+         !> Row of the table.
          type(variable_type), intent(in) :: variable
+         !> Value of the variable [variable%unit].
          real(dp), intent(inout) :: value
-         !> Whether the value is in force (absent: it is); whoever gives the variable sets it.
+         !> Whether the value is used (absent: it is); a visitor that reads the variable sets .true.
          logical, intent(inout), optional :: in_force
       end subroutine on_real_interface
       subroutine on_integer_interface(self, variable, value)
          import :: visitor_type, variable_type
          implicit none (type, external)
          class(visitor_type), intent(inout) :: self
+         !> Row of the table.
          type(variable_type), intent(in) :: variable
+         !> Value of the variable.
          integer, intent(inout) :: value
       end subroutine on_integer_interface
       subroutine on_logical_interface(self, variable, value)
          import :: visitor_type, variable_type
          implicit none (type, external)
          class(visitor_type), intent(inout) :: self
+         !> Row of the table.
          type(variable_type), intent(in) :: variable
+         !> Value of the variable.
          logical, intent(inout) :: value
       end subroutine on_logical_interface
       subroutine on_text_interface(self, variable, value)
          import :: visitor_type, variable_type
          implicit none (type, external)
          class(visitor_type), intent(inout) :: self
+         !> Row of the table.
          type(variable_type), intent(in) :: variable
+         !> Value of the variable, not allocated where it is not given.
          character(:), allocatable, intent(inout) :: value
       end subroutine on_text_interface
       subroutine on_list_interface(self, variable, value)
          import :: visitor_type, variable_type, dp
          implicit none (type, external)
          class(visitor_type), intent(inout) :: self
+         !> Row of the table.
          type(variable_type), intent(in) :: variable
+         !> Values of the variable [variable%unit], not allocated where they are not given.
          real(dp), allocatable, intent(inout) :: value(:)
       end subroutine on_list_interface
       subroutine on_names_interface(self, variable, value)
          import :: visitor_type, variable_type
          implicit none (type, external)
          class(visitor_type), intent(inout) :: self
+         !> Row of the table.
          type(variable_type), intent(in) :: variable
-         !> As many names as there are elements, all of them or none.
+         !> Values of the variable, of which a case gives all or none: blank where they are not given.
          character(*), intent(inout) :: value(:)
       end subroutine on_names_interface
    end interface
 
 contains
 
-   !> Opens a group; a visitor that cares extends it.
+   !> Begins a group of variables; a visitor may extend this procedure.
    subroutine enter(self, group, index)
       class(visitor_type), intent(inout) :: self
+      !> Name of the group.
       character(*), intent(in) :: group
+      !> Number of the group among the groups of its name, from 1.
       integer, intent(in) :: index
 
       self%group = group
       self%index = index
    end subroutine enter
 
-   !> Closes the group.
+   !> Ends the group.
    subroutine leave(self)
       class(visitor_type), intent(inout) :: self
 
       self%group = ''
    end subroutine leave
 
+   !> Whether a number is finite and in the range; an element of a list may be as small as it likes.
    elemental logical function allows(self, value)
       class(variable_type), intent(in) :: self
+      !> Any number [self%unit].
       real(dp), intent(in) :: value
 
       allows = ieee_is_finite(value)
@@ -135,17 +151,20 @@ contains
       if (self%automatic < huge(1.0_dp)) allows = allows .or. abs(value - self%automatic) <= 0
    end function allows
 
-   !> Of a real number on its own, which must not be next to nothing.
+   !> Whether the value of a scalar variable is allowed: in the range, and 0 or at least `smallest` in magnitude.
    pure logical function allows_number(self, value)
       class(variable_type), intent(in) :: self
+      !> Any number [self%unit].
       real(dp), intent(in) :: value
 
       allows_number = self%allows(value)
       if (allows_number) allows_number = abs(value) >= smallest .or. abs(value) <= 0
    end function allows_number
 
+   !> Whether a text is one of the choices; without choices, whether it is UTF-8 without control characters.
    pure logical function allows_text(self, value)
       class(variable_type), intent(in) :: self
+      !> Any bytes.
       character(*), intent(in) :: value
       integer :: i
 
@@ -156,8 +175,9 @@ contains
       end if
    end function allows_text
 
-   !> Whether the bytes are characters of UTF-8: what HDF5 and Python are told that every text is.
+   !> Whether a text is UTF-8, as all texts for HDF5 and Python must be.
    pure logical function is_utf_8(text)
+      !> Any bytes.
       character(*), intent(in) :: text
       integer, parameter :: shortest(3) = [128, 2048, 65536]
       integer :: i, k, byte, more, code
@@ -174,7 +194,7 @@ contains
             if (iand(byte, 192) /= 128) return
             code = 64*code + iand(byte, 63)
          end do
-         ! Not longer than need be, no surrogate, within Unicode.
+         ! Neither an overlong form nor a surrogate, and within Unicode.
          if (more > 0 .and. code < shortest(max(1, more))) return
          if (code >= 55296 .and. code <= 57343 .or. code > 1114111) return
          i = i + more + 1
@@ -182,7 +202,7 @@ contains
       is_utf_8 = .true.
    end function is_utf_8
 
-   !> What is allowed, short: '> 0', '>= 1, or 0', "'up', 'down' or 'both'"; '' where anything is. To be trimmed.
+   !> The range as text: '> 0', '>= 1, or 0', "'up', 'down' or 'both'"; '' where every value is allowed. To be trimmed.
    pure function range_text(self) result(text)
       class(variable_type), intent(in) :: self
       character(range_length) :: text
@@ -204,10 +224,10 @@ contains
       if (self%automatic < huge(1.0_dp)) text = trim(text)//', or '//short(self%automatic)
    end function range_text
 
-   !> What is allowed, as a message says it: 'must be > 0 N/m', 'must be >= 1, or 0 to leave the choice to the program'. Of a value
-   !> that is too large or too small for a number of any variable it says that. To be trimmed.
+   !> The range as a message tells it: 'must be > 0 N/m', 'must be >= 1, or 0 to leave the choice to the program'. To be trimmed.
    pure function expectation(self, value) result(text)
       class(variable_type), intent(in) :: self
+      !> The wrong value; where its magnitude is too large or too small for any variable, the text tells these limits.
       real(dp), intent(in), optional :: value
       character(expectation_length) :: text
 
@@ -244,7 +264,7 @@ contains
       text = adjustl(trim(text)//" '"//words(first:)//"'")
    end function choice
 
-   !> A bound as text; whole numbers without the point. To be trimmed.
+   !> A bound as text, whole numbers without a decimal point. To be trimmed.
    pure function short(value) result(text)
       real(dp), intent(in) :: value
       character(number_length) :: text

@@ -7,9 +7,9 @@ module geartrain_continuation_contact_edges
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_decided, only: joined
    use geartrain_continuation_points, only: motion_of
-   use geartrain_continuation_special_points, only: between, shrink
    use geartrain_continuation_start, only: begin_trace, solution_of
    use geartrain_continuation_tracer, only: tracer_type
+   use geartrain_linalg_bracket, only: between, shrink
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: extremes, fine_samples
    use geartrain_model_train, only: train_type

@@ -3,11 +3,11 @@ module geartrain_continuation_orbit_corrector
    use geartrain_balance_motion, only: motion_type
    use geartrain_balance_repetition, only: divide_orders, take_one
    use geartrain_base_kinds, only: dp
-   use geartrain_continuation_special_points, only: between, shrink
    use geartrain_continuation_units, only: units_of, units_type
    use geartrain_floquet_multipliers, only: eigenvalues, power
    use geartrain_flow_multiple_shooting, only: find_orbit_in_sections, most_parts, section_states
    use geartrain_flow_sections, only: sections_type
+   use geartrain_linalg_bracket, only: between, shrink
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private

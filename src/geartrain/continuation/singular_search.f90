@@ -4,8 +4,9 @@ module geartrain_continuation_singular_search
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
    use geartrain_continuation_same_solution, only: same_solution
    use geartrain_continuation_singular, only: singular_type
-   use geartrain_continuation_special_points, only: between, go_along, shrink
+   use geartrain_continuation_special_points, only: go_along
    use geartrain_continuation_step_geometry, only: cosine, odd_product
+   use geartrain_linalg_bracket, only: between, shrink
    implicit none (type, external)
    private
    public :: find_nearest, find_crossing

@@ -5,11 +5,11 @@ module geartrain_continuation_special_points
    use geartrain_continuation_branch, only: branch_type, special_point_type
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
    use geartrain_continuation_step_geometry, only: odd_product
+   use geartrain_linalg_bracket, only: between, shrink
    implicit none (type, external)
    private
    public :: locate_fold, locate_half_period, add_special_point
    public :: generic_vector, go_along
-   public :: between, shrink
 
    integer, parameter :: max_steps = 30
 
@@ -127,36 +127,6 @@ contains
       end do
       y = 0.3_dp
    end subroutine generic_vector
-
-   !> Zero of the chord of a function, kept off the ends of the bracket.
-   pure real(dp) function between(a, b, fa, fb)
-      !> Ends of the bracket, and values of opposite signs there.
-      real(dp), intent(in) :: a, b, fa, fb
-
-      between = a + (b - a)*min(0.999_dp, max(0.001_dp, fa/(fa - fb)))
-   end function between
-
-   !> Illinois variant of regula falsi: where an end stays a second time, the value there is halved.
-   pure subroutine shrink(a, b, fa, fb, s, f, kept)
-      !> Ends of the bracket, and values of opposite signs there.
-      real(dp), intent(inout) :: a, b, fa, fb
-      !> A point of the bracket, and the value there: replaces the end with a value of like sign.
-      real(dp), intent(in) :: s, f
-      !> End that stayed: -1: a, +1: b, 0: before the first call.
-      integer, intent(inout) :: kept
-
-      if ((f > 0) .eqv. (fa > 0)) then
-         a = s
-         fa = f
-         if (kept == 1) fb = fb/2
-         kept = 1
-      else
-         b = s
-         fb = f
-         if (kept == -1) fa = fa/2
-         kept = -1
-      end if
-   end subroutine shrink
 
    !> Lists a special point of a branch, in the order along the branch.
    subroutine add_special_point(branch, kind, frequency_ratio, point, rms)

@@ -8,9 +8,10 @@ module geartrain_continuation_stability_changes
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
-   use geartrain_continuation_special_points, only: add_special_point, between, go_along, shrink
+   use geartrain_continuation_special_points, only: add_special_point, go_along
    use geartrain_floquet_monodromy, only: monodromy_type
    use geartrain_floquet_multipliers, only: are_numbers, neutral
+   use geartrain_linalg_bracket, only: between, shrink
    implicit none (type, external)
    private
    public :: add_stability_changes

@@ -1,6 +1,7 @@
 !> What a reader looks for on a branch: its peaks, its folds, and where no stable motion of it exists.
 module geartrain_continuation_summary
    use geartrain_base_kinds, only: dp
+   use geartrain_base_sorting, only: ascending
    use geartrain_continuation_branch, only: branch_type
    use geartrain_continuation_decided, only: is_undecided, joined
    implicit none (type, external)
@@ -86,7 +87,7 @@ contains
       do i = 1, size(branch%special_points)
          if (branch%special_points(i)%kind == 'fold') frequency_ratio = [frequency_ratio, branch%special_points(i)%frequency_ratio]
       end do
-      call sort(frequency_ratio)
+      frequency_ratio = frequency_ratio(ascending(frequency_ratio))
    end function folds
 
    !> Ranges of Lambda that the branch spans without a stable point at any of its levels, ascending. One is undecided where nothing
@@ -220,21 +221,5 @@ contains
       is_stable = .false.
       if (allocated(branch%stable)) is_stable = branch%stable(i)
    end function is_stable
-
-   !> Ascending, by insertion: there are a few.
-   pure subroutine sort(values)
-      real(dp), intent(inout) :: values(:)
-      real(dp) :: moving
-      integer :: i, j
-
-      do i = 2, size(values)
-         moving = values(i)
-         do j = i - 1, 1, -1
-            if (values(j) <= moving) exit
-            values(j + 1) = values(j)
-         end do
-         values(j + 1) = moving
-      end do
-   end subroutine sort
 
 end module geartrain_continuation_summary

@@ -1,10 +1,11 @@
-!> Whether the flow from a state that is not yet steady goes to a known attracting orbit, told long before it is there.
+!> Whether the flow from a state goes to a known attracting orbit, decided long before the flow is there.
 !>
-!> Near the orbit a distance d becomes M d + e over a period of the orbit, M the monodromy matrix, e of higher order. The weight
-!> Q = sum over k of M^k' M^k makes v = d'Q d fall by exactly |d|^2 a period where e = 0. The flow counts as caught where v has
-!> fallen by at least half of that over some periods, by several times what e can make of it, and at the rate of the slowest
-!> multiplier, so that no slow direction, along which another orbit might lie, hides behind a fast one. How large e may become is
-!> looked up beforehand along the way that M foretells, where slow vibrations that add up may open a mesh.
+!> Near the orbit a distance d becomes M d + e over a period of the orbit (M: monodromy matrix, e: nonlinear remainder). With the
+!> weight Q = sum over k of M^k' M^k the Lyapunov function v = d'Q d falls by |d|^2 a period where e = 0. The flow counts as caught
+!> where v has fallen over some periods by at least half of the predicted |d|^2, by several times the largest effect of e, and at
+!> most at 1.5 times the rate of the slowest multiplier: then no slow direction, along which another orbit might lie, hides behind a
+!> fast direction. The largest e is found by trial flights along the way that M predicts, where slow vibrations may add up and open
+!> a mesh.
 module geartrain_flow_attraction
    use geartrain_base_kinds, only: dp, pi
    use geartrain_floquet_multipliers, only: eigenvalues, is_neutral, is_stable
@@ -16,41 +17,42 @@ module geartrain_flow_attraction
    private
    public :: attraction_type
 
-   !> The fall of v over the periods watched in its smallest share of what M foretells, and in units of the largest e (log v).
+   !> Least fall of v: as a share of the predicted fall, and, of log v, as a multiple of the largest |e|/|d|.
    real(dp), parameter :: least_share = 0.5_dp, least_fall = 8
-   !> Largest rate at which v may fall, over that of the slowest multiplier.
+   !> Largest rate at which v may fall over the rate of the slowest multiplier.
    real(dp), parameter :: largest_rate = 1.5_dp
-   !> So small an e over d that it cannot halt even the slowest direction: this share of what that one decays by.
+   !> Largest |e|/|d| over the decay of the slowest direction in a period that cannot stop the decay.
    real(dp), parameter :: harmless = 0.25_dp
-   !> Doublings of the number of periods that M foretells the way for.
+   !> The way is predicted over 1 + 2 + ... + 2**octaves periods.
    integer, parameter :: octaves = 10
 
    type :: attraction_type
-      !> Mesh periods; 0: no orbit is known.
+      !> Period of the orbit [mesh periods]; 0: no orbit is known.
       integer :: period = 0
-      !> Of the orbit at phase 0, (state); largest magnitude first, (state).
+      !> State of the orbit at phase 0 [1], (state).
       real(dp), allocatable :: state(:)
+      !> Multipliers of the orbit [1], largest magnitude first, (state).
       complex(dp), allocatable :: multipliers(:)
       !> Last Newton step that found the orbit, relative [1].
       real(dp) :: accuracy = 0
       !> Some multiplier lies outside the unit circle.
       logical :: repels = .false.
-      !> v falls as the flow goes on.
+      !> v has fallen since the beginning of the watch.
       logical :: comes_near = .false.
       type(energy_type), private :: energy
       type(flow_type), private :: flow
       real(dp), private :: frequency_ratio = 1
       !> M and Q in energy coordinates, (state, state).
       real(dp), allocatable, private :: monodromy(:, :), weight(:, :)
-      !> Share of v that the slowest direction loses a period.
+      !> Share of v that the slowest direction loses in a period.
       real(dp), private :: slowest = 0
-      !> Distance at the last look, in energy coordinates, not allocated before the first one.
+      !> Distance at the section before, in energy coordinates; not allocated at the first section.
       real(dp), allocatable, private :: before(:)
-      !> Periods of the orbit watched, and after how many the watch begins anew, so that what lies far back does not count.
+      !> Periods of the orbit in the present watch; periods after which a new watch begins, which forgets the past.
       integer, private :: watched = 0, watch = 1
-      !> v at the beginning of the watch and its sum over the periods, the fall of v that M foretells, the largest |e| over |d|.
-      real(dp), private :: first = 0, total = 0, foretold = 0, largest = 0
-      !> Largest |e| over |d| along the way foretold; negative: not looked up yet.
+      !> Of the present watch: v at the beginning, sum of v over the periods, predicted fall of v, largest |e|/|d|.
+      real(dp), private :: first = 0, total = 0, predicted = 0, largest = 0
+      !> Largest |e|/|d| along the predicted way; negative: not known yet.
       real(dp), private :: ahead = -1
    contains
       procedure :: setup
@@ -61,15 +63,16 @@ module geartrain_flow_attraction
 
 contains
 
-   !> Takes an orbit; period = 0 where it does not attract.
+   !> Sets the orbit; self%period stays 0 where the orbit does not attract.
    subroutine setup(self, system, frequency_ratio, period, state, monodromy, accuracy)
       class(attraction_type), intent(out) :: self
+      !> The train.
       type(system_type), intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
-      !> Mesh periods.
+      !> Period of the orbit [mesh periods].
       integer, intent(in) :: period
-      !> (state), (state, state).
+      !> State of the orbit at phase 0 [1], (state); monodromy matrix [1], (state, state).
       real(dp), intent(in) :: state(:), monodromy(:, :)
       !> Last Newton step that found the orbit, relative [1].
       real(dp), intent(in) :: accuracy
@@ -101,10 +104,10 @@ contains
       end do
    end subroutine setup
 
-   !> Looks at the section of the flow, a period of the orbit after the last look.
+   !> Takes the next section of the flow, a period of the orbit after the section before.
    subroutine follow(self, section, tolerance, caught)
       class(attraction_type), intent(inout) :: self
-      !> (state) at phase 0; distance to the orbit over the state that counts as nothing.
+      !> State of the flow at phase 0 [1], (state); relative distance at which the flow is at the orbit [1].
       real(dp), intent(in) :: section(:), tolerance
       !> The flow goes to this orbit.
       logical, intent(out) :: caught
@@ -118,7 +121,7 @@ contains
          v_before = self%value(self%before)
          self%watched = self%watched + 1
          self%total = self%total + v_before
-         self%foretold = self%foretold + sum(self%before**2)
+         self%predicted = self%predicted + sum(self%before**2)
          self%largest = max(self%largest, sqrt(self%value(distance - matmul(self%monodromy, self%before))/v_before))
          self%comes_near = v < self%first
          fall = log(self%first/v)
@@ -137,18 +140,19 @@ contains
       if (self%watched > 0) return
       self%first = v
       self%total = 0
-      self%foretold = 0
+      self%predicted = 0
       self%largest = 0
       self%ahead = -1
 
    contains
 
+      !> Whether v has fallen as it must, with the largest |e|/|d| known so far.
       logical function may_be_caught()
 
          may_be_caught = self%largest <= harmless*self%slowest/2
          if (may_be_caught) return
-         may_be_caught = self%first - v >= least_share*self%foretold .and. fall >= least_fall*self%largest &
-                         .and. self%foretold <= largest_rate*self%slowest*self%total
+         may_be_caught = self%first - v >= least_share*self%predicted .and. fall >= least_fall*self%largest &
+                         .and. self%predicted <= largest_rate*self%slowest*self%total
       end function may_be_caught
 
    end subroutine follow
@@ -161,7 +165,7 @@ contains
       value = max(dot_product(distance, matmul(self%weight, distance)), tiny(1.0_dp))
    end function value
 
-   !> Sets `ahead`: the flow is tried where M foretells the largest displacement of a mesh, in each octave of periods.
+   !> Sets `ahead` by a trial flight in each octave of periods, from where M predicts the largest displacement of a mesh.
    subroutine look_ahead(self, distance)
       class(attraction_type), intent(inout) :: self
       !> From the orbit, in energy coordinates, (state).

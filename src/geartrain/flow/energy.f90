@@ -1,5 +1,5 @@
-!> The energy of a vibration of the mean train (every mesh in contact, at its mean stiffness) as a norm of states: free vibration
-!> without damping keeps it, where a plain norm swings between displacements and velocities.
+!> Energy of a vibration of the mean train (every mesh in contact, at its mean stiffness) as a norm of states. Free vibration
+!> without damping keeps the energy, while the Euclidean norm oscillates between displacements and velocities.
 module geartrain_flow_energy
    use geartrain_base_kinds, only: dp
    use geartrain_model_system, only: system_type
@@ -7,7 +7,7 @@ module geartrain_flow_energy
    private
    public :: energy_type
 
-   !> Coordinates whose sum of squares is twice the energy over the largest stiffness of the train.
+   !> Transforms states into energy coordinates, whose sum of squares is twice the energy over the largest stiffness of the train.
    type :: energy_type
       !> Displacements of a state.
       integer, private :: displacements = 0
@@ -27,8 +27,10 @@ module geartrain_flow_energy
 
 contains
 
+   !> Factors the inverse inertia of a train.
    pure subroutine setup(self, system)
       class(energy_type), intent(inout) :: self
+      !> The train.
       type(system_type), intent(in) :: system
       real(dp) :: stiffness(system%elements)
       integer :: i, n, m
@@ -75,6 +77,7 @@ contains
    !> Energy coordinates of a difference of two states, (state).
    pure function coordinates(self, difference) result(y)
       class(energy_type), intent(in) :: self
+      !> State, or difference of states [1], (state).
       real(dp), intent(in) :: difference(:)
       real(dp) :: y(size(difference))
       integer :: n
@@ -91,9 +94,10 @@ contains
       end associate
    end function coordinates
 
-   !> The inverse of `coordinates`.
+   !> The state [1], (state), of energy coordinates: the inverse of `coordinates`.
    pure function state(self, y) result(difference)
       class(energy_type), intent(in) :: self
+      !> Energy coordinates, (state).
       real(dp), intent(in) :: y(:)
       real(dp) :: difference(size(y))
       integer :: n
@@ -110,9 +114,10 @@ contains
       end associate
    end function state
 
-   !> A linear map of states in energy coordinates.
+   !> A linear map of states, transformed to energy coordinates.
    pure function transform(self, map) result(transformed)
       class(energy_type), intent(in) :: self
+      !> Matrix of the map of states, (state, state).
       real(dp), intent(in) :: map(:, :)
       real(dp) :: transformed(size(map, 1), size(map, 2)), unit(size(map, 1))
       integer :: i

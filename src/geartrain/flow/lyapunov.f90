@@ -1,4 +1,4 @@
-!> The largest Lyapunov exponent of a motion for which no period was found, and what it is uncertain by.
+!> Largest Lyapunov exponent of a motion without known period, and its uncertainty.
 module geartrain_flow_lyapunov
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_observer, only: observer_type
@@ -10,20 +10,20 @@ module geartrain_flow_lyapunov
    private
    public :: find_exponent, kind_of, largest_exponent
 
-   !> Share of the periods in which the tangent turns to the direction that grows fastest, not counted.
+   !> Share of the periods that is not averaged: the tangent turns to the direction that grows fastest.
    real(dp), parameter :: turning = 0.2_dp
-   !> Time over which growth is averaged at first [1] and fewest mesh periods.
+   !> Length of the first average: time [1], and fewest mesh periods.
    real(dp), parameter :: average_over = 3000
    integer, parameter :: fewest = 200
-   !> Uncertainties (times the mesh period) above which an exponent around 0 tells nothing, and below which it is known well enough.
+   !> Uncertainty times mesh period [1]: largest that tells a quasi-periodic motion; smallest that is worth a longer average.
    real(dp), parameter :: largest_neutral = 2e-3_dp, precise = 1e-4_dp
-   !> Blocks whose averages tell the uncertainty; Student's t for 95 % with one degree of freedom less.
+   !> Blocks whose averages give the uncertainty; Student's t at 95 % for blocks - 1 degrees of freedom.
    integer, parameter :: blocks = 6
    real(dp), parameter :: student = 2.57_dp
 
 contains
 
-   !> What a motion is for which no period was found: `kind` of geartrain_balance_motion.
+   !> Kind of a motion without known period, see `kind` of geartrain_balance_motion.
    pure function kind_of(frequency_ratio, exponent, error) result(kind)
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
@@ -37,19 +37,22 @@ contains
       if (exponent < -error) kind = 'still settling'
    end function kind_of
 
-   !> Averages over 3000 units of time or 200 mesh periods, if that is more, and over twice as much again while neither the sign
-   !> is known nor that the exponent is next to 0; at most over `most` mesh periods. Not allocated where the observer or the state,
-   !> which ran away, ended it.
+   !> Averages over 3000 units of time or 200 mesh periods, whichever is longer, then over twice the time, and so on, until the sign
+   !> of the exponent is known, or the exponent is known to be about 0.
    subroutine find_exponent(system, frequency_ratio, state, most, exponent, error, observer)
+      !> The train.
       type(system_type), intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
-      !> (state) at phase 0.
+      !> State at phase 0 [1], (state).
       real(dp), intent(in) :: state(:)
+      !> Most mesh periods.
       integer, intent(in) :: most
-      !> Per unit of time [1], and its uncertainty.
+      !> Exponent per unit of time [1]; not allocated where the observer or an interrupt ended the flow, or the state ran away.
       real(dp), allocatable, intent(out) :: exponent
+      !> Uncertainty of the exponent at 95 %, per unit of time [1].
       real(dp), intent(out) :: error
+      !> Called after each mesh period, as 'settling'.
       class(observer_type), intent(inout), optional :: observer
       integer :: first
 
@@ -57,23 +60,29 @@ contains
       call average(system, frequency_ratio, state, min(first, most), most, exponent, error, observer)
    end subroutine find_exponent
 
-   !> The same over a given number of mesh periods.
+   !> Averages over a given number of mesh periods.
    subroutine largest_exponent(system, frequency_ratio, state, periods, exponent, error, observer)
+      !> The train.
       type(system_type), intent(in) :: system
+      !> Lambda [1]; state at phase 0 [1], (state).
       real(dp), intent(in) :: frequency_ratio, state(:)
+      !> Number of mesh periods.
       integer, intent(in) :: periods
+      !> See `find_exponent`.
       real(dp), allocatable, intent(out) :: exponent
+      !> Uncertainty of the exponent at 95 %, per unit of time [1].
       real(dp), intent(out) :: error
+      !> Called after each mesh period, as 'settling'.
       class(observer_type), intent(inout), optional :: observer
 
       call average(system, frequency_ratio, state, periods, periods, exponent, error, observer)
    end subroutine largest_exponent
 
-   !> Carries a tangent along, made a unit vector after each mesh period (Benettin), in the norm of the energy.
+   !> Carries a tangent along with the flow and scales the tangent to unit energy after each mesh period (Benettin's method).
    subroutine average(system, frequency_ratio, state, least, most, exponent, error, observer)
       type(system_type), intent(in) :: system
       real(dp), intent(in) :: frequency_ratio, state(:)
-      !> Mesh periods; those after which it may end.
+      !> Mesh periods after which the average may end; mesh periods after which it ends.
       integer, intent(in) :: least, most
       real(dp), allocatable, intent(out) :: exponent
       real(dp), intent(out) :: error
@@ -115,8 +124,8 @@ contains
       exponent = value
    end subroutine average
 
-   !> Mean rate of growth and its uncertainty at 95 %. The mean weighs the middle most and the ends not at all, with all
-   !> derivatives, so that of what grows and shrinks in turn nothing is left. The uncertainty is that of the means of six blocks.
+   !> Mean rate of growth and its uncertainty at 95 %, from the means of six blocks. The weights of the means, with all derivatives,
+   !> are 0 at the ends, so that oscillations average out.
    pure subroutine exponent_of(growth, exponent, error)
       !> Rate of growth over each mesh period [1].
       real(dp), intent(in) :: growth(:)

@@ -1,5 +1,6 @@
-!> Shooting in several sections of the period, at constant Lambda or along the branch. What is missed between sections is small
-!> where the motion is strongly unstable, and one flight over the period is far off.
+!> Multiple shooting: Newton's method on the states at the beginnings of several sections of the period, at constant Lambda or along
+!> the branch. For strongly unstable motions the gaps between sections are small, while a flight over the whole period ends far from
+!> its beginning.
 module geartrain_flow_multiple_shooting
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp
@@ -11,41 +12,48 @@ module geartrain_flow_multiple_shooting
    private
    public :: find_orbit_in_sections, has_converged, max_iterations, most_parts, section_states
 
+   !> Most Newton steps.
    integer, parameter :: max_iterations = 25
    !> Relative Newton step at which the orbit counts as found; rounding over a period leaves about 1e-13.
    real(dp), parameter :: converged = 1e-11_dp
-   !> What an orbit may lack to be closed, relative, where the Newton steps do not get shorter any more: of a motion that hardly
-   !> anything holds, as of a train between very large inertias, rounding leaves that much and the step says what it makes of it.
+   !> Relative gap at which the orbit counts as found although the Newton steps stay long: rounding leaves such gaps, which a weakly
+   !> restrained motion, as between very large inertias, turns into long steps.
    real(dp), parameter :: closed = 1e-12_dp
-   !> Largest change of Lambda, relative, that a step along the branch may be corrected by.
+   !> Largest relative change of Lambda by the correction of a step along the branch.
    real(dp), parameter :: farthest = 0.3_dp
-   !> Sections of a mesh period, and numbers that the matrices of all sections may have.
+   !> Most sections of a mesh period; most elements of the matrices of all sections.
    integer, parameter :: usual_parts = 8
    real(dp), parameter :: largest = 2e7_dp
 
 contains
 
-   !> Whether Newton's method has found an orbit, or comes no nearer to it.
+   !> Whether Newton's method has found an orbit, as exactly as rounding allows.
    pure logical function has_converged(length, before, gap)
-      !> Of the last step and the one before; what the orbit lacked before it; all relative.
+      !> Length of the last step, length of the step before, largest gap before the last step; all over the largest state [1].
       real(dp), intent(in) :: length, before, gap
 
       has_converged = length < converged .or. (length > 0.5_dp*before .and. (length < 100*converged .or. gap < closed))
    end function has_converged
 
-   !> Sections of a mesh period, fewer where their matrices would not fit.
+   !> Number of sections of a mesh period, which the memory for their matrices limits.
    pure integer function most_parts(system, period)
+      !> The train.
       type(system_type), intent(in) :: system
+      !> Period of the orbit [mesh periods].
       integer, intent(in) :: period
 
       most_parts = max(1, min(usual_parts, int(largest/(real(system%states, dp)**2*period))))
    end function most_parts
 
-   !> A motion's states where the sections begin, (state, section).
+   !> States of a motion at the beginnings of the sections.
    subroutine section_states(system, motion, sections, states)
+      !> The train.
       type(system_type), intent(in) :: system
+      !> The motion, with a state or with coefficients.
       type(motion_type), intent(in) :: motion
+      !> Set up for the period of the motion.
       type(sections_type), intent(inout) :: sections
+      !> States [1], (state, section).
       real(dp), allocatable, intent(out) :: states(:, :)
 
       allocate (states(system%states, sections%sections))
@@ -57,19 +65,21 @@ contains
       end if
    end subroutine section_states
 
-   !> Newton on the flow over the period, from states nearby to those of an orbit. Lambda stays, unless a row is given: then states
-   !> and Lambda move together, to where the row times their change is 0.
+   !> Newton's method from a guess to an orbit, at constant Lambda without `row`; with `row`, states and Lambda change so that the
+   !> product of the row with their change is 0.
    subroutine find_orbit_in_sections(sections, frequency_ratio, states, length, found, row, row_frequency, tangent, &
                                      tangent_frequency)
+      !> Set up for the period of the orbit.
       type(sections_type), intent(inout) :: sections
-      !> Lambda and the states, (state, section): a guess, then the orbit's.
+      !> Lambda [1] and states at the beginnings of the sections [1], (state, section): a guess, then the orbit.
       real(dp), intent(inout) :: frequency_ratio, states(:, :)
-      !> Largest change by the last step, relative.
+      !> Length of the last step, relative [1].
       real(dp), intent(out) :: length
+      !> Whether Newton's method has converged.
       logical, intent(out) :: found
-      !> Both or none; with sections that were set up for a Lambda that moves.
+      !> Row of the states, (state, section), and of Lambda; both or none, with sections set up for variable Lambda.
       real(dp), intent(in), optional :: row(:, :), row_frequency
-      !> Given a row: a motion along the branch, with which the row makes 1.
+      !> With a row: tangent of the branch, states (state, section) and Lambda, whose product with the row is 1.
       real(dp), intent(out), optional :: tangent(:, :), tangent_frequency
       real(dp) :: first(size(states, 1) + 1, 2), step(size(states, 1)), begun, before, scale, gap
       real(dp), allocatable :: matrix(:, :)
@@ -117,7 +127,7 @@ contains
          end do
          length = max(length, abs(first(n + 1, 1))/frequency_ratio)
          if (.not. length < 10) return
-         ! From far off Newton's method may go anywhere, and a flight at Lambda near 0 would have no end.
+         ! From a poor guess Newton's method may go anywhere, and a flight at Lambda near 0 would take very long.
          frequency_ratio = frequency_ratio + first(n + 1, 1)
          if (abs(frequency_ratio - begun) > farthest*begun) return
          found = has_converged(length, before, gap)

@@ -1,4 +1,4 @@
-!> A known periodic orbit of the flow: its waveform and what is read off it, its monodromy matrix.
+!> A periodic orbit of the flow, given by its state: monodromy matrix, waveform, and the figures of the motion.
 module geartrain_flow_orbit
    use geartrain_balance_mesh_load, only: mesh_load_type, put_force
    use geartrain_balance_motion, only: motion_type
@@ -13,25 +13,28 @@ module geartrain_flow_orbit
    private
    public :: begin_tangents, measure, stored_harmonics, sample_orbit, propagate, flow_order, flow_tolerance
 
-   !> Order and relative error of a step of the Taylor series, for states and shooting.
+   !> Order of the Taylor series and relative error of a step, for states and shooting.
    integer, parameter :: flow_order = 20
    real(dp), parameter :: flow_tolerance = 1e-15_dp
-   !> Samples of the slowest and of the fastest mesh's period, at least: the coefficients of a motion with contact events fall as
-   !> k^-4, so aliasing is near 1e-12; and samples of the period of a harmonic that is stored.
+   !> Least samples of a mesh period, of a period of the fastest mesh, of a period of the highest stored harmonic. The coefficients
+   !> of a motion with contact events fall as k^-4, so aliasing is near 1e-12.
    integer, parameter :: samples_per_period = 1024, samples_per_tooth = 256, samples_per_harmonic = 4
-   !> Harmonics that are stored, where it is left to the program: of the fastest mesh's frequency, and of the highest that is
-   !> excited.
+   !> Harmonics that are stored by default: of the frequency of the fastest mesh, and of the highest excited harmonic.
    integer, parameter :: harmonics_per_tooth = 16, harmonics_per_source = 2
 
 contains
 
-   !> Carries a state and the identity over `period` mesh periods: the state reached and the monodromy matrix.
+   !> Carries a state and its tangents over a period.
    subroutine propagate(system, frequency_ratio, period, state, final, monodromy, slowest_event)
+      !> The train.
       type(system_type), intent(in) :: system
+      !> Lambda [1]; state at phase 0 [1], (state).
       real(dp), intent(in) :: frequency_ratio, state(:)
+      !> Number of mesh periods.
       integer, intent(in) :: period
+      !> State after the period [1], (state); monodromy matrix [1], (state, state).
       real(dp), intent(out) :: final(:), monodromy(:, :)
-      !> Smallest speed at a contact event: near 0 is grazing.
+      !> Smallest |dp/dtau| at a contact event [1]: near 0 is grazing; huge: no event.
       real(dp), intent(out), optional :: slowest_event
       type(flow_type) :: flow
       integer :: i, n
@@ -49,9 +52,11 @@ contains
       monodromy = transpose(flow%x(2:, :))
    end subroutine propagate
 
-   !> Sets the state and the identity as tangents of a flow of a column for each state and one more.
+   !> Sets the columns of a flow: the state, then the columns of the identity as tangents.
    pure subroutine begin_tangents(flow, state)
+      !> Set up with a column for each state and one more.
       type(flow_type), intent(inout) :: flow
+      !> State [1], (state).
       real(dp), intent(in) :: state(:)
       integer :: i
 
@@ -62,18 +67,21 @@ contains
       end do
    end subroutine begin_tangents
 
-   !> Mesh displacement, and mesh force over k b_c where asked for, at `samples` equidistant instants of one period of the
-   !> orbit, (samples, mesh); shares of the period that each mesh spends on the back flank, in separation and on the drive flank;
-   !> the largest of the mesh forces and of their opposites on either side of events.
+   !> Samples a period of an orbit at equidistant instants, the first at phase 0.
    subroutine sample_orbit(system, frequency_ratio, period, state, displacement, force, share, largest)
+      !> The train.
       type(system_type), intent(in) :: system
+      !> Lambda [1]; state at phase 0 [1], (state).
       real(dp), intent(in) :: frequency_ratio, state(:)
+      !> Period of the orbit [mesh periods].
       integer, intent(in) :: period
+      !> Mesh displacements over characteristic length [1], (samples, mesh); 0 where an interrupt ended the flow.
       real(dp), intent(out) :: displacement(:, :)
+      !> Mesh forces over k b_c [1], damping included, (samples, mesh).
       real(dp), intent(out), optional :: force(:, :)
-      !> (-1:1, mesh)
+      !> Shares of the period on the back flank, in separation and on the drive flank [1], (-1:1, mesh).
       real(dp), intent(out), optional :: share(-1:, :)
-      !> (2, mesh); 0 for a mesh without events.
+      !> Largest force and largest opposite force on either side of events [1], (2, mesh); 0 for a mesh without events.
       real(dp), intent(out), optional :: largest(:, :)
       type(flow_type) :: flow
       real(dp) :: spacing, mesh_period, begun, spent(-1:1, system%meshes), velocity(size(displacement, 1), system%meshes)
@@ -146,20 +154,21 @@ contains
 
    end subroutine sample_orbit
 
-   !> Harmonics of Lambda that tell what a motion is made of, where nobody says how many to store.
+   !> Number of harmonics of Lambda that are stored by default.
    pure integer function stored_harmonics(system)
+      !> The train.
       type(system_type), intent(in) :: system
 
       stored_harmonics = maxval([harmonics_per_tooth*reach_of_sources(system), harmonics_per_source*excited_harmonics(system)])
    end function stored_harmonics
 
-   !> Fills in a motion of given frequency, period and state: coefficients up to `harmonics` of Lambda (harmonics*period of
-   !> Lambda/period), rms over all harmonics, mean and extremes, what the meshes bear, whether
-   !> one of them floats.
+   !> Computes the figures of a motion from its frequency, period and state.
    subroutine measure(system, wanted, motion)
+      !> The train.
       type(system_type), intent(in) :: system
-      !> Harmonics of Lambda; 0: `stored_harmonics`.
+      !> Number of harmonics of Lambda in the coefficients, which are those of Lambda/period; 0: `stored_harmonics`.
       integer, intent(in) :: wanted
+      !> Given: frequency_ratio, period, state. Set: coefficients, rms of all harmonics, mean, extremes, mesh_load, floating.
       type(motion_type), intent(inout) :: motion
       type(transform_type) :: transform
       real(dp), allocatable :: p(:, :), force(:, :)
@@ -206,8 +215,8 @@ contains
       end do
    end subroutine measure
 
-   !> Largest value of a periodic sequence: of the polynomial through the largest sample and two neighbours on either side, where
-   !> these are in one region with it.
+   !> Largest value of a periodic sequence, by the polynomial through the largest sample and two neighbours on each side, where all
+   !> five are in one region.
    pure real(dp) function peak(p, region)
       real(dp), intent(in) :: p(:)
       integer, intent(in), optional :: region(:)

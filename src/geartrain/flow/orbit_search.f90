@@ -1,5 +1,5 @@
-!> Periodic orbits near the way of the flow, whether they attract or repel: starts for a branch where the flow settles on no motion
-!> of the period that is wanted.
+!> Finds periodic orbits near the flow from rest, attracting or repelling, as starts of a branch where the flow does not settle on a
+!> motion of the wanted period.
 module geartrain_flow_orbit_search
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp, pi
@@ -14,18 +14,19 @@ module geartrain_flow_orbit_search
    private
    public :: orbit_search_type
 
-   !> Sections that Newton's method is tried on, and its steps at most.
+   !> Most sections from which Newton's method is tried; most Newton steps of a try.
    integer, parameter :: most_sections = 128, most_steps = 15
-   !> States of one orbit agree to this (relative).
+   !> Relative difference of states up to which orbits are equal.
    real(dp), parameter :: same = 1e-6_dp
 
    type :: orbit_search_type
-      !> Lambda [1], longest period [mesh periods], harmonics of Lambda that an orbit is described by.
+      !> Lambda [1].
       real(dp), private :: frequency_ratio = 1
+      !> Longest period [mesh periods]; harmonics of Lambda in the coefficients of an orbit.
       integer, private :: longest = 1, harmonics = 1
-      !> Mesh periods so far; the trial that comes next there: 2*period - 1 and 2*period.
+      !> Mesh periods so far; number of the next try from the present section: tries 2*n - 1 and 2*n are for period n.
       integer, private :: periods = 0, trial = 1
-      !> The latest sections, the last one first, (state, 0:longest).
+      !> The latest sections [1], the newest first, (state, 0:longest).
       real(dp), allocatable, private :: section(:, :)
       !> States of the orbits found, (state, orbit).
       real(dp), allocatable, private :: known(:, :)
@@ -37,11 +38,14 @@ module geartrain_flow_orbit_search
 
 contains
 
-   !> From rest, for orbits whose period divides `longest`.
+   !> Begins a search from rest.
    subroutine begin(self, system, frequency_ratio, longest, harmonics)
       class(orbit_search_type), intent(inout) :: self
+      !> The train.
       type(system_type), intent(in) :: system
+      !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
+      !> Periods [mesh periods] of the orbits are divisors of `longest`; harmonics of Lambda in their coefficients.
       integer, intent(in) :: longest, harmonics
 
       self%frequency_ratio = frequency_ratio
@@ -58,12 +62,14 @@ contains
       allocate (self%known(size(self%flow%x, 2), 0))
    end subroutine begin
 
-   !> The next orbit that was not found before. Not found where the sections are used up, the flow runs away, or the
-   !> observer ends it.
+   !> Finds the next orbit that was not found before.
    subroutine next(self, motion, found, observer)
       class(orbit_search_type), intent(inout) :: self
+      !> The orbit, without multipliers.
       type(motion_type), intent(out) :: motion
+      !> .false.: all sections are used, the flow ran away, the train has too many states, or the observer or an interrupt ended it.
       logical, intent(out) :: found
+      !> Called after each mesh period, as 'settling'.
       class(observer_type), intent(inout), optional :: observer
       real(dp) :: state(size(self%flow%x, 2)), monodromy(size(self%flow%x, 2), size(self%flow%x, 2)), length
       logical :: keep_going
@@ -89,7 +95,7 @@ contains
          self%trial = self%trial + 1
          if (mod(self%longest, motion%period) /= 0) cycle
          state = self%section(:, 0)
-         ! An orbit that a period doubling has left unstable lies between the two halves of the doubled one.
+         ! An orbit that became unstable by a period doubling lies between the two halves of the period-doubled orbit.
          if (mod(self%trial, 2) > 0) state = (state + self%section(:, motion%period))/2
          call find_orbit(self%flow%system, self%frequency_ratio, motion%period, most_steps, state, monodromy, length, found)
          if (.not. found) cycle

@@ -1,9 +1,9 @@
-!> One linearized flight over the period of an orbit, for shooting: the states at the beginnings of its sections, and how what is
-!> missed where one ends and the next begins depends on the first of them and on Lambda.
+!> A linearized flight over the period of an orbit, for shooting in sections of the period: the states at the beginnings of the
+!> sections, and how the gaps between the sections depend on the first state and on Lambda.
 !>
-!> The tangents go through from section to section, so several sections cost no more than one. What Newton's method changes is the
-!> state at time 0 (y) and Lambda (l); those at the other beginnings follow from them:
-!>    change of state k = transfer(k) y + drift(k) l + missed(k),   closed where k = sections + 1 changes as k = 1 does.
+!> The tangents go on from section to section, so several sections cost no more than a single section. Newton's method changes the
+!> state at time 0 by y and Lambda by l; the states at the other beginnings follow, so that all gaps but the last close:
+!>    change of state k = transfer(k) y + drift(k) l + missed(k);   the orbit is closed where state sections + 1 changes as state 1.
 module geartrain_flow_sections
    use geartrain_base_kinds, only: dp, pi
    use geartrain_flow_flow, only: flow_type
@@ -13,18 +13,21 @@ module geartrain_flow_sections
    private
    public :: sections_type
 
-   !> Relative difference of Lambda for the drift, by a central difference: rounding leaves 1e-13 over it, which a Newton step
-   !> bears.
+   !> Relative change of Lambda in the central difference for the drift. Rounding makes a relative error of 1e-6, small enough for
+   !> Newton steps.
    real(dp), parameter :: difference = 1e-7_dp
 
    type :: sections_type
-      !> In mesh periods; sections of the whole.
+      !> Period of the orbit [mesh periods]; sections of the period.
       integer :: period = 1, sections = 1
+      !> Lambda is variable.
       logical, private :: moves = .false.
-      !> (state, state, 2:sections) and (state, 2:sections + 1).
+      !> Derivatives of state k with respect to state 1 [1], (state, state, 2:sections); derivatives with respect to
+      !> Lambda and accumulated gaps [1], (state, 2:sections + 1).
       real(dp), allocatable :: transfer(:, :, :), drift(:, :), missed(:, :)
-      !> (state, state): the transfer over all of them.
+      !> Transfer over all sections [1], (state, state).
       real(dp), allocatable :: monodromy(:, :)
+      !> Flow with tangents; flow of a state alone.
       type(flow_type), private :: flow, single
    contains
       procedure :: setup
@@ -36,12 +39,14 @@ module geartrain_flow_sections
 
 contains
 
-   !> Prepares for orbits of `period` mesh periods, each of them in `parts` sections.
+   !> Prepares flights over the period of an orbit.
    subroutine setup(self, system, period, parts, moves)
       class(sections_type), intent(inout) :: self
+      !> The train.
       type(system_type), intent(in) :: system
+      !> Period of the orbit [mesh periods]; sections of a mesh period.
       integer, intent(in) :: period, parts
-      !> Lambda is to change as well.
+      !> Whether Lambda is variable: `drift` is computed.
       logical, intent(in) :: moves
       integer :: columns
 
@@ -49,7 +54,7 @@ contains
       self%sections = period*parts
       self%moves = moves
       columns = system%states + 1
-      ! One section at constant Lambda needs no more; else what is missed, and the drift.
+      ! The state and its tangents; for several sections the accumulated gap; for variable Lambda the drift.
       if (self%sections > 1) columns = columns + 1
       if (moves) columns = columns + 1
       associate (n => system%states, m => self%sections)
@@ -60,10 +65,12 @@ contains
       if (columns > system%states + 1) call self%single%setup(system, 1, flow_order, flow_tolerance)
    end subroutine setup
 
-   !> The states at the beginnings of all sections by the flow from the first, (state, section).
+   !> Carries the first state to the beginnings of the other sections.
    subroutine guess(self, frequency_ratio, states)
       class(sections_type), intent(inout) :: self
+      !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
+      !> States at the beginnings of the sections [1], (state, section); the first is given.
       real(dp), intent(inout) :: states(:, :)
       integer :: k
 
@@ -73,9 +80,10 @@ contains
       end do
    end subroutine guess
 
-   !> Flies all sections from `states`, (state, section).
+   !> Flies all sections: sets transfer, drift, missed and monodromy.
    subroutine fly(self, frequency_ratio, states)
       class(sections_type), intent(inout) :: self
+      !> Lambda [1]; states at the beginnings of the sections [1], (state, section).
       real(dp), intent(in) :: frequency_ratio, states(:, :)
       real(dp) :: ahead(size(states, 1)), behind(size(states, 1)), gap(size(states, 1))
       integer :: k, n, parts
@@ -111,17 +119,19 @@ contains
       self%monodromy = transpose(self%flow%x(2:n + 1, :))
    end subroutine fly
 
-   !> Whether the flight may have ended before its time.
+   !> Whether an interrupt may have ended the flight early.
    logical function interrupted(self)
       class(sections_type), intent(in) :: self
 
       interrupted = self%flow%system%interrupt%raised()
    end function interrupted
 
-   !> What state k changes by, but for what it misses, where the first changes by `first` and Lambda by `frequency_ratio`.
+   !> Change of state k [1], (state), without the gap missed(k).
    pure function step_at(self, k, first, frequency_ratio) result(step)
       class(sections_type), intent(in) :: self
+      !> Number of the section, from 1.
       integer, intent(in) :: k
+      !> Changes of the first state [1], (state), and of Lambda [1].
       real(dp), intent(in) :: first(:), frequency_ratio
       real(dp) :: step(size(first))
 
@@ -141,7 +151,7 @@ contains
       state = flow%x(1, :)
    end subroutine carry
 
-   !> Over section k, of which a mesh period has `parts`, with the columns that the flow has.
+   !> Advances all columns of a flow over section k; a mesh period has `parts` sections.
    subroutine fly_section(flow, k, parts, frequency_ratio)
       type(flow_type), intent(inout) :: flow
       integer, intent(in) :: k, parts

@@ -1,11 +1,12 @@
-!> From any state to the steady motion that the flow settles on, its period 1 to 16 mesh periods, else none found.
+!> Finds the steady motion of 1 to 16 mesh periods that the flow from a state settles on, if there is such a motion.
 !>
-!> The flow is carried mesh period by mesh period. Slow modes would need thousands of them: now and then Newton's method is tried
-!> on the state reached, for an orbit that attracts, and the flow is watched until it is plain that it goes there.
+!> The flow is integrated mesh period by mesh period. Slow modes would need thousands of mesh periods; therefore Newton's method is
+!> tried now and then from the state reached, and the flow is followed until it is clear that it goes to the attracting orbit found.
 module geartrain_flow_settling
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_observer, only: observer_type
+   use geartrain_base_sorting, only: ascending
    use geartrain_floquet_multipliers, only: eigenvalues, is_neutral, is_stable
    use geartrain_flow_attraction, only: attraction_type
    use geartrain_flow_flow, only: flow_type
@@ -18,36 +19,37 @@ module geartrain_flow_settling
    private
    public :: is_leaving, most_states, settle
 
-   !> Longest period looked for, in mesh periods.
+   !> Longest period that is found [mesh periods].
    integer, parameter :: longest_period = 16
-   !> Sections that differ by less than this (relative) may still be the same motion converging slowly.
+   !> Least relative difference between sections that certainly is no slow convergence.
    real(dp), parameter :: clearly_different = 1e-5_dp
-   !> Sections that repeat themselves this well (relative) tell the period to try.
+   !> Relative difference between sections at which Newton's method is tried with their distance as the period.
    real(dp), parameter :: nearly_repeated = 1e-3_dp
-   !> State over the largest of the characteristic length, the resting state and the start beyond which a motion is given up: it
-   !> runs away, in a range of Lambda where the train without separation is unstable.
+   !> Largest state over the largest of the characteristic length, the resting state and the start. A larger state runs away, at a
+   !> Lambda where the train without separation is unstable.
    real(dp), parameter :: unbounded = 1e6_dp
-   !> Time between two looks at the observer [1].
+   !> Time between two calls of the observer [1].
    real(dp), parameter :: between_looks = 200
-   !> Newton's method is tried after so many mesh periods first, then after twice as many, and so on.
+   !> Mesh periods before the first try of Newton's method; the number is doubled after each try.
    integer, parameter :: first_try = 4
-   !> Newton steps of one try, tries with other periods than 1 at a time.
+   !> Most Newton steps of a try; most tries with periods other than 1 from a section.
    integer, parameter :: most_steps = 7, most_others = 2
-   !> Work of the tries over that of the mesh periods so far, at most, after a first allowance [mesh periods].
+   !> Work of the tries over work of the flow, at most, beyond a first allowance [mesh periods].
    real(dp), parameter :: share = 0.3_dp, allowance = 12
-   !> States whose tangents cost as much as a state without.
+   !> Number of tangents that cost as much as a state without tangents.
    real(dp), parameter :: states_a_state = 6
-   !> Trains of more states settle without tries: their tangents cost more than they save.
+   !> Most states of a train for tries of Newton's method: for larger trains the tangents cost more than they save.
    integer, parameter :: most_states = 160
-   !> States of one orbit agree to this (relative).
+   !> Relative difference of states up to which an orbit repeats itself.
    real(dp), parameter :: same = 1e-8_dp
 
    !> The search for the orbit that the flow goes to.
    type :: search_type
+      !> The attracting orbit found, if any.
       type(attraction_type) :: orbit
-      !> Mesh periods after which the orbit was found, after which Newton's method is tried again.
+      !> Mesh periods at which the orbit was found; mesh periods at which Newton's method is tried next.
       integer :: found_at = 0, next = first_try
-      !> Before so many, sections that repeat themselves do not count: they are near an orbit that repels.
+      !> Mesh periods before which repeated sections do not count: they are near an orbit that repels.
       integer :: repels_until = 0
       !> The latest try found an orbit that repels.
       logical :: repels = .false.
@@ -61,18 +63,21 @@ module geartrain_flow_settling
 
 contains
 
-   !> Integrates mesh period by mesh period until it is known which motion the flow settles on; `state` is carried along. A motion
-   !> that grows without bound has a state, but neither coefficients nor figures.
+   !> Integrates mesh period by mesh period until it is known which motion the flow settles on.
    subroutine settle(system, frequency_ratio, settings, state, motion, observer, stopped)
+      !> The train.
       type(system_type), intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
+      !> Of which max_periods, tolerance, harmonics and stability are used.
       type(integration_settings_type), intent(in) :: settings
-      !> (state) at phase 0.
+      !> Start, then state of the motion [1], (state) at phase 0.
       real(dp), intent(inout) :: state(:)
+      !> The motion; period 0: none found. A motion that grows without bound has a state, but neither coefficients nor figures.
       type(motion_type), intent(out), target :: motion
+      !> Called about every 200 units of time, as 'settling'.
       class(observer_type), intent(inout), optional :: observer
-      !> The observer or an interrupt ended it before the motion was steady.
+      !> Whether the observer or an interrupt ended the flow before the motion was known.
       logical, intent(out), optional :: stopped
       type(flow_type) :: flow
       type(search_type) :: search
@@ -134,12 +139,12 @@ contains
       if (flow%lost) motion%undecided = .true.
    end subroutine settle
 
-   !> Multipliers and what they tell of a motion whose period was found.
+   !> Multipliers, stability and Lyapunov exponent of a motion with known period.
    subroutine assess(system, stability, orbit, motion)
       type(system_type), intent(in) :: system
-      !> The multipliers are asked for.
+      !> Whether the multipliers are wanted.
       logical, intent(in) :: stability
-      !> Known from the search where its period is not 0.
+      !> The orbit of the search; period 0: none.
       type(attraction_type), intent(in) :: orbit
       type(motion_type), intent(inout) :: motion
       real(dp) :: final(size(motion%state)), monodromy(size(motion%state), size(motion%state))
@@ -158,8 +163,8 @@ contains
       if (stability .or. .not. motion%stable) motion%multipliers = multipliers
    end subroutine assess
 
-   !> The smallest period whose section repeats itself to `tolerance`, the remaining error being judged by the rate at
-   !> which the differences fall; 0 if there is none yet. A multiple of a period that still converges is not taken for one.
+   !> Smallest period after which the sections repeat themselves to `tolerance`, 0: none. The remaining error is estimated by the
+   !> rate at which the differences fall. A multiple of a period whose sections still converge is refused.
    pure subroutine find_period(section, k, tolerance, period)
       real(dp), intent(in) :: section(:, 0:), tolerance
       integer, intent(in) :: k
@@ -191,21 +196,21 @@ contains
       period = 0
    end subroutine find_period
 
-   !> Watches the flow towards the orbit known, or looks for one, after `k` mesh periods.
+   !> Follows the flow towards the known orbit, or searches for an orbit, after `k` mesh periods.
    subroutine look(self, system, frequency_ratio, section, k, tolerance, repeated, settled)
       class(search_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
-      !> The latest sections of the flow, the last one first, (state, 0:).
+      !> The latest sections of the flow [1], the newest first, (state, 0:).
       real(dp), intent(in) :: section(:, 0:)
       !> Mesh periods so far.
       integer, intent(in) :: k
       !> Relative change over a period at which a motion counts as settled.
       real(dp), intent(in) :: tolerance
-      !> Period after which the sections repeat themselves to the tolerance; 0: they do not.
+      !> Period after which the sections repeat themselves to the tolerance [mesh periods]; 0: none.
       integer, intent(in) :: repeated
-      !> The flow goes to the orbit, or repeats itself where no orbit is known that attracts or repels.
+      !> The flow goes to the orbit, or repeats itself where neither an attracting nor a repelling orbit is known.
       logical, intent(out) :: settled
       integer :: period
 
@@ -234,8 +239,8 @@ contains
       call self%attempt_others(system, frequency_ratio, section, k, tolerance, settled)
    end subroutine look
 
-   !> Newton's method from the latest section for an orbit of `period` mesh periods; the sections before tell whether the flow
-   !> goes there.
+   !> Tries Newton's method from the newest section for an orbit of `period` mesh periods; the older sections tell whether the flow
+   !> goes to this orbit.
    subroutine attempt(self, system, frequency_ratio, section, k, period, tolerance, settled)
       class(search_type), intent(inout) :: self
       type(system_type), intent(in) :: system
@@ -269,7 +274,7 @@ contains
       end do
    end subroutine attempt
 
-   !> The same for other periods than 1.
+   !> Tries Newton's method for the likeliest periods other than 1.
    subroutine attempt_others(self, system, frequency_ratio, section, k, tolerance, settled)
       class(search_type), intent(inout) :: self
       type(system_type), intent(in) :: system
@@ -289,7 +294,7 @@ contains
       end do
    end subroutine attempt_others
 
-   !> The periods 1 to 16, the likeliest ones of an orbit near `state` first: by the length of Newton's first step, and its cost.
+   !> The periods 1 to 16, the likeliest period of an orbit near `state` first, by length of the first Newton step times period.
    function likely_periods(system, frequency_ratio, state) result(period)
       type(system_type), intent(in) :: system
       real(dp), intent(in) :: frequency_ratio, state(:)
@@ -297,7 +302,6 @@ contains
       type(flow_type) :: flow
       real(dp) :: merit(longest_period), step(size(state))
       integer :: n, info
-      logical :: left(longest_period)
 
       call flow%setup(system, size(step) + 1, flow_order, flow_tolerance)
       call begin_tangents(flow, state)
@@ -309,18 +313,14 @@ contains
          call newton_step(state, flow%x(1, :), transpose(flow%x(2:, :)), step, info)
          if (info == 0 .and. maxval(abs(step)) < 1e100_dp) merit(n) = n*maxval(abs(step))
       end do
-      left = .true.
-      do n = 1, longest_period
-         period(n) = minloc(merit, 1, left)
-         left(period(n)) = .false.
-      end do
+      period = ascending(merit)
    end function likely_periods
 
-   !> Whether the flow from a state is still next to an orbit that repels at the rate `exponent`, where it is linear: it says
-   !> nothing of what it will settle on.
+   !> Whether the flow from a state is still linear next to an orbit that repels: then the flow does not yet tell its steady motion.
    logical function is_leaving(system, frequency_ratio, state, exponent)
+      !> The train.
       type(system_type), intent(in) :: system
-      !> Lambda, (state) at phase 0, largest Lyapunov exponent [1].
+      !> Lambda [1]; state at phase 0 [1], (state); largest Lyapunov exponent of the flow, per unit of time [1].
       real(dp), intent(in) :: frequency_ratio, state(:), exponent
       type(flow_type) :: flow
       real(dp) :: orbit(size(state)), monodromy(size(state), size(state)), power(size(state), size(state)), length
@@ -349,9 +349,9 @@ contains
       end do
    end function is_leaving
 
-   !> Rate at which the slowest direction decays, or the fastest grows, per unit of time [1].
+   !> Rate of growth of the direction of the largest multiplier, per unit of time [1].
    pure real(dp) function rate_of(multipliers, frequency_ratio, period)
-      !> Largest magnitude first.
+      !> Multipliers [1], largest magnitude first.
       complex(dp), intent(in) :: multipliers(:)
       real(dp), intent(in) :: frequency_ratio
       integer, intent(in) :: period
@@ -359,14 +359,14 @@ contains
       rate_of = log(max(abs(multipliers(1)), tiny(1.0_dp)))*frequency_ratio/(2*pi*period)
    end function rate_of
 
-   !> Work of carrying a state and its tangents [mesh periods of a state alone].
+   !> Work of the flow of a state and its tangents [mesh periods of a state alone].
    pure real(dp) function work(periods, states)
       integer, intent(in) :: periods, states
 
       work = periods*(1 + states/states_a_state)
    end function work
 
-   !> The shortest period of an orbit that repeats itself after `period` mesh periods.
+   !> Shortest period of an orbit that repeats itself after `period` mesh periods.
    integer function shortest_period(system, frequency_ratio, period, state) result(n)
       type(system_type), intent(in) :: system
       real(dp), intent(in) :: frequency_ratio, state(:)

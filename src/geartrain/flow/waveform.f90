@@ -1,4 +1,4 @@
-!> Time history of a motion over one period.
+!> Time history of a motion over a period.
 module geartrain_flow_waveform
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp, pi
@@ -12,13 +12,15 @@ module geartrain_flow_waveform
 
 contains
 
-   !> `samples` equidistant instants of one period (16 mesh periods where no period was found): time over
-   !> 1/characteristic_frequency, (samples), and mesh displacement over characteristic length, (samples, mesh); integrated
-   !> where the motion has a state, else summed from its coefficients.
+   !> Samples a period of a motion (16 mesh periods where no period was found) at equidistant instants, the first at phase 0.
    subroutine waveform(train, motion, samples, time, displacement, force)
+      !> The train, which has been checked.
       type(train_type), intent(in) :: train
+      !> The motion: integrated where it has a state, else summed from its coefficients.
       type(motion_type), intent(in) :: motion
+      !> Number of instants.
       integer, intent(in) :: samples
+      !> Time times characteristic frequency [1], (samples); mesh displacements over characteristic length [1], (samples, mesh).
       real(dp), intent(out) :: time(:), displacement(:, :)
       !> Mesh force [N], damping included, (samples, mesh).
       real(dp), intent(out), optional :: force(:, :)
@@ -40,7 +42,7 @@ contains
       end do
    end subroutine waveform
 
-   !> Displacement and mesh force over k b_c from the coefficients.
+   !> Mesh displacements over characteristic length and mesh forces over k b_c from the coefficients.
    subroutine sum_series(system, motion, period, displacement, phi)
       type(system_type), intent(in) :: system
       type(motion_type), intent(in) :: motion

@@ -1,6 +1,6 @@
-!> A matrix of blocks on a graph with one border row and column: factors and solves along the order of the graph, on a tree in time
-!> linear in the number of blocks. The border closes the last block, so the whole stays regular at folds, where the matrix without
-!> it is singular.
+!> A matrix of square blocks on a graph, bordered by one row and one column. The elimination goes along the order of the graph, on a
+!> tree in time linear in the number of blocks. The border is factored together with the last block, so the bordered matrix is
+!> regular at folds, where the matrix without border is singular.
 module geartrain_linalg_bordered
    use geartrain_base_interrupt, only: interrupt_type
    use geartrain_base_kinds, only: dp
@@ -12,17 +12,21 @@ module geartrain_linalg_bordered
    public :: bordered_type
 
    type :: bordered_type
+      !> Rows of a block.
       integer :: block = 0
+      !> Graph whose nodes are the block rows.
       type(graph_type) :: graph
-      !> Fill these before `factor`, which overwrites them, (block, block, entries of the graph); it clears those that fill in.
+      !> Blocks, (block, block, graph%entries), set before `factor`, which overwrites them and clears the blocks of the fill.
       real(dp), allocatable :: entry(:, :, :)
-      !> Border column and row, (block, blocks), and their corner.
+      !> Border column and border row, (block, nodes), set before `factor`, which overwrites them.
       real(dp), allocatable :: column(:, :), row(:, :)
+      !> Corner of the border, set before `factor`, which overwrites it.
       real(dp) :: corner = 0
-      !> Sign of the determinant, set by `factor`: constant along a smooth branch that keeps its sense.
+      !> Sign of the determinant, set by `factor`: constant along a smooth branch that is followed in one direction.
       integer :: orientation = 1
-      !> Looked at between the blocks.
+      !> Ends `factor` between two blocks.
       type(interrupt_type) :: interrupt
+      !> Last block with the border, factored, (block + 1, block + 1); right-hand side of the last block, (block + 1).
       real(dp), allocatable, private :: last(:, :), joint(:)
       integer, allocatable, private :: pivot(:, :), last_pivot(:)
    contains
@@ -33,9 +37,12 @@ module geartrain_linalg_bordered
 
 contains
 
+   !> Allocates the arrays, unless they have the right shape.
    subroutine resize(self, block, graph)
       class(bordered_type), intent(inout) :: self
+      !> Rows of a block.
       integer, intent(in) :: block
+      !> Graph whose nodes are the block rows.
       type(graph_type), intent(in) :: graph
 
       if (allocated(self%entry)) then
@@ -49,10 +56,11 @@ contains
                 self%last_pivot(block + 1))
    end subroutine resize
 
-   !> Block elimination; afterwards the upper entries and `column` hold D^-1 U and D^-1 g. info = 0 when regular, which it is not
-   !> where it is interrupted.
+   !> Block elimination; afterwards the upper entries and `column` hold D^-1 U and D^-1 g (D, U: diagonal and upper blocks, g:
+   !> border column).
    subroutine factor(self, info)
       class(bordered_type), intent(inout) :: self
+      !> 0: regular; else singular or interrupted.
       integer, intent(out) :: info
       integer :: i, k, m, n, s, t
 
@@ -111,9 +119,10 @@ contains
       end do
    end function determinant_sign
 
-   !> Solves in place for the right-hand side x (block, nodes) and y of the border row.
+   !> Solves in place, after `factor`.
    subroutine solve(self, x, y)
       class(bordered_type), intent(inout) :: self
+      !> Right-hand side, then solution: of the blocks, (block, nodes), and of the border.
       real(dp), intent(inout) :: x(:, :), y
       integer :: i, k, n, s
 

@@ -1,6 +1,6 @@
-!> Economised power series of exp(z): polynomials that are as good on an ellipse along the imaginary axis as Taylor's of half as
-!> many terms again. With f the focal length, exp(z) = J_0(f) + 2 sum over k of J_k(f) U_k(z), U_(k+1) = (2 z/f) U_k + U_(k-1)
-!> (Chebyshev polynomials of z/(i f)), cut where the terms fall below a tolerance everywhere on the ellipse.
+!> Economised power series of exp(z) on ellipses along the imaginary axis; a Taylor series of equal accuracy has half as many terms
+!> again. With f the focal length, exp(z) = J_0(f) + 2 sum over k of J_k(f) U_k(z), U_(k+1) = (2 z/f) U_k + U_(k-1) (Chebyshev
+!> polynomials of z/(i f)), cut where the terms fall below a tolerance everywhere on the ellipse.
 module geartrain_linalg_chebyshev_exponential
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
@@ -8,9 +8,11 @@ module geartrain_linalg_chebyshev_exponential
    public :: chebyshev_exponential_type
 
    type :: chebyshev_exponential_type
-      !> Half the length of each ellipse, ascending; degree and coefficients (0:, series) of the polynomial for it.
+      !> Largest |Im z| of each series [1], ascending, (series).
       real(dp), allocatable :: reach(:)
+      !> Degree of the polynomial of each series, (series).
       integer, allocatable :: degree(:)
+      !> Coefficients of the powers of z, (0:highest degree or more, series).
       real(dp), allocatable :: coefficient(:, :)
    contains
       procedure :: setup
@@ -19,9 +21,10 @@ module geartrain_linalg_chebyshev_exponential
 
 contains
 
-   !> Series for |Im z| <= reach and |Re z| <= aspect*reach (0 <= aspect < 1), absolute error about `tolerance`.
+   !> Makes a series for each ellipse.
    pure subroutine setup(self, reach, aspect, tolerance)
       class(chebyshev_exponential_type), intent(inout) :: self
+      !> Largest |Im z| of each series [1], ascending, (series); largest |Re z| over |Im z|, from 0 to below 1; absolute error [1].
       real(dp), intent(in) :: reach(:), aspect, tolerance
       real(dp), allocatable :: bessel(:)
       real(dp) :: growth, focus
@@ -44,6 +47,7 @@ contains
       end do
    end subroutine setup
 
+   !> Adds up the Chebyshev polynomials in powers of z.
    pure subroutine sum_up(degree, focus, bessel, coefficient)
       integer, intent(in) :: degree
       real(dp), intent(in) :: focus, bessel(0:)
@@ -64,9 +68,10 @@ contains
       end do
    end subroutine sum_up
 
-   !> The first series that reaches as far as `reach`, or the last.
+   !> Number of the first series whose ellipse reaches as far as `reach`; else the last series.
    pure integer function index_of(self, reach)
       class(chebyshev_exponential_type), intent(in) :: self
+      !> Largest |Im z| [1].
       real(dp), intent(in) :: reach
 
       do index_of = 1, size(self%reach) - 1

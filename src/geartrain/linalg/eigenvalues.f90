@@ -1,7 +1,7 @@
-!> Eigenvalues of real matrices, without vectors. Up to a few dozen rows: balancing by powers of two (Parlett and Reinsch 1969, for
-!> matrices whose rows are in different units), Householder's reduction to Hessenberg form, then Francis's
-!> double steps (Martin, Peters and Wilkinson 1970, procedure hqr), in plain loops that take a sixth of the time of LAPACK, most of
-!> whose time goes into calls there; larger matrices go to LAPACK, and those few on which the double steps turn in circles.
+!> Eigenvalues of real matrices, without vectors. Up to 32 rows: balancing by powers of two (Parlett and Reinsch 1969, for matrices
+!> whose rows have different units), Householder's reduction to Hessenberg form, then Francis's double steps (Martin, Peters and
+!> Wilkinson 1970, procedure hqr), in plain loops that take a sixth of the time of LAPACK, which spends most of it on calls. LAPACK
+!> takes larger matrices, and the few matrices on which the double steps do not converge.
 module geartrain_linalg_eigenvalues
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_lapack, only: dgeev
@@ -13,11 +13,15 @@ module geartrain_linalg_eigenvalues
 
 contains
 
-   !> Eigenvalues in no particular order; the matrix is destroyed. info /= 0: not converged.
+   !> All eigenvalues of a matrix.
    pure subroutine find_eigenvalues(n, a, values, info)
+      !> Number of rows.
       integer, intent(in) :: n
+      !> The matrix, (row, column); destroyed.
       real(dp), intent(inout) :: a(n, n)
+      !> Eigenvalues in no particular order.
       complex(dp), intent(out) :: values(n)
+      !> 0: converged.
       integer, intent(out) :: info
       real(dp) :: copy(most_rows, most_rows), wr(most_rows), wi(most_rows)
 
@@ -31,11 +35,12 @@ contains
       call find_roots(n, a, wr, wi, info)
       values = cmplx(wr(:n), wi(:n), dp)
       if (info == 0) return
-      ! Shifts that LAPACK chooses otherwise: it was one monodromy matrix in 8000.
+      ! LAPACK chooses other shifts. One monodromy matrix of 8000 came here.
       a = copy(:n, :n)
       if (sum(abs(a)) < huge(1.0_dp)) call ask_library(n, a, values, info)
    end subroutine find_eigenvalues
 
+   !> Eigenvalues by LAPACK.
    pure subroutine ask_library(n, a, values, info)
       integer, intent(in) :: n
       real(dp), intent(inout) :: a(n, n)
@@ -48,7 +53,7 @@ contains
       values = cmplx(wr, wi, dp)
    end subroutine ask_library
 
-   !> Scales rows and columns until those of the same index are about as large; exact, by powers of two.
+   !> Scales rows and columns by powers of two, without rounding, until row i and column i have about equal norms.
    pure subroutine balance(n, a)
       integer, intent(in) :: n
       real(dp), intent(inout) :: a(n, n)
@@ -73,7 +78,7 @@ contains
       end do
    end subroutine balance
 
-   !> To upper Hessenberg form by reflections I - v v^T with |v|^2 = 2.
+   !> Reduces a matrix to upper Hessenberg form by reflections I - v v^T with |v|^2 = 2.
    pure subroutine reduce(n, a)
       integer, intent(in) :: n
       real(dp), intent(inout) :: a(n, n)
@@ -138,7 +143,7 @@ contains
             steps = 0
             cycle
          end if
-         ! Every matrix is finite but for a NaN in it, which this catches as well.
+         ! A matrix with a NaN or an infinite element ends here as well.
          if (steps == most_steps .or. .not. size_ < huge(size_)) then
             info = last
             return
@@ -157,7 +162,7 @@ contains
       end do
    end subroutine find_roots
 
-   !> The first row of the last block that does not fall apart.
+   !> First row of the last block whose subdiagonal elements are not negligible.
    pure integer function first_row(n, a, last, size_) result(first)
       integer, intent(in) :: n, last
       real(dp), intent(in) :: a(n, n), size_

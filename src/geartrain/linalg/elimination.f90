@@ -1,5 +1,5 @@
-!> LU factors of square matrices. Up to a few dozen rows plain loops are several times faster than a library, whose calls, packing
-!> and threads are made for large matrices; those go to LAPACK.
+!> LU factors of square matrices. Up to 32 rows plain loops are several times faster than LAPACK, whose calls, packing and threads
+!> are made for large matrices; LAPACK takes the larger matrices.
 module geartrain_linalg_elimination
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_lapack, only: dgetrf, dgetrs
@@ -7,15 +7,18 @@ module geartrain_linalg_elimination
    private
    public :: factor_matrix, solve_factored
 
-   !> Most rows of a matrix that is eliminated here; columns that are solved for at a time.
+   !> Most rows of a matrix that plain loops eliminate; most columns that are solved for at a time.
    integer, parameter :: most_rows = 32, most_columns = 32
 
 contains
 
-   !> LU factors in place, with row exchanges: row k was exchanged with row pivot(k). info = 0 when regular.
+   !> LU factors in place, with row exchanges.
    pure subroutine factor_matrix(n, a, pivot, info)
+      !> Number of rows.
       integer, intent(in) :: n
+      !> The matrix, (row, column), then its factors as LAPACK has them.
       real(dp), intent(inout) :: a(n, n)
+      !> Row k was exchanged with row pivot(k), (row); 0: regular, k: pivot k is 0.
       integer, intent(out) :: pivot(n), info
       real(dp) :: held, largest
       integer :: i, j, k, p
@@ -58,10 +61,13 @@ contains
       end do
    end subroutine factor_matrix
 
-   !> Solves in place for the columns of b with the factors of `factor_matrix`.
+   !> Solves in place with the factors of `factor_matrix`.
    pure subroutine solve_factored(n, columns, a, pivot, b)
+      !> Number of rows; number of right-hand sides; row exchanges of `factor_matrix`.
       integer, intent(in) :: n, columns, pivot(n)
+      !> Factors of `factor_matrix`.
       real(dp), intent(in) :: a(n, n)
+      !> Right-hand sides, then solutions, (row, column).
       real(dp), intent(inout) :: b(n, columns)
       integer :: first, info
 
@@ -78,7 +84,7 @@ contains
       end do
    end subroutine solve_factored
 
-   !> Row by row, so that the inner loops run over all columns.
+   !> Solves for several columns: the inner loops run over the columns.
    pure subroutine solve_columns(n, columns, a, pivot, b)
       integer, intent(in) :: n, columns, pivot(n)
       real(dp), intent(in) :: a(n, n)
@@ -110,6 +116,7 @@ contains
       b = transpose(rows(:columns, :n))
    end subroutine solve_columns
 
+   !> from := from - factor row.
    pure subroutine subtract(columns, factor, row, from)
       integer, intent(in) :: columns
       real(dp), intent(in) :: factor, row(columns)
@@ -122,6 +129,7 @@ contains
       end do
    end subroutine subtract
 
+   !> Solves for one column.
    pure subroutine solve_column(n, a, pivot, b)
       integer, intent(in) :: n, pivot(n)
       real(dp), intent(in) :: a(n, n)

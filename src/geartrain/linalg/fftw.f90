@@ -1,4 +1,4 @@
-!> The part of FFTW in use, bound to C, and a plan that frees itself.
+!> Real Fourier transforms by FFTW, with plans that free themselves.
 module geartrain_linalg_fftw
    use, intrinsic :: iso_c_binding, only: c_ptr, c_int, c_double, c_double_complex, c_null_ptr, c_associated, &
                                           c_size_t, c_f_pointer
@@ -9,10 +9,11 @@ module geartrain_linalg_fftw
 
    integer(c_int), parameter :: fftw_estimate = 64
 
-   !> Real transforms of one length, planned once; the arrays belong to it. The complex side holds coefficients
-   !> 0 .. samples/2; no scaling: `to_samples` sums coefficients, `to_coefficients` sums samples.
+   !> Real transforms of one length, planned once, without scaling: `to_samples` sums coefficients, `to_coefficients` sums samples.
    type :: transform_type
+      !> Number of samples; 0: not planned.
       integer :: samples = 0
+      !> Samples, (samples); coefficients 0 .. samples/2, (samples/2 + 1).
       real(c_double), pointer, contiguous :: sample(:) => null()
       complex(c_double_complex), pointer, contiguous :: coefficient(:) => null()
       type(c_ptr), private :: forward = c_null_ptr, backward = c_null_ptr
@@ -78,9 +79,10 @@ module geartrain_linalg_fftw
 
 contains
 
-   !> Plans both directions for `samples` points. FFTW's planner has global state, hence the critical section.
+   !> Plans both directions, unless they are planned already. FFTW's planner has global state, hence the critical section.
    subroutine plan(self, samples)
       class(transform_type), intent(inout) :: self
+      !> Number of samples, at least 1.
       integer, intent(in) :: samples
 
       if (self%samples == samples) return
@@ -111,6 +113,7 @@ contains
       call fftw_execute_dft_r2c(self%forward, self%sample, self%coefficient)
    end subroutine to_coefficients
 
+   !> Frees plans and memory.
    subroutine release(self)
       class(transform_type), intent(inout) :: self
 
@@ -128,7 +131,7 @@ contains
       self%samples = 0
    end subroutine release
 
-   !> Frees plans and memory; a `transform_type` is therefore never copied by assignment.
+   !> Finalizer; a `transform_type` must not be copied by assignment, which would free plans and memory twice.
    subroutine destroy(self)
       type(transform_type), intent(inout) :: self
 

@@ -1,19 +1,23 @@
-!> The first root of a polynomial in an interval: where a Taylor series of the flow meets a wall.
+!> First root of a polynomial in an interval, as where a Taylor series of the flow meets a wall.
 module geartrain_linalg_first_root
    use geartrain_base_kinds, only: dp
+   use geartrain_linalg_bracket, only: newton_in_bracket
    implicit none (type, external)
    private
    public :: first_root
 
-   !> Parts of the interval in which signs of value and slope are looked at; a step spans about one oscillation.
+   !> Parts of the interval at whose ends signs of value and slope are compared; a step of the flow spans about one oscillation.
    integer, parameter :: subdivisions = 8
 
 contains
 
-   !> The first root in [0, h] of a polynomial that is positive before it.
+   !> First root in [0, h] at which a polynomial falls through zero; 0 where the polynomial is negative at 0.
    pure subroutine first_root(f, h, root, hit)
+      !> Coefficients of the powers, (0:degree), degree at least 1; end of the interval.
       real(dp), intent(in) :: f(0:), h
+      !> The root, 0 where there is none.
       real(dp), intent(out) :: root
+      !> Whether there is a root.
       logical, intent(out) :: hit
       real(dp) :: a, b, fa, da, fb, db, t, ft, dt, span
       integer :: i
@@ -49,7 +53,7 @@ contains
       end do
    end subroutine first_root
 
-   !> Root in [left, right] of f, which falls through zero there, or of its slope, which rises through zero there.
+   !> Root in [left, right] of f, which falls through zero in between, or of the slope of f, which rises through zero.
    pure subroutine bracketed(f, left, right, of_slope, root)
       real(dp), intent(in) :: f(0:), left, right
       logical, intent(in) :: of_slope
@@ -61,21 +65,12 @@ contains
       b = right
       root = (a + b)/2
       do i = 1, 60
+         call polynomial(f, root, value, slope, curvature)
          if (of_slope) then
-            call polynomial(f, root, new, value, slope)
-            value = -value
-            slope = -slope
+            call newton_in_bracket(root, slope, curvature, .false., a, b, new)
          else
-            call polynomial(f, root, value, slope, curvature)
+            call newton_in_bracket(root, value, slope, .true., a, b, new)
          end if
-         if (value > 0) then
-            a = root
-         else
-            b = root
-         end if
-         new = (a + b)/2
-         if (slope < 0) new = root - value/slope
-         if (new < a .or. new > b) new = (a + b)/2
          if (abs(new - root) <= 1e-16_dp + 2e-16_dp*abs(root)) exit
          root = new
       end do

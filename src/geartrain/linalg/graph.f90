@@ -1,8 +1,9 @@
-!> Which unknowns of a sparse matrix know of one another, and the order in which they are eliminated: fewest neighbours first, so
-!> that a tree is eliminated from its leaves without fill, and a chain from its first link on.
+!> Structure of a sparse matrix: which unknowns are coupled, and the order of elimination. The node with the fewest neighbours comes
+!> first, so a tree is eliminated from its leaves without fill, and a chain from its first node.
 !>
-!> The entries of a matrix on a graph are numbered: entry i is the diagonal of node i; slot s, a pair of nodes of which one is
-!> eliminated first, has the entries nodes + s (row of the earlier, column of the later) and nodes + slots + s (the other way).
+!> The entries of a matrix on a graph are numbered: entry i is the diagonal element of node i. A slot s is a pair of coupled nodes;
+!> entry nodes + s is in the row of the node eliminated earlier and the column of the node eliminated later, entry
+!> nodes + slots + s in the row of the later and the column of the earlier node.
 module geartrain_linalg_graph
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
@@ -10,19 +11,20 @@ module geartrain_linalg_graph
    public :: graph_type, factor_scalars, solve_scalars
 
    type :: graph_type
+      !> Number of nodes.
       integer :: nodes = 0
-      !> Pairs of nodes, those that fill in included; entries of a matrix, nodes + 2*slots.
+      !> Number of pairs of coupled nodes, fill included; number of entries of a matrix, nodes + 2*slots.
       integer :: slots = 0, entries = 0
-      !> The node eliminated k-th, (nodes).
+      !> Node that is eliminated k-th, (nodes).
       integer, allocatable :: order(:)
-      !> Slots first(k):first(k + 1) - 1 join order(k) with the nodes `later` of them, (nodes + 1) and (slots).
+      !> Slots first(k):first(k + 1) - 1 couple order(k) with the nodes later(first(k):first(k + 1) - 1), (nodes + 1) and (slots).
       integer, allocatable :: first(:), later(:)
-      !> Elimination of order(k) changes, for its slots s and t in turn (t runs faster), the entry target(update(k) + ...) of row
+      !> Elimination of order(k) changes, for its slots s and t in turn (t runs faster), the entry target(update(k) + ...) in row
       !> later(s) and column later(t), (nodes + 1) and (updates).
       integer, allocatable :: update(:), target(:)
-      !> Row i has the entries entry(row(i):row(i + 1) - 1) in the columns `column` of them, fill left out, the columns ascending.
+      !> Entries entry(row(i):row(i + 1) - 1) are in row i, in the columns column(row(i):row(i + 1) - 1), ascending, without fill.
       integer, allocatable :: row(:), column(:), entry(:)
-      !> Entries that fill in.
+      !> Entries of the fill.
       integer, allocatable :: fill(:)
    contains
       procedure :: setup
@@ -31,9 +33,10 @@ module geartrain_linalg_graph
 
 contains
 
-   !> Makes the graph of `nodes` nodes, once; each column of `pairs` joins two of them, as often as it likes.
+   !> Makes a graph; may be called once.
    pure subroutine setup(self, nodes, pairs)
       class(graph_type), intent(inout) :: self
+      !> Number of nodes; pairs of coupled nodes, (2, pair), in any order and as often as one likes.
       integer, intent(in) :: nodes, pairs(:, :)
       logical :: joined(nodes, nodes), left(nodes)
       integer :: degree(nodes), i, j, k, s, t
@@ -82,7 +85,7 @@ contains
       call find_entries(self)
    end subroutine setup
 
-   !> Columns of each row, fill left out.
+   !> Columns of each row, without fill.
    pure subroutine list_rows(self, joined)
       type(graph_type), intent(inout) :: self
       logical, intent(in) :: joined(:, :)
@@ -101,7 +104,7 @@ contains
       self%row(self%nodes + 1) = n + 1
    end subroutine list_rows
 
-   !> Numbers the entries of the rows, and those that each elimination changes.
+   !> Numbers the entries of the rows, and the entries that each elimination changes.
    pure subroutine find_entries(self)
       type(graph_type), intent(inout) :: self
       integer :: number(self%nodes, self%nodes), i, j, k, n, s, t
@@ -138,9 +141,10 @@ contains
       self%fill = pack(number, number > 0)
    end subroutine find_entries
 
-   !> Number of the entry in row i and column j, which are joined.
+   !> Number of the entry in a row and a column; 0: the nodes are not coupled.
    pure integer function entry_of(self, i, j)
       class(graph_type), intent(in) :: self
+      !> Row and column.
       integer, intent(in) :: i, j
       integer :: n
 
@@ -150,10 +154,11 @@ contains
       end do
    end function entry_of
 
-   !> Factors in place a matrix of numbers on a graph, (entries): inverse pivots on the diagonal, the upper entries times them. The
-   !> diagonal has to dominate: no rows are exchanged.
+   !> Factors a matrix of numbers on a graph in place. The diagonal has to dominate: no rows are exchanged.
    pure subroutine factor_scalars(graph, a)
+      !> Structure of the matrix.
       type(graph_type), intent(in) :: graph
+      !> Entries, (graph%entries); then inverse pivots on the diagonal, and upper entries times the inverse pivot of their row.
       complex(dp), intent(inout) :: a(:)
       integer :: k, n, s, t
 
@@ -174,10 +179,13 @@ contains
       end associate
    end subroutine factor_scalars
 
-   !> Solves in place with the factors of `factor_scalars`, (nodes).
+   !> Solves in place with the factors of `factor_scalars`.
    pure subroutine solve_scalars(graph, a, x)
+      !> Structure of the matrix.
       type(graph_type), intent(in) :: graph
+      !> Factors, (graph%entries).
       complex(dp), intent(in) :: a(:)
+      !> Right-hand side, then solution, (nodes).
       complex(dp), intent(inout) :: x(:)
       integer :: i, k, s
 

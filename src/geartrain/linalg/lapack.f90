@@ -10,8 +10,11 @@ module geartrain_linalg_lapack
       pure subroutine dgetrf(m, n, a, lda, ipiv, info)
          import :: dp
          implicit none (type, external)
+         !> Rows, columns, leading dimension.
          integer, intent(in) :: m, n, lda
+         !> The matrix, then its factors.
          real(dp), intent(inout) :: a(lda, *)
+         !> Row exchanges; 0: regular.
          integer, intent(out) :: ipiv(*), info
       end subroutine dgetrf
 
@@ -19,21 +22,31 @@ module geartrain_linalg_lapack
       pure subroutine dgetrs(trans, n, nrhs, a, lda, ipiv, b, ldb, info)
          import :: dp
          implicit none (type, external)
+         !> 'N': a x = b, 'T': transpose(a) x = b.
          character, intent(in) :: trans
+         !> Rows, right-hand sides, leading dimensions, row exchanges.
          integer, intent(in) :: n, nrhs, lda, ldb, ipiv(*)
+         !> Factors of dgetrf.
          real(dp), intent(in) :: a(lda, *)
+         !> Right-hand sides, then solutions.
          real(dp), intent(inout) :: b(ldb, *)
+         !> 0: the arguments are valid.
          integer, intent(out) :: info
       end subroutine dgetrs
 
-      !> Eigenvalues of a general matrix.
+      !> Eigenvalues and eigenvectors of a general matrix.
       pure subroutine dgeev(jobvl, jobvr, n, a, lda, wr, wi, vl, ldvl, vr, ldvr, work, lwork, info)
          import :: dp
          implicit none (type, external)
+         !> 'V': left, right eigenvectors are wanted, 'N': not.
          character, intent(in) :: jobvl, jobvr
+         !> Rows, leading dimensions, size of `work`.
          integer, intent(in) :: n, lda, ldvl, ldvr, lwork
+         !> The matrix, destroyed; left and right eigenvectors; work space.
          real(dp), intent(inout) :: a(lda, *), vl(ldvl, *), vr(ldvr, *), work(*)
+         !> Real and imaginary parts of the eigenvalues, (n).
          real(dp), intent(out) :: wr(*), wi(*)
+         !> 0: converged.
          integer, intent(out) :: info
       end subroutine dgeev
 
@@ -41,9 +54,13 @@ module geartrain_linalg_lapack
       pure subroutine dgemm(transa, transb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc)
          import :: dp
          implicit none (type, external)
+         !> 'N': the matrix, 'T': its transpose.
          character, intent(in) :: transa, transb
+         !> Rows and columns of c, columns of a, leading dimensions.
          integer, intent(in) :: m, n, k, lda, ldb, ldc
+         !> Factors and matrices.
          real(dp), intent(in) :: alpha, beta, a(lda, *), b(ldb, *)
+         !> (m, n)
          real(dp), intent(inout) :: c(ldc, *)
       end subroutine dgemm
 
@@ -51,20 +68,29 @@ module geartrain_linalg_lapack
       pure subroutine dgemv(trans, m, n, alpha, a, lda, x, incx, beta, y, incy)
          import :: dp
          implicit none (type, external)
+         !> 'N': the matrix, 'T': its transpose.
          character, intent(in) :: trans
+         !> Rows and columns of a, leading dimension, strides of x and y.
          integer, intent(in) :: m, n, lda, incx, incy
+         !> Factors, matrix, vector.
          real(dp), intent(in) :: alpha, beta, a(lda, *), x(*)
+         !> Vector.
          real(dp), intent(inout) :: y(*)
       end subroutine dgemv
 
-      !> Eigenvalues, ascending, and where asked for eigenvectors of a symmetric band matrix.
+      !> Eigenvalues and eigenvectors of a symmetric band matrix.
       pure subroutine dsbev(jobz, uplo, n, kd, ab, ldab, w, z, ldz, work, info)
          import :: dp
          implicit none (type, external)
+         !> 'V': eigenvectors are wanted, 'N': not; 'U': the upper, 'L': the lower triangle is given.
          character, intent(in) :: jobz, uplo
+         !> Rows, diagonals beside the main diagonal, leading dimensions.
          integer, intent(in) :: n, kd, ldab, ldz
+         !> Diagonals of the matrix, destroyed, (kd + 1, n); eigenvectors, (n, n); work space, (3*n - 2).
          real(dp), intent(inout) :: ab(ldab, *), z(ldz, *), work(*)
+         !> Eigenvalues, ascending, (n).
          real(dp), intent(out) :: w(*)
+         !> 0: converged.
          integer, intent(out) :: info
       end subroutine dsbev
    end interface

@@ -1,4 +1,4 @@
-!> Trigonometric polynomials p(theta) = u(1) + sum over k of u(2k) cos(h_k theta) + u(2k+1) sin(h_k theta) on a list of
+!> Trigonometric polynomials p(theta) = u(1) + sum over k of u(2k) cos(h_k theta) + u(2k+1) sin(h_k theta) with a list of
 !> harmonics h: values, samples by FFT, extremes.
 module geartrain_linalg_trigonometric
    use geartrain_base_kinds, only: dp, pi
@@ -9,15 +9,17 @@ module geartrain_linalg_trigonometric
 
 contains
 
-   !> Samples that resolve harmonics up to `highest`, at least eight a period of the highest.
+   !> Number of samples that resolve all harmonics: at least eight in a period of the highest harmonic.
    pure integer function fine_samples(highest)
+      !> Highest harmonic.
       integer, intent(in) :: highest
 
       fine_samples = max(32, transform_length(8*highest))
    end function fine_samples
 
-   !> The least power of two from `least` on: transforms of other lengths take longer to plan than they save.
+   !> Smallest power of two that is at least `least`: planning transforms of other lengths takes longer than they save.
    pure integer function transform_length(least) result(length)
+      !> Number of samples needed.
       integer, intent(in) :: least
 
       length = 1
@@ -26,11 +28,15 @@ contains
       end do
    end function transform_length
 
-   !> Value, slope, curvature and, where asked for, the third derivative with respect to theta.
+   !> Value and derivatives of p at an angle.
    pure subroutine evaluate(u, harmonic, theta, p, slope, curvature, third)
+      !> Coefficients, (1 + 2*harmonics); angle [rad].
       real(dp), intent(in) :: u(:), theta
+      !> Orders h, ascending, (harmonics).
       integer, intent(in) :: harmonic(:)
+      !> Value and first and second derivative with respect to theta, in the unit of u.
       real(dp), intent(out) :: p, slope, curvature
+      !> Third derivative with respect to theta.
       real(dp), intent(out), optional :: third
       complex(dp) :: z, power, advance, term
       integer :: k, step
@@ -60,11 +66,15 @@ contains
       end do
    end subroutine evaluate
 
-   !> Values at theta = 2 pi (q-1)/samples of p, or of dp/dtheta with `derivative`, into transform%sample.
+   !> Values of p at theta = 2 pi (q-1)/samples.
    subroutine sample(u, harmonic, transform, derivative)
+      !> Coefficients, (1 + 2*harmonics).
       real(dp), intent(in) :: u(:)
+      !> Orders h, ascending, (harmonics).
       integer, intent(in) :: harmonic(:)
+      !> Planned; transform%sample gets the values.
       type(transform_type), intent(inout) :: transform
+      !> Whether the values are dp/dtheta; absent: .false.
       logical, intent(in), optional :: derivative
       integer :: k
       logical :: slope
@@ -83,11 +93,15 @@ contains
       call transform%to_samples()
    end subroutine sample
 
-   !> Smallest and largest value over a period. Leaves the samples in transform%sample.
+   !> Smallest and largest value of p over a period.
    subroutine extremes(u, harmonic, transform, smallest, largest)
+      !> Coefficients, (1 + 2*harmonics).
       real(dp), intent(in) :: u(:)
+      !> Orders h, ascending, (harmonics).
       integer, intent(in) :: harmonic(:)
+      !> Planned for `fine_samples`; transform%sample gets the samples of p.
       type(transform_type), intent(inout) :: transform
+      !> Extremes, in the unit of u.
       real(dp), intent(out) :: smallest, largest
 
       call sample(u, harmonic, transform)
@@ -96,7 +110,7 @@ contains
 
    contains
 
-      !> Newton on the slope from each of the highest maxima of side*p among the samples.
+      !> Newton's method on the slope, from each of the highest maxima of side*p among the samples.
       real(dp) function extreme(side)
          integer, intent(in) :: side
          real(dp) :: least, spacing, theta, p, slope, curvature, correction
@@ -122,12 +136,15 @@ contains
 
    end subroutine extremes
 
-   !> The next maximum of side*values after sample q (0: the first of all) whose height is at least `least`, and its angle; by the
-   !> parabola through the sample and its neighbours. q = 0: there is none.
+   !> The next maximum of side*values, by the parabola through a sample and its two neighbours.
    pure subroutine next_maximum(values, side, least, q, place)
+      !> Samples of a period; least height of the maximum.
       real(dp), intent(in) :: values(:), least
+      !> +1 for maxima, -1 for minima.
       integer, intent(in) :: side
+      !> Sample of the maximum before, 0 at first; then sample of the maximum found, 0: none.
       integer, intent(inout) :: q
+      !> Angle of the maximum found [rad].
       real(dp), intent(out) :: place
       real(dp) :: height
       integer :: first
@@ -141,11 +158,13 @@ contains
       q = 0
    end subroutine next_maximum
 
-   !> Height from which on a maximum may be the greatest: near it by so much that the error of the parabola could hide it.
+   !> Height above which a maximum of side*values may be the greatest, given the error of the parabolas.
    pure real(dp) function least_height(values, side)
+      !> Samples of a period.
       real(dp), intent(in) :: values(:)
+      !> +1 for maxima, -1 for minima.
       integer, intent(in) :: side
-      !> Share of the range of the values that counts as near.
+      !> Largest error of a parabola over the range of the values.
       real(dp), parameter :: near = 0.03_dp
       real(dp) :: place, height, greatest
       integer :: q
@@ -159,6 +178,7 @@ contains
       least_height = greatest - near*(maxval(values) - minval(values))
    end function least_height
 
+   !> Whether sample q of side*values is at least its neighbour before, and greater than its neighbour after.
    pure logical function is_maximum(values, side, q)
       real(dp), intent(in) :: values(:)
       integer, intent(in) :: side, q
@@ -169,6 +189,7 @@ contains
       end associate
    end function is_maximum
 
+   !> Angle [rad] and height of the vertex of the parabola through sample q of side*values and its neighbours.
    pure subroutine find_vertex(values, side, q, place, height)
       real(dp), intent(in) :: values(:)
       integer, intent(in) :: side, q
@@ -185,8 +206,9 @@ contains
       end associate
    end subroutine find_vertex
 
-   !> The paper's rms: square root of the sum of squared harmonic amplitudes, mean left out.
+   !> The paper's rms: square root of the sum of squared harmonic amplitudes, without the mean.
    pure real(dp) function rms(u)
+      !> Coefficients, (1 + 2*harmonics).
       real(dp), intent(in) :: u(:)
 
       rms = norm2(u(2:))

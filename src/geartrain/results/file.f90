@@ -1,11 +1,12 @@
-!> Puts a whole file in place of an old one: whoever looks sees the old one or the new one, never half of it.
+!> Replaces files: a reader always sees the whole old file or the whole new file. Reads the bytes of a file.
 module geartrain_results_file
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char, c_size_t
    use, intrinsic :: iso_fortran_env, only: int8, int64
    use geartrain_base_error, only: error_type, fatal, status_file
+   use geartrain_base_regular_file, only: is_regular_file
    implicit none (type, external)
    private
-   public :: check_place, exists, remove_file, replace_file
+   public :: check_place, exists, read_bytes, remove_file, replace_file
 
    interface
       integer(c_int) function c_rename(from, to) bind(c, name='rename')
@@ -19,7 +20,7 @@ module geartrain_results_file
          implicit none (type, external)
       end function c_getpid
 
-      !> What a link leads to; -1 where it is none (ssize_t is as wide as size_t).
+      !> Target of a link; -1 where the path is no link (ssize_t is as wide as size_t).
       integer(c_size_t) function c_readlink(path, buffer, bytes) bind(c, name='readlink')
          import :: c_char, c_size_t
          implicit none (type, external)
@@ -28,7 +29,7 @@ module geartrain_results_file
          integer(c_size_t), value :: bytes
       end function c_readlink
 
-      !> The flags say for reading; without a mode, which only a file to be made needs.
+      !> Opens a file; without the third argument, the mode, which only a new file needs.
       integer(c_int) function c_open(path, flags) bind(c, name='open')
          import :: c_char, c_int
          implicit none (type, external)
@@ -57,11 +58,12 @@ module geartrain_results_file
 
 contains
 
-   !> Writes `content` to a file beside it and renames that; on failure the old file and nothing else is left. Of two runs that
-   !> write one file the later one wins, with a whole file: each has a temporary file of its own. A link at `path` is replaced, and
-   !> what it leads to stays.
+   !> Writes a temporary file beside the file and renames it; on failure only the old file is left. Where two runs write a file at
+   !> once, each has its own temporary file, and the file of the later run stays. A link is replaced, its target is not changed.
    subroutine replace_file(path, content, error)
+      !> Path of the file.
       character(*), intent(in) :: path
+      !> All bytes of the new file.
       integer(int8), intent(in) :: content(:)
       type(error_type), allocatable, intent(inout) :: error
       character(:), allocatable :: why, temporary
@@ -84,8 +86,9 @@ contains
       call fatal(error, path//': error: cannot be written: '//why, status_file)
    end subroutine replace_file
 
-   !> Fails where replace_file would: asked before hours of computing.
+   !> Fails where `replace_file` would fail; to be called before hours of computing.
    subroutine check_place(path, error)
+      !> Path of the file.
       character(*), intent(in) :: path
       type(error_type), allocatable, intent(inout) :: error
       character(:), allocatable :: temporary
@@ -97,16 +100,43 @@ contains
       if (.not. allocated(error)) close (unit, status='delete')
    end subroutine check_place
 
-   !> Removes a file if it is there.
+   !> Removes a file, if there is one.
    subroutine remove_file(path)
+      !> Path of the file.
       character(*), intent(in) :: path
       integer(c_int) :: status
 
       if (exists(path)) status = c_remove(path//c_null_char)
    end subroutine remove_file
 
-   !> Whether something is there, be it a link that leads nowhere.
+   !> Bytes of a file.
+   subroutine read_bytes(path, content, last)
+      !> Path of the file.
+      character(*), intent(in) :: path
+      !> The bytes; not allocated where the file is no regular file, cannot be read, or has fewer than `last` bytes.
+      integer(int8), allocatable, intent(out) :: content(:)
+      !> Number of bytes at the end of the file that are read; absent: all bytes.
+      integer, intent(in), optional :: last
+      integer(int64) :: bytes, wanted
+      integer :: unit, status
+
+      if (.not. is_regular_file(path)) return
+      open (newunit=unit, file=path, access='stream', form='unformatted', status='old', action='read', iostat=status)
+      if (status /= 0) return
+      inquire (unit=unit, size=bytes)
+      wanted = bytes
+      if (present(last)) wanted = last
+      if (wanted > 0 .and. wanted <= bytes) then
+         allocate (content(wanted), stat=status)
+         if (status == 0) read (unit, pos=bytes - wanted + 1, iostat=status) content
+         if (status /= 0 .and. allocated(content)) deallocate (content)
+      end if
+      close (unit, iostat=status)
+   end subroutine read_bytes
+
+   !> Whether there is a file, a folder or a link, even a link without target.
    logical function exists(path)
+      !> Any path.
       character(*), intent(in) :: path
       character(kind=c_char) :: buffer(1)
 
@@ -114,7 +144,7 @@ contains
       if (.not. exists) exists = c_readlink(path//c_null_char, buffer, 1_c_size_t) >= 0
    end function exists
 
-   !> What stands at `path` must be something that a file may replace.
+   !> Fails where a file may not replace what is at the path.
    subroutine check_kind(path, error)
       character(*), intent(in) :: path
       type(error_type), allocatable, intent(inout) :: error
@@ -133,7 +163,7 @@ contains
          call fatal(error, path//': error: cannot be written: there is no folder '//folder, status_file)
          return
       end if
-      ! Renaming would go over a write-protected file, and over a device.
+      ! Renaming would replace a write-protected file, and a device.
       inquire (file=path, exist=there, write=writable)
       if (there .and. writable == 'NO') then
          call fatal(error, path//': error: cannot be written: it is write-protected', status_file)
@@ -142,11 +172,11 @@ contains
       end if
    end subroutine check_kind
 
-   !> Opens a new file beside `path`, where it is put together. Opened as new it is nobody else's, nor one that a link leads to:
-   !> where a name is taken, another one is tried.
+   !> Opens a temporary file beside a file, with status 'new', which excludes files of others and targets of links; where the name
+   !> is taken, tries another name.
    subroutine open_temporary(path, temporary, unit, error)
       character(*), intent(in) :: path
-      !> Its name.
+      !> Path of the temporary file.
       character(:), allocatable, intent(out) :: temporary
       integer, intent(out) :: unit
       type(error_type), allocatable, intent(inout) :: error
@@ -164,7 +194,7 @@ contains
       call fatal(error, path//': error: cannot be written: '//trim(message), status_file)
    end subroutine open_temporary
 
-   !> Sixteen hexadecimal digits that nobody can foresee; where the system has no source of them, of this process and instant.
+   !> Sixteen random hexadecimal digits; made of process number and time where there is no /dev/urandom.
    function random_name(attempt) result(name)
       integer, intent(in) :: attempt
       character(16) :: name
@@ -183,7 +213,7 @@ contains
       write (name, '(z16.16)') number
    end function random_name
 
-   !> Waits until the bytes of a file are on the disk: renamed earlier, an empty file could be left by a power failure.
+   !> Waits until the bytes of a file are on the disk: else a power failure after the renaming could leave an empty file.
    subroutine put_on_disk(path, why)
       character(*), intent(in) :: path
       character(:), allocatable, intent(inout) :: why
@@ -195,7 +225,7 @@ contains
       status = c_close(descriptor)
    end subroutine put_on_disk
 
-   !> Writes and closes; `why` is allocated where that failed.
+   !> Writes and closes a file; `why` is allocated on failure.
    subroutine fill(unit, content, why)
       integer, intent(in) :: unit
       integer(int8), intent(in) :: content(:)

@@ -1,15 +1,15 @@
-!> A results file as groups of fields. It is read only where its seal says that it is, bit by bit, what was written.
+!> Reads a results file into groups of fields, if the seal of the file fits.
 module geartrain_results_hdf5_reader
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_int64_t, c_loc, c_null_char, c_ptr, c_size_t
-   use, intrinsic :: iso_fortran_env, only: int8, int64
+   use, intrinsic :: iso_fortran_env, only: int8
    use hdf5, only: h5aclose_f, h5aget_name_f, h5aget_num_attrs_f, h5aget_space_f, h5aget_type_f, h5aopen_by_idx_f, h5aread_f, &
       h5dclose_f, h5dget_space_f, h5dget_type_f, h5dread_f, h5f_acc_rdonly_f, h5fclose_f, h5fopen_f, h5gget_info_f, &
       h5i_group_f, h5iget_type_f, h5lget_name_by_idx_f, h5oclose_f, h5oopen_f, h5p_file_access_f, h5pclose_f, h5pcreate_f, &
       h5pset_fapl_core_f, h5pset_file_image_f, h5sclose_f, h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, &
       h5tclose_f, h5tget_class_f, h5tget_size_f, h5tis_variable_str_f, h5_index_name_f, h5_iter_inc_f, h5t_float_f, &
       h5t_integer_f, h5t_native_double, h5t_native_integer, h5t_string_f, hid_t, hsize_t, size_t
-   use geartrain_base_field, only: field_type, groups_type, kind_integer, kind_logical, kind_real, kind_text, values_type
-   use geartrain_base_regular_file, only: is_regular_file
+   use geartrain_base_field, only: field_type, groups_type, kind_integer, kind_logical, kind_real, kind_text, text_type
+   use geartrain_results_file, only: read_bytes
    use geartrain_results_hdf5_writer, only: begin_hdf5
    use geartrain_results_seal, only: is_whole, seal_bytes
    implicit none (type, external)
@@ -35,21 +35,23 @@ module geartrain_results_hdf5_reader
 
 contains
 
-   !> The groups of a file; none where it cannot be read or is not, bit by bit, what was written.
+   !> Groups of a file; none where the file cannot be read or its seal does not fit.
    subroutine read_groups(path, groups)
+      !> Path of the file.
       character(*), intent(in) :: path
+      !> The groups of the file are added, with all fields but without their dimensions, units and descriptions.
       class(groups_type), intent(inout) :: groups
       integer(int8), allocatable, target :: content(:)
       integer(hid_t) :: access, file
       type(c_ptr) :: address
       integer :: status, ignored
 
-      call load(path, content)
+      call read_bytes(path, content)
       if (.not. allocated(content)) return
       if (.not. is_whole(content)) return
       !$omp critical (geartrain_hdf5)
       call begin_hdf5(status)
-      ! From memory: what is read is what was checked.
+      ! From memory: HDF5 reads the bytes whose seal was checked.
       call h5pcreate_f(h5p_file_access_f, access, status)
       call h5pset_fapl_core_f(access, 1048576_size_t, .false., status)
       address = c_loc(content)
@@ -99,6 +101,7 @@ contains
       call h5oclose_f(home, status)
    end subroutine read_group
 
+   !> Reads the attributes of an object into group `number`.
    subroutine read_attributes(home, groups, number)
       integer(hid_t), intent(in) :: home
       class(groups_type), intent(inout) :: groups
@@ -122,6 +125,7 @@ contains
       end do
    end subroutine read_attributes
 
+   !> Reads a dataset into group `number`.
    subroutine read_dataset(id, name, groups, number)
       integer(hid_t), intent(in) :: id
       character(*), intent(in) :: name
@@ -132,18 +136,18 @@ contains
 
       call h5dget_type_f(id, kind, status)
       call h5dget_space_f(id, space, status)
-      ! What the dimensions are called, the reader of the fields knows.
+      ! Not blank: a dataset; the true dimensions are in the tables of fields.
       call read_values(id, .false., kind, space, field_type(name, 'of the file'), groups, number)
       call h5sclose_f(space, status)
       call h5tclose_f(kind, status)
    end subroutine read_dataset
 
-   !> Numbers and texts; nothing else is written.
+   !> Reads numbers or texts as a field of group `number`; values of other types are skipped.
    subroutine read_values(id, attribute, kind, space, about, groups, number)
       integer(hid_t), intent(in) :: id, kind, space
       logical, intent(in) :: attribute
       type(field_type), intent(in) :: about
-      class(groups_type), intent(inout) :: groups
+      class(groups_type), intent(inout), target :: groups
       integer, intent(in) :: number
       integer(hsize_t) :: extents(most_dimensions), most(most_dimensions)
       integer(size_t) :: bytes
@@ -158,94 +162,59 @@ contains
       call h5tget_size_f(kind, bytes, status)
       variable = .false.
       if (sort == h5t_string_f) call h5tis_variable_str_f(kind, variable, status)
+      status = 0
       associate (group => groups%groups(number), n => int(extents(:dimensions)))
          if (sort == h5t_float_f) then
             call group%add(about, kind_real, n)
-            call fetch_reals(id, attribute, group%fields(group%count), status)
+            if (product(n) > 0) call fetch(id, attribute, h5t_native_double, c_loc(group%fields(group%count)%reals), status)
          else if (sort == h5t_integer_f) then
             call group%add(about, merge(kind_logical, kind_integer, bytes == 1), n)
-            call fetch_integers(id, attribute, group%fields(group%count), status)
+            if (product(n) > 0) call fetch(id, attribute, h5t_native_integer, c_loc(group%fields(group%count)%integers), status)
          else if (variable) then
             call group%add(about, kind_text, n)
-            call fetch_texts(id, attribute, kind, space, group%fields(group%count), status)
+            if (product(n) > 0) call fetch_texts(id, attribute, kind, space, group%fields(group%count)%texts, status)
          end if
-         ! What cannot be read is missed where it is needed.
+         ! A field that cannot be read is dropped; results that need the field will not fit.
          if (status < 0) group%count = group%count - 1
       end associate
    end subroutine read_values
 
-   subroutine fetch_reals(id, attribute, field, status)
-      integer(hid_t), intent(in) :: id
+   !> Reads the values of an attribute or a dataset, as `kind` in memory.
+   subroutine fetch(id, attribute, kind, values, status)
+      integer(hid_t), intent(in) :: id, kind
       logical, intent(in) :: attribute
-      type(values_type), intent(inout), target :: field
+      type(c_ptr), intent(in) :: values
       integer, intent(out) :: status
       type(c_ptr) :: address
 
-      status = 0
-      if (size(field%reals) == 0) return
-      address = c_loc(field%reals)
-      if (attribute) call h5aread_f(id, h5t_native_double, address, status)
-      if (.not. attribute) call h5dread_f(id, h5t_native_double, address, status)
-   end subroutine fetch_reals
-
-   subroutine fetch_integers(id, attribute, field, status)
-      integer(hid_t), intent(in) :: id
-      logical, intent(in) :: attribute
-      type(values_type), intent(inout), target :: field
-      integer, intent(out) :: status
-      type(c_ptr) :: address
-
-      status = 0
-      if (size(field%integers) == 0) return
-      address = c_loc(field%integers)
-      if (attribute) call h5aread_f(id, h5t_native_integer, address, status)
-      if (.not. attribute) call h5dread_f(id, h5t_native_integer, address, status)
-   end subroutine fetch_integers
-
-   subroutine fetch_texts(id, attribute, kind, space, field, status)
-      integer(hid_t), intent(in) :: id, kind, space
-      logical, intent(in) :: attribute
-      type(values_type), intent(inout) :: field
-      integer, intent(out) :: status
-      type(c_ptr), target :: items(size(field%texts))
-      character(kind=c_char), pointer :: bytes(:)
-      type(c_ptr) :: address
-      integer :: i, k, ignored
-
-      status = 0
-      if (size(items) == 0) return
-      address = c_loc(items)
+      address = values
       if (attribute) call h5aread_f(id, kind, address, status)
       if (.not. attribute) call h5dread_f(id, kind, address, status)
+   end subroutine fetch
+
+   !> Reads texts of variable length, which HDF5 allocates.
+   subroutine fetch_texts(id, attribute, kind, space, texts, status)
+      integer(hid_t), intent(in) :: id, kind, space
+      logical, intent(in) :: attribute
+      type(text_type), intent(inout) :: texts(:)
+      integer, intent(out) :: status
+      type(c_ptr), target :: items(size(texts))
+      character(kind=c_char), pointer :: bytes(:)
+      integer :: i, k, ignored
+
+      call fetch(id, attribute, kind, c_loc(items), status)
       if (status < 0) return
       do i = 1, size(items)
-         field%texts(i)%text = ''
+         texts(i)%text = ''
          if (.not. c_associated(items(i))) cycle
          call c_f_pointer(items(i), bytes, [c_strlen(items(i))])
-         deallocate (field%texts(i)%text)
-         allocate (character(size(bytes)) :: field%texts(i)%text)
+         deallocate (texts(i)%text)
+         allocate (character(size(bytes)) :: texts(i)%text)
          do k = 1, size(bytes)
-            field%texts(i)%text(k:k) = bytes(k)
+            texts(i)%text(k:k) = bytes(k)
          end do
       end do
       ignored = h5dvlen_reclaim(int(kind, c_int64_t), int(space, c_int64_t), 0_c_int64_t, c_loc(items))
    end subroutine fetch_texts
-
-   !> All bytes of a file; not allocated where they cannot be read.
-   subroutine load(path, content)
-      character(*), intent(in) :: path
-      integer(int8), allocatable, intent(out) :: content(:)
-      integer(int64) :: bytes
-      integer :: unit, status
-
-      if (.not. is_regular_file(path)) return
-      open (newunit=unit, file=path, access='stream', form='unformatted', status='old', action='read', iostat=status)
-      if (status /= 0) return
-      inquire (unit=unit, size=bytes)
-      allocate (content(max(0_int64, bytes)), stat=status)
-      if (status == 0) read (unit, iostat=status) content
-      if (status /= 0 .and. allocated(content)) deallocate (content)
-      close (unit, iostat=status)
-   end subroutine load
 
 end module geartrain_results_hdf5_reader

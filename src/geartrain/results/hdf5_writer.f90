@@ -1,5 +1,5 @@
-!> Groups of fields as the bytes of an HDF5 file: it is put together in memory, so that the disk only ever sees whole files and its
-!> failures are those of plain writing. Silent; the first failure is kept and told at the end.
+!> Groups of fields as the bytes of an HDF5 file, which is made in memory: the disk only gets whole files, by plain writing. Prints
+!> nothing; the first failure is kept and told at the end.
 module geartrain_results_hdf5_writer
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_int, c_int64_t, c_loc, c_null_char, c_null_ptr, c_ptr
    use, intrinsic :: iso_fortran_env, only: int8
@@ -18,24 +18,26 @@ module geartrain_results_hdf5_writer
    !> H5T_VARIABLE of the C library, which its Fortran module does not name.
    integer(size_t), parameter :: variable_length = -1_size_t
 
-   !> Bytes that text goes through on its way into the file: HDF5's own megabyte, cleared anew for each dataset, takes longer to
-   !> clear than a usual curve to write.
+   !> Bytes of the buffer for text: HDF5's default of a megabyte, cleared for each dataset, takes longer to clear than a usual curve
+   !> takes to write.
    integer(hsize_t), parameter :: buffer = 16384
 
-   !> A file in the making. One at a time: HDF5 knows no threads.
+   !> A file that is being made. There may be one at a time: HDF5 knows no threads.
    type :: writer_type
+      !> The file; how values are transferred.
       integer(hid_t) :: file = -1, transfer = -1
-      !> What all datasets and attributes share: how a dataset is made, the type of text, the space of a scalar.
+      !> Shared by all datasets and attributes: how a dataset is made, the type of text, the space of a scalar.
       integer(hid_t) :: creation = -1, text = -1, scalar = -1
+      !> The first failure; not allocated: none.
       character(:), allocatable :: failure
    contains
-      procedure :: open => open_file
-      procedure :: close => close_file
-      procedure :: write_group, write_dataset, write_attribute, write_text_attribute, attach_axes, note
+      procedure, private :: open => open_file
+      procedure, private :: close => close_file
+      procedure, private :: write_group, write_dataset, write_attribute, write_text_attribute, attach_axes, note
    end type writer_type
 
-   !> Of HDF5's C library: dimension scales (the Fortran module for them has no fixed place among the systems), and whether a
-   !> dataset holds the time at which it was made (not in the Fortran module of every version).
+   !> HDF5's C library: dimension scales (their Fortran module has different places on different systems), and whether a dataset
+   !> holds the time of its making (not in the Fortran module of every version).
    interface
       integer(c_int) function h5ds_set_scale(dataset, name) bind(c, name='H5DSset_scale')
          import :: c_char, c_int, c_int64_t
@@ -61,10 +63,12 @@ module geartrain_results_hdf5_writer
 
 contains
 
-   !> The file of these groups, whose values are given up one by one. Every dimension of a dataset has an axis in its group or in
-   !> the group above.
+   !> Makes the bytes of a file.
    subroutine hdf5_content(groups, content, error)
+      !> Groups of the file, whose values are deallocated one by one. Every dimension of a dataset needs an axis in the group of the
+      !> dataset or in the group above.
       class(groups_type), intent(inout) :: groups
+      !> All bytes of the file, without seal.
       integer(int8), allocatable, intent(out) :: content(:)
       type(error_type), allocatable, intent(inout) :: error
       type(writer_type) :: writer
@@ -79,8 +83,9 @@ contains
       !$omp end critical (geartrain_hdf5)
    end subroutine hdf5_content
 
-   !> The library is opened where nobody has, and its own printing turned off.
+   !> Opens the HDF5 library, unless it is open, and turns off its printing.
    subroutine begin_hdf5(status)
+      !> Negative: failure.
       integer, intent(out) :: status
       integer :: ignored
       logical :: ready
@@ -105,7 +110,7 @@ contains
       call h5pclose_f(access, status)
       call h5pcreate_f(h5p_dataset_xfer_f, self%transfer, status)
       call h5pset_buffer_f(self%transfer, buffer, status)
-      ! Without the time: the same results are the same bytes.
+      ! Without the time of making, so that equal results have equal bytes.
       call h5pcreate_f(h5p_dataset_create_f, self%creation, status)
       status = h5pset_obj_track_times(int(self%creation, c_int64_t), .false._c_bool)
       ! UTF-8 of any length.
@@ -146,7 +151,7 @@ contains
       if (allocated(self%failure)) call fatal(error, self%failure, status_file)
    end subroutine close_file
 
-   !> Writes group `number`: its attributes, its axes, then what lies along them.
+   !> Writes group `number`: its attributes, its axes, then its other datasets.
    subroutine write_group(self, groups, number)
       class(writer_type), intent(inout) :: self
       class(groups_type), intent(inout) :: groups
@@ -179,7 +184,7 @@ contains
       end associate
    end subroutine write_group
 
-   !> A scalar attribute of an open group; logical values are whole numbers.
+   !> Writes a scalar attribute of an open group; logical values are written as whole numbers.
    subroutine write_attribute(self, object, path, field)
       class(writer_type), intent(inout) :: self
       integer(hid_t), intent(in) :: object
@@ -209,7 +214,7 @@ contains
       call h5aclose_f(id, status)
    end subroutine write_attribute
 
-   !> A text attribute of an open group or dataset.
+   !> Writes a text attribute of an open group or dataset.
    subroutine write_text_attribute(self, object, path, name, value)
       class(writer_type), intent(inout) :: self
       integer(hid_t), intent(in) :: object
@@ -232,7 +237,7 @@ contains
       call h5aclose_f(id, status)
    end subroutine write_text_attribute
 
-   !> An array; its values are given up.
+   !> Writes an array and deallocates its values.
    subroutine write_dataset(self, home, field)
       class(writer_type), intent(inout) :: self
       character(*), intent(in) :: home
@@ -291,6 +296,7 @@ contains
       if (allocated(field%texts)) deallocate (field%texts)
    end subroutine write_dataset
 
+   !> Attaches the axes of a dataset of the group `home`.
    subroutine attach_axes(self, dataset, home, field)
       class(writer_type), intent(inout) :: self
       integer(hid_t), intent(in) :: dataset
@@ -324,7 +330,7 @@ contains
       if (status < 0 .and. .not. allocated(self%failure)) self%failure = 'HDF5 cannot '//action
    end subroutine note
 
-   !> As C has text: closed by a null; one a column.
+   !> Texts as C has them, closed by a null character, (length, text).
    pure subroutine terminate(values, text)
       type(text_type), intent(in) :: values(:)
       character(kind=c_char), allocatable, intent(out) :: text(:, :)

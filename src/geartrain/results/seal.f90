@@ -1,9 +1,9 @@
-!> The seal at the end of a checkpoint, after what HDF5 reads: how long the file is and its checksum. A file whose seal fits is what
-!> was written, bit by bit, and nothing of another is handed on, not even to HDF5.
+!> The seal at the end of a results file, after the bytes of HDF5: length and checksum of these bytes. A file whose seal fits has
+!> not changed since it was written; no other file is read, not even by HDF5.
 module geartrain_results_seal
    use, intrinsic :: iso_fortran_env, only: int8, int64
    use geartrain_base_checksum, only: crc64
-   use geartrain_base_regular_file, only: is_regular_file
+   use geartrain_results_file, only: read_bytes
    implicit none (type, external)
    private
    public :: add_seal, is_whole, read_seal, seal_bytes
@@ -16,6 +16,7 @@ contains
 
    !> Appends the seal to the content of a file.
    subroutine add_seal(content)
+      !> All bytes of the file, then with the seal.
       integer(int8), allocatable, intent(inout) :: content(:)
       integer(int8), allocatable :: sealed(:)
       integer(int64) :: n
@@ -29,6 +30,7 @@ contains
 
    !> Whether the content of a file ends with its seal.
    pure logical function is_whole(content)
+      !> All bytes of the file.
       integer(int8), intent(in) :: content(:)
       integer(int64) :: n
 
@@ -37,6 +39,7 @@ contains
       if (is_whole) is_whole = all(content(n + 1:) == seal_of(content(:n)))
    end function is_whole
 
+   !> The seal of the bytes before it.
    pure function seal_of(content) result(seal)
       integer(int8), intent(in) :: content(:)
       integer(int8) :: seal(seal_bytes)
@@ -45,23 +48,14 @@ contains
       seal(len(mark) + 1:) = transfer([size(content, kind=int64), crc64(content)], seal)
    end function seal_of
 
-   !> The seal at the end of a file, as it stands there; not allocated where there is no such file or it is too short.
+   !> Reads the seal of a file; whether the seal fits is not checked.
    subroutine read_seal(path, seal)
+      !> Path of the file.
       character(*), intent(in) :: path
+      !> (seal_bytes); not allocated where the file cannot be read or is too short.
       integer(int8), allocatable, intent(out) :: seal(:)
-      integer(int64) :: bytes
-      integer :: unit, status
 
-      if (.not. is_regular_file(path)) return
-      open (newunit=unit, file=path, access='stream', form='unformatted', status='old', action='read', iostat=status)
-      if (status /= 0) return
-      inquire (unit=unit, size=bytes)
-      if (bytes >= seal_bytes) then
-         allocate (seal(seal_bytes))
-         read (unit, pos=bytes - seal_bytes + 1, iostat=status) seal
-         if (status /= 0) deallocate (seal)
-      end if
-      close (unit, iostat=status)
+      call read_bytes(path, seal, seal_bytes)
    end subroutine read_seal
 
 end module geartrain_results_seal
