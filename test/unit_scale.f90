@@ -27,7 +27,10 @@ contains
       end if
       if (tests%runs('iterations')) call iterations(tests)
       if (tests%runs('diagonal')) call diagonal(tests)
-      if (tests%runs('leading_multipliers')) call leading_multipliers(tests)
+      if (tests%runs('leading_multipliers')) then
+         call leading_multipliers(tests, 'always')
+         call leading_multipliers(tests, 'contact')
+      end if
    end subroutine scale_tests
 
    !> The same solution, tangent and orientation, all harmonics eliminated and the lowest `explicit` ones.
@@ -132,8 +135,10 @@ contains
    end subroutine diagonal
 
    !> 50 shafts whose meshes separate at times: the leading multipliers without the matrix are those of the matrix.
-   subroutine leading_multipliers(tests)
+   subroutine leading_multipliers(tests, damping_acts)
       class(tests_type), intent(inout) :: tests
+      character(*), intent(in) :: damping_acts
+      type(train_type) :: train
       type(system_type) :: system
       type(balance_type) :: balance
       type(monodromy_type) :: few, whole
@@ -141,7 +146,9 @@ contains
       complex(dp), allocatable :: leading(:), all_of_them(:)
       integer :: i
 
-      call build_system(chain(50), system)
+      train = chain(50)
+      train%meshes%damping_acts = damping_acts
+      call build_system(train, system)
       call balance%setup(system, 6, 1, 0)
       allocate (u(balance%block, balance%unknowns), source=0.0_dp)
       u(1, :) = 1.4_dp

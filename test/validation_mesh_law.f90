@@ -2,13 +2,14 @@
 !> integration, shooting and balance against one another, and where the law is an ordinary one in another form.
 module validation_mesh_law
    use fixtures, only: paper_train, settings_of, single_pair
-   use geartrain, only: branch_type, dp, error_type, integrate, integration_settings_type, modes_type, motion_type, natural_modes, &
-      refine, response, response_settings_type, train_type
+   use geartrain, only: audit_branch, audit_type, branch_type, dp, error_type, integrate, integration_settings_type, modes_type, &
+      motion_type, natural_modes, refine, response, response_settings_type, train_type
    use geartrain_balance_balance, only: balance_type
    use geartrain_base_kinds, only: pi
    use geartrain_floquet_monodromy, only: monodromy_type
    use geartrain_flow_orbit, only: propagate
    use geartrain_linalg_bordered, only: bordered_type
+   use geartrain_mesh_law_law, only: law_type
    use geartrain_model_system, only: build_system, system_type
    use testing, only: tests_type
    implicit none (type, external)
@@ -22,8 +23,15 @@ contains
 
       if (tests%runs('damping_in_contact')) call damping_in_contact(tests)
       if (tests%runs('convergence')) call convergence(tests)
-      if (tests%runs('derivatives')) call derivatives(tests)
-      if (tests%runs('tangents')) call tangents(tests)
+      if (tests%runs('derivatives')) then
+         call derivatives(tests, system_of(.false.))
+         call derivatives(tests, system_of(.true.))
+      end if
+      if (tests%runs('tangents')) then
+         call tangents(tests, system_of(.false.))
+         call tangents(tests, system_of(.true.))
+      end if
+      if (tests%runs('branch')) call a_branch(tests)
       if (tests%runs('multipliers')) call multipliers(tests)
       if (tests%runs('like_ordinary_meshes')) call like_ordinary_meshes(tests)
       if (tests%runs('mirrored_train')) call mirrored_train(tests)
@@ -49,6 +57,27 @@ contains
       train%meshes(2)%back_stiffness = 6e8_dp
       train%meshes(2)%phase = 0.4_dp
    end function rich_train
+
+   !> The rich train; with stages, mesh 1 has regions beyond twice its gap, with a stiffness and a damping of their own.
+   function system_of(stages) result(system)
+      logical, intent(in) :: stages
+      type(system_type) :: system
+      type(law_type) :: law
+
+      call build_system(rich_train(), system)
+      if (.not. stages) return
+      associate (old => system%law(1))
+         call law%begin(old%order, -2, [-2.0_dp, -1.0_dp, 1.0_dp, 2.0_dp], size(old%amplitude, 1))
+         law%stiffness(:) = [1.5_dp*old%stiffness(-1), old%stiffness, 1.8_dp]
+         law%amplitude(:, -1:1) = old%amplitude
+         law%amplitude(:, 2) = 1.8_dp*old%amplitude(:, 1)
+         law%amplitude(:, -2) = 1.5_dp*old%amplitude(:, -1)
+         law%origin(:) = [-2 + 1/1.5_dp, old%origin, 2 - 1/1.8_dp]
+         law%damping(:) = [0.7_dp, 1.0_dp, 0.0_dp, 1.0_dp, 1.4_dp]
+         call law%complete(old%damping(1))
+      end associate
+      system%law(1) = law
+   end function system_of
 
    pure real(dp) function ac_rms(motion)
       type(motion_type), intent(in) :: motion
@@ -77,7 +106,7 @@ contains
    subroutine convergence(tests)
       class(tests_type), intent(inout) :: tests
       integer, parameter :: harmonics(*) = [8, 16, 32, 64]
-      type(motion_type) :: exact, motion
+      type(motion_type) :: exact
       type(branch_type) :: branch
       type(error_type), allocatable :: error
       real(dp) :: waveform_error(size(harmonics)), rms_error(size(harmonics))
@@ -139,9 +168,9 @@ contains
 
    !> dS/du and dS/dLambda against central differences, 3e-7 of the largest entry, at motions that touch both flanks; few harmonics
    !> and, by products, many.
-   subroutine derivatives(tests)
+   subroutine derivatives(tests, system)
       class(tests_type), intent(inout) :: tests
-      type(system_type) :: system
+      type(system_type), intent(in) :: system
       type(balance_type) :: balance
       type(bordered_type) :: matrix
       integer, parameter :: harmonics(*) = [5, 20]
@@ -149,7 +178,6 @@ contains
       real(dp), allocatable :: u(:, :), x(:, :), change(:, :), difference(:, :)
       integer :: i, k, n
 
-      call build_system(rich_train(), system)
       do i = 1, size(harmonics)
          call balance%setup(system, harmonics(i), 1, 0)
          n = balance%block
@@ -186,14 +214,13 @@ contains
    end subroutine derivatives
 
    !> What the flow carries against central differences of the flow, over periods with both flanks touching.
-   subroutine tangents(tests)
+   subroutine tangents(tests, system)
       class(tests_type), intent(inout) :: tests
-      type(system_type) :: system
+      type(system_type), intent(in) :: system
       real(dp), parameter :: h = 1e-6_dp, frequency_ratio = 0.83_dp
       real(dp), allocatable :: state(:), ahead(:), behind(:), monodromy(:, :), ignored(:, :)
       integer :: k, n
 
-      call build_system(rich_train(), system)
       n = system%states
       allocate (state(n), ahead(n), behind(n), monodromy(n, n), ignored(n, n))
       state = 0
@@ -214,8 +241,7 @@ contains
    !> balance's error. Liouville's determinant holds to 1e-7 (confirmed).
    subroutine multipliers(tests)
       class(tests_type), intent(inout) :: tests
-      type(branch_type) :: branch
-      type(motion_type) :: motion, coarse
+      type(motion_type) :: motion
       type(error_type), allocatable :: error
       type(system_type) :: system
       type(balance_type) :: balance
@@ -252,6 +278,39 @@ contains
       ! Events of 400 harmonics are off by about 1e-6.
       call tests%is_close(apart, 0.0_dp, 1e-5_dp, 'multipliers between events and by shooting')
    end subroutine multipliers
+
+   !> The train of figure 3 with damping in contact only, through its folds: the branch goes through, its multipliers are confirmed,
+   !> and an audit of its points finds no verdict wrong and no estimate that is not doubtful off by more than it allows.
+   subroutine a_branch(tests)
+      class(tests_type), intent(inout) :: tests
+      type(train_type) :: train
+      type(branch_type) :: branch
+      type(response_settings_type) :: settings
+      type(audit_type) :: audit
+      type(error_type), allocatable :: error
+      character(20) :: kinds
+      integer :: i, folds, doublings
+
+      train = paper_train()
+      train%meshes%damping_acts = 'contact'
+      settings = settings_of(0.4_dp, 1.1_dp, 12)
+      settings%stability = .true.
+      call response(train, settings, branch, error)
+      call tests%is_true(.not. allocated(error) .and. branch%complete, 'the branch of figure 3 with damping in contact only')
+      folds = 0
+      doublings = 0
+      do i = 1, size(branch%special_points)
+         kinds = branch%special_points(i)%kind
+         if (kinds == 'fold') folds = folds + 1
+         if (kinds == 'period doubling') doublings = doublings + 1
+      end do
+      call tests%is_true(folds >= 2 .and. doublings >= 2, 'folds and period doublings')
+      call audit_branch(train, branch, 12, 0, audit, error)
+      call tests%is_true(.not. allocated(error), 'audit runs')
+      call tests%is_true(audit%points == 12 .and. audit%wrong_verdicts == 0, 'no verdict is wrong')
+      call tests%is_true(audit%confirmed == audit%special_points, 'the exact motion has the special points')
+      call tests%is_true(.not. any(audit%rows%estimate_wrong .and. audit%rows%kind == 'point'), 'no estimate is wrong')
+   end subroutine a_branch
 
    !> A back flank with the stiffness of the drive flank and no phase, and damping in contact only where nothing separates, are the
    !> ordinary mesh.
