@@ -117,3 +117,33 @@ def test_file_without_the_train_is_told_with_its_line(tmp_path):
 def test_missing_file():
     with pytest.raises((OSError, gt.InputError), match="nowhere"):
         gt.read_case("nowhere.nml")
+
+
+def test_damping_to_ground_is_one_more_state():
+    train = gt.Train(
+        characteristic_length=1e-5,
+        characteristic_frequency=1e4,
+        bodies=[
+            gt.Body(name="a", inertia=2e-3, torque=40.0, damping_to_ground=0.8),
+            gt.Body(name="b", inertia=7e-3, balances=True),
+        ],
+        shafts=[],
+        meshes=[
+            gt.Mesh(
+                between=("a", "b"),
+                driving_radius=0.05,
+                driven_radius=0.08,
+                stiffness=1e8,
+                damping_ratio=0.05,
+                half_backlash=1e-5,
+                stiffness_cos=[0.3],
+            )
+        ],
+    )
+    branch = train.response(start=0.6, stop=0.7, harmonics=12)
+    assert branch.multipliers.shape[1] == 3
+    motion = train.integrate(frequency=0.65)
+    assert len(motion.state) == 3
+    again = train.integrate(frequency=0.65, start=motion.state)
+    assert np.abs(again.rms - motion.rms).max() < 1e-9
+    assert np.abs(branch.at(0.65)[0].refine().rms - motion.rms).max() < 1e-9

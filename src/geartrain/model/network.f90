@@ -41,8 +41,8 @@ module geartrain_model_network
       integer :: balancing = 0
       !> First the elements of a tree that joins all nodes, each with a node in common with one before it: their displacements are
       !> the coordinates of the network, with one more where there is damping to ground, to tell the vibration of all nodes from:
-      !> only its velocity matters. Then those that close loops, unknown meshes wherever the loop has one; the further grounded
-      !> ones.
+      !> only its velocity matters. Then those that close loops, unknown meshes wherever the loop has one, then the further
+      !> grounded ones.
       type(element_type), allocatable :: elements(:)
       !> Coordinates, and those of which the displacement matters.
       integer :: coordinates = 0, displacements = 0
