@@ -5,7 +5,7 @@ module geartrain_model_check_network
    use geartrain_base_kinds, only: dp
    use geartrain_base_nearest, only: nearest_name
    use geartrain_base_numbers, only: integer_text, real_text, text
-   use geartrain_model_network, only: ends_of
+   use geartrain_model_network, only: find_ends
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -20,7 +20,8 @@ contains
    subroutine check_network(train, checker)
       type(train_type), intent(in) :: train
       class(checker_type), intent(inout) :: checker
-      integer :: before, i
+      integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
+      integer :: before
 
       before = checker%problems%count
       call check_chain_values(train, checker)
@@ -29,10 +30,11 @@ contains
       if (size(train%meshes) == 0) call checker%problems%add('the train has no &mesh', 'train', 1, names_group=.true.)
       if (checker%problems%count > before) return
       ! A problem that has been told already, with its value, is not counted here.
-      if (any([(ends_of(train, i, mesh=.false.) == 0, i=1, size(train%shafts))])) return
-      if (any([(ends_of(train, i, mesh=.true.) == 0, i=1, size(train%meshes))])) return
-      call check_inertias(train, checker)
-      if (all(train%meshes%driving_radius > 0 .and. train%meshes%driven_radius > 0)) call check_joints(train, checker)
+      call find_ends(train, shaft_ends, mesh_ends)
+      if (any(shaft_ends == 0) .or. any(mesh_ends == 0)) return
+      call check_inertias(train, shaft_ends, mesh_ends, checker)
+      if (all(train%meshes%driving_radius > 0 .and. train%meshes%driven_radius > 0)) &
+         call check_joints(train, shaft_ends, mesh_ends, checker)
    end subroutine check_network
 
    !> What belongs to the chain of shafts and meshes stands in no network.
@@ -158,18 +160,20 @@ contains
    end subroutine check_balance
 
    !> What vibrates has inertia: a body on a mesh or an elastic shaft; a rigid shaft may join one without to another.
-   subroutine check_inertias(train, checker)
+   subroutine check_inertias(train, shaft_ends, mesh_ends, checker)
       type(train_type), intent(in) :: train
+      !> Bodies that each shaft and each mesh joins, (2, shaft) and (2, mesh).
+      integer, intent(in) :: shaft_ends(:, :), mesh_ends(:, :)
       class(checker_type), intent(inout) :: checker
       logical :: needed(size(train%bodies))
       integer :: i
 
       needed = .false.
       do i = 1, size(train%shafts)
-         if (.not. train%shafts(i)%rigid) needed(ends_of(train, i, mesh=.false.)) = .true.
+         if (.not. train%shafts(i)%rigid) needed(shaft_ends(:, i)) = .true.
       end do
       do i = 1, size(train%meshes)
-         needed(ends_of(train, i, mesh=.true.)) = .true.
+         needed(mesh_ends(:, i)) = .true.
       end do
       do i = 1, size(train%bodies)
          if (.not. needed(i) .or. train%bodies(i)%inertia > 0) cycle
@@ -181,8 +185,10 @@ contains
 
    !> Walks from the first body to all that it is joined with: whom it does not meet is joined with nothing, and where it meets one
    !> again the ratios must agree.
-   subroutine check_joints(train, checker)
+   subroutine check_joints(train, shaft_ends, mesh_ends, checker)
       type(train_type), intent(in) :: train
+      !> Bodies that each shaft and each mesh joins, (2, shaft) and (2, mesh).
+      integer, intent(in) :: shaft_ends(:, :), mesh_ends(:, :)
       class(checker_type), intent(inout) :: checker
       !> Reduced radius and sense of rotation of each body, and the joint it was met by: number, whether it is a mesh, body before.
       real(dp) :: radius(size(train%bodies))
@@ -198,11 +204,11 @@ contains
       do while (changed)
          changed = .false.
          do i = 1, size(train%shafts)
-            call pass(ends_of(train, i, mesh=.false.), [1.0_dp, 1.0_dp], 1)
+            call pass(shaft_ends(:, i), [1.0_dp, 1.0_dp], 1)
          end do
          do i = 1, size(train%meshes)
             associate (mesh => train%meshes(i))
-               call pass(ends_of(train, i, mesh=.true.), [mesh%driving_radius, mesh%driven_radius], merge(1, -1, mesh%internal))
+               call pass(mesh_ends(:, i), [mesh%driving_radius, mesh%driven_radius], merge(1, -1, mesh%internal))
             end associate
          end do
       end do
@@ -215,11 +221,11 @@ contains
       end do
       if (.not. all(met)) return
       do i = 1, size(train%shafts)
-         ends = ends_of(train, i, mesh=.false.)
+         ends = shaft_ends(:, i)
          call close_loop(ends, radius(ends(2))/radius(ends(1)), sense(ends(1)) == sense(ends(2)), 'shaft')
       end do
       do i = 1, size(train%meshes)
-         ends = ends_of(train, i, mesh=.true.)
+         ends = mesh_ends(:, i)
          associate (mesh => train%meshes(i))
             call close_loop(ends, radius(ends(2))/radius(ends(1))*(mesh%driving_radius/mesh%driven_radius), &
                             (sense(ends(1)) == sense(ends(2))) .eqv. mesh%internal, 'mesh')

@@ -7,7 +7,7 @@ module geartrain_model_limits
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_model_excitation, only: lowest_harmonic
    use geartrain_model_mesh, only: mean_stiffness
-   use geartrain_model_network, only: bodies_of, body_count, ends_of, join_rigid, network_type
+   use geartrain_model_network, only: bodies_of, body_count, find_ends, join_rigid, network_type
    use geartrain_model_system, only: put_excitation, series_type, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -94,14 +94,17 @@ contains
       type(train_type), intent(in) :: train
       class(checker_type), intent(inout) :: checker
       type(network_type) :: network
-      real(dp) :: own
+      real(dp) :: own, frequency(size(train%meshes))
+      integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
       integer :: i
 
       if (.not. in_order(train, checker)) return
+      frequency = mesh_frequencies(train)
       own = own_frequency(train)
+      call find_ends(train, shaft_ends, mesh_ends)
       call join_rigid(train, network)
       do i = 1, size(train%shafts)
-         associate (shaft => train%shafts(i), nodes => network%node(ends_of(train, i, mesh=.false.)))
+         associate (shaft => train%shafts(i), nodes => network%node(shaft_ends(:, i)))
             if (shaft%rigid) cycle
             call check_element(sqrt(shaft%stiffness)*sqrt(sum(1/network%inertia(nodes))), 'shaft', shaft%stiffness, &
                                shaft%damping_ratio, shaft%damping_given, shaft%damping, &
@@ -110,7 +113,7 @@ contains
       end do
       do i = 1, size(train%meshes)
          associate (mesh => train%meshes(i))
-            call check_element(mesh_frequency(train, i), 'mesh', mean_stiffness(mesh), mesh%damping_ratio, mesh%damping_given, &
+            call check_element(frequency(i), 'mesh', mean_stiffness(mesh), mesh%damping_ratio, mesh%damping_given, &
                                mesh%damping, 'are radii, inertias and stiffness in SI units?')
          end associate
       end do
@@ -163,25 +166,24 @@ contains
    !> Frequency of the slowest mesh [rad/s], between its two gears alone; neither 0 nor infinite.
    pure real(dp) function own_frequency(train)
       type(train_type), intent(in) :: train
-      integer :: j
 
-      own_frequency = huge(1.0_dp)
-      do j = 1, size(train%meshes)
-         own_frequency = min(own_frequency, max(tiny(1.0_dp), mesh_frequency(train, j)))
-      end do
+      own_frequency = minval(max(tiny(1.0_dp), mesh_frequencies(train)))
    end function own_frequency
 
-   pure real(dp) function mesh_frequency(train, j) result(frequency)
+   !> Frequency of each mesh between its two gears alone [rad/s], (mesh).
+   pure function mesh_frequencies(train) result(frequency)
       type(train_type), intent(in) :: train
-      integer, intent(in) :: j
+      real(dp) :: frequency(size(train%meshes))
       real(dp), dimension(body_count(train)) :: inertia, torque
+      integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
       integer :: balancing
 
       call bodies_of(train, inertia, torque, balancing)
-      associate (mesh => train%meshes(j), ends => ends_of(train, j, mesh=.true.))
-         frequency = sqrt(mean_stiffness(mesh))*hypot(mesh%driving_radius/sqrt(inertia(ends(1))), &
-                                                mesh%driven_radius/sqrt(inertia(ends(2))))
+      call find_ends(train, shaft_ends, mesh_ends)
+      associate (mesh => train%meshes)
+         frequency = sqrt(mean_stiffness(mesh))*hypot(mesh%driving_radius/sqrt(inertia(mesh_ends(1, :))), &
+                                                      mesh%driven_radius/sqrt(inertia(mesh_ends(2, :))))
       end associate
-   end function mesh_frequency
+   end function mesh_frequencies
 
 end module geartrain_model_limits
