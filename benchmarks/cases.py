@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from math import pi, sin
+from random import Random
 
 import numpy as np
 
@@ -73,4 +74,34 @@ def chain(shafts):
     return replace(
         figure3, title=f"chain of {shafts} shafts", shafts=[first, *[middle] * (shafts - 2), last],
         meshes=[(down, up)[number % 2] for number in range(shafts - 1)],
+    )  # fmt: skip
+
+
+def tree(shape, meshes):
+    """Figure 3's first pairs in a tree, down and up by turns; torques at its branchings load every mesh alike."""
+    down, force = gt.read_case("namelists/fig03.nml").train.meshes[0], 150 / 0.05
+    random = Random(1)
+    before = {
+        "chain": lambda i: i - 1, "comb": lambda i: i - 1 if i % 2 == 0 else max(0, i - 2), "binary tree": lambda i: i // 2,
+        "random tree": lambda i: random.randint(min(1, i - 1), i - 1),
+    }[shape]  # fmt: skip
+    parents = [before(i) for i in range(1, meshes + 1)]
+    depths = [0]
+    for parent in parents:
+        depths.append(depths[parent] + 1)
+    bodies, shafts, gears = [gt.Body(name="to 0", inertia=2.3e-7, torque=150.0)], [], []
+    for i, parent in enumerate(parents, 1):
+        small, large = (down.driving_radius, down.driving_inertia), (down.driven_radius, down.driven_inertia)
+        (driving, inertia), (driven, other) = (small, large) if depths[i] % 2 else (large, small)
+        last = i == meshes
+        torque = 0.0 if last else (parents.count(i) - 1) * force * driven
+        bodies += [gt.Body(name=f"from {i}", inertia=inertia), gt.Body(name=f"to {i}", inertia=other, torque=torque, balances=last)]
+        shafts.append(gt.Shaft(between=(f"to {parent}", f"from {i}"), stiffness=1e8 if parent else 1e3, damping_ratio=0.01))
+        between = (f"from {i}", f"to {i}")
+        gears.append(replace(
+            down, driving_radius=driving, driven_radius=driven, driving_inertia=None, driven_inertia=None, between=between,
+        ))  # fmt: skip
+    return gt.Train(
+        title=f"{shape} of {meshes} meshes", characteristic_length=30e-6, characteristic_frequency=9870.0, bodies=bodies,
+        shafts=shafts, meshes=gears,
     )  # fmt: skip

@@ -193,6 +193,9 @@ The time of a point at R = 6 for chains of figure 3's gear pairs, teeth parting 
 executable (all of the process: its libraries, and the {found["points"]} points of the branch).{missing}
 
 {table(("shafts", "a point, without multipliers", "with", "memory"), shafts)}
+A point of trees beside chains, of as many equal pairs each, all loaded alike, contact never lost:
+
+{table(("meshes", "shape", "without multipliers", "over the chain's", "with", "over the chain's"), tree_rows(found.get("trees", {"chain": []})))}
 And of figure 3's train for more harmonics:
 
 {table(("R", "a point, without multipliers", "with"), size_rows(found["harmonics"]))}
@@ -201,6 +204,17 @@ And of figure 3's train for more harmonics:
 Exponents, fitted over the upper half of the sizes:
 
 {table(("what", "exponent"), slopes)}"""
+
+
+def tree_rows(trees):
+    """Times of a point, and what they are over the chain's."""
+    for at, first in enumerate(trees["chain"]):
+        for shape, rows in trees.items():
+            cells = []
+            for what in ("without", "with"):
+                times, chain = (row[at].get(what) for row in (rows, trees["chain"]))
+                cells += [spread(times), f"{np.median(times) / np.median(chain):.2f}"] if times and chain else ["not measured", ""]
+            yield first["size"], shape, *cells
 
 
 def cores_section(found):

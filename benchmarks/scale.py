@@ -4,11 +4,12 @@ import tempfile
 from pathlib import Path
 
 import geartrain as gt
-from cases import chain
+from cases import chain, tree
 from timing import peak_memory, timed
 
 RANGE = {"start": 0.84, "stop": 0.83}  # teeth part at the first meshes of the chain, and at both meshes of figure 3
 POINTS = 6
+SHAPES = ("chain", "comb", "binary tree", "random tree")
 
 
 def sizes(train_of, counts, settings_of, patience, say):
@@ -19,7 +20,7 @@ def sizes(train_of, counts, settings_of, patience, say):
     rows, late = [], {}
     for count in counts:
         row, train, settings = {"size": count}, train_of(count), {**RANGE, **settings_of(count)}
-        seed = train.response(**settings, stability=False, max_points=2).at(RANGE["start"])[0]
+        seed = train.response(**settings, stability=False, max_points=2).at(settings["start"])[0]
         settings.update(seed=seed, max_points=POINTS)
         for stability in (False, True):
             if late.get(stability):
@@ -45,12 +46,20 @@ def memory(executable, counts):
 
 
 def measure(quick, executable, say):
-    """Rows by number of shafts and by number of harmonics."""
+    """Rows by number of shafts, by number of harmonics, and of trees by number of meshes."""
     shafts = (3, 10, 30) if quick else (3, 6, 10, 20, 30, 60, 100, 200, 300)
     harmonics = (4, 16, 64) if quick else (4, 8, 16, 32, 64, 128, 256)
     patience = 2 if quick else 10
     figure3 = gt.read_case("namelists/fig03.nml").train
     by_shafts = sizes(chain, shafts, lambda _: {"harmonics": 6}, patience, lambda text: say(f"shafts: {text}"))
+    # Where every tree has a motion from rest; contact is never lost.
+    above = {"start": 1.2, "stop": 1.19, "harmonics": 6}
+    meshes = (10, 30) if quick else (10, 30, 100, 300)
+    trees = {
+        shape: sizes(
+            lambda count: tree(shape, count), meshes, lambda _: above, patience, lambda text: say(f"{shape}: {text}"))  # noqa: B023
+        for shape in SHAPES
+    }  # fmt: skip
     by_harmonics = sizes(
         lambda _: figure3, harmonics, lambda count: {"harmonics": count}, patience, lambda text: say(f"harmonics: {text}"))
-    return {"shafts": by_shafts, "harmonics": by_harmonics, "memory": memory(executable, shafts), "points": POINTS}
+    return {"shafts": by_shafts, "harmonics": by_harmonics, "trees": trees, "memory": memory(executable, shafts), "points": POINTS}

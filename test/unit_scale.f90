@@ -1,13 +1,15 @@
 !> Many harmonics and long trains: what is done there for speed gives what the plain way gives.
 module unit_scale
-   use fixtures, only: long_train, paper_train, settings_of
-   use geartrain, only: branch_type, dp, error_type, motion_type, response, response_settings_type, solutions_at, train_type
+   use fixtures, only: body, long_train, paper_train, settings_of
+   use geartrain, only: branch_type, dp, error_type, motion_type, response, response_settings_type, shaft_type, solutions_at, &
+                        train_type
    use geartrain_balance_balance, only: balance_type
+   use geartrain_base_numbers, only: integer_text
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_start, only: begin_trace, solution_of, resting
    use geartrain_continuation_tracer, only: tracer_type
    use geartrain_floquet_monodromy, only: monodromy_type
-   use geartrain_linalg_arnoldi, only: arnoldi_type, pair
+   use geartrain_linalg_arnoldi, only: arnoldi_type
    use geartrain_model_system, only: build_system, system_type
    use testing, only: tests_type
    implicit none (type, external)
@@ -28,8 +30,15 @@ contains
       if (tests%runs('iterations')) call iterations(tests)
       if (tests%runs('diagonal')) call diagonal(tests)
       if (tests%runs('leading_multipliers')) then
-         call leading_multipliers(tests, 'always')
-         call leading_multipliers(tests, 'contact')
+         call leading_multipliers(tests, chain(50), 0.83_dp, 1.0_dp, .true., '50 shafts')
+         call leading_multipliers(tests, damped_in_contact(chain(50)), 0.83_dp, 1.0_dp, .true., '50 shafts, damped in contact')
+         call leading_multipliers(tests, chain(100), 0.83_dp, 1.0_dp, .true., '100 shafts')
+         ! A single mesh is unstable.
+         call leading_multipliers(tests, one_strange(chain(60), 41), 2.0_dp, 0.0_dp, .true., 'one mesh of many')
+         call leading_multipliers(tests, one_strange(chain(100), 57), 2.0_dp, 0.0_dp, .true., 'one mesh of more')
+         ! Up to nine multipliers are one: more than vectors are carried together.
+         call leading_multipliers(tests, equal_branches(10, 5), 0.83_dp, 0.0_dp, .false., '10 equal branches')
+         call leading_multipliers(tests, equal_branches(3, 24), 0.83_dp, 0.0_dp, .true., '3 equal branches')
       end if
    end subroutine scale_tests
 
@@ -105,14 +114,14 @@ contains
    !> Eigenvalues known beforehand: pairs 0.9**k exp(+-i k) of a block-diagonal matrix.
    subroutine diagonal(tests)
       class(tests_type), intent(inout) :: tests
-      integer, parameter :: n = 200, wanted = 6
+      integer, parameter :: n = 200, wanted = 6, pair = 2
       type(arnoldi_type) :: space
       complex(dp) :: values(wanted), product
       real(dp) :: x(n, pair), y(n, pair), residual
       integer :: i, k
       logical :: independent
 
-      call space%begin(n, 60)
+      call space%begin(n, 60, pair)
       do while (space%dimension < 60)
          call space%latest(x)
          do i = 1, n/2
@@ -134,11 +143,23 @@ contains
       end do
    end subroutine diagonal
 
-   !> 50 shafts whose meshes separate at times: the leading multipliers without the matrix are those of the matrix.
-   subroutine leading_multipliers(tests, damping_acts)
+   function damped_in_contact(train) result(changed)
+      type(train_type), intent(in) :: train
+      type(train_type) :: changed
+
+      changed = train
+      changed%meshes%damping_acts = 'contact'
+   end function damped_in_contact
+
+   !> The leading multipliers without the matrix are those of the matrix, each as often as it is there.
+   subroutine leading_multipliers(tests, train, frequency_ratio, amplitude, without, name)
       class(tests_type), intent(inout) :: tests
-      character(*), intent(in) :: damping_acts
-      type(train_type) :: train
+      type(train_type), intent(in) :: train
+      !> Lambda [1]; how much the meshes vibrate [1]: with 1 some of them separate.
+      real(dp), intent(in) :: frequency_ratio, amplitude
+      !> The matrix is not needed.
+      logical, intent(in) :: without
+      character(*), intent(in) :: name
       type(system_type) :: system
       type(balance_type) :: balance
       type(monodromy_type) :: few, whole
@@ -146,30 +167,82 @@ contains
       complex(dp), allocatable :: leading(:), all_of_them(:)
       integer :: i
 
-      train = chain(50)
-      train%meshes%damping_acts = damping_acts
       call build_system(train, system)
       call balance%setup(system, 6, 1, 0)
       allocate (u(balance%block, balance%unknowns), source=0.0_dp)
       u(1, :) = 1.4_dp
-      u(2, :) = [(0.6_dp*cos(real(i, dp)), i=1, balance%unknowns)]
-      u(5, :) = 0.1_dp
-      call balance%evaluate(u, 0.83_dp)
-      call tests%is_true(count(balance%contact%events > 0) > 10, 'leading multipliers: some meshes separate')
+      u(2, :) = [(amplitude*0.6_dp*cos(real(i, dp)), i=1, balance%unknowns)]
+      u(5, :) = amplitude*0.1_dp
+      call balance%evaluate(u, frequency_ratio)
+      if (amplitude > 0) call tests%is_true(count(balance%contact%events > 0) > 10, name//': some meshes separate')
       call few%setup(system)
-      call tests%is_true(few%given < few%states, 'leading multipliers: fewer than there are states')
-      call few%integrate(balance, 0.83_dp)
-      call tests%is_true(.not. allocated(few%transposed), 'leading multipliers: no matrix was needed')
+      call tests%is_true(few%given < few%states, name//': fewer than there are states')
+      call few%integrate(balance, frequency_ratio)
+      call tests%is_true(few%confirmed, name//': confirmed')
+      if (without) call tests%is_true(.not. allocated(few%transposed), name//': no matrix was needed')
       call whole%setup(system, all_of_them=.true.)
-      call whole%integrate(balance, 0.83_dp)
+      call whole%integrate(balance, frequency_ratio)
       allocate (leading(few%given), all_of_them(whole%given))
       call few%multipliers(leading)
       call whole%multipliers(all_of_them)
-      call tests%is_close(maxval(abs(abs(leading) - abs(all_of_them(:few%given)))), 0.0_dp, 1e-8_dp, 'leading multipliers')
+      call tests%is_close(maxval(abs(abs(leading) - abs(all_of_them(:few%given)))), 0.0_dp, 1e-8_dp, name//': leading multipliers')
       do i = 1, few%given
-         call tests%is_close(minval(abs(all_of_them - leading(i))), 0.0_dp, 1e-8_dp, 'leading multipliers: each is one of all')
+         call tests%is_close(minval(abs(all_of_them - leading(i))), 0.0_dp, 1e-8_dp, name//': each is one of all')
       end do
    end subroutine leading_multipliers
+
+   !> The train, the stiffness of one of whose meshes varies by much more than that of the others.
+   function one_strange(given, mesh) result(train)
+      type(train_type), intent(in) :: given
+      integer, intent(in) :: mesh
+      type(train_type) :: train
+      integer :: j
+
+      train = given
+      do j = 1, size(train%meshes)
+         train%meshes(j)%stiffness_cos = [merge(0.9_dp, 0.02_dp, j == mesh)]
+      end do
+   end function one_strange
+
+   !> From one gear so many branches of so many pairs of figure 3, all alike, down and up by turns.
+   function equal_branches(branches, pairs) result(train)
+      integer, intent(in) :: branches, pairs
+      type(train_type) :: train
+      type(train_type) :: plain
+      character(8) :: before, from, to
+      integer :: i, j, n
+
+      plain = chain(pairs + 1)
+      train = plain
+      train%input_torque = 0
+      train%prime_mover_inertia = 0
+      train%load_inertia = 0
+      deallocate (train%shafts, train%meshes)
+      allocate (train%bodies(1 + 2*branches*pairs), train%shafts(branches*pairs), train%meshes(branches*pairs))
+      train%bodies(1) = body('hub', 0.01_dp, balances=.true.)
+      n = 0
+      do i = 1, branches
+         before = 'hub'
+         do j = 1, pairs
+            n = n + 1
+            from = 'from '//integer_text(n)
+            to = 'to '//integer_text(n)
+            associate (mesh => train%meshes(n), b => train%bodies(2*n:2*n + 1))
+               mesh = plain%meshes(j)
+               b(1) = body(trim(from), mesh%driving_inertia)
+               b(2) = body(trim(to), mesh%driven_inertia, merge(-150.0_dp, 0.0_dp, j == pairs))
+               mesh%driving_inertia = 0
+               mesh%driven_inertia = 0
+               mesh%between(1) = from
+               mesh%between(2) = to
+            end associate
+            train%shafts(n) = shaft_type(stiffness=1e7_dp, damping_ratio=0.01_dp)
+            train%shafts(n)%between(1) = before
+            train%shafts(n)%between(2) = from
+            before = to
+         end do
+      end do
+   end function equal_branches
 
    !> The first pair of figure 3, down and up by turns.
    function chain(shafts) result(train)

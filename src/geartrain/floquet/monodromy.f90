@@ -8,7 +8,7 @@ module geartrain_floquet_monodromy
    use geartrain_floquet_multipliers, only: eigenvalues, power
    use geartrain_floquet_propagator, only: propagator_type
    use geartrain_floquet_time_reversal, only: time_reversal_type
-   use geartrain_linalg_arnoldi, only: arnoldi_type, pair
+   use geartrain_linalg_arnoldi, only: arnoldi_type
    use geartrain_linalg_elimination, only: factor_matrix
    use geartrain_linalg_lapack, only: dgemm
    use geartrain_model_system, only: system_type
@@ -31,6 +31,11 @@ module geartrain_floquet_monodromy
    !> propagator good to 1e-9), in a space of at most this share of the states.
    integer, parameter :: many_states = 160, leading = 16
    real(dp), parameter :: residual_limit = 1e-9_dp, largest_share = 0.7_dp
+   !> Vectors that are carried together. Four take the time of two (step.c), but a larger space: from so many states on it is worth
+   !> the shorter way.
+   integer, parameter :: two = 2, four = 4, states_for_four = 360
+   !> Relative distance of multipliers that may be copies of each other, as of equal branches.
+   real(dp), parameter :: equal = 1e-6_dp
 
    !> Work space of one branch.
    type :: monodromy_type
@@ -97,7 +102,7 @@ contains
       self%kept = [(i, i=1, system%displacements), (system%coordinates + i, i=1, system%coordinates)]
       if (whole) return
       self%given = leading
-      call self%few%setup(system, columns=pair)
+      call self%few%setup(system, columns=four)
    end subroutine setup
 
    subroutine prepare_matrix(self, system)
@@ -139,7 +144,9 @@ contains
       self%now = 1
       if (allocated(self%found)) deallocate (self%found)
       if (self%few%states > 0) then
-         call self%find_leading(balance, frequency_ratio, period, events, success)
+         success = .false.
+         if (self%states < states_for_four) call self%find_leading(balance, frequency_ratio, period, events, two, success)
+         if (.not. success) call self%find_leading(balance, frequency_ratio, period, events, four, success)
          if (success) return
       end if
       self%interrupted = balance%system%interrupt%raised()
@@ -155,24 +162,28 @@ contains
    end subroutine integrate
 
    !> The leading multipliers by Arnoldi's method. No determinant checks the steps: the leading vector is carried again with steps
-   !> of half the length instead. No success: the space would become almost the whole.
-   subroutine find_leading(self, balance, frequency_ratio, period, events, success)
+   !> of half the length instead. No success: the space would become almost the whole; or a multiplier was found as often as the
+   !> space can hold it, and may be there more often.
+   subroutine find_leading(self, balance, frequency_ratio, period, events, block, success)
       class(monodromy_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
       real(dp), intent(in) :: frequency_ratio, period
-      integer, intent(in) :: events
+      !> Contact events, and vectors that are carried together.
+      integer, intent(in) :: events, block
       logical, intent(out) :: success
-      real(dp) :: vectors(self%states, pair), products(self%states, pair), residual
+      real(dp), dimension(self%states, block) :: vectors, products
+      real(dp) :: residual
       complex(dp) :: values(self%given)
       integer :: attempt, check, most
       logical :: independent
 
-      most = pair*int(largest_share*self%states/pair)
+      most = block*int(largest_share*self%states/block)
       success = .false.
       do attempt = 0, most_attempts - 1
-         call self%space%begin(self%states, most)
-         ! Chains of 30 to 200 shafts need 7.2 to 7.7 times the root of their states.
-         check = pair*nint(3.6_dp*sqrt(real(self%states, dp)))
+         call self%space%begin(self%states, most, block)
+         ! With two vectors chains of 30 to 200 shafts need 7.2 to 7.7 times the root of their states; with four, trains of 100 to
+         ! 300 meshes, be they chains or trees, 10 to 13 times.
+         check = min(most, block*nint(merge(3.0_dp, 3.6_dp, block == four)*sqrt(real(self%states, dp))))
          residual = huge(1.0_dp)
          do while (self%space%dimension < most .and. .not. balance%system%interrupt%raised())
             call self%few%start(frequency_ratio, 2.0_dp**attempt)
@@ -185,22 +196,31 @@ contains
             if (self%space%dimension < check) cycle
             call self%space%ritz(values, residual)
             if (residual <= residual_limit) exit
-            ! It falls by about a decade for each six vectors, and faster and faster.
-            check = self%space%dimension + max(pair, min(self%space%dimension/8, nint(6*log10(residual/residual_limit))))
+            ! It falls by about a decade for each three products, and faster and faster.
+            check = self%space%dimension + max(self%space%dimension/16, min(self%space%dimension/8, &
+                                                               nint(3*block*log10(residual/residual_limit))))
          end do
-         if (.not. residual <= residual_limit) return
-         call self%space%leading_vector(values(1), vectors)
+         if (.not. residual <= residual_limit .or. most_copies(values) >= block) return
+         call self%space%leading_vector(values(1), vectors(:, :two))
          call self%few%start(frequency_ratio, 2.0_dp**(attempt + 1))
-         call self%few%put_columns(vectors)
+         call self%few%put_columns(vectors(:, :two))
          call self%carry_vectors(balance, period, events)
-         call self%few%get_columns(products)
+         call self%few%get_columns(products(:, :two))
          products(:, 1) = products(:, 1) - values(1)%re*vectors(:, 1) + abs(values(1)%im)*vectors(:, 2)
          products(:, 2) = products(:, 2) - values(1)%re*vectors(:, 2) - abs(values(1)%im)*vectors(:, 1)
-         success = norm2(products) < largest_defect
+         success = norm2(products(:, :two)) < largest_defect
          if (success) exit
       end do
       if (success) self%found = values
    end subroutine find_leading
+
+   !> How often the multiplier that is there most often is among them.
+   pure integer function most_copies(values)
+      complex(dp), intent(in) :: values(:)
+      integer :: i
+
+      most_copies = maxval([(count(abs(values - values(i)) <= equal*abs(values(i))), i=1, size(values))])
+   end function most_copies
 
    !> Carries the vectors over the period.
    subroutine carry_vectors(self, balance, period, events)

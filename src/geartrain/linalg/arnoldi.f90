@@ -1,22 +1,23 @@
-!> Leading eigenvalues of a matrix known by its products alone: block Arnoldi, two vectors at a time, driven from outside: multiply
-!> the vectors of `latest`, hand the products to `extend`, ask `ritz` now and then.
+!> Leading eigenvalues of a matrix known by its products alone: block Arnoldi, driven from outside: multiply the vectors of
+!> `latest`, hand the products to `extend`, ask `ritz` now and then. An eigenvalue is found as often as it is there, up to `block`
+!> times.
 module geartrain_linalg_arnoldi
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_lapack, only: dgeev, dgemm
    implicit none (type, external)
    private
-   public :: arnoldi_type, pair
+   public :: arnoldi_type
 
-   !> Vectors of a block: as many columns as the propagator likes to carry at least.
-   integer, parameter :: pair = 2
    !> What orthogonalisation may leave of a product before the space counts as exhausted.
    real(dp), parameter :: nothing = 1e-13_dp
 
    type :: arnoldi_type
       !> Dimension of the space whose products are known.
       integer :: dimension = 0
+      !> Vectors that are multiplied at a time.
+      integer :: block = 0
       integer, private :: n = 0
-      !> Orthonormal basis, (n, most + pair); products of the basis in it, (most + pair, most).
+      !> Orthonormal basis, (n, most + block); products of the basis in it, (most + block, most).
       real(dp), allocatable, private :: basis(:, :), projected(:, :)
       !> Eigenvectors of the projection as LAPACK leaves them, and which of them is the first: of the latest `ritz`.
       real(dp), allocatable, private :: vectors(:, :)
@@ -31,22 +32,23 @@ module geartrain_linalg_arnoldi
 
 contains
 
-   !> For a matrix of n rows and a space of at most `most` (even) dimensions.
-   subroutine begin(self, n, most)
+   !> For a matrix of n rows and a space of at most `most` dimensions, a multiple of `block`.
+   subroutine begin(self, n, most, block)
       class(arnoldi_type), intent(inout) :: self
-      integer, intent(in) :: n, most
+      integer, intent(in) :: n, most, block
       integer :: i, k
       logical :: independent
 
       if (allocated(self%basis)) then
-         if (any(shape(self%basis) /= [n, most + pair])) deallocate (self%basis, self%projected)
+         if (any(shape(self%basis) /= [n, most + block])) deallocate (self%basis, self%projected)
       end if
-      if (.not. allocated(self%basis)) allocate (self%basis(n, most + pair), self%projected(most + pair, most))
+      if (.not. allocated(self%basis)) allocate (self%basis(n, most + block), self%projected(most + block, most))
       self%n = n
+      self%block = block
       self%dimension = 0
       self%projected = 0
       ! Any vectors will do that have a share of every eigenvector; always the same, so that results do not depend on history.
-      do k = 1, pair
+      do k = 1, block
          do i = 1, n
             self%basis(i, k) = modulo(real(i, dp)*(sqrt(2.0_dp) + k)*sqrt(3.0_dp)*(i + 7*k), 1.0_dp) - 0.5_dp
          end do
@@ -54,51 +56,51 @@ contains
       call orthonormalise(self, 0, independent)
    end subroutine begin
 
-   !> The two vectors whose products are wanted, (n, pair).
+   !> The vectors whose products are wanted, (n, block).
    pure subroutine latest(self, vectors)
       class(arnoldi_type), intent(in) :: self
       real(dp), intent(out) :: vectors(:, :)
 
-      vectors = self%basis(:, self%dimension + 1:self%dimension + pair)
+      vectors = self%basis(:, self%dimension + 1:self%dimension + self%block)
    end subroutine latest
 
-   !> Takes the products of the latest vectors, (n, pair). Not independent: the space cannot be extended.
+   !> Takes the products of the latest vectors, (n, block). Not independent: the space cannot be extended.
    subroutine extend(self, products, independent)
       class(arnoldi_type), intent(inout) :: self
       real(dp), intent(in) :: products(:, :)
       logical, intent(out) :: independent
       integer :: m
 
-      m = self%dimension + pair
-      self%basis(:, m + 1:m + pair) = products
+      m = self%dimension + self%block
+      self%basis(:, m + 1:m + self%block) = products
       self%dimension = m
       call orthonormalise(self, m, independent)
    end subroutine extend
 
-   !> Makes the pair of vectors after the first m orthonormal to them and to each other; the factors go into the projection.
+   !> Makes the block of vectors after the first m orthonormal to them and to each other; the factors go into the projection.
    !> Twice is enough (Kahan and Parlett).
    subroutine orthonormalise(self, m, independent)
       class(arnoldi_type), intent(inout) :: self
       integer, intent(in) :: m
       logical, intent(out) :: independent
-      real(dp) :: factors(m + pair, pair), length, before
+      real(dp) :: factors(m + self%block, self%block), length, before
       integer :: i, j, k, turn
 
       independent = .true.
-      associate (v => self%basis, h => self%projected)
+      associate (v => self%basis, h => self%projected, block => self%block)
          do turn = 1, 2
             if (m == 0) exit
-            call dgemm('T', 'N', m, pair, self%n, 1.0_dp, v, self%n, v(:, m + 1:), self%n, 0.0_dp, factors, m + pair)
-            call dgemm('N', 'N', self%n, pair, m, -1.0_dp, v, self%n, factors, m + pair, 1.0_dp, v(:, m + 1:), self%n)
-            h(:m, m - pair + 1:m) = h(:m, m - pair + 1:m) + factors(:m, :)
+            call dgemm('T', 'N', m, block, self%n, 1.0_dp, v, self%n, v(:, m + 1:), self%n, 0.0_dp, factors, m + block)
+            call dgemm('N', 'N', self%n, block, m, -1.0_dp, v, self%n, factors, m + block, 1.0_dp, v(:, m + 1:), self%n)
+            h(:m, m - block + 1:m) = h(:m, m - block + 1:m) + factors(:m, :)
          end do
-         do k = m + 1, m + pair
+         do k = m + 1, m + block
             before = norm2(v(:, k))
             do turn = 1, 2
                do j = m + 1, k - 1
                   length = dot_product(v(:, j), v(:, k))
                   v(:, k) = v(:, k) - length*v(:, j)
-                  if (m > 0) h(j, k - pair) = h(j, k - pair) + length
+                  if (m > 0) h(j, k - block) = h(j, k - block) + length
                end do
             end do
             length = norm2(v(:, k))
@@ -107,7 +109,7 @@ contains
             do i = 1, self%n
                v(i, k) = v(i, k)/length
             end do
-            if (m > 0) h(k, k - pair) = length
+            if (m > 0) h(k, k - block) = length
          end do
       end associate
    end subroutine orthonormalise
@@ -119,7 +121,7 @@ contains
       complex(dp), intent(out) :: values(:)
       real(dp), intent(out) :: residual
       real(dp) :: h(self%dimension, self%dimension), re(self%dimension), im(self%dimension), work(34*self%dimension), empty(1, 1)
-      complex(dp) :: tail(pair)
+      complex(dp) :: tail(self%block)
       logical :: left(self%dimension)
       integer :: i, k, m, info
 
@@ -133,7 +135,8 @@ contains
       if (info /= 0) return
       residual = 0
       left = .true.
-      associate (last => self%vectors(m - pair + 1:, :), next => self%projected(m + 1:m + pair, m - pair + 1:m))
+      associate (last => self%vectors(m - self%block + 1:, :), &
+                 next => self%projected(m + 1:m + self%block, m - self%block + 1:m))
          do i = 1, size(values)
             k = maxloc(hypot(re, im), 1, left)
             left(k) = .false.
@@ -148,7 +151,7 @@ contains
       end associate
    end subroutine ritz
 
-   !> Real and imaginary part of the eigenvector of the first value of the latest `ritz` (or of its conjugate), (n, pair).
+   !> Real and imaginary part of the eigenvector of the first value of the latest `ritz` (or of its conjugate), (n, 2).
    subroutine leading_vector(self, value, vector)
       class(arnoldi_type), intent(in) :: self
       complex(dp), intent(in) :: value

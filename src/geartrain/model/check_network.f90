@@ -7,7 +7,7 @@ module geartrain_model_check_network
    use geartrain_base_numbers, only: integer_text, real_text, text
    use geartrain_mesh_law_law, only: law_type
    use geartrain_model_mesh, only: mesh_type, plain_mesh, put_law
-   use geartrain_model_network, only: build_network, ends_of, join_rigid, network_type
+   use geartrain_model_network, only: build_network, find_ends, join_rigid, network_type
    use geartrain_model_rest, only: largest_residual, rest_forces
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -23,7 +23,8 @@ contains
    subroutine check_network(train, checker)
       type(train_type), intent(in) :: train
       class(checker_type), intent(inout) :: checker
-      integer :: before, i
+      integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
+      integer :: before
 
       before = checker%problems%count
       call check_chain_values(train, checker)
@@ -32,12 +33,12 @@ contains
       if (size(train%meshes) == 0) call checker%problems%add('the train has no &mesh', 'train', 1, names_group=.true.)
       if (checker%problems%count > before) return
       ! A problem that has been told already, with its value, is not counted here.
-      if (any([(ends_of(train, i, mesh=.false.) == 0, i=1, size(train%shafts))])) return
-      if (any([(ends_of(train, i, mesh=.true.) == 0, i=1, size(train%meshes))])) return
-      call check_inertias(train, checker)
+      call find_ends(train, shaft_ends, mesh_ends)
+      if (any(shaft_ends == 0) .or. any(mesh_ends == 0)) return
+      call check_inertias(train, shaft_ends, mesh_ends, checker)
       if (.not. all(train%meshes%driving_radius > 0 .and. train%meshes%driven_radius > 0)) return
-      call check_joints(train, checker)
-      call check_elastic(train, checker)
+      call check_joints(train, shaft_ends, mesh_ends, checker)
+      call check_elastic(train, shaft_ends, mesh_ends, checker)
       if (checker%problems%count == before) call check_rest(train, checker)
    end subroutine check_network
 
@@ -164,18 +165,20 @@ contains
    end subroutine check_balance
 
    !> What vibrates has inertia: a body on a mesh or an elastic shaft; a rigid shaft may join one without to another.
-   subroutine check_inertias(train, checker)
+   subroutine check_inertias(train, shaft_ends, mesh_ends, checker)
       type(train_type), intent(in) :: train
+      !> Bodies that each shaft and each mesh joins, (2, shaft) and (2, mesh).
+      integer, intent(in) :: shaft_ends(:, :), mesh_ends(:, :)
       class(checker_type), intent(inout) :: checker
       logical :: needed(size(train%bodies))
       integer :: i
 
       needed = .false.
       do i = 1, size(train%shafts)
-         if (.not. train%shafts(i)%rigid) needed(ends_of(train, i, mesh=.false.)) = .true.
+         if (.not. train%shafts(i)%rigid) needed(shaft_ends(:, i)) = .true.
       end do
       do i = 1, size(train%meshes)
-         needed(ends_of(train, i, mesh=.true.)) = .true.
+         needed(mesh_ends(:, i)) = .true.
       end do
       do i = 1, size(train%bodies)
          if (.not. needed(i) .or. train%bodies(i)%inertia > 0) cycle
@@ -186,18 +189,19 @@ contains
    end subroutine check_inertias
 
    !> A mesh or an elastic shaft whose ends turn as one does nothing.
-   subroutine check_elastic(train, checker)
+   subroutine check_elastic(train, shaft_ends, mesh_ends, checker)
       type(train_type), intent(in) :: train
+      integer, intent(in) :: shaft_ends(:, :), mesh_ends(:, :)
       class(checker_type), intent(inout) :: checker
       type(network_type) :: network
       integer :: i
 
       call join_rigid(train, network)
       do i = 1, size(train%shafts)
-         if (.not. train%shafts(i)%rigid) call check_one('shaft', train%shafts(i)%between, ends_of(train, i, mesh=.false.))
+         if (.not. train%shafts(i)%rigid) call check_one('shaft', train%shafts(i)%between, shaft_ends(:, i))
       end do
       do i = 1, size(train%meshes)
-         call check_one('mesh', train%meshes(i)%between, ends_of(train, i, mesh=.true.))
+         call check_one('mesh', train%meshes(i)%between, mesh_ends(:, i))
       end do
 
    contains
@@ -209,16 +213,16 @@ contains
          if (network%node(ends(1)) /= network%node(ends(2))) return
          call checker%enter(group, i)
          call checker%complain('between', "'"//trim(between(1))//"', '"//trim(between(2))//"'", &
-                               'are made one body by '//trim(rigid_way(train, ends))//': nothing moves in between')
+                               'are made one body by '//trim(rigid_way(train, shaft_ends, ends))//': nothing moves in between')
          call checker%leave()
       end subroutine check_one
 
    end subroutine check_elastic
 
    !> The rigid shafts from one body to another: 'the rigid &shaft 1, &shaft 3'.
-   function rigid_way(train, ends) result(words)
+   function rigid_way(train, shaft_ends, ends) result(words)
       type(train_type), intent(in) :: train
-      integer, intent(in) :: ends(2)
+      integer, intent(in) :: shaft_ends(:, :), ends(2)
       character(400) :: words
       !> The rigid shaft by which each body was met, seen from the second end; 0: not met.
       integer :: by(size(train%bodies)), pair(2), body, i, round
@@ -228,7 +232,7 @@ contains
       do round = 1, size(by)
          do i = 1, size(train%shafts)
             if (.not. train%shafts(i)%rigid) cycle
-            pair = ends_of(train, i, mesh=.false.)
+            pair = shaft_ends(:, i)
             if (by(pair(1)) /= 0 .neqv. by(pair(2)) /= 0) by(merge(pair(2), pair(1), by(pair(1)) /= 0)) = i
          end do
       end do
@@ -237,7 +241,7 @@ contains
       do while (body /= ends(2))
          i = by(body)
          words = trim(words)//', &shaft '//integer_text(i)
-         body = sum(ends_of(train, i, mesh=.false.)) - body
+         body = sum(shaft_ends(:, i)) - body
       end do
       words = 'the rigid '//words(3:)
    end function rigid_way
@@ -268,8 +272,10 @@ contains
 
    !> Walks from the first body to all that it is joined with: whom it does not meet is joined with nothing, and where it meets one
    !> again the ratios must agree.
-   subroutine check_joints(train, checker)
+   subroutine check_joints(train, shaft_ends, mesh_ends, checker)
       type(train_type), intent(in) :: train
+      !> Bodies that each shaft and each mesh joins, (2, shaft) and (2, mesh).
+      integer, intent(in) :: shaft_ends(:, :), mesh_ends(:, :)
       class(checker_type), intent(inout) :: checker
       !> Reduced radius and sense of rotation of each body, and the joint it was met by: number, whether it is a mesh, body before.
       real(dp) :: radius(size(train%bodies))
@@ -285,11 +291,11 @@ contains
       do while (changed)
          changed = .false.
          do i = 1, size(train%shafts)
-            call pass(ends_of(train, i, mesh=.false.), [1.0_dp, 1.0_dp], 1)
+            call pass(shaft_ends(:, i), [1.0_dp, 1.0_dp], 1)
          end do
          do i = 1, size(train%meshes)
             associate (mesh => train%meshes(i))
-               call pass(ends_of(train, i, mesh=.true.), [mesh%driving_radius, mesh%driven_radius], merge(1, -1, mesh%internal))
+               call pass(mesh_ends(:, i), [mesh%driving_radius, mesh%driven_radius], merge(1, -1, mesh%internal))
             end associate
          end do
       end do
@@ -302,11 +308,11 @@ contains
       end do
       if (.not. all(met)) return
       do i = 1, size(train%shafts)
-         ends = ends_of(train, i, mesh=.false.)
+         ends = shaft_ends(:, i)
          call close_loop(ends, radius(ends(2))/radius(ends(1)), sense(ends(1)) == sense(ends(2)), 'shaft')
       end do
       do i = 1, size(train%meshes)
-         ends = ends_of(train, i, mesh=.true.)
+         ends = mesh_ends(:, i)
          associate (mesh => train%meshes(i))
             call close_loop(ends, radius(ends(2))/radius(ends(1))*(mesh%driving_radius/mesh%driven_radius), &
                             (sense(ends(1)) == sense(ends(2))) .eqv. mesh%internal, 'mesh')

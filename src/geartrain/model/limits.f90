@@ -8,7 +8,7 @@ module geartrain_model_limits
    use geartrain_base_series, only: series_type
    use geartrain_model_excitation, only: lowest_harmonic
    use geartrain_model_mesh, only: mean_stiffness
-   use geartrain_model_network, only: bodies_of, body_count, build_network, ends_of, join_rigid, network_type, stiffening
+   use geartrain_model_network, only: bodies_of, body_count, build_network, find_ends, join_rigid, network_type, stiffening
    use geartrain_model_system, only: put_excitation, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -97,14 +97,16 @@ contains
       type(network_type) :: network
       character(*), parameter :: units = 'are radii, inertias and stiffness in SI units?'
       real(dp) :: own, frequency(merge(size(train%meshes), 0, allocated(train%meshes)))
+      integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
       integer :: i
 
       if (.not. in_order(train, checker)) return
-      own = own_frequency(train)
       frequency = mesh_frequencies(train)
+      own = own_frequency(train)
+      call find_ends(train, shaft_ends, mesh_ends)
       call join_rigid(train, network)
       do i = 1, size(train%shafts)
-         associate (shaft => train%shafts(i), nodes => network%node(ends_of(train, i, mesh=.false.)))
+         associate (shaft => train%shafts(i), nodes => network%node(shaft_ends(:, i)))
             if (shaft%rigid) cycle
             call check_element(sqrt(shaft%stiffness)*sqrt(sum(1/network%inertia(nodes))), 'shaft', 'stiffness', shaft%stiffness, &
                                shaft%damping_ratio, shaft%damping_given, shaft%damping, &
@@ -182,21 +184,21 @@ contains
       own_frequency = min(huge(1.0_dp), max(tiny(1.0_dp), minval(mesh_frequencies(train))))
    end function own_frequency
 
-   !> Frequency of each mesh [rad/s].
+   !> Frequency of each mesh between its two gears, stiffened by the loops it is in [rad/s], (mesh).
    pure function mesh_frequencies(train) result(frequency)
       type(train_type), intent(in) :: train
       real(dp) :: frequency(size(train%meshes))
       real(dp), dimension(body_count(train)) :: inertia, torque
       type(network_type) :: network
-      integer :: balancing, j
+      integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
+      integer :: balancing
 
       call bodies_of(train, inertia, torque, balancing)
-      do j = 1, size(frequency)
-         associate (mesh => train%meshes(j), ends => ends_of(train, j, mesh=.true.))
-            frequency(j) = sqrt(mean_stiffness(mesh))*hypot(mesh%driving_radius/sqrt(inertia(ends(1))), &
-                                                            mesh%driven_radius/sqrt(inertia(ends(2))))
-         end associate
-      end do
+      call find_ends(train, shaft_ends, mesh_ends)
+      associate (mesh => train%meshes)
+         frequency = sqrt(mean_stiffness(mesh))*hypot(mesh%driving_radius/sqrt(inertia(mesh_ends(1, :))), &
+                                                      mesh%driven_radius/sqrt(inertia(mesh_ends(2, :))))
+      end associate
       if (.not. allocated(train%bodies)) return
       call build_network(train, network)
       associate (n => network%elements%mesh)

@@ -9,7 +9,7 @@ module geartrain_model_network
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: network_type, element_type, build_network, join_rigid, bodies_of, ends_of, body_count, state_count, stiffening
+   public :: network_type, element_type, build_network, join_rigid, bodies_of, find_ends, body_count, state_count, stiffening
 
    !> A shaft or a mesh: its force is F, its displacement p = radius(1) theta_from - radius(2) theta_to.
    type :: element_type
@@ -115,43 +115,74 @@ contains
       end if
    end subroutine bodies_of
 
-   !> The bodies that a shaft (or, where `mesh` is true, a mesh) joins; 0 for a name that there is not.
-   pure function ends_of(train, number, mesh) result(ends)
+   !> The bodies that the shafts and the meshes join, (2, shaft) and (2, mesh); 0 for a name that there is not.
+   pure subroutine find_ends(train, shafts, meshes)
       type(train_type), intent(in) :: train
-      integer, intent(in) :: number
-      logical, intent(in) :: mesh
-      integer :: ends(2), i, j
+      integer, allocatable, intent(out) :: shafts(:, :), meshes(:, :)
+      integer, allocatable :: keys(:)
+      integer :: i, j
 
+      allocate (shafts(2, size(train%shafts)), meshes(2, size(train%meshes)))
       if (.not. allocated(train%bodies)) then
-         ends = 2*number + merge([0, 1], [-1, 0], mesh)
+         shafts = reshape([(2*((i + 1)/2) + mod(i + 1, 2) - 1, i=1, size(shafts))], shape(shafts))
+         meshes = shafts(:, :size(train%meshes)) + 1
          return
       end if
-      ends = 0
-      do j = 1, size(train%bodies)
-         if (.not. allocated(train%bodies(j)%name)) cycle
-         do i = 1, 2
-            if (mesh) then
-               if (train%meshes(number)%between(i) == train%bodies(j)%name) ends(i) = j
-            else
-               if (train%shafts(number)%between(i) == train%bodies(j)%name) ends(i) = j
-            end if
+      allocate (keys(size(train%bodies)), source=0)
+      do j = 1, size(keys)
+         if (allocated(train%bodies(j)%name)) keys(j) = key(train%bodies(j)%name)
+      end do
+      do i = 1, 2
+         do j = 1, size(shafts, 2)
+            shafts(i, j) = body_named(train%shafts(j)%between(i))
+         end do
+         do j = 1, size(meshes, 2)
+            meshes(i, j) = body_named(train%meshes(j)%between(i))
          end do
       end do
-   end function ends_of
+
+   contains
+
+      !> A positive number of a name: most names are told apart by it, at a hundredth of the time that the names take.
+      pure integer function key(name)
+         character(*), intent(in) :: name
+         integer :: k
+
+         key = 1
+         do k = 1, len_trim(name)
+            key = 1 + mod(31*key + ichar(name(k:k)), 10000019)
+         end do
+      end function key
+
+      pure integer function body_named(name)
+         character(*), intent(in) :: name
+         integer :: wanted
+
+         wanted = key(name)
+         do body_named = size(keys), 1, -1
+            if (keys(body_named) /= wanted) cycle
+            if (train%bodies(body_named)%name == name) return
+         end do
+      end function body_named
+
+   end subroutine find_ends
 
    !> Makes the nodes, numbered by their first bodies.
    pure subroutine join_rigid(train, network)
       type(train_type), intent(in) :: train
       type(network_type), intent(out) :: network
       real(dp), dimension(body_count(train)) :: inertia, torque
-      integer :: root(body_count(train)), ends(2), balancing, i, nodes
+      integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
+      integer :: root(body_count(train)), balancing, i, nodes
 
       call bodies_of(train, inertia, torque, balancing)
+      call find_ends(train, shaft_ends, mesh_ends)
       root = [(i, i=1, size(root))]
       do i = 1, size(train%shafts)
          if (.not. train%shafts(i)%rigid) cycle
-         ends = ends_of(train, i, mesh=.false.)
-         where (root == maxval(root(ends))) root = minval(root(ends))
+         associate (ends => shaft_ends(:, i))
+            where (root == maxval(root(ends))) root = minval(root(ends))
+         end associate
       end do
       allocate (network%node(size(root)))
       nodes = 0
@@ -177,36 +208,37 @@ contains
       type(network_type), intent(in) :: network
       type(element_type), allocatable, intent(out) :: elements(:)
       real(dp), dimension(body_count(train)) :: inertia, torque
+      integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
       integer :: balancing, i, n
 
       call bodies_of(train, inertia, torque, balancing)
+      call find_ends(train, shaft_ends, mesh_ends)
       allocate (elements(size(train%meshes) + count(.not. train%shafts%rigid)))
       n = 0
       do i = 1, max(size(train%shafts), size(train%meshes))
          if (i <= size(train%shafts)) then
             if (.not. train%shafts(i)%rigid) then
                n = n + 1
-               call make_shaft(train, network, i, elements(n))
+               call make_shaft(train, network, i, shaft_ends(:, i), mesh_ends, elements(n))
             end if
          end if
          if (i > size(train%meshes)) cycle
          n = n + 1
-         call make_mesh(train, network, i, inertia, elements(n))
+         call make_mesh(train, network, i, mesh_ends(:, i), inertia, elements(n))
       end do
    end subroutine list_elements
 
-   pure subroutine make_shaft(train, network, i, element)
+   pure subroutine make_shaft(train, network, i, ends, mesh_ends, element)
       type(train_type), intent(in) :: train
       type(network_type), intent(in) :: network
-      integer, intent(in) :: i
+      !> The shaft, the bodies that it joins, and those that each mesh joins, (2, mesh).
+      integer, intent(in) :: i, ends(2), mesh_ends(:, :)
       type(element_type), intent(inout) :: element
-      integer :: ends(2)
 
-      ends = ends_of(train, i, mesh=.false.)
       element%shaft = i
       element%from = network%node(ends(1))
       element%to = network%node(ends(2))
-      element%radius = measured_radius(train, network, [element%from, element%to])
+      element%radius = measured_radius(train, network, mesh_ends, [element%from, element%to])
       associate (shaft => train%shafts(i))
          element%stiffness = shaft%stiffness/element%radius(1)**2
          element%damping = 2*shaft%damping_ratio*sqrt(shaft%stiffness/sum(1/network%inertia([element%from, element%to])))
@@ -215,16 +247,15 @@ contains
       end associate
    end subroutine make_shaft
 
-   pure subroutine make_mesh(train, network, i, inertia, element)
+   pure subroutine make_mesh(train, network, i, ends, inertia, element)
       type(train_type), intent(in) :: train
       type(network_type), intent(in) :: network
-      integer, intent(in) :: i
+      !> The mesh and the bodies that it joins.
+      integer, intent(in) :: i, ends(2)
       real(dp), intent(in) :: inertia(:)
       type(element_type), intent(inout) :: element
       type(mesh_type) :: mesh
-      integer :: ends(2)
 
-      ends = ends_of(train, i, mesh=.true.)
       element%mesh = i
       element%from = network%node(ends(1))
       element%to = network%node(ends(2))
@@ -248,20 +279,19 @@ contains
 
    !> The radius along which the twist of a shaft is measured [m]: of a gear that drives from one of its nodes, else of one that is
    !> driven, else of any gear.
-   pure real(dp) function measured_radius(train, network, nodes) result(radius)
+   pure real(dp) function measured_radius(train, network, mesh_ends, nodes) result(radius)
       type(train_type), intent(in) :: train
       type(network_type), intent(in) :: network
-      integer, intent(in) :: nodes(2)
-      integer :: ends(2), i
+      !> Bodies of each mesh, (2, mesh), and the nodes of the shaft.
+      integer, intent(in) :: mesh_ends(:, :), nodes(2)
+      integer :: i
 
       radius = train%meshes(1)%driving_radius
       do i = size(train%meshes), 1, -1
-         ends = network%node(ends_of(train, i, mesh=.true.))
-         if (any(nodes == ends(2))) radius = train%meshes(i)%driven_radius
+         if (any(nodes == network%node(mesh_ends(2, i)))) radius = train%meshes(i)%driven_radius
       end do
       do i = size(train%meshes), 1, -1
-         ends = network%node(ends_of(train, i, mesh=.true.))
-         if (any(nodes == ends(1))) radius = train%meshes(i)%driving_radius
+         if (any(nodes == network%node(mesh_ends(1, i)))) radius = train%meshes(i)%driving_radius
       end do
    end function measured_radius
 

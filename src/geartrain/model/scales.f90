@@ -6,7 +6,7 @@ module geartrain_model_scales
    use geartrain_base_numbers, only: integer_text, real_text, text
    use geartrain_model_limits, only: in_order, own_frequency
    use geartrain_model_mesh, only: mean_stiffness
-   use geartrain_model_network, only: bodies_of, body_count, ends_of
+   use geartrain_model_network, only: bodies_of, body_count, find_ends
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -187,8 +187,10 @@ contains
       real(dp), intent(out) :: radius(:), force(:), compliance(:)
       real(dp) :: inertia(size(radius)), torque(size(radius))
       logical :: known(size(radius)), changed
+      integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
       integer :: balancing, i
 
+      call find_ends(train, shaft_ends, mesh_ends)
       known = .false.
       known(1) = .true.
       radius = 0
@@ -196,16 +198,16 @@ contains
       do while (changed)
          changed = .false.
          do i = 1, max(size(train%shafts), size(train%meshes))
-            if (i <= size(train%shafts)) call hand_on(ends_of(train, i, mesh=.false.), 0.0_dp)
-            if (i <= size(train%meshes)) call hand_on(ends_of(train, i, mesh=.true.), decades(train%meshes(i)%driven_radius) &
-                                                                                       - decades(train%meshes(i)%driving_radius))
+            if (i <= size(train%shafts)) call hand_on(shaft_ends(:, i), 0.0_dp)
+            if (i <= size(train%meshes)) call hand_on(mesh_ends(:, i), decades(train%meshes(i)%driven_radius) &
+                                                                             - decades(train%meshes(i)%driving_radius))
          end do
       end do
       call bodies_of(train, inertia, torque, balancing)
       force = decades(torque) - radius
       force(balancing) = none
       do i = 1, size(compliance)
-         associate (mesh => train%meshes(i), ends => ends_of(train, i, mesh=.true.))
+         associate (mesh => train%meshes(i), ends => mesh_ends(:, i))
             compliance(i) = radius(ends(1)) - decades(mesh%driving_radius) - decades(mean_stiffness(mesh))
          end associate
       end do
