@@ -1,7 +1,10 @@
-!> LU factors against the products they are made of, for sizes on both sides of the change to LAPACK.
+!> Small numerical tools: LU factors against the products they are made of, for sizes on both sides of the change to LAPACK; first
+!> roots of polynomials; sorting.
 module unit_elimination
    use geartrain, only: dp
+   use geartrain_base_sorting, only: ascending
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
+   use geartrain_linalg_first_root, only: first_root
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -26,7 +29,30 @@ contains
          call factor_matrix(3, singular, pivot, info)
          call tests%is_true(info /= 0, 'a singular matrix is told')
       end if
+      if (tests%runs('first_roots')) call first_roots(tests)
+      if (tests%runs('sorting')) then
+         call tests%is_true(all(ascending([3.0_dp, 1.0_dp, 2.0_dp, 1.0_dp]) == [2, 4, 3, 1]), 'equal keys keep their order')
+         call tests%is_true(size(ascending([real(dp) ::])) == 0, 'no keys')
+      end if
    end subroutine elimination_tests
+
+   !> Polynomials with known roots.
+   subroutine first_roots(tests)
+      class(tests_type), intent(inout) :: tests
+      real(dp) :: root
+      logical :: hit
+
+      ! (0.3 - t)(1.1 - t)
+      call first_root([0.33_dp, -1.4_dp, 1.0_dp], 2.0_dp, root, hit)
+      call tests%is_true(hit, 'the first of two roots')
+      call tests%is_close(root, 0.3_dp, 1e-15_dp, 'the first of two roots')
+      ! (t - 0.7)**2 - 1e-6, below zero within a small part of the interval only
+      call first_root([0.49_dp - 1e-6_dp, -1.4_dp, 1.0_dp], 2.0_dp, root, hit)
+      call tests%is_true(hit, 'a brief fall below zero')
+      call tests%is_close(root, 0.699_dp, 1e-12_dp, 'a brief fall below zero')
+      call first_root([0.49_dp + 1e-6_dp, -1.4_dp, 1.0_dp], 2.0_dp, root, hit)
+      call tests%is_true(.not. hit, 'a minimum above zero')
+   end subroutine first_roots
 
    !> a x = b with a known x, one column and three; zeros on the diagonal make rows change places.
    subroutine solves(tests, n)

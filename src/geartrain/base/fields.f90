@@ -328,7 +328,7 @@ contains
          if (.not. fits) return
          n = product(extents)
          if (self%along /= '') first = (self%item - 1)*n
-         ! A field put together by hand may be shorter than it says.
+         ! A field that another program made may have fewer values than its extents tell.
          if (kind == kind_real) fits = size(field%reals) >= first + n
          if (kind == kind_integer .or. kind == kind_logical) fits = size(field%integers) >= first + n
          if (kind == kind_text) fits = size(field%texts) >= first + n

@@ -1,4 +1,4 @@
-!> The one sort.
+!> Sorting.
 module geartrain_base_sorting
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
