@@ -3,7 +3,7 @@ module geartrain_base_series
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
    private
-   public :: series_type, make_series, series_value, wave_value
+   public :: series_type, make_series, wave_value
 
    !> Sum over h of Re(amplitude(h) exp(i h order Lambda t)).
    type :: series_type
@@ -34,14 +34,6 @@ contains
       series%order = order
       series%amplitude = factor*amplitude(:h)
    end function make_series
-
-   !> Value of a series at the phase Lambda t [rad].
-   pure real(dp) function series_value(series, phase)
-      type(series_type), intent(in) :: series
-      real(dp), intent(in) :: phase
-
-      series_value = wave_value(series%amplitude, series%order*phase)
-   end function series_value
 
    !> Sum over h of Re(amplitude(h) exp(i h phase)).
    pure real(dp) function wave_value(amplitude, phase)

@@ -1,5 +1,5 @@
 !> Shooting: a periodic orbit to integration accuracy by Newton on the flow over its period, in one piece or, where that does not
-!> do, in sections. The force is continuous at contact events, so the monodromy matrix that comes with the flow is the exact
+!> do, in sections. Tangents pass contact events exactly, so the monodromy matrix that comes with the flow is the exact
 !> derivative.
 module geartrain_flow_shooting
    use geartrain_balance_motion, only: motion_type

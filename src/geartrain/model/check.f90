@@ -139,8 +139,8 @@ contains
    subroutine check_back(mesh, checker)
       type(mesh_type), intent(in) :: mesh
       class(checker_type), intent(inout) :: checker
-      character(*), parameter :: cure = 'a mesh with half_backlash = 0 never parts, and has no back flanks of its own: leave it &
-         &out, or give half_backlash'
+      character(*), parameter :: cure = 'contradicts half_backlash = 0, of a mesh that never parts and has no back flanks of its &
+         &own: leave out one of the two'
 
       if (mesh%half_backlash > 0) return
       if (mesh%back_stiffness > 0) call checker%complain('back_stiffness', real_text(mesh%back_stiffness), cure)
