@@ -186,6 +186,8 @@ def scale_section(found):
             ("memory above that of the smallest train, by shafts", pictures.exponent(above_first(found["memory"]), "memory")),
         )
     ]
+    # What was measured before there were trees has none.
+    trees = tree_rows(found.get("trees", {"chain": []}))
     missing = " *Not measured*: the size before took too long." if "not measured" in str(shafts) else ""
     return f"""## Size
 
@@ -195,7 +197,7 @@ executable (all of the process: its libraries, and the {found["points"]} points 
 {table(("shafts", "a point, without multipliers", "with", "memory"), shafts)}
 A point of trees beside chains, of as many equal pairs each, all loaded alike, contact never lost:
 
-{table(("meshes", "shape", "without multipliers", "over the chain's", "with", "over the chain's"), tree_rows(found.get("trees", {"chain": []})))}
+{table(("meshes", "shape", "without multipliers", "over the chain's", "with", "over the chain's"), trees)}
 And of figure 3's train for more harmonics:
 
 {table(("R", "a point, without multipliers", "with"), size_rows(found["harmonics"]))}
