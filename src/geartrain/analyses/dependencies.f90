@@ -15,7 +15,7 @@ module geartrain_analyses_dependencies
    use geartrain_continuation_variables, only: settings_for
    implicit none (type, external)
    private
-   public :: check_agreement, follow_branches, keep_branches, locate_edges, refine_branches, take_known
+   public :: asks_refinement, check_agreement, follow_branches, keep_branches, locate_edges, refine_branches, take_known
 
 contains
 
@@ -103,8 +103,7 @@ contains
       integer :: i
 
       whole = .true.
-      if (.not. allocated(case%response)) return
-      if (.not. case%response%refine) return
+      if (.not. asks_refinement(case)) return
       call refine_branch(case%train, results%response, error, observer)
       if (allocated(error)) return
       whole = is_refined(results%response)
@@ -116,6 +115,13 @@ contains
          whole = is_refined(results%branches(i))
       end do
    end subroutine refine_branches
+
+   pure logical function asks_refinement(case)
+      type(case_type), intent(in) :: case
+
+      asks_refinement = .false.
+      if (allocated(case%response)) asks_refinement = case%response%refine
+   end function asks_refinement
 
    !> Whether refinement has come to every point.
    pure logical function is_refined(branch)

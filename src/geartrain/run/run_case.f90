@@ -1,7 +1,7 @@
 !> Computes what a case asks for and writes it.
 module geartrain_run_run_case
    use geartrain_analyses_analysis, only: analysis_type, spoken
-   use geartrain_analyses_dependencies, only: follow_branches, locate_edges, refine_branches, take_known
+   use geartrain_analyses_dependencies, only: asks_refinement, follow_branches, locate_edges, refine_branches, take_known
    use geartrain_analyses_list, only: analyses, case_type, find_analysis, leave_out, number_of, results_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_error, only: error_type, fatal, status_ended_early
@@ -94,7 +94,7 @@ contains
             call follow_branches(trim(analyses(i)%name), case, results, error, checkpoint, known)
          if (allocated(error)) return
       end do
-      if (.not. checkpoint%is_cancelled()) then
+      if (asks_refinement(case) .and. .not. checkpoint%is_cancelled()) then
          call checkpoint%write_now()
          call refine_branches(case, results, error, checkpoint, whole)
          if (allocated(error)) return
