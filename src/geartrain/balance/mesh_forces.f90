@@ -5,9 +5,9 @@ module geartrain_balance_mesh_forces
    use geartrain_balance_needed_harmonics, only: needed_harmonics
    use geartrain_balance_products, only: add_coefficients, find_wave, toeplitz, wave_product
    use geartrain_base_kinds, only: dp
+   use geartrain_floquet_motion_contacts, only: motion_contacts_type
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: fine_samples, transform_length
-   use geartrain_mesh_law_contact, only: contact_type
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
@@ -17,21 +17,15 @@ module geartrain_balance_mesh_forces
    !> harmonics is, and the whole derivative is applied by FFT.
    integer, parameter :: most_direct = 16, explicit_of_many = 10
 
-   type :: mesh_forces_type
-      type(system_type) :: system
-      !> Sub-harmonic index; carried harmonics of Lambda/eta, ascending; coefficients of a mesh, 1 + 2*size(harmonic).
-      integer :: eta = 1
+   !> The contacts are those at the last `find_forces`.
+   type, extends(motion_contacts_type) :: mesh_forces_type
+      !> Carried harmonics of Lambda/eta, ascending; coefficients of a mesh, 1 + 2*size(harmonic).
       integer, allocatable :: harmonic(:)
       integer :: block = 1
       !> Highest harmonic asked for; carried are all of 1..highest where eta > 1, else those that the excitation reaches.
       integer :: highest = 0
       !> Samples a period by which the coefficients are found; 0: the coefficients are exact.
       integer :: samples = 0
-      !> Number of unknown meshes, and their numbers in the train, (unknown).
-      integer :: unknowns = 0
-      integer, allocatable :: mesh(:)
-      !> Contact of each unknown mesh at the last `find_forces`, (unknown).
-      type(contact_type), allocatable :: contact(:)
       !> phi [1], (block, unknown), and d phi/du [1], (1 + 2*explicit, 1 + 2*explicit, unknown), of the mean and the lowest
       !> `explicit` carried harmonics.
       real(dp), allocatable :: force(:, :), tangent(:, :, :)

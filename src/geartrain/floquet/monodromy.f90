@@ -3,8 +3,8 @@
 !> Of a train of many states only the leading multipliers are found, by products with a few vectors.
 module geartrain_floquet_monodromy
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use geartrain_balance_balance, only: balance_type
    use geartrain_base_kinds, only: dp, pi
+   use geartrain_floquet_motion_contacts, only: motion_contacts_type
    use geartrain_floquet_multipliers, only: eigenvalues, power
    use geartrain_floquet_propagator, only: propagator_type
    use geartrain_floquet_time_reversal, only: time_reversal_type
@@ -116,10 +116,10 @@ contains
                 self%factors(self%states, self%states), self%pivot(self%states))
    end subroutine prepare_matrix
 
-   !> Monodromy matrix over the period 2 pi eta/Lambda of the motion at which `balance` was last evaluated, or what is wanted of it.
-   subroutine integrate(self, balance, frequency_ratio, shift)
+   !> Monodromy matrix over the period 2 pi eta/Lambda of a motion, or its leading multipliers alone.
+   subroutine integrate(self, motion, frequency_ratio, shift)
       class(monodromy_type), intent(inout) :: self
-      type(balance_type), intent(in) :: balance
+      class(motion_contacts_type), intent(in) :: motion
       real(dp), intent(in) :: frequency_ratio
       !> What each contact event is moved by [rad], (event, unknown mesh).
       real(dp), intent(in), optional :: shift(:, :)
@@ -127,16 +127,16 @@ contains
       integer :: events, attempt
       logical :: success
 
-      period = 2*pi*balance%eta/frequency_ratio
+      period = 2*pi*motion%eta/frequency_ratio
       ! Handed on as it is, an absent array would have its bounds read by gfortran 12.
       if (present(shift)) then
-         call self%collect_events(balance, period, events, shift)
+         call self%collect_events(motion, period, events, shift)
       else
-         call self%collect_events(balance, period, events)
+         call self%collect_events(motion, period, events)
       end if
       self%confirmed = .true.
       self%repetitions = 1
-      if (balance%eta == 1) self%repetitions = balance%system%excitation_order
+      if (motion%eta == 1) self%repetitions = motion%system%excitation_order
       ! Two contacts may differ by rounding at a grazing one.
       if (mod(events, self%repetitions) /= 0) self%repetitions = 1
       period = period/self%repetitions
@@ -145,17 +145,17 @@ contains
       if (allocated(self%found)) deallocate (self%found)
       if (self%few%states > 0) then
          success = .false.
-         if (self%states < states_for_four) call self%find_leading(balance, frequency_ratio, period, events, two, success)
-         if (.not. success) call self%find_leading(balance, frequency_ratio, period, events, four, success)
+         if (self%states < states_for_four) call self%find_leading(motion, frequency_ratio, period, events, two, success)
+         if (.not. success) call self%find_leading(motion, frequency_ratio, period, events, four, success)
          if (success) return
       end if
-      self%interrupted = balance%system%interrupt%raised()
+      self%interrupted = motion%system%interrupt%raised()
       if (self%interrupted) return
-      if (.not. allocated(self%transposed)) call self%prepare_matrix(balance%system)
+      if (.not. allocated(self%transposed)) call self%prepare_matrix(motion%system)
       do attempt = 0, most_attempts - 1
          call self%propagator%start(frequency_ratio, 2.0_dp**attempt)
-         call self%carry(balance, frequency_ratio, period, events)
-         self%interrupted = balance%system%interrupt%raised()
+         call self%carry(motion, frequency_ratio, period, events)
+         self%interrupted = motion%system%interrupt%raised()
          self%confirmed = self%liouville_defect < largest_defect
          if (self%confirmed .or. self%interrupted) exit
       end do
@@ -164,9 +164,9 @@ contains
    !> The leading multipliers by Arnoldi's method. No determinant checks the steps: the leading vector is carried again with steps
    !> of half the length instead. No success: the space would become almost the whole; or a multiplier was found as often as the
    !> space can hold it, and may be there more often.
-   subroutine find_leading(self, balance, frequency_ratio, period, events, block, success)
+   subroutine find_leading(self, motion, frequency_ratio, period, events, block, success)
       class(monodromy_type), intent(inout) :: self
-      type(balance_type), intent(in) :: balance
+      class(motion_contacts_type), intent(in) :: motion
       real(dp), intent(in) :: frequency_ratio, period
       !> Contact events, and vectors that are carried together.
       integer, intent(in) :: events, block
@@ -185,11 +185,11 @@ contains
          ! 300 meshes, be they chains or trees, 10 to 13 times.
          check = min(most, block*nint(merge(3.0_dp, 3.6_dp, block == four)*sqrt(real(self%states, dp))))
          residual = huge(1.0_dp)
-         do while (self%space%dimension < most .and. .not. balance%system%interrupt%raised())
+         do while (self%space%dimension < most .and. .not. motion%system%interrupt%raised())
             call self%few%start(frequency_ratio, 2.0_dp**attempt)
             call self%space%latest(vectors)
             call self%few%put_columns(vectors)
-            call self%carry_vectors(balance, period, events)
+            call self%carry_vectors(motion, period, events)
             call self%few%get_columns(products)
             call self%space%extend(products, independent)
             if (.not. independent) return
@@ -204,7 +204,7 @@ contains
          call self%space%leading_vector(values(1), vectors(:, :two))
          call self%few%start(frequency_ratio, 2.0_dp**(attempt + 1))
          call self%few%put_columns(vectors(:, :two))
-         call self%carry_vectors(balance, period, events)
+         call self%carry_vectors(motion, period, events)
          call self%few%get_columns(products(:, :two))
          products(:, 1) = products(:, 1) - values(1)%re*vectors(:, 1) + abs(values(1)%im)*vectors(:, 2)
          products(:, 2) = products(:, 2) - values(1)%re*vectors(:, 2) - abs(values(1)%im)*vectors(:, 1)
@@ -223,16 +223,16 @@ contains
    end function most_copies
 
    !> Carries the vectors over the period.
-   subroutine carry_vectors(self, balance, period, events)
+   subroutine carry_vectors(self, motion, period, events)
       class(monodromy_type), intent(inout) :: self
-      type(balance_type), intent(in) :: balance
+      class(motion_contacts_type), intent(in) :: motion
       real(dp), intent(in) :: period
       integer, intent(in) :: events
       real(dp) :: time
       integer :: i
 
-      do i = 1, balance%unknowns
-         self%now(balance%mesh(i)) = balance%contact(i)%first_contact
+      do i = 1, motion%unknowns
+         self%now(motion%mesh(i)) = motion%contact(i)%first_contact
       end do
       time = 0
       do i = 1, events
@@ -245,18 +245,18 @@ contains
 
    !> The product of the pieces from event to event over a period that begins at an event or, without any, where a half gives the
    !> whole: the multipliers do not depend on that.
-   subroutine carry(self, balance, frequency_ratio, period, events)
+   subroutine carry(self, motion, frequency_ratio, period, events)
       class(monodromy_type), intent(inout) :: self
-      type(balance_type), intent(in) :: balance
+      class(motion_contacts_type), intent(in) :: motion
       real(dp), intent(in) :: frequency_ratio, period
       integer, intent(in) :: events
       real(dp) :: begin, next
       integer :: i
 
-      self%decay = balance%system%decay
+      self%decay = motion%system%decay
       self%piece_limit = period/ceiling(max(1.0_dp, self%propagator%fastest_decay*period/largest_decay))
-      do i = 1, balance%unknowns
-         self%now(balance%mesh(i)) = balance%contact(i)%first_contact
+      do i = 1, motion%unknowns
+         self%now(motion%mesh(i)) = motion%contact(i)%first_contact
       end do
       self%empty = .true.
       self%liouville_defect = 0
@@ -346,9 +346,9 @@ contains
    end subroutine advance
 
    !> Events of all meshes in order of time.
-   subroutine collect_events(self, balance, period, events, shift)
+   subroutine collect_events(self, motion, period, events, shift)
       class(monodromy_type), intent(inout) :: self
-      type(balance_type), intent(in) :: balance
+      class(motion_contacts_type), intent(in) :: motion
       real(dp), intent(in) :: period
       integer, intent(out) :: events
       real(dp), intent(in), optional :: shift(:, :)
@@ -356,14 +356,14 @@ contains
       real(dp) :: t
 
       events = 0
-      do i = 1, balance%unknowns
-         do k = 1, balance%contact(i)%events
+      do i = 1, motion%unknowns
+         do k = 1, motion%contact(i)%events
             if (events == size(self%instant)) then
                self%instant = [self%instant, self%instant]
                self%mesh = [self%mesh, self%mesh]
                self%contact = [self%contact, self%contact]
             end if
-            t = balance%contact(i)%instant(k)
+            t = motion%contact(i)%instant(k)
             if (present(shift)) t = t + shift(k, i)
             t = t/(2*pi)*period
             events = events + 1
@@ -376,8 +376,8 @@ contains
                place = place - 1
             end do
             self%instant(place) = t
-            self%mesh(place) = balance%mesh(i)
-            self%contact(place) = balance%contact(i)%contact(k)
+            self%mesh(place) = motion%mesh(i)
+            self%contact(place) = motion%contact(i)%contact(k)
          end do
       end do
    end subroutine collect_events
