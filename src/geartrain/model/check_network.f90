@@ -6,8 +6,9 @@ module geartrain_model_check_network
    use geartrain_base_nearest, only: nearest_name
    use geartrain_base_numbers, only: integer_text, real_text, text
    use geartrain_mesh_law_law, only: law_type
+   use geartrain_model_bodies, only: find_ends
    use geartrain_model_mesh, only: mesh_type, plain_mesh, put_law
-   use geartrain_model_network, only: build_network, find_ends, join_rigid, network_type
+   use geartrain_model_network, only: build_network, join_rigid, network_type
    use geartrain_model_rest, only: largest_residual, rest_forces
    use geartrain_model_train, only: train_type
    implicit none (type, external)

@@ -6,9 +6,10 @@ module geartrain_model_limits
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_base_series, only: series_type
+   use geartrain_model_bodies, only: bodies_of, body_count, find_ends
    use geartrain_model_excitation, only: lowest_harmonic
    use geartrain_model_mesh, only: mean_stiffness
-   use geartrain_model_network, only: bodies_of, body_count, build_network, find_ends, join_rigid, network_type, stiffening
+   use geartrain_model_network, only: build_network, join_rigid, network_type, stiffening
    use geartrain_model_system, only: put_excitation, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)

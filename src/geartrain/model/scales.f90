@@ -6,7 +6,7 @@ module geartrain_model_scales
    use geartrain_base_numbers, only: integer_text, real_text, text
    use geartrain_model_limits, only: in_order, own_frequency
    use geartrain_model_mesh, only: mean_stiffness
-   use geartrain_model_network, only: bodies_of, body_count, find_ends
+   use geartrain_model_bodies, only: bodies_of, body_count, find_ends
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private

@@ -1,0 +1,97 @@
+!> The bodies of a train, as given or those of a chain, and which of them its shafts and meshes join. The bodies of a chain are
+!> prime mover, driving and driven gear of each mesh, load.
+module geartrain_model_bodies
+   use geartrain_base_kinds, only: dp
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: bodies_of, body_count, find_ends
+
+contains
+
+   !> How many bodies there are: as given, or those of a chain.
+   pure integer function body_count(train)
+      type(train_type), intent(in) :: train
+
+      if (allocated(train%bodies)) then
+         body_count = size(train%bodies)
+      else
+         body_count = 2*size(train%shafts)
+      end if
+   end function body_count
+
+   !> Inertias of the bodies [kg m^2] and mean torques [N m], (body); the body whose torque balances the others'.
+   pure subroutine bodies_of(train, inertia, torque, balancing)
+      type(train_type), intent(in) :: train
+      real(dp), intent(out) :: inertia(:), torque(:)
+      integer, intent(out) :: balancing
+      integer :: j
+
+      if (allocated(train%bodies)) then
+         inertia = train%bodies%inertia
+         torque = train%bodies%torque
+         balancing = findloc(train%bodies%balances, .true., 1)
+      else
+         inertia(1) = train%prime_mover_inertia
+         do j = 1, size(train%meshes)
+            inertia(2*j:2*j + 1) = [train%meshes(j)%driving_inertia, train%meshes(j)%driven_inertia]
+         end do
+         balancing = size(inertia)
+         inertia(balancing) = train%load_inertia
+         torque = 0
+         torque(1) = train%input_torque
+      end if
+   end subroutine bodies_of
+
+   !> The bodies that the shafts and the meshes join, (2, shaft) and (2, mesh); 0 for a name that there is not.
+   pure subroutine find_ends(train, shafts, meshes)
+      type(train_type), intent(in) :: train
+      integer, allocatable, intent(out) :: shafts(:, :), meshes(:, :)
+      integer, allocatable :: keys(:)
+      integer :: i, j
+
+      allocate (shafts(2, size(train%shafts)), meshes(2, size(train%meshes)))
+      if (.not. allocated(train%bodies)) then
+         shafts = reshape([(2*((i + 1)/2) + mod(i + 1, 2) - 1, i=1, size(shafts))], shape(shafts))
+         meshes = shafts(:, :size(train%meshes)) + 1
+         return
+      end if
+      allocate (keys(size(train%bodies)), source=0)
+      do j = 1, size(keys)
+         if (allocated(train%bodies(j)%name)) keys(j) = key(train%bodies(j)%name)
+      end do
+      do i = 1, 2
+         do j = 1, size(shafts, 2)
+            shafts(i, j) = body_named(train%shafts(j)%between(i))
+         end do
+         do j = 1, size(meshes, 2)
+            meshes(i, j) = body_named(train%meshes(j)%between(i))
+         end do
+      end do
+
+   contains
+
+      !> A positive number of a name: most names are told apart by it, at a hundredth of the time that the names take.
+      pure integer function key(name)
+         character(*), intent(in) :: name
+         integer :: k
+
+         key = 1
+         do k = 1, len_trim(name)
+            key = 1 + mod(31*key + ichar(name(k:k)), 10000019)
+         end do
+      end function key
+
+      pure integer function body_named(name)
+         character(*), intent(in) :: name
+         integer :: wanted
+
+         wanted = key(name)
+         do body_named = size(keys), 1, -1
+            if (keys(body_named) /= wanted) cycle
+            if (train%bodies(body_named)%name == name) return
+         end do
+      end function body_named
+
+   end subroutine find_ends
+end module geartrain_model_bodies
