@@ -61,7 +61,8 @@ contains
       type(error_type), allocatable :: error
       real(dp), parameter :: frequency_ratio = 0.83_dp
       integer, parameter :: samples = 1024
-      real(dp), allocatable :: y(:), begin(:), p(:), v(:), history(:, :), map(:, :), up(:), down(:)
+      real(dp), parameter :: step = 1e-5_dp
+      real(dp), allocatable :: y(:), begin(:), p(:), v(:), history(:, :), map(:, :)
       real(dp) :: period, rms, scale
       real(dp), allocatable :: final(:), tangents(:, :)
       complex(dp), allocatable :: multipliers(:)
@@ -110,16 +111,11 @@ contains
       if (allocated(motion%multipliers)) call tests%is_true(size(motion%multipliers) == n, trim(name)//': number of multipliers')
       allocate (map(n, n))
       do i = 1, n
-         up = motion%state
-         down = motion%state
-         up(i) = up(i) + 1e-6_dp*scale
-         down(i) = down(i) - 1e-6_dp*scale
-         up = flown(up)
-         down = flown(down)
-         map(:, i) = (up - down)/(2e-6_dp*scale)
+         ! Of fourth order, so that the steps can be long: the rounding of the other code counts less.
+         map(:, i) = (8*(flown(moved(i, 1.0_dp)) - flown(moved(i, -1.0_dp))) &
+                      - (flown(moved(i, 2.0_dp)) - flown(moved(i, -2.0_dp))))/(12*step*scale)
       end do
-      ! Rounding of the flights, 1e-13 to 1e-12, over the difference, 1e-6.
-      call tests%is_close(maxval(abs(map - tangents))/maxval(abs(tangents)), 0.0_dp, 1e-6_dp, trim(name)//': tangents')
+      call tests%is_close(maxval(abs(map - tangents))/maxval(abs(tangents)), 0.0_dp, 1e-7_dp, trim(name)//': tangents')
       if (.not. allocated(motion%multipliers)) return
       call eigenvalues_of(map, multipliers)
       call tests%is_close(maxval(abs(multipliers)), maxval(abs(motion%multipliers)), 1e-7_dp, trim(name)//': largest multiplier')
@@ -128,13 +124,28 @@ contains
 
    contains
 
+      !> The state with component i moved by so many steps.
+      function moved(i, steps) result(state)
+         integer, intent(in) :: i
+         real(dp), intent(in) :: steps
+         real(dp) :: state(size(motion%state))
+
+         state = motion%state
+         state(i) = state(i) + steps*step*scale
+      end function moved
+
       function flown(state) result(end_)
          real(dp), intent(in) :: state(:)
          real(dp) :: end_(size(state))
          real(dp), allocatable :: z(:)
+         integer, parameter :: pieces = 64
+         integer :: k
 
          z = bodies_of_state(train, system, machine, state)
-         call fly(machine, 0.0_dp, period, z)
+         ! The other code misses a contact that begins and ends within one of its steps: short pieces keep steps short.
+         do k = 1, pieces
+            call fly(machine, (k - 1)*period/pieces, k*period/pieces, z)
+         end do
          end_ = state_of_bodies(system, machine, train, z, period)
       end function flown
 

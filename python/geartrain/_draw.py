@@ -16,17 +16,17 @@ if TYPE_CHECKING:
 __all__ = ["check_mesh", "draw_curve", "label_axes", "runs"]
 
 
-def runs(stable: ArrayLike | None, part: ArrayLike) -> Iterator[tuple[slice, bool]]:
-    """Pieces of one stability, each up to the first point of the next piece of the same part."""
-    part = np.asarray(part)
-    if not part.size:  # an empty piece, which has a name and a colour
+def runs(stable: ArrayLike | None, segment: ArrayLike) -> Iterator[tuple[slice, bool]]:
+    """Pieces of one stability, each up to the first point of the next piece of the same segment."""
+    segment = np.asarray(segment)
+    if not segment.size:  # an empty piece, which has a name and a colour
         yield slice(0, 0), True
         return
-    verdict = np.ones(part.shape, bool) if stable is None else np.asarray(stable, bool)
-    new_part = np.flatnonzero(np.diff(part)) + 1
-    cuts = np.union1d(new_part, np.flatnonzero(np.diff(verdict)) + 1)
-    for first, last in zip([0, *cuts], [*cuts, len(part)]):
-        joined = last < len(part) and last not in new_part
+    verdict = np.ones(segment.shape, bool) if stable is None else np.asarray(stable, bool)
+    new_segment = np.flatnonzero(np.diff(segment)) + 1
+    cuts = np.union1d(new_segment, np.flatnonzero(np.diff(verdict)) + 1)
+    for first, last in zip([0, *cuts], [*cuts, len(segment)]):
+        joined = last < len(segment) and last not in new_segment
         yield slice(int(first), int(last) + joined), bool(verdict[first])
 
 
@@ -35,7 +35,7 @@ def draw_curve(
     frequency: ArrayLike,
     values: ArrayLike,
     stable: ArrayLike | None,
-    part: ArrayLike | None = None,
+    segment: ArrayLike | None = None,
     label: str | None = None,
     **style: Any,
 ) -> None:
@@ -45,7 +45,7 @@ def draw_curve(
 
     style = normalize_kwargs(style, Line2D)
     frequency, values = np.asarray(frequency), np.asarray(values)
-    pieces = list(runs(stable, np.ones(frequency.shape) if part is None else part))
+    pieces = list(runs(stable, np.ones(frequency.shape) if segment is None else segment))
     named = next((i for i, piece in enumerate(pieces) if piece[1]), 0)
     color = style.pop("color", None) or ax._get_lines.get_next_color()  # type: ignore[attr-defined]
     for i, (piece, is_stable) in enumerate(pieces):

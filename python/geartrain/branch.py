@@ -89,8 +89,8 @@ class Branch(Readings):
         within the error, or an error beyond 0.1.
     harmonics : ndarray of int, (points,)
         Harmonics that each point was solved with.
-    part : ndarray of int, (points,)
-        Number of the part; a new one begins where the branch comes back from beyond the amplitude limit, or with the points
+    segment : ndarray of int, (points,)
+        Number of the segment; a new one begins where the branch comes back from beyond the amplitude limit, or with the points
         traced from ``stop`` where those from ``start`` do not get there, or get there at another motion than the one from rest.
     special_points : list of SpecialPoint
     subharmonic : int
@@ -132,7 +132,7 @@ class Branch(Readings):
     error_estimate: Array
     estimate_doubtful: NDArray[np.bool_]
     harmonics: NDArray[np.intc]
-    part: NDArray[np.intc]
+    segment: NDArray[np.intc]
     special_points: list[SpecialPoint]
     subharmonic: int
     ended: str
