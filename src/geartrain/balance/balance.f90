@@ -121,12 +121,17 @@ contains
       type(receptance_type), intent(in) :: receptance
       !> Derivative [1], (entries of the cut's graph).
       complex(dp), intent(out) :: matrix(:)
+      complex(dp) :: stiffness(self%unknowns)
       integer :: n
 
-      matrix = merge(1, 0, [(n <= self%unknowns, n=1, size(matrix))])
+      do n = 1, self%unknowns
+         stiffness(n) = self%mean_stiffness(n, harmonic)
+         matrix(n) = 1
+      end do
+      matrix(self%unknowns + 1:) = 0
       associate (entry => self%system%cut%graph%entry, column => self%system%cut%graph%column)
          do n = 1, size(entry)
-            matrix(entry(n)) = matrix(entry(n)) + receptance%h(entry(n))*self%mean_stiffness(column(n), harmonic)
+            matrix(entry(n)) = matrix(entry(n)) + receptance%h(entry(n))*stiffness(column(n))
          end do
       end associate
    end subroutine mean_matrix

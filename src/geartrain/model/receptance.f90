@@ -25,8 +25,8 @@ contains
       integer, intent(in) :: harmonic, eta
       type(receptance_type), intent(inout) :: r
       complex(dp) :: alpha(3), d_alpha(3)
-      real(dp) :: omega, d_omega
-      integer :: i, j, p
+      real(dp) :: omega, d_omega, gain
+      integer :: i, j, n, p
 
       associate (cut => system%cut)
          if (.not. allocated(r%h)) allocate (r%h(cut%graph%entries), r%dh(cut%graph%entries), r%a(cut%unknowns), r%da(cut%unknowns))
@@ -47,9 +47,12 @@ contains
                   call part%receptance_of_two(omega, alpha, d_alpha)
                   do j = 1, size(part%at)
                      do i = 1, size(part%at)
-                        associate (entry => part%entry(i, j), place => part%at(i) + part%at(j) - 1)
-                           r%h(entry) = r%h(entry) + part%gain(i, j)*alpha(place)
-                           r%dh(entry) = r%dh(entry) + (part%gain(i, j)*d_omega)*d_alpha(place)
+                        n = part%entry(i, j)
+                        gain = part%gain(i, j)
+                        associate (a => alpha(part%at(i) + part%at(j) - 1), d => d_alpha(part%at(i) + part%at(j) - 1))
+                           r%h(n) = cmplx(r%h(n)%re + gain*a%re, r%h(n)%im + gain*a%im, dp)
+                           gain = gain*d_omega
+                           r%dh(n) = cmplx(r%dh(n)%re + gain*d%re, r%dh(n)%im + gain*d%im, dp)
                         end associate
                      end do
                   end do
