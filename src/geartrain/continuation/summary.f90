@@ -123,10 +123,10 @@ contains
       logical, intent(in) :: stable(:)
       type(band_type), allocatable :: bands(:), between(:)
       real(dp), allocatable :: low(:), high(:)
-      real(dp) :: reached, last, edge, other, slack
-      integer :: i, lowest
+      real(dp) :: first, last, edge, other
+      integer :: i
 
-      allocate (bands(0), low(0), high(0))
+      allocate (low(0), high(0))
       do i = 1, branch%points - 1
          if (.not. joined(branch, i)) cycle
          if (.not. (stable(i) .or. stable(i + 1))) cycle
@@ -145,18 +145,30 @@ contains
       between = gaps(branch)
       low = [low, between%from]
       high = [high, between%to]
-      reached = minval(branch%frequency_ratio(:branch%points))
+      first = minval(branch%frequency_ratio(:branch%points))
       last = maxval(branch%frequency_ratio(:branch%points))
-      slack = 1e-9_dp*(last - reached)
-      do while (size(low) > 0)
-         lowest = minloc(low, dim=1)
+      bands = uncovered(low, high, first, last, 1e-9_dp*(last - first))
+   end function bands_without
+
+   !> Ranges of `first` to `last`, longer than `slack`, that none of the ranges `low` to `high` covers, ascending.
+   pure function uncovered(low, high, first, last, slack) result(bands)
+      real(dp), intent(in) :: low(:), high(:), first, last, slack
+      type(band_type), allocatable :: bands(:)
+      logical :: left(size(low))
+      real(dp) :: reached
+      integer :: i, lowest
+
+      allocate (bands(0))
+      left = .true.
+      reached = first
+      do i = 1, size(low)
+         lowest = minloc(low, dim=1, mask=left)
          if (low(lowest) > reached + slack) bands = [bands, band_type(reached, low(lowest))]
          reached = max(reached, high(lowest))
-         low = [low(:lowest - 1), low(lowest + 1:)]
-         high = [high(:lowest - 1), high(lowest + 1:)]
+         left(lowest) = .false.
       end do
       if (last > reached + slack) bands = [bands, band_type(reached, last)]
-   end function bands_without
+   end function uncovered
 
    !> Adds a range to a list, or enlarges the last range of the list if both overlap, as ranges along a branch do as a rule.
    pure subroutine add_range(low, high, from, to)
@@ -181,8 +193,7 @@ contains
       type(branch_type), intent(in) :: branch
       type(band_type), allocatable :: between(:)
       real(dp), allocatable :: low(:), high(:)
-      real(dp) :: reached
-      integer :: first, last, lowest
+      integer :: first, last
 
       allocate (between(0), low(0), high(0))
       if (.not. allocated(branch%segment)) return
@@ -197,14 +208,7 @@ contains
          high = [high, maxval(branch%frequency_ratio(first:last))]
          first = last + 1
       end do
-      reached = minval(low)
-      do while (size(low) > 0)
-         lowest = minloc(low, dim=1)
-         if (low(lowest) > reached) between = [between, band_type(reached, low(lowest))]
-         reached = max(reached, high(lowest))
-         low = [low(:lowest - 1), low(lowest + 1:)]
-         high = [high(:lowest - 1), high(lowest + 1:)]
-      end do
+      between = uncovered(low, high, minval(low), maxval(high), 0.0_dp)
    end function gaps
 
    !> Lambda at which stability changes between points i and i + 1: at a special point between them, else halfway.

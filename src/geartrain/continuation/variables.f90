@@ -10,7 +10,7 @@ module geartrain_continuation_variables
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: visit_response, check_response, check_response_consistency, fewest_samples, settings_for
+   public :: visit_response, check_response, check_response_consistency, settings_for
 
    real(dp), parameter :: zero = 0, one = 1
    integer, parameter :: most_harmonics = 1000, most_samples = 1048576
