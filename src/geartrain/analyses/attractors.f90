@@ -17,7 +17,7 @@ module geartrain_analyses_attractors
    use geartrain_continuation_bifurcations, only: add_branch
    use geartrain_continuation_branch, only: branch_type, response_settings_type
    use geartrain_continuation_response, only: response
-   use geartrain_continuation_solutions, only: beyond_limit, lies_on
+   use geartrain_continuation_solutions, only: exceeds_limit, lies_on
    use geartrain_continuation_variables, only: settings_for
    use geartrain_flow_fields, only: visit_motions
    use geartrain_flow_floating, only: note_of
@@ -344,7 +344,7 @@ contains
       type(branch_type), intent(in) :: branch, branches(:)
       integer :: i
 
-      on_a_branch = beyond_limit(train, settings, motion)
+      on_a_branch = exceeds_limit(train, settings, motion)
       if (.not. on_a_branch) on_a_branch = lies_on(train, settings, branch, motion)
       do i = 1, size(branches)
          if (on_a_branch) return
