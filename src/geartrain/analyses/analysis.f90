@@ -1,5 +1,5 @@
-!> What an analysis is: all that the reader, the table of variables, the runner, the results file, the report and Python ask of it.
-!> An analysis extends `analysis_type` in a file of its own and is registered in geartrain_analyses_list.
+!> The abstract type of all analyses: what the reader, the table of variables, the runner, the results file, the report and Python
+!> ask of an analysis. An analysis extends `analysis_type` in a file of its own and is registered in geartrain_analyses_list.
 module geartrain_analyses_analysis
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_checker, only: checker_type
@@ -15,18 +15,20 @@ module geartrain_analyses_analysis
 
    !> A group of a case file: of an analysis also the group of the results file and the name by which Python runs it.
    type :: group_row_type
+      !> Name of the group, without &.
       character(16) :: name = ''
+      !> Meaning, as the template and the reference page print it.
       character(200) :: description = ''
       !> What the observer of the analysis counts.
       character(8) :: steps = 'points'
-      !> Whether the template has it as comments: it takes long, for those who ask for it.
+      !> Whether the template has the group as comments, because the analysis takes long.
       logical :: set_aside = .false.
    end type group_row_type
 
-   !> An extension has a pointer to what a case asks of it and one to what was found, `settings` and `result`; the list associates
-   !> each where it is there.
+   !> An extension has the pointers `settings`, to the group of a case, and `result`; find_analysis in geartrain_analyses_list
+   !> associates both with components of a case and of results.
    type, abstract :: analysis_type
-      !> Whether the case asks for it; whether there is a result, be it of work under way.
+      !> Whether the case asks for the analysis; whether there is a result, complete or of work under way.
       logical :: asked = .false., begun = .false.
    contains
       procedure(visit_variables_interface), deferred :: visit_variables
@@ -45,72 +47,81 @@ module geartrain_analyses_analysis
          import :: analysis_type, visitor_type
          implicit none (type, external)
          class(analysis_type), intent(inout) :: self
+         !> The visitor.
          class(visitor_type), intent(inout) :: v
       end subroutine visit_variables_interface
 
-      !> Does the work as asked for, on from where the result is; nothing where that has ended.
+      !> Does the work. A result under way is taken up; nothing is done where the result has ended.
       subroutine run_interface(self, train, error, observer, start)
          import :: analysis_type, error_type, motion_type, observer_type, train_type
          implicit none (type, external)
          class(analysis_type), intent(inout) :: self
+         !> The train as described.
          type(train_type), intent(in) :: train
-         !> Bad input; or of status_ended_early where there is no result at all.
+         !> Bad input, or no result at all (status_ended_early).
          type(error_type), allocatable, intent(out) :: error
-         !> Told of each step under `spoken` of the name; it may read the result so far through a pointer.
+         !> Told of each step under the name that `spoken` gives; may read the result so far through a pointer, and end the work.
          class(observer_type), intent(inout) :: observer
-         !> A motion to start from, for an analysis that can.
+         !> A motion to start from; ignored by an analysis that does not start from a motion.
          type(motion_type), intent(in), optional :: start
       end subroutine run_interface
 
-      !> Whether the result is all that was asked for, and why the work ended, in words; '' where nothing was said yet.
+      !> Tells how the work ended.
       subroutine tell_end_interface(self, complete, ended)
          import :: analysis_type
          implicit none (type, external)
          class(analysis_type), intent(in) :: self
+         !> Whether the result is all that was asked for.
          logical, intent(out) :: complete
+         !> Why the work ended, in words; '': the work is under way.
          character(:), allocatable, intent(out) :: ended
       end subroutine tell_end_interface
 
-      !> The fields of the result, see geartrain_base_fields.
+      !> Visits the fields of the result, see geartrain_base_fields.
       subroutine visit_fields_interface(self, train, fields, summary)
          import :: analysis_type, fields_type, train_type
          implicit none (type, external)
          class(analysis_type), intent(inout) :: self
+         !> The train that the result is of.
          type(train_type), intent(in) :: train
+         !> The fields of the results.
          class(fields_type), intent(inout) :: fields
-         !> Whether what one reads off the result is computed as well.
+         !> Whether the figures that follow from the result (of a branch: peaks, jumps, ...) are visited as well.
          logical, intent(in) :: summary
       end subroutine visit_fields_interface
 
-      !> Writes the lines that the executable prints of the result.
+      !> Writes the lines about the result that the executable prints.
       subroutine report_interface(self, unit, seconds)
          import :: analysis_type, dp
          implicit none (type, external)
          class(analysis_type), intent(in) :: self
          !> An open unit for formatted text.
          integer, intent(in) :: unit
-         !> Time taken [s].
+         !> Time that the analysis took [s].
          real(dp), intent(in) :: seconds
       end subroutine report_interface
    end interface
 
 contains
 
-   !> What single values of the group cannot say; the problems are added to those of `checker`. Here: nothing.
+   !> Checks the values of the group against one another and against the train. Default: nothing to check.
    subroutine check(self, train, seeded, checker)
       class(analysis_type), intent(in) :: self
+      !> The train.
       type(train_type), intent(in) :: train
-      !> It may start from a motion that is given.
+      !> Whether the analysis may start from a given motion.
       logical, intent(in) :: seeded
+      !> Collects the problems; nothing is checked if it has a problem of this group.
       class(checker_type), intent(inout) :: checker
 
       associate (unused_self => self, unused_train => train, unused_seeded => seeded, unused_checker => checker)
       end associate
    end subroutine check
 
-   !> Checks what is asked for a train that is in order; the error tells every problem, one a line.
+   !> Checks the values of the group; the error tells every problem, one a line.
    subroutine check_alone(self, train, error)
       class(analysis_type), intent(inout) :: self
+      !> A train that check_train accepts.
       type(train_type), intent(in) :: train
       type(error_type), allocatable, intent(out) :: error
       type(checker_type) :: checker
@@ -120,7 +131,7 @@ contains
       call checker%problems%raise('', error)
    end subroutine check_alone
 
-   !> Sets the variables that the template shows for the paper's train. Here: none.
+   !> Sets the variables that the template shows for the paper's train. Default: none.
    subroutine give_example(self)
       class(analysis_type), intent(inout) :: self
 
@@ -128,8 +139,9 @@ contains
       end associate
    end subroutine give_example
 
-   !> The name of a group as observers and messages have it, 'stability map'.
+   !> Name of an analysis for observers and messages, 'stability map'.
    pure function spoken(name) result(words)
+      !> Name of the group, 'stability_map'.
       character(*), intent(in) :: name
       character(len_trim(name)) :: words
       integer :: i
@@ -140,7 +152,7 @@ contains
       end do
    end function spoken
 
-   !> A number of a report with so many decimals, to be trimmed; with the zero before the point that f0.d leaves out.
+   !> A number as text of a report, with blanks at the end. Unlike f0.d the text has the zero before the point.
    pure function padded(value, decimals) result(text)
       real(dp), intent(in) :: value
       integer, intent(in) :: decimals
@@ -152,9 +164,11 @@ contains
       text = adjustl(text)
    end function padded
 
-   !> A number of a report with so many decimals.
+   !> A number as text of a report.
    pure function fixed(value, decimals) result(text)
+      !> The number.
       real(dp), intent(in) :: value
+      !> Digits after the point.
       integer, intent(in) :: decimals
       character(len_trim(padded(value, decimals))) :: text
 

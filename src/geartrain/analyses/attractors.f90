@@ -1,5 +1,5 @@
 !> The analysis &attractors: the steady motions that random starts settle on at one frequency, and the share of each; and branches
-!> through those that lie on none that is known.
+!> through attractors that lie on no branch so far.
 module geartrain_analyses_attractors
    use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
    use geartrain_analyses_integration, only: most_harmonics
@@ -17,7 +17,7 @@ module geartrain_analyses_attractors
    use geartrain_continuation_bifurcations, only: add_branch
    use geartrain_continuation_branch, only: branch_type, response_settings_type
    use geartrain_continuation_response, only: response
-   use geartrain_continuation_solutions, only: beyond_limit, lies_on
+   use geartrain_continuation_solutions, only: exceeds_limit, lies_on
    use geartrain_continuation_variables, only: settings_for
    use geartrain_flow_fields, only: visit_motions
    use geartrain_flow_floating, only: note_of
@@ -37,34 +37,40 @@ module geartrain_analyses_attractors
       &starts settle on at one frequency, and their shares.', steps='starts', set_aside=.true.)
 
    real(dp), parameter :: zero = 0, one = 1
-   !> Motions whose rms, mean and extremes agree to this, relative to the largest displacement, are one.
+   !> Motions whose rms, mean and maximum agree to `same`, relative to the largest displacement, are equal.
    real(dp), parameter :: same = 1e-5_dp
-   !> Starts between two reports to the observer: they run in parallel.
+   !> Starts between two calls of the observer, which run in parallel.
    integer, parameter :: batch = 32
 
+   !> The variables of &attractors; `frequency` is `frequency_ratio`.
    type :: attractors_settings_type
       !> Lambda [1].
       real(dp) :: frequency_ratio = 0
-      !> Random starts, and what makes them: the same seed gives the same starts.
+      !> Number of random starts; seed of the random numbers: equal seeds give equal starts.
       integer :: starts = 200, random_seed = 0
-      !> Each motion found on no branch of the case is followed with the settings of &response.
+      !> Whether a branch is traced, with the settings of &response, through each attractor that lies on no branch of the case.
       logical :: follow = .false.
-      !> As in &integration.
+      !> Harmonics stored of each motion, 0: chosen; mesh periods after which a start is given up.
       integer :: harmonics = 0, max_periods = 2000
+      !> Relative change over a period at which a motion counts as settled [1].
       real(dp) :: tolerance = 1e-9_dp
+      !> Whether the Floquet multipliers of each motion are computed.
       logical :: stability = .true.
    end type attractors_settings_type
 
+   !> The attractors that random starts settled on.
    type :: attractors_type
       !> The motions found, each with its share, largest share first.
       type(motion_type), allocatable :: motions(:)
+      !> Lambda [1].
       real(dp) :: frequency_ratio = 0
-      !> Starts done.
+      !> Number of starts done; seed of the random numbers.
       integer :: starts = 0, random_seed = 0
-      !> Share of the starts that were not steady after max_periods, or ran away; with the shares of the motions it sums to 1.
+      !> Share of the starts that were not steady after max_periods, or grew without bound; 1 less the shares of the motions.
       real(dp) :: unsettled = 0
-      !> 'all starts done', or why not; and that the train floats in its gaps, where it does.
+      !> 'all starts done', or why not; and a note where the train floats in its gaps. Not allocated: the search is under way.
       character(:), allocatable :: ended
+      !> Whether all starts are done.
       logical :: complete = .false.
    end type attractors_type
 
@@ -107,9 +113,11 @@ contains
       call v%leave()
    end subroutine visit_variables
 
-   !> Checks the settings of a search for a train that is in order; the error tells every problem, one a line.
+   !> Checks the settings of a search; the error tells every problem, one a line.
    subroutine check_attractors(train, settings, error)
+      !> A train that check_train accepts.
       type(train_type), intent(in) :: train
+      !> The settings.
       type(attractors_settings_type), intent(in) :: settings
       type(error_type), allocatable, intent(out) :: error
       type(attractors_settings_type), target :: copy
@@ -161,14 +169,17 @@ contains
       if (allocated(self%result%ended)) ended = self%result%ended
    end subroutine tell_end
 
-   !> Settles settings%starts random states, in parallel and with results that do not depend on the number of threads. A
-   !> search under way (its motions are there, why it ended is not, as in a checkpoint of the same case) is taken up.
+   !> Settles settings%starts random states, in parallel; the results do not depend on the number of threads.
    subroutine attractors(train, settings, found, error, observer)
+      !> The train as described.
       type(train_type), intent(in) :: train
+      !> Frequency, starts and what else &attractors asks for.
       type(attractors_settings_type), intent(in) :: settings
-      !> A target: an observer may read the motions so far through a pointer.
+      !> The attractors. A search under way, with `motions` but without `ended` as in a checkpoint of the same case, is taken up. A
+      !> target: an observer may read the motions so far through a pointer.
       type(attractors_type), intent(inout), target :: found
       type(error_type), allocatable, intent(out) :: error
+      !> Told of 'attractors' after each batch of starts; may end the search.
       class(observer_type), intent(inout), optional :: observer
       type(attractors_type) :: empty
       type(integration_settings_type) :: integration
@@ -232,7 +243,7 @@ contains
       state = resting_state(system)
       do j = 1, system%meshes
          associate (n => system%mesh_element(j))
-            ! A mesh that closes a loop moves as the others say.
+            ! The displacement of a mesh that closes a loop follows from the other meshes.
             if (n > system%coordinates) cycle
             reach = 3*abs(state(n))
             state(n) = reach*(2*generator%uniform() - 1)
@@ -241,7 +252,7 @@ contains
       end do
    end function random_state
 
-   !> Counts a settled motion among those found, or adds it.
+   !> Counts a settled motion as one of `motions`, or adds the motion to the list.
    subroutine collect(motion, motions, hits)
       type(motion_type), intent(in) :: motion
       type(motion_type), allocatable, intent(inout) :: motions(:)
@@ -264,6 +275,7 @@ contains
       hits = [hits, 1]
    end subroutine collect
 
+   !> Sorts motions by number of starts, descending.
    pure subroutine sort_by_hits(motions, hits)
       type(motion_type), intent(inout) :: motions(:)
       integer, intent(inout) :: hits(:)
@@ -284,7 +296,7 @@ contains
    end subroutine sort_by_hits
 
    !> Appends to `branches` a branch through each attractor that lies neither on `branch` nor on any of `branches`. Attractors
-   !> beyond the amplitude limit are left out, because no branch is recorded there.
+   !> above the amplitude limit are left out, because no branch is recorded there.
    subroutine follow_attractors(train, settings, found, branch, branches, error, observer, known)
       !> The train as described.
       type(train_type), intent(in) :: train
@@ -297,7 +309,7 @@ contains
       !> Branches so far; not allocated: none. A target: an observer may read the branches through a pointer.
       type(branch_type), allocatable, intent(inout), target :: branches(:)
       type(error_type), allocatable, intent(out) :: error
-      !> Is told of each step, and may cancel.
+      !> Told of each point of 'branch'; may end the trace.
       class(observer_type), intent(inout), optional :: observer
       !> Branches that another run has traced already: known(n) is copied into branches(n) instead of a new trace.
       type(branch_type), intent(in), optional :: known(:)
@@ -324,7 +336,7 @@ contains
       end do
    end subroutine follow_attractors
 
-   !> Whether a motion, shifted by any number of mesh periods, lies on a branch, or lies beyond the amplitude limit.
+   !> Whether a motion, shifted by any number of mesh periods, lies on a branch, or lies above the amplitude limit.
    logical function on_a_branch(train, settings, motion, branch, branches)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
@@ -332,7 +344,7 @@ contains
       type(branch_type), intent(in) :: branch, branches(:)
       integer :: i
 
-      on_a_branch = beyond_limit(train, settings, motion)
+      on_a_branch = exceeds_limit(train, settings, motion)
       if (.not. on_a_branch) on_a_branch = lies_on(train, settings, branch, motion)
       do i = 1, size(branches)
          if (on_a_branch) return
@@ -354,7 +366,7 @@ contains
 
    subroutine visit_found(found, starts, fields)
       type(attractors_type), intent(inout) :: found
-      !> Starts that the search has in the end.
+      !> Number of starts of the whole search; 0: the case does not ask for attractors.
       integer, intent(in) :: starts
       class(fields_type), intent(inout) :: fields
       integer :: n

@@ -1,5 +1,5 @@
-!> A second opinion on a branch: points drawn at random and all special points solved anew by shooting, each by itself and spread
-!> over threads, so that the numbers do not depend on how many threads there are.
+!> An audit of a branch: random points and all special points are solved anew by shooting. They are spread over threads and do not
+!> depend on one another, so that the numbers do not depend on how many threads there are.
 module geartrain_analyses_audit
    use geartrain_analyses_audit_point, only: audit_point
    use geartrain_analyses_audit_result, only: audit_row_type, audit_type, sum_up
@@ -19,21 +19,25 @@ module geartrain_analyses_audit
    private
    public :: audit_branch
 
-   !> Special points of the exact branch nearer to each other than this, in units of the train's own, are one.
+   !> Special points of the exact branch nearer to each other than `same`, in the units of units_type, are equal.
    real(dp), parameter :: same = 1e-6_dp
 
 contains
 
-   !> Audits `points` points of the branch (all of them, where it has fewer), which `random_seed` draws, and its special points.
+   !> Audits random points of a branch and all special points.
    subroutine audit_branch(train, branch, points, random_seed, audit, error, observer)
+      !> The train of the branch.
       type(train_type), intent(in) :: train
+      !> The branch.
       type(branch_type), intent(in) :: branch
+      !> Number of points to audit, >= 0, all points of a shorter branch; seed of the random numbers that choose the points.
       integer, intent(in) :: points, random_seed
+      !> What was found.
       type(audit_type), intent(out) :: audit
       type(error_type), allocatable, intent(out) :: error
-      !> Told of 'audit', by one thread at a time.
+      !> Told of each row of 'audit', by one thread at a time; may end it.
       class(observer_type), intent(inout), optional :: observer
-      !> A thread its own.
+      ! Each thread has a corrector.
       type(orbit_corrector_type) :: corrector
       type(system_type) :: system
       type(orbit_type), allocatable :: exact(:)
@@ -97,7 +101,7 @@ contains
       call sum_up(audit)
    end subroutine audit_branch
 
-   !> Numbers of points in ascending order, none of them a fold, which is audited anyway.
+   !> Indices of random points, ascending; no folds, which are audited as special points.
    function draw(branch, points, random_seed) result(chosen)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: points, random_seed
@@ -124,11 +128,11 @@ contains
       chosen = pack([(i, i=1, branch%points)], is_chosen)
    end function draw
 
-   !> Special points of the branch to which the exact branch has one only: it is that of the nearest.
+   !> Marks special points of the branch that share a special point of the exact branch with a nearer special point of the branch.
    subroutine mark_twins(corrector, branch, exact, rows)
       type(orbit_corrector_type), intent(in) :: corrector
       type(branch_type), intent(in) :: branch
-      !> The exact special points, with states where one was found.
+      !> The special point of the exact branch for each row; without states where none was found.
       type(orbit_type), intent(in) :: exact(:)
       type(audit_row_type), intent(inout) :: rows(:)
       integer :: i, k

@@ -1,4 +1,4 @@
-!> The fields of an audit: the group /audit, which no file has.
+!> The fields of an audit: the group /audit, which Python takes; no results file has it.
 module geartrain_analyses_audit_fields
    use geartrain_analyses_audit_result, only: audit_row_type, audit_type
    use geartrain_base_carry, only: carry
@@ -11,8 +11,11 @@ module geartrain_analyses_audit_fields
 
 contains
 
+   !> Visits the group of an audit.
    subroutine visit_audit(audit, fields)
+      !> The audit.
       type(audit_type), intent(inout) :: audit
+      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
       integer :: i, n
 

@@ -1,8 +1,8 @@
-!> One point of a branch against the exact motion: its error over the estimate, its verdict against that of the orbit.
+!> One point of a branch against the exact motion: error over estimate, and stability of the point against stability of the orbit.
 !>
-!> The exact motion is the orbit at the same Lambda that is nearest. Where shooting from the point does not give one that is as far
-!> as estimated, the exact branch is met across the point and followed to that Lambda in both directions: to the orbits there, or to
-!> the fold at which it turns before.
+!> The exact motion is the nearest orbit at the Lambda of the point. Where shooting from the point does not find an orbit at about
+!> the estimated distance, the exact branch is met across the point and followed in both directions: to the orbits at the Lambda of
+!> the point, or to a fold at which the exact branch turns before.
 module geartrain_analyses_audit_point
    use geartrain_analyses_audit_result, only: audit_row_type, within
    use geartrain_balance_motion, only: motion_type
@@ -16,24 +16,25 @@ module geartrain_analyses_audit_point
    use geartrain_flow_orbit, only: measure
    implicit none (type, external)
    private
-   public :: audit_point, fold_test_type, place_on, neighbours
+   public :: audit_point, fold_test_type, guess_from_point, neighbours
 
-   !> An orbit farther than this many times the estimate, or than this, is another motion.
+   !> An orbit is another motion if its relative distance is more than `another` times the estimate and more than `far`.
    real(dp), parameter :: another = 10, far = 1
-   !> First step along the exact branch and the longest way, in units of the train's own.
+   !> First step along the exact branch and longest way along it, in the units of units_type.
    real(dp), parameter :: first_step = 1e-4_dp, longest_way = 0.5_dp
-   !> Least Lambda on the way, relative: flights take ever longer towards 0.
+   !> Least Lambda on the way over Lambda of the point: towards 0 the integration takes ever longer.
    real(dp), parameter :: slowest = 0.5_dp
    integer, parameter :: max_steps = 100
 
-   !> Lambda less that of the point.
+   !> Test function: Lambda less a given Lambda.
    type, extends(orbit_test_type) :: reach_test_type
+      !> The given Lambda [1].
       real(dp) :: frequency_ratio = 0
    contains
       procedure :: value => value_of_reach
    end type reach_test_type
 
-   !> Which way Lambda goes.
+   !> Test function: the part of Lambda in the unit tangent, which changes sign at a fold.
    type, extends(orbit_test_type) :: fold_test_type
    contains
       procedure :: value => value_of_fold
@@ -55,10 +56,13 @@ contains
       value = orbit%tangent_frequency
    end function value_of_fold
 
-   !> Fills in the row of point `row%point`: estimate, error, verdicts and what is wrong.
+   !> Fills in the row of a point: estimate, error, stability and what is wrong.
    subroutine audit_point(corrector, branch, row)
+      !> The corrector of the exact branch.
       type(orbit_corrector_type), intent(inout) :: corrector
+      !> The branch.
       type(branch_type), intent(in) :: branch
+      !> The row; `point` is given.
       type(audit_row_type), intent(inout) :: row
       type(orbit_type) :: orbit
       logical :: found
@@ -67,14 +71,14 @@ contains
          row%frequency_ratio = branch%frequency_ratio(i)
          row%estimate = branch%error_estimate(i)
          row%doubtful = branch%estimate_doubtful(i)
-         call place_on(corrector, branch, i, orbit)
+         call guess_from_point(corrector, branch, i, orbit)
          call corrector%solve_at(orbit, found)
          if (found) call compare(corrector, branch, orbit, .false., row)
          if (allocated(branch%stable)) then
             row%verdict = merge('stable  ', 'unstable', branch%stable(i))
             if (branch%undecided(i)) row%verdict = 'undecided'
          end if
-         ! Next to a fold it may be the orbit of the other side.
+         ! Next to a fold the orbit found may lie on the other side of the fold.
          if (.not. agrees(row) .or. contradicts(row)) call follow_exact(corrector, branch, row)
          call judge_estimate(row)
          row%verdict_wrong = contradicts(row)
@@ -82,7 +86,7 @@ contains
       end associate
    end subroutine audit_point
 
-   !> Takes an orbit, or the fold of the exact branch, for the row, unless a nearer one is known.
+   !> Enters an orbit, or the fold of the exact branch, in the row, unless the row has a nearer orbit already.
    subroutine compare(corrector, branch, orbit, at_fold, row)
       type(orbit_corrector_type), intent(inout) :: corrector
       type(branch_type), intent(in) :: branch
@@ -130,9 +134,9 @@ contains
       logical :: success, at_fold
 
       ends = neighbours(branch, row%point)
-      call place_on(corrector, branch, row%point, orbit)
-      call place_on(corrector, branch, ends(1), before)
-      call place_on(corrector, branch, ends(2), after)
+      call guess_from_point(corrector, branch, row%point, orbit)
+      call guess_from_point(corrector, branch, ends(1), before)
+      call guess_from_point(corrector, branch, ends(2), after)
       call corrector%point_at(before, after, orbit, way)
       if (.not. way > 0) return
       call corrector%correct(orbit, success)
@@ -145,7 +149,7 @@ contains
       end do
    end subroutine follow_exact
 
-   !> From `from` along its tangent to the orbit at Lambda = `frequency_ratio`, or to the fold at which the way there turns back.
+   !> Follows the exact branch from `from` along its tangent to the orbit at Lambda = `frequency_ratio`, or to a fold before it.
    subroutine walk(corrector, from, frequency_ratio, reached, at_fold, success)
       type(orbit_corrector_type), intent(inout) :: corrector
       type(orbit_type), intent(in) :: from
@@ -197,14 +201,14 @@ contains
       success = .false.
    end subroutine walk
 
-   !> Whether the error is found and within the factor of its estimate.
+   !> Whether an error was found that is as estimated, up to the factor `within`.
    pure logical function agrees(row)
       type(audit_row_type), intent(in) :: row
 
       agrees = row%ratio() > 1/within .and. row%ratio() < within
    end function agrees
 
-   !> Whether shooting says the opposite of a verdict that is decided.
+   !> Whether the branch calls the point stable and shooting unstable, or the reverse.
    pure logical function contradicts(row)
       type(audit_row_type), intent(in) :: row
 
@@ -212,7 +216,7 @@ contains
                     (row%verdict == 'unstable' .and. row%exact_verdict == 'stable')
    end function contradicts
 
-   !> What is to be said of the estimate.
+   !> Sets `estimate_wrong` and adds what is to be said of the estimate.
    subroutine judge_estimate(row)
       type(audit_row_type), intent(inout) :: row
 
@@ -228,7 +232,7 @@ contains
       if (row%doubtful) call tell('doubtful', row)
    end subroutine judge_estimate
 
-   !> Adds to what a row says.
+   !> Adds words to the finding of a row.
    pure subroutine tell(what, row)
       character(*), intent(in) :: what
       type(audit_row_type), intent(inout) :: row
@@ -237,11 +241,15 @@ contains
       if (row%finding == '') row%finding = what
    end subroutine tell
 
-   !> A point of the branch as a first guess of an orbit.
-   subroutine place_on(corrector, branch, i, orbit)
+   !> First guess of an orbit from a point of the branch.
+   subroutine guess_from_point(corrector, branch, i, orbit)
+      !> The corrector of the exact branch.
       type(orbit_corrector_type), intent(inout) :: corrector
+      !> The branch.
       type(branch_type), intent(in) :: branch
+      !> Index of the point.
       integer, intent(in) :: i
+      !> The guess.
       type(orbit_type), intent(out) :: orbit
       type(motion_type) :: motion
 
@@ -249,11 +257,13 @@ contains
       motion%period = branch%subharmonic
       motion%coefficients = branch%coefficients(:, :, i)
       call corrector%first_guess(motion, orbit)
-   end subroutine place_on
+   end subroutine guess_from_point
 
-   !> The points before and after one, the point itself where its part ends there.
+   !> Indices of the points before and after a point; at an end of a segment the index of the point itself.
    pure function neighbours(branch, i) result(ends)
+      !> The branch.
       type(branch_type), intent(in) :: branch
+      !> Index of the point.
       integer, intent(in) :: i
       integer :: ends(2)
 

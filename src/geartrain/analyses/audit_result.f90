@@ -1,4 +1,4 @@
-!> What an audit of a branch gives: a row for each motion that shooting has solved anew, and how many are as the branch says.
+!> The result of an audit of a branch: a row for each motion that shooting solved anew, and how many rows agree with the branch.
 module geartrain_analyses_audit_result
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
@@ -8,49 +8,52 @@ module geartrain_analyses_audit_result
    !> An estimate counts as right when the true error is within this factor of it.
    real(dp), parameter :: within = 3
 
+   !> A point or a special point of the branch beside the exact branch.
    type :: audit_row_type
       !> 'point', or the kind of a special point.
       character(16) :: kind = 'point'
-      !> Lambda as the branch has it; of the exact special point, negative for a point and where none was found.
+      !> Lambda of the point or special point of the branch; Lambda of the special point of the exact branch, negative for a point
+      !> and where no special point was found.
       real(dp) :: frequency_ratio = 0, exact_frequency = -1
-      !> Index of the point, or of the one before the special point (of a fold itself).
+      !> Index of the point; of a special point the index of the point before it, of a fold the point itself.
       integer :: point = 0
-      !> Relative error of the waveform as estimated and as found; negative: none. Where the branch turns before the Lambda of the
-      !> point, that against the fold.
+      !> Relative error of the waveform [1] as estimated and as found; negative: none. Where the exact branch turns before the
+      !> Lambda of the point, the distance to its fold.
       real(dp) :: estimate = -1, error = -1
-      !> What neither can tell, relative: rounding.
+      !> Rounding error of the waveform [1], relative.
       real(dp) :: rounding = 0
-      !> The branch says that the estimate is doubtful.
+      !> Whether the branch calls the estimate doubtful.
       logical :: doubtful = .false.
-      !> Stability as the branch has it and by shooting; of a special point the multipliers beyond the unit circle before it and
-      !> after it; '' where not known.
+      !> Stability according to the branch and to shooting; of a special point the numbers of multipliers outside the unit circle
+      !> before and after it; '': not known.
       character(16) :: verdict = '', exact_verdict = ''
-      !> What is wrong: with the estimate, with the verdict.
+      !> Whether the estimate is wrong; whether shooting contradicts the stability of the branch.
       logical :: estimate_wrong = .false., verdict_wrong = .false.
-      !> In words; '' where all is as the branch says.
+      !> What is wrong or worth knowing, in words; '': all is as the branch says.
       character(80) :: finding = ''
    contains
       procedure :: ratio
    end type audit_row_type
 
+   !> The rows of an audit and their sums.
    type :: audit_type
       !> Points first, then special points, each in the order of the branch.
       type(audit_row_type), allocatable :: rows(:)
-      !> Points; those whose error is as estimated; others that the branch calls doubtful.
+      !> Numbers of points, of points whose error is as estimated, and of other points that the branch calls doubtful.
       integer :: points = 0, as_estimated = 0, doubtful = 0
-      !> Special points; those that the exact branch has as well, or that rest on undecided points.
+      !> Numbers of special points, and of special points that the exact branch has as well or that rest on undecided points.
       integer :: special_points = 0, confirmed = 0
-      !> Of points and special points.
+      !> Number of points and special points whose stability shooting contradicts.
       integer :: wrong_verdicts = 0
-      !> All points are as estimated or doubtful, all special points confirmed, no verdict is wrong, and nothing was left out.
+      !> All points are as estimated or doubtful, all special points confirmed, no stability is wrong, and no row is missing.
       logical :: ok = .false.
-      !> The observer ended it: rows are missing.
+      !> The observer ended the audit: rows are missing.
       logical :: cancelled = .false.
    end type audit_type
 
 contains
 
-   !> True error over estimate; negative where one of them is not known.
+   !> True error over estimate [1]; negative where the error or the estimate is not known.
    elemental real(dp) function ratio(self)
       class(audit_row_type), intent(in) :: self
 
@@ -62,6 +65,7 @@ contains
 
    !> Counts the rows.
    pure subroutine sum_up(audit)
+      !> The audit; `rows` and `cancelled` are given.
       type(audit_type), intent(inout) :: audit
 
       associate (rows => audit%rows, is_point => audit%rows%kind == 'point')
@@ -75,7 +79,7 @@ contains
       end associate
    end subroutine sum_up
 
-   !> Whether the error is within the factor of the estimate.
+   !> Whether the error is as estimated, up to the factor `within`.
    elemental logical function as_estimated(row)
       type(audit_row_type), intent(in) :: row
 

@@ -1,10 +1,10 @@
-!> A special point of a branch against the exact branch: whether that has one of its kind there, where, and how many multipliers
-!> pass the unit circle at it.
+!> A special point of a branch against the exact branch: whether and where the exact branch has a special point of the kind, and how
+!> many multipliers pass the unit circle there.
 !>
-!> The exact branch is met across the special point and followed both ways in turn until a number changes sign that does so at this
-!> kind alone; so the nearest one is found first.
+!> The exact branch is met across the special point and followed both ways in turn, until a test function changes sign that changes
+!> sign at this kind alone; so the nearest special point is found first.
 module geartrain_analyses_audit_special_point
-   use geartrain_analyses_audit_point, only: audit_point, fold_test_type, neighbours, place_on
+   use geartrain_analyses_audit_point, only: audit_point, fold_test_type, neighbours, guess_from_point
    use geartrain_analyses_audit_result, only: audit_row_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
@@ -15,30 +15,33 @@ module geartrain_analyses_audit_special_point
    private
    public :: audit_special_point
 
-   !> First step and longest way along the exact branch, in units of the train's own.
+   !> First step and longest way along the exact branch, in the units of units_type.
    real(dp), parameter :: first_step = 2e-4_dp, longest_way = 0.25_dp
-   !> Least Lambda on the way, relative: flights take ever longer towards 0.
+   !> Least Lambda on the way over Lambda at its beginning: towards 0 the integration takes ever longer.
    real(dp), parameter :: slowest = 0.5_dp
    integer, parameter :: max_steps = 100
-   !> From a special point to either side, where multipliers are counted.
+   !> Distance from a special point to the orbits on either side whose multipliers are counted, in the units of units_type.
    real(dp), parameter :: beside = 1e-4_dp
-   !> A complex multiplier is out by more than this; what counts as 0 for the direction of Lambda.
+   !> A multiplier is outside the unit circle if its magnitude is larger than 1 + neutral; a part of Lambda in the unit tangent
+   !> below `level` counts as 0.
    real(dp), parameter :: neutral = 1e-8_dp, level = 1e-8_dp
 
-   !> det(M + I) but for complex multipliers.
+   !> Test function: det(M + I) up to the positive factors of complex multipliers.
    type, extends(orbit_test_type) :: doubling_test_type
    contains
       procedure :: value => value_of_doubling
    end type doubling_test_type
 
-   !> det(M - I) over the direction of Lambda, but for complex multipliers: both vanish at a fold.
+   !> Test function: det(M - I), up to the positive factors of complex multipliers, over the part of Lambda in the unit tangent; the
+   !> quotient has no zero at a fold, where both vanish.
    type, extends(orbit_test_type) :: branching_test_type
    contains
       procedure :: value => value_of_branching
    end type branching_test_type
 
-   !> How far the complex pair number `pair`, by magnitude, is outside the unit circle.
+   !> Test function: magnitude of a complex pair of multipliers, less 1.
    type, extends(orbit_test_type) :: neimark_sacker_test_type
+      !> Number of the pair, by descending magnitude.
       integer :: pair = 1
    contains
       procedure :: value => value_of_neimark_sacker
@@ -81,11 +84,15 @@ contains
       end do
    end function value_of_neimark_sacker
 
-   !> Fills in the row of special point number `special`: where the exact one is, the counts, and what is wrong.
+   !> Fills in the row of a special point: Lambda of the exact special point, multipliers on both sides, and what is wrong.
    subroutine audit_special_point(corrector, branch, special, row, exact)
+      !> The corrector of the exact branch.
       type(orbit_corrector_type), intent(inout) :: corrector
+      !> The branch.
       type(branch_type), intent(in) :: branch
+      !> Number of the special point.
       integer, intent(in) :: special
+      !> The row, with defaults only.
       type(audit_row_type), intent(inout) :: row
       !> The special point of the exact branch; without states where none was found.
       type(orbit_type), intent(out) :: exact
@@ -98,7 +105,7 @@ contains
       row%point = branch%special_points(special)%point
       if (row%kind == 'fold') then
          call audit_point(corrector, branch, row)
-         ! Of a fold only the estimate counts: its multiplier +1 is neither in nor out.
+         ! Of a fold only the estimate counts: its multiplier +1 is neither inside nor outside the unit circle.
          if (.not. row%estimate_wrong) row%finding = ''
          row%verdict_wrong = .false.
          row%verdict = ''
@@ -135,8 +142,9 @@ contains
       end if
    end subroutine audit_special_point
 
-   !> Whether the branch says at its point i, next to a special point, what is not so for the orbit next to the exact one, and that
-   !> for the multipliers that change there: others may before the point is reached. i = 0: the branch does not say.
+   !> Whether stability at point i of the branch, next to a special point, differs from the stability of an orbit next to the exact
+   !> special point, and so does the number of the multipliers that pass at this kind (other multipliers may pass between the
+   !> special point and point i). i = 0: no decided point.
    pure logical function contradicts(branch, kind, i, orbit)
       type(branch_type), intent(in) :: branch
       character(*), intent(in) :: kind
@@ -145,7 +153,7 @@ contains
 
       contradicts = .false.
       if (i == 0) return
-      ! A refined point is an orbit itself, next to a fold perhaps of the other side.
+      ! A refined point is an orbit; next to a fold it may be an orbit of the other side.
       if (allocated(branch%correction)) then
          if (branch%correction(i) >= 0) return
       end if
@@ -153,26 +161,26 @@ contains
                     .and. critical(kind, branch%multipliers(:, i)) /= critical(kind, orbit%multipliers)
    end function contradicts
 
-   !> Whether another special point lies between this one and the point before, or after it: the list goes along the branch.
+   !> Whether a special point shares its step of the branch with the special point before it, and with the special point after it.
    pure function shares_step(branch, special) result(shares)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: special
       logical :: shares(2)
 
       shares = .false.
-      associate (all_of_them => branch%special_points)
-         if (special > 1) shares(1) = all_of_them(special - 1)%point == all_of_them(special)%point
-         if (special < size(all_of_them)) shares(2) = all_of_them(special + 1)%point == all_of_them(special)%point
+      associate (point => branch%special_points%point)
+         if (special > 1) shares(1) = point(special - 1) == point(special)
+         if (special < size(point)) shares(2) = point(special + 1) == point(special)
       end associate
    end function shares_step
 
-   !> A first guess of the orbit at a special point, between the points next to it, along the chord of these.
+   !> First guess of the orbit at a special point, on the chord of the points on both sides, with the chord as tangent.
    subroutine stand_at(corrector, branch, row, start, ends, found)
       type(orbit_corrector_type), intent(inout) :: corrector
       type(branch_type), intent(in) :: branch
       type(audit_row_type), intent(in) :: row
       type(orbit_type), intent(out) :: start
-      !> These points.
+      !> Indices of the points on both sides.
       integer, intent(out) :: ends(2)
       logical, intent(out) :: found
       type(orbit_type) :: first, last
@@ -180,15 +188,15 @@ contains
 
       ends = [row%point, min(row%point + 1, branch%points)]
       if (row%kind == 'fold') ends = neighbours(branch, row%point)
-      call place_on(corrector, branch, ends(1), first)
-      call place_on(corrector, branch, ends(2), last)
+      call guess_from_point(corrector, branch, ends(1), first)
+      call guess_from_point(corrector, branch, ends(2), last)
       if (row%kind == 'fold') then
-         call place_on(corrector, branch, row%point, start)
+         call guess_from_point(corrector, branch, row%point, start)
       else
          share = 0
          if (abs(last%frequency_ratio - first%frequency_ratio) > 0) &
             share = (corrector%times*row%frequency_ratio - first%frequency_ratio)/(last%frequency_ratio - first%frequency_ratio)
-         ! Next to a fold Lambda tells little.
+         ! Next to a fold Lambda may lie outside the range of the two points.
          share = max(0.0_dp, min(1.0_dp, share))
          start = first
          start%states = (1 - share)*first%states + share*last%states
@@ -198,12 +206,12 @@ contains
       found = way > 0
    end subroutine stand_at
 
-   !> Which way the number that tells the kind goes between two points of the branch: +1 up, -1 down, 0 where they do not tell.
+   !> Sign of the change of the test function of the kind between two points of the branch; 0: not known.
    pure integer function sense_of(branch, row, ends, change) result(sense)
       type(branch_type), intent(in) :: branch
       type(audit_row_type), intent(in) :: row
       integer, intent(in) :: ends(2)
-      !> Of what `critical` counts.
+      !> Change of the number that `critical` counts.
       integer, intent(in) :: change
 
       select case (row%kind)
@@ -223,12 +231,12 @@ contains
       end select
    end function sense_of
 
-   !> The special point of a kind on the exact branch that is nearest to `start`.
+   !> Finds the special point of a kind on the exact branch that is nearest to `start`.
    subroutine search(corrector, start, kind, sense, exact, found)
       type(orbit_corrector_type), intent(inout) :: corrector
       type(orbit_type), intent(in) :: start
       character(*), intent(in) :: kind
-      !> See `sense_of`; 0: either.
+      !> Sign of the change of the test function, see `sense_of`; 0: any.
       integer, intent(in) :: sense
       type(orbit_type), intent(inout) :: exact
       logical, intent(out) :: found
@@ -239,7 +247,7 @@ contains
       logical :: open_end(2)
       integer :: i, k
 
-      ! From a little before it: at the special point itself the sign is rounding.
+      ! The search begins a little before `start`: at the special point itself the sign of the test function is rounding.
       call corrector%advance(start, -0.5_dp*first_step, next, found)
       side = start
       if (found) side = next
@@ -261,14 +269,14 @@ contains
          call choose_test(kind, side(k), next, test)
          if (allocated(test)) then
             rise = test%value(next)
-            ! On the way back all is in reverse, the direction of Lambda twice.
+            ! On the way back the change has the opposite sign; for a fold the test function has the opposite sign as well.
             if (k == 2 .and. kind /= 'fold') rise = -rise
             if (rise*sense < 0) deallocate (test)
          end if
          if (allocated(test)) then
             call corrector%find_zero(test, side(k), step(k), next, exact, found)
             if (found) then
-               ! In the sense of the branch.
+               ! The tangent gets the sense of the branch.
                if (k == 2) exact%tangent = -exact%tangent
                if (k == 2) exact%tangent_frequency = -exact%tangent_frequency
                return
@@ -282,7 +290,7 @@ contains
       found = .false.
    end subroutine search
 
-   !> The number that changes sign between two orbits if a special point of the kind lies between; not allocated if none does.
+   !> Allocates the test function of the kind if it changes sign between two orbits.
    subroutine choose_test(kind, first, last, test)
       character(*), intent(in) :: kind
       type(orbit_type), intent(in) :: first, last
@@ -294,7 +302,7 @@ contains
       select case (kind)
       case ('fold')
          allocate (fold_test_type :: test)
-         ! On a vertical segment the direction is rounding.
+         ! On a vertical curve the sign of the part of Lambda is rounding.
          changes = min(abs(first%tangent_frequency), abs(last%tangent_frequency)) > level
       case ('period doubling')
          allocate (doubling_test_type :: test)
@@ -310,8 +318,9 @@ contains
       if (.not. changes) deallocate (test)
    end subroutine choose_test
 
-   !> Multipliers beyond the unit circle that are of a kind: complex pairs; else 1 where the number of real ones beyond +1 or -1 is
-   !> odd, as each one that passes changes that, whatever pairs become real.
+   !> Number that changes where multipliers pass at a special point of a kind: complex pairs outside the unit circle for a
+   !> Neimark-Sacker point; else 1 if the number of real multipliers above +1, or below -1, is odd. Complex pairs that become real
+   !> leave the parity as it is.
    pure integer function critical(kind, multipliers)
       character(*), intent(in) :: kind
       complex(dp), intent(in) :: multipliers(:)
@@ -334,14 +343,14 @@ contains
       words = text(outside(before))//' -> '//text(outside(after))
    end function counts
 
-   !> Multipliers outside the unit circle.
+   !> Number of multipliers outside the unit circle.
    pure integer function outside(multipliers)
       complex(dp), intent(in) :: multipliers(:)
 
       outside = count(abs(multipliers) > 1 + neutral)
    end function outside
 
-   !> Complex pairs outside the unit circle.
+   !> Number of complex pairs outside the unit circle.
    pure integer function pairs_outside(multipliers)
       complex(dp), intent(in) :: multipliers(:)
 

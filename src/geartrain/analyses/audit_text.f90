@@ -1,4 +1,4 @@
-!> An audit as a table, a line a row, and a line that sums it up.
+!> An audit as text: a table with a line for each row, and a line with the sums.
 module geartrain_analyses_audit_text
    use geartrain_analyses_audit_result, only: audit_row_type, audit_type
    use geartrain_base_kinds, only: dp
@@ -11,9 +11,11 @@ module geartrain_analyses_audit_text
 
 contains
 
-   !> The lines, without a newline after the last.
+   !> Writes an audit as text.
    subroutine audit_text(audit, lines)
+      !> The audit.
       type(audit_type), intent(in) :: audit
+      !> The lines, without a newline after the last.
       character(:), allocatable, intent(out) :: lines
       integer :: i
 
@@ -41,7 +43,7 @@ contains
       if (row%finding /= '') lines = lines//'  '//trim(row%finding)
    end subroutine add_row
 
-   !> '-' for a negative number, which stands for none.
+   !> A number as text; '-' for a negative number, which stands for none.
    function number(value, form, width)
       real(dp), intent(in) :: value
       character(*), intent(in) :: form
@@ -52,7 +54,7 @@ contains
       if (value >= 0) write (number, form) value
    end function number
 
-   !> Adds '20 of 20 as estimated, 0 verdicts wrong', and what else there is to be said.
+   !> Adds the line '20 of 20 as estimated, 0 verdicts wrong; 10 of 10 special points confirmed'.
    subroutine add_summary(audit, lines)
       type(audit_type), intent(in) :: audit
       character(:), allocatable, intent(inout) :: lines

@@ -1,5 +1,5 @@
-!> What one analysis needs of another: branches that follow from the response and from attractors, refined and searched for the
-!> edges of contact once all of them are there.
+!> What one analysis needs of another: branches that follow from the response and from attractors. Once all branches are traced they
+!> are refined and the edges of contact are located.
 module geartrain_analyses_dependencies
    use geartrain_analyses_attractors, only: follow_attractors
    use geartrain_analyses_list, only: analyses, case_type, leave_out, results_type
@@ -19,9 +19,11 @@ module geartrain_analyses_dependencies
 
 contains
 
-   !> What single groups cannot say; the problems are added to those of `checker`.
+   !> Checks the groups of a case against one another.
    subroutine check_agreement(case, checker)
+      !> The case.
       type(case_type), intent(in) :: case
+      !> Collects the problems.
       class(checker_type), intent(inout) :: checker
       real(dp) :: low, high
 
@@ -41,8 +43,9 @@ contains
       call checker%leave()
    end subroutine check_agreement
 
-   !> Leaves out of a case what no branch comes from.
+   !> Leaves out of a case every analysis that no branch comes from.
    subroutine keep_branches(case)
+      !> The case.
       type(case_type), intent(inout) :: case
       integer :: i
 
@@ -55,10 +58,12 @@ contains
       end do
    end subroutine keep_branches
 
-   !> Takes the further branches that another run has traced to their end out of its results. The last one may be under way. Not
-   !> allocated where refinement has begun: all branches are there then, and following would see points that it changed.
+   !> Moves the further branches that another run has traced out of its results, and drops the last branch, which may be under way.
    subroutine take_known(results, known)
+      !> Results of the other run, then without further branches; as they are where `known` is not allocated.
       type(results_type), intent(inout) :: results
+      !> The branches. Not allocated: refinement has begun, hence all branches are traced, and none may be followed from refined
+      !> points.
       type(branch_type), allocatable, intent(out) :: known(:)
 
       if (allocated(results%response)) then
@@ -70,14 +75,18 @@ contains
       deallocate (results%branches)
    end subroutine take_known
 
-   !> Adds the branches that follow from what the analysis `name` has found. `error` tells that the input is bad.
+   !> Adds the branches that follow from the result of an analysis. `error` tells that the input is bad.
    subroutine follow_branches(name, case, results, error, observer, known)
+      !> Name of the analysis.
       character(*), intent(in) :: name
+      !> The case.
       type(case_type), intent(in) :: case
+      !> The results; `branches` becomes longer.
       type(results_type), intent(inout), target :: results
       type(error_type), allocatable, intent(out) :: error
+      !> Told of each point of 'branch'; may end the trace.
       class(observer_type), intent(inout) :: observer
-      !> The first of the further branches, where another run has traced these already.
+      !> The first branches, if another run has traced them already.
       type(branch_type), intent(in), optional :: known(:)
 
       select case (name)
@@ -91,14 +100,17 @@ contains
       end select
    end subroutine follow_branches
 
-   !> Refines the response and the further branches where that was asked for: last, since branches are followed and told apart by
-   !> their balances.
+   !> Refines the response and the further branches if the case asks for refinement. Refinement comes last, because branches are
+   !> followed and compared by their harmonic balances.
    subroutine refine_branches(case, results, error, observer, whole)
+      !> The case.
       type(case_type), intent(in) :: case
+      !> The results with all branches.
       type(results_type), intent(inout), target :: results
       type(error_type), allocatable, intent(out) :: error
+      !> Told of each point of 'refinement'; may end it.
       class(observer_type), intent(inout) :: observer
-      !> False where the observer has ended it.
+      !> .false.: the observer or an interrupt ended refinement before the last point.
       logical, intent(out) :: whole
       integer :: i
 
@@ -116,25 +128,29 @@ contains
       end do
    end subroutine refine_branches
 
+   !> Whether a case asks for refinement of its branches.
    pure logical function asks_refinement(case)
+      !> The case.
       type(case_type), intent(in) :: case
 
       asks_refinement = .false.
       if (allocated(case%response)) asks_refinement = case%response%refine
    end function asks_refinement
 
-   !> Whether refinement has come to every point.
+   !> Whether refinement has tried every point.
    pure logical function is_refined(branch)
       type(branch_type), intent(in) :: branch
 
       is_refined = .not. any(branch%correction(:branch%points) < -1)
    end function is_refined
 
-   !> The edges of separation and back collision of all branches of a case, located before they are reported or written.
+   !> Locates the edges of separation and back collision of all branches of a case, to be reported and written.
    subroutine locate_edges(case, results, observer)
+      !> The case.
       type(case_type), intent(in) :: case
+      !> The results with all branches.
       type(results_type), intent(inout), target :: results
-      !> Once it has answered no, what is left is interpolated.
+      !> Once it asks to end, the edges that are left are interpolated.
       class(observer_type), intent(inout), optional :: observer
       integer :: i
 

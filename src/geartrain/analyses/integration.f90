@@ -1,5 +1,5 @@
-!> The analysis &integration: time integration over a range of frequencies, each begun with the state that the one before ended
-!> in; and to a steady motion at one frequency.
+!> The analysis &integration: time integration to steady motions over a range of frequencies, a sweep, in which each frequency
+!> begins with the last state of the frequency before; and to a steady motion at one frequency.
 module geartrain_analyses_integration
    use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
    use geartrain_balance_motion, only: motion_type
@@ -33,13 +33,15 @@ module geartrain_analyses_integration
    !> Most harmonics that are stored of a motion.
    integer, parameter :: most_harmonics = 20000
 
+   !> The motions of a sweep over frequency.
    type :: sweep_type
-      !> One motion a frequency visited, in that order; period 0 where none was found.
+      !> One motion for each frequency, in the order visited; period 0: no period found; Lambda 0: still to be done.
       type(motion_type), allocatable :: motions(:)
-      !> 'up' or 'down', one a motion.
+      !> Direction of the sweep at each motion, 'up' or 'down', (motion).
       character(4), allocatable :: direction(:)
-      !> 'all points done', or why not; and that the train floats in its gaps, where it does.
+      !> 'all points done', or why not; and a note where the train floats in its gaps. Not allocated: the sweep is under way.
       character(:), allocatable :: ended
+      !> Whether all frequencies are done.
       logical :: complete = .false.
    end type sweep_type
 
@@ -85,9 +87,11 @@ contains
       call v%leave()
    end subroutine visit_variables
 
-   !> Checks the settings of a sweep for a train that is in order; the error tells every problem, one a line.
+   !> Checks the settings of a sweep; the error tells every problem, one a line.
    subroutine check_integration(train, settings, error)
+      !> A train that check_train accepts.
       type(train_type), intent(in) :: train
+      !> The settings.
       type(integration_settings_type), intent(in) :: settings
       type(error_type), allocatable, intent(out) :: error
       type(integration_settings_type), target :: copy
@@ -144,14 +148,18 @@ contains
       if (allocated(self%result%ended)) ended = self%result%ended
    end subroutine tell_end
 
-   !> Visits settings%points frequencies between start and stop, upwards, downwards or both. A frequency without a steady
-   !> motion has period 0; the sweep goes on from the state reached, or from rest where the motion grew without bound. A sweep under
-   !> way (its motions are there, why it ended is not, as in a checkpoint of the same case) is taken up after its last motion.
+   !> Visits settings%points frequencies between start and stop, upwards, downwards or both. A frequency without a steady motion has
+   !> period 0; the sweep goes on from the last state, or from rest where the motion grew without bound.
    subroutine sweep(train, settings, result, error, observer)
+      !> The train as described.
       type(train_type), intent(in) :: train
+      !> Range, direction and what else &integration asks for.
       type(integration_settings_type), intent(in) :: settings
+      !> The motions. A sweep under way, with `motions` but without `ended` as in a checkpoint of the same case, is taken up after
+      !> its last motion. A target: an observer may read the motions so far through a pointer.
       type(sweep_type), intent(inout), target :: result
       type(error_type), allocatable, intent(out) :: error
+      !> Told of 'integration' after each frequency and of 'settling' meanwhile; may end the sweep.
       class(observer_type), intent(inout), optional :: observer
       type(sweep_type) :: empty
       type(motion_type) :: motion
@@ -198,7 +206,7 @@ contains
          if (stopped) exit
          call add_exponent(system, settings, motion, observer)
          if (system%interrupt%raised()) exit
-         ! A whole motion or none: what has a frequency counts as done where the sweep is taken up again.
+         ! Only a complete motion is stored: a motion with a frequency counts as done where the sweep is taken up again.
          result%motions(i) = motion
          if (.not. allocated(motion%coefficients)) state = resting_state(system)
          done = i
@@ -216,24 +224,27 @@ contains
       result%direction = result%direction(:done)
    end subroutine sweep
 
-   !> Motions that a sweep has in the end.
+   !> Number of motions of a complete sweep.
    pure integer function motions_of(settings)
       type(integration_settings_type), intent(in) :: settings
 
       motions_of = settings%points*merge(2, 1, settings%direction == 'both')
    end function motions_of
 
-   !> Integrates from `start` (default: at rest under the mean load) until the motion is steady. motion%period is 0 where no
-   !> period was found within settings%max_periods, and its figures are then those of the last 16 mesh periods. Fails where the
-   !> motion grows without bound.
+   !> Integrates until the motion is steady. Fails where the motion grows without bound.
    subroutine integrate(train, frequency_ratio, settings, motion, error, start, observer)
+      !> The train as described.
       type(train_type), intent(in) :: train
       !> Lambda [1], > 0.
       real(dp), intent(in) :: frequency_ratio
+      !> Settings, of which the range, `points` and `direction` are not used.
       type(integration_settings_type), intent(in) :: settings
+      !> The motion; period 0: no period was found within max_periods, and the figures are those of the last 16 mesh periods.
       type(motion_type), intent(out) :: motion
       type(error_type), allocatable, intent(out) :: error
+      !> Motion to start from, with a state or coefficients; absent: at rest under the mean load.
       type(motion_type), intent(in), optional :: start
+      !> Told of 'settling'; may end it.
       class(observer_type), intent(inout), optional :: observer
       type(system_type) :: system
       real(dp), allocatable :: state(:)
@@ -263,7 +274,7 @@ contains
       call add_exponent(system, settings, motion, observer)
    end subroutine integrate
 
-   !> The Lyapunov exponent of a motion for which no period was found, unless it ran away.
+   !> Adds Lyapunov exponent and kind to a motion without a period, unless the motion grew without bound.
    subroutine add_exponent(system, settings, motion, observer)
       type(system_type), intent(in) :: system
       type(integration_settings_type), intent(in) :: settings
@@ -275,12 +286,12 @@ contains
                          motion%lyapunov_error, observer)
       if (.not. allocated(motion%lyapunov_exponent)) return
       motion%kind = kind_of(motion%frequency_ratio, motion%lyapunov_exponent, motion%lyapunov_error)
-      ! What has not yet left an orbit that repels has the exponent of the orbit, which tells nothing of where it goes.
+      ! A motion that has not yet left an unstable orbit has the exponent of the orbit, and may still settle on a regular motion.
       if (motion%kind /= 'chaotic') return
       if (is_leaving(system, motion%frequency_ratio, motion%state, motion%lyapunov_exponent)) motion%kind = 'still settling'
    end subroutine add_exponent
 
-   !> Settings for a single frequency, which takes the place of the range.
+   !> Checks a single frequency and the settings, whose range is not used.
    subroutine check_single(train, settings, frequency_ratio, error)
       type(train_type), intent(in) :: train
       type(integration_settings_type), intent(in) :: settings
@@ -303,6 +314,7 @@ contains
       call check_integration(train, single, error)
    end subroutine check_single
 
+   !> Whether a motion to start from has a state or coefficients of the right size.
    subroutine check_start(system, start, error)
       type(system_type), intent(in) :: system
       type(motion_type), intent(in) :: start
@@ -333,10 +345,10 @@ contains
       call visit_sweep(self%result, points, fields)
    end subroutine visit_fields
 
-   !> The motions of a sweep; those at the end without a frequency are still to come.
+   !> Visits the motions of a sweep that are done.
    subroutine visit_sweep(sweep, points, fields)
       type(sweep_type), intent(inout) :: sweep
-      !> Motions that the sweep has in the end.
+      !> Number of motions of the complete sweep; 0: the case does not ask for integration.
       integer, intent(in) :: points
       class(fields_type), intent(inout) :: fields
       type(motion_type), allocatable :: motions(:)
@@ -356,7 +368,7 @@ contains
       if (fields%way == reading) then
          call fields%check(n <= points .and. (n == points .or. .not. sweep%complete), 'point')
          if (allocated(fields%wrong)) return
-         ! One that has not ended goes on, with room for all.
+         ! A sweep that has not ended goes on: it gets room for all motions.
          allocate (sweep%motions(merge(n, points, allocated(sweep%ended))))
          allocate (sweep%direction(size(sweep%motions)), source='    ')
          allocate (direction(n))

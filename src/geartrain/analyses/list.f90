@@ -1,5 +1,5 @@
-!> The list of analyses. Whoever reads, checks, runs, writes or reports cases goes over it; a new analysis is registered here: a row
-!> of `analyses`, a component of a case and one of results, and its lines in the two routines below.
+!> The list of analyses, over which all loops go that read, check, run, write or report cases. A new analysis is registered here: a
+!> row of `analyses`, a component of case_type, a component of results_type, and its lines in find_analysis and leave_out.
 module geartrain_analyses_list
    use geartrain_analyses_analysis, only: analysis_type, group_row_type
    use geartrain_analyses_attractors, only: attractors_analysis_type, attractors_row, attractors_settings_type, attractors_type
@@ -16,47 +16,51 @@ module geartrain_analyses_list
    private
    public :: analyses, case_type, find_analysis, leave_out, number_of, results_type
 
-   !> In the order in which they stand in a case file, run and are written.
+   !> The analyses in the order in which they stand in a case file, run and are written.
    type(group_row_type), parameter :: analyses(*) = [modes_row, response_row, integration_row, attractors_row, stability_map_row]
 
-   !> One case: a train and the analyses wanted of it, as one namelist file gives them.
+   !> A case: a train and the analyses that one namelist file asks for.
    type :: case_type
+      !> The train as described.
       type(train_type) :: train
-      !> &modes is present.
+      !> Whether the group &modes is present.
       logical :: modes = .false.
-      !> Allocated when the group is present.
+      !> Variables of each group; allocated when the group is present.
       type(response_settings_type), allocatable :: response
       type(integration_settings_type), allocatable :: integration
       type(attractors_settings_type), allocatable :: attractors
       type(stability_map_settings_type), allocatable :: stability_map
-      !> Name of the output file as given in &output; empty: the case's name with .h5.
+      !> Name of the results file as given in &output; empty: name of the case with .h5.
       character(:), allocatable :: output_file
    end type case_type
 
-   !> Allocated where it was computed.
+   !> The results of a case.
    type :: results_type
+      !> Result of each analysis; allocated where the analysis has begun.
       type(modes_type), allocatable :: modes
       type(branch_type), allocatable :: response
       type(sweep_type), allocatable :: integration
       type(attractors_type), allocatable :: attractors
       type(stability_map_type), allocatable :: stability_map
-      !> Further branches, each with its origin: those from period doublings of the response, then those through attractors.
+      !> Further branches, each with its origin: branches that bifurcate from the response, then branches through attractors.
       type(branch_type), allocatable :: branches(:)
    end type results_type
 
 contains
 
-   !> An analysis with what the case asks of it and with its result, where these are there. It points into both, which are to be
-   !> targets and to stay where they are.
+   !> Makes an analysis whose pointers `settings` and `result` point to components of a case and of results, where these exist.
    subroutine find_analysis(number, case, results, analysis, ask, begin)
-      !> In the list.
+      !> Number of the analysis in the list.
       integer, intent(in) :: number
-      ! No intent: whoever only looks at it may pass what must not be changed.
+      !> The case and the results: targets that must outlive `analysis`. They have no intent, so that without `ask` and `begin` the
+      !> actual arguments may have intent(in).
       type(case_type), target :: case
+      !> See `case`.
       type(results_type), target :: results
+      !> The analysis.
       class(analysis_type), allocatable, intent(out) :: analysis
-      !> Whether the case asks for it from here on, with the defaults where it did not; whether it has a result, an empty one where
-      !> it had none.
+      !> .true.: the case asks for the analysis from here on, with defaults if it did not; the results have the analysis from here
+      !> on, empty if they did not.
       logical, intent(in), optional :: ask, begin
       logical :: asks, begins
       type(modes_analysis_type) :: modes
@@ -112,11 +116,13 @@ contains
       end select
    end subroutine find_analysis
 
-   !> The case does not ask for an analysis from here on; the results have none of it.
+   !> Removes an analysis from a case, from results or from both.
    subroutine leave_out(number, case, results)
-      !> In the list.
+      !> Number of the analysis in the list.
       integer, intent(in) :: number
+      !> The case, which does not ask for the analysis from here on.
       type(case_type), intent(inout), optional :: case
+      !> The results, which have no result of the analysis from here on.
       type(results_type), intent(inout), optional :: results
       type(case_type) :: nothing
       type(results_type) :: none
@@ -139,8 +145,9 @@ contains
       end associate
    end subroutine leave_out
 
-   !> Number of the analysis of this name, 0 where there is none.
+   !> Number of an analysis in the list; 0: no such analysis.
    pure integer function number_of(name)
+      !> Name of the analysis.
       character(*), intent(in) :: name
 
       number_of = findloc(analyses%name == name, .true., dim=1)

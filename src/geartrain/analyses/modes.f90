@@ -41,7 +41,7 @@ contains
       call v%leave()
    end subroutine visit_variables
 
-   !> They are found at once, so that those of an earlier run are of no use.
+   !> Modes take no time: those of an earlier run are replaced.
    subroutine run(self, train, error, observer, start)
       class(modes_analysis_type), intent(inout) :: self
       type(train_type), intent(in) :: train

@@ -1,4 +1,4 @@
-!> The analysis &response: the branch of periodic motions over frequency; what it follows is in geartrain_continuation_response.
+!> The analysis &response: the branch of periodic motions over frequency, which geartrain_continuation_response traces.
 module geartrain_analyses_response
    use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
    use geartrain_balance_motion, only: motion_type
@@ -76,7 +76,7 @@ contains
          if (allocated(branch%ended) .and. .not. allocated(branch%trace)) return
          call response(train, self%settings, branch, error, start, observer)
          if (allocated(error) .or. branch%cancelled .or. branch%points == 0 .or. train%interrupt%raised()) return
-         ! What a trace does after its last step belongs to the response, for whoever keeps time.
+         ! The time after the last step of the trace counts as time of the response.
          keep_going = .true.
          call observer%on_step('response', branch%points, branch%frequency_ratio(branch%points), keep_going)
       end associate
@@ -101,14 +101,17 @@ contains
       call visit_whole_branch(self%result, '/response', train, fields, summary)
    end subroutine visit_fields
 
-   !> The fields of a branch and of what one reads off it.
+   !> Visits the fields of a branch and of its figures.
    subroutine visit_whole_branch(branch, home, train, fields, summary)
+      !> The branch; set by reading.
       type(branch_type), intent(inout) :: branch
-      !> Path of its group.
+      !> Path of the group.
       character(*), intent(in) :: home
+      !> The train of the branch.
       type(train_type), intent(in) :: train
+      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
-      !> Whether what one reads off it is computed as well.
+      !> Whether the figures (peaks, jumps, ...) are computed and visited as well.
       logical, intent(in) :: summary
 
       call visit_branch(branch, home, fields)
@@ -129,12 +132,13 @@ contains
       call report_branch(self%result, unit)
    end subroutine report
 
-   !> Writes the lines that the executable prints of further branches.
+   !> Writes the lines about further branches that the executable prints.
    subroutine report_branches(branches, unit, seconds)
+      !> The branches.
       type(branch_type), intent(in) :: branches(:)
       !> An open unit for formatted text.
       integer, intent(in) :: unit
-      !> Time taken by all of them [s].
+      !> Time that all of them took [s].
       real(dp), intent(in) :: seconds
       integer :: i
 
@@ -165,7 +169,7 @@ contains
          call report_jumps(branch, unit)
          bands = bands_without_stability(branch)
          do i = 1, size(bands)
-            ! Narrower than what is printed: the file has it.
+            ! A band without width in the digits printed; the file has it.
             if (fixed(bands(i)%from, 4) == fixed(bands(i)%to, 4)) cycle
             write (unit, '(5a)') '    without a stable motion for Lambda ', fixed(bands(i)%from, 4), ' to ', &
                fixed(bands(i)%to, 4), trim(merge(' (undecided)', '            ', bands(i)%undecided))
@@ -183,7 +187,7 @@ contains
       if (allocated(branch%ended)) write (unit, '(2a)') '    ended: ', branch%ended
    end subroutine report_branch
 
-   !> Where other branches of the same period cross.
+   !> Lines about branch points, at which other branches of the same period cross.
    subroutine report_branch_points(branch, unit)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: unit
@@ -233,7 +237,7 @@ contains
       end do
    end subroutine report_jumps
 
-   !> Points whose stability is a guess, and the special points that rest on such points alone.
+   !> Lines about points whose stability is a guess, and about special points that rest on such points alone.
    subroutine report_undecided(branch, unit)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: unit
@@ -250,27 +254,28 @@ contains
 
    subroutine report_ranges(what, ranges, stable, known, unit)
       character(*), intent(in) :: what
-      !> At any level of the branch; at a stable one, where that is known.
+      !> Ranges of all motions; ranges of stable motions, used where stability is known.
       type(band_type), intent(in) :: ranges(:), stable(:)
       logical, intent(in) :: known
       integer, intent(in) :: unit
-      character(:), allocatable :: all_of_them, stable_ones
+      character(:), allocatable :: of_all, of_stable
 
       if (size(ranges) == 0) return
-      call list(ranges, all_of_them)
-      write (unit, '(5a)', advance='no') '    ', what, ' at Lambda ', all_of_them
+      call list(ranges, of_all)
+      write (unit, '(5a)', advance='no') '    ', what, ' at Lambda ', of_all
       if (known) then
-         call list(stable, stable_ones)
+         call list(stable, of_stable)
          if (size(stable) == 0) then
             write (unit, '(a)', advance='no') '; at no stable motion'
-         else if (stable_ones /= all_of_them) then
-            write (unit, '(2a)', advance='no') '; stable: ', stable_ones
+         else if (of_stable /= of_all) then
+            write (unit, '(2a)', advance='no') '; stable: ', of_stable
          end if
       end if
       write (unit, '()')
    end subroutine report_ranges
 
-   !> As printed: without the gaps, and the ranges beside others, that four decimals do not show.
+   !> Ranges as text with four decimals: ranges that touch in these digits are joined, and of several ranges those without width in
+   !> these digits are left out.
    subroutine list(ranges, text)
       type(band_type), intent(in) :: ranges(:)
       character(:), allocatable, intent(out) :: text
@@ -296,7 +301,7 @@ contains
       end do
    end subroutine list
 
-   !> The largest mesh force of all motions of the branch, the stable ones where stability is known.
+   !> Lines about the largest force of each mesh over the branch: of stable motions where stability is known, else of all motions.
    subroutine report_loads(branch, unit)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: unit

@@ -1,5 +1,5 @@
-!> What is asked of a stability map (stability chart, of a linear train an Ince-Strutt diagram) and what it gives: the variables of
-!> &stability_map with their checks, the grid with its rows while it is under way, and its fields.
+!> Settings and result of a stability map (stability chart, of a linear train an Ince-Strutt diagram): the variables of
+!> &stability_map with their checks, the grid, its rows while the map is under way, and its fields.
 module geartrain_analyses_stability_grid
    use geartrain_base_carry, only: carry, carry_text
    use geartrain_base_checker, only: checker_type
@@ -20,55 +20,64 @@ module geartrain_analyses_stability_grid
       unit_of, visit_map, visit_stability_map
 
    real(dp), parameter :: zero = 0, one = 1
-   !> Most points along either side of the map.
+   !> Largest number of points along either side of the map.
    real(dp), parameter :: most_points = 10000
    integer, parameter :: most_harmonics = 1000
 
    character(*), parameter :: home = '/stability_map', grid = 'parameter frequency'
 
-   !> from, to, parameter_from and parameter_to are `start`, `stop`, `parameter_start` and `parameter_stop`.
+   !> The variables of &stability_map; from, to, parameter_from and parameter_to are `start`, `stop`, `parameter_start` and
+   !> `parameter_stop`.
    type :: stability_map_settings_type
-      !> Range of Lambda and how many there are in it, both ends included.
+      !> Ends of the range of Lambda [1].
       real(dp) :: start = 0, stop = 0
+      !> Number of frequencies in the range, both ends included.
       integer :: points = 200
-      !> What varies from row to row: 'stiffness_variation', 'mesh_damping_ratio', 'input_torque' or 'half_backlash'.
+      !> Parameter that varies from row to row: 'stiffness_variation', 'mesh_damping_ratio', 'input_torque' or 'half_backlash'.
       character(24) :: parameter = 'stiffness_variation'
+      !> Ends of the range of the parameter [1], [1], [N m] or [m].
       real(dp) :: parameter_start = 0, parameter_stop = 0
+      !> Number of values of the parameter, both ends included.
       integer :: parameter_points = 200
-      !> The train without backlash, all teeth in contact.
+      !> Whether the map is one of the train without backlash, all teeth in contact.
       logical :: linear = .false.
-      !> Of the branch of each row, as in &response.
+      !> Harmonics of the branch of each row, as in &response; not used by a linear map.
       integer :: harmonics = 6
    end type stability_map_settings_type
 
-   !> One row: as in stability_map_type, without the last index. Not allocated where it is not done.
+   !> A row of a map: components as in stability_map_type without the last index; not allocated where the row is not done.
    type :: map_row_type
+      !> Numbers of motions and of stable motions, (point).
       integer, allocatable :: motions(:), stable_motions(:)
+      !> Critical multiplier, (point).
       complex(dp), allocatable :: multiplier(:)
+      !> Largest rms of the stable motions [1], (mesh, point).
       real(dp), allocatable :: rms(:, :)
-      !> The branch got from one end to the other.
+      !> Whether the branch of the row got from one end of the range to the other.
       logical :: whole = .true.
    end type map_row_type
 
-   !> The grid over Lambda (first index) and the parameter (second), of the rows that were done.
+   !> A map: the grid over Lambda (first index) and the parameter (second index), of the rows that are done.
    type :: stability_map_type
-      !> 'stiffness_variation', ..., and its unit.
+      !> Name of the parameter, 'stiffness_variation', ..., and its unit.
       character(:), allocatable :: name, unit
+      !> Whether the map is one of the train without backlash.
       logical :: linear = .false.
-      !> Lambda, (point); values of the parameter, (row).
+      !> Lambda [1], (point); values of the parameter in its unit, (row).
       real(dp), allocatable :: frequency_ratio(:), parameter(:)
-      !> Motions of the mesh period and how many of them are stable, (point, row).
+      !> Numbers of motions of the mesh period and of stable motions among them, (point, row).
       integer, allocatable :: motions(:, :), stable_motions(:, :)
-      !> Floquet multiplier of largest magnitude of the motion that has it smallest, (point, row); NaN where there is no motion.
+      !> Floquet multiplier of largest magnitude of the motion for which this magnitude is smallest, (point, row); NaN: no motion.
       complex(dp), allocatable :: multiplier(:, :)
-      !> Largest rms of the stable motions, see motion_type, (mesh, point, row); NaN where there is none. Not of the linear train.
+      !> Largest rms of the stable motions, see motion_type, (mesh, point, row); NaN: no stable motion. Not allocated: linear map.
       real(dp), allocatable :: rms(:, :, :)
-      !> Rows done, and among them those whose branch got from one end to the other, (row).
+      !> Whether a row is done; whether its branch got from one end of the range to the other, (row).
       logical, allocatable :: done(:), whole(:)
-      !> While the map is under way the rows by themselves, so that it takes memory as it grows: `gather` makes the arrays of them.
+      !> Rows of a map under way, so that it takes memory as it grows; `gather` makes the arrays of them.
       type(map_row_type), allocatable :: rows(:)
-      !> 'all rows done', or what is missing.
+      !> 'all rows done', or what is missing; not allocated: the map is under way.
       character(:), allocatable :: ended
+      !> Whether all rows are done and the branch of each got from one end of the range to the other.
       logical :: complete = .false.
    contains
       procedure :: gather
@@ -76,8 +85,11 @@ module geartrain_analyses_stability_grid
 
 contains
 
+   !> Leads a visitor over the variables of &stability_map.
    subroutine visit_stability_map(settings, v)
+      !> Values of the variables; set by a visitor that reads them.
       type(stability_map_settings_type), intent(inout) :: settings
+      !> The visitor.
       class(visitor_type), intent(inout) :: v
       character(:), allocatable :: word
 
@@ -105,9 +117,11 @@ contains
       call v%leave()
    end subroutine visit_stability_map
 
-   !> Checks the settings for a train that is in order; the error tells every problem, one a line.
+   !> Checks the settings of a map; the error tells every problem, one a line.
    subroutine check_stability_map(train, settings, error)
+      !> A train that check_train accepts.
       type(train_type), intent(in) :: train
+      !> The settings.
       type(stability_map_settings_type), intent(in) :: settings
       type(error_type), allocatable, intent(out) :: error
       type(stability_map_settings_type) :: copy
@@ -119,10 +133,13 @@ contains
       call checker%problems%raise('', error)
    end subroutine check_stability_map
 
-   !> What single values cannot say; the problems are added to those of `checker`.
+   !> Checks values of &stability_map against one another and against the train.
    subroutine check_consistency(train, settings, checker)
+      !> The train.
       type(train_type), intent(in) :: train
+      !> The settings.
       type(stability_map_settings_type), intent(in) :: settings
+      !> Collects the problems; nothing is checked if it has a problem of this group.
       class(checker_type), intent(inout) :: checker
 
       if (checker%problems%in_group('stability_map')) return
@@ -154,7 +171,7 @@ contains
 
    contains
 
-      !> The train at an end of the range of the parameter is one that can be computed.
+      !> Whether the train at an end of the range of the parameter can be computed.
       subroutine check_end(name, value)
          character(*), intent(in) :: name
          real(dp), intent(in) :: value
@@ -172,8 +189,11 @@ contains
 
    !> The train of one row of the map.
    function train_with(train, settings, value) result(changed)
+      !> The train as described.
       type(train_type), intent(in) :: train
+      !> The settings.
       type(stability_map_settings_type), intent(in) :: settings
+      !> Value of the parameter, in its unit.
       real(dp), intent(in) :: value
       type(train_type) :: changed
       type(mesh_type) :: mesh
@@ -201,7 +221,9 @@ contains
       end select
    end function train_with
 
+   !> Unit of a parameter; '1': dimensionless.
    pure function unit_of(parameter) result(unit)
+      !> Name of the parameter.
       character(*), intent(in) :: parameter
       character(merge(3, 1, parameter == 'input_torque')) :: unit
 
@@ -237,7 +259,7 @@ contains
       end do
    end function largest_variation
 
-   !> Puts the rows done together, without those that are not, and gives their memory back one by one.
+   !> Makes the arrays of the rows that are done, and frees these rows one by one.
    subroutine gather(self)
       class(stability_map_type), intent(inout) :: self
       integer :: i, n
@@ -270,18 +292,21 @@ contains
       deallocate (self%rows)
    end subroutine gather
 
+   !> Visits the groups of a map.
    subroutine visit_map(map, settings, fields)
+      !> The map; set by reading.
       type(stability_map_type), intent(inout) :: map
-      !> As asked for; not associated: any map is taken back.
+      !> Settings that a map read must agree with; not associated: any map is accepted.
       type(stability_map_settings_type), pointer, intent(in) :: settings
+      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
-      type(stability_map_type) :: part
+      type(stability_map_type) :: rows_done
 
       if (.not. fields%enter(home, 'stability over frequency and one parameter of the train', .true.)) return
       if (allocated(map%rows) .and. fields%way /= reading) then
-         part = map
-         call part%gather()
-         call visit_grid(part, fields)
+         rows_done = map
+         call rows_done%gather()
+         call visit_grid(rows_done, fields)
       else
          call visit_grid(map, fields)
       end if
@@ -333,7 +358,7 @@ contains
                              &/response; NaN: no stable motion', 'without `linear`'), map%rms)
    end subroutine visit_grid
 
-   !> Of a map under way: all values of the parameter, and which rows the grid holds.
+   !> Visits, of a map under way, all values of the parameter, and which rows the grid holds.
    subroutine visit_rows(map, fields)
       type(stability_map_type), intent(inout) :: map
       class(fields_type), intent(inout) :: fields
@@ -355,7 +380,7 @@ contains
       call scatter(map, parameter, done)
    end subroutine visit_rows
 
-   !> The inverse of `gather`: the grid as rows by themselves, among those that are still to be done.
+   !> Inverse of `gather`: makes rows of the arrays, among rows that are still to be done.
    subroutine scatter(map, parameter, done)
       type(stability_map_type), intent(inout) :: map
       real(dp), intent(in) :: parameter(:)

@@ -1,6 +1,7 @@
 !> The analysis &stability_map: stability over Lambda and one parameter of the train: of the linear train from its equations alone,
-!> of the train with backlash from the motions on the branch that each value of the parameter has. Rows, one a value of the
-!> parameter, are spread over threads; each is computed by itself, so that the numbers do not depend on how many threads there are.
+!> of the train with backlash from the motions on the branch at each value of the parameter. Rows, one for each value of the
+!> parameter, are spread over threads and do not depend on one another, so that the numbers do not depend on how many threads there
+!> are.
 module geartrain_analyses_stability_map
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64, int8
@@ -33,7 +34,7 @@ module geartrain_analyses_stability_map
    type(group_row_type), parameter :: stability_map_row = group_row_type('stability_map', &
       'Asks for the stability over frequency and one parameter of the train, a stability chart.', steps='rows', set_aside=.true.)
 
-   !> Motions of one row at one Lambda whose figures agree to this, relative to the largest displacement, are one.
+   !> Motions of a row at equal Lambda whose coefficients agree to `same`, relative to the largest displacement, are equal.
    real(dp), parameter :: same = 1e-6_dp
 
    type, extends(analysis_type) :: stability_map_analysis_type
@@ -122,21 +123,24 @@ contains
       end associate
    end subroutine report
 
-   subroutine report_share(what, part, whole, unit)
+   subroutine report_share(what, points, of, unit)
       character(*), intent(in) :: what
-      integer, intent(in) :: part, whole, unit
+      integer, intent(in) :: points, of, unit
 
-      if (part > 0) write (unit, '(6a)') '    ', what, ' on ', fixed(100*real(part, dp)/whole, 2), ' % of the map'
+      if (points > 0) write (unit, '(6a)') '    ', what, ' on ', fixed(100*real(points, dp)/of, 2), ' % of the map'
    end subroutine report_share
 
-   !> Computes the map. The observer is called after each row, by one thread at a time. A map under way (its rows are there, why it
-   !> ended is not, as in a checkpoint of the same case) is taken up; one that is ended before all rows are done holds those done.
+   !> Computes a stability map.
    subroutine stability_map(train, settings, map, error, observer)
+      !> The train as described.
       type(train_type), intent(in) :: train
+      !> Grid, parameter and what else &stability_map asks for.
       type(stability_map_settings_type), intent(in) :: settings
-      !> A target: an observer may read the rows so far through a pointer.
+      !> The map. A map under way, with `rows` but without `ended` as in a checkpoint of the same case, is taken up. A target: an
+      !> observer may read the rows so far through a pointer.
       type(stability_map_type), intent(inout), target :: map
       type(error_type), allocatable, intent(out) :: error
+      !> Told of 'stability map' after each row, by one thread at a time; may end the work, and the map then holds the rows done.
       class(observer_type), intent(inout), optional :: observer
       type(map_row_type) :: row
       integer :: i, done
@@ -178,15 +182,15 @@ contains
       call conclude(map)
    end subroutine stability_map
 
-   !> The grid, nothing on it yet. Whether there is going to be memory is found out now, not after hours.
+   !> Makes an empty map. Whether memory will suffice is found out here, not after hours.
    subroutine make_room(train, settings, map, error)
       type(train_type), intent(in) :: train
       type(stability_map_settings_type), intent(in) :: settings
       type(stability_map_type), intent(inout), target :: map
       type(error_type), allocatable, intent(inout) :: error
       type(stability_map_type) :: empty
-      !> Bytes of a motion in the map, and how often there is room for it: for the map, for the file that is put together in
-      !> memory and for the bytes that are written.
+      ! Bytes of a motion in the map without rms; bytes of rms for each mesh; number of copies: the map, the fields and the bytes of
+      ! the file.
       integer(int64), parameter :: plain = 24, each_mesh = 8, times = 3
       integer(int8), allocatable, volatile :: room(:)
       integer(int64) :: bytes
@@ -215,7 +219,7 @@ contains
       map%parameter = spaced(settings%parameter_start, settings%parameter_stop, settings%parameter_points)
    end subroutine make_room
 
-   !> `points` equal steps, both ends exact.
+   !> Equally spaced values, `from` and `to` exact.
    pure function spaced(from, to, points) result(values)
       real(dp), intent(in) :: from, to
       integer, intent(in) :: points
@@ -226,7 +230,7 @@ contains
       if (points > 1) values(points) = to
    end function spaced
 
-   !> Says what the map holds.
+   !> Makes the arrays of the rows and says why the map ended.
    subroutine conclude(map)
       type(stability_map_type), intent(inout) :: map
       integer :: rows, short
@@ -259,7 +263,7 @@ contains
       end if
    end subroutine compute_row
 
-   !> Of a train without backlash: its multipliers are those of its one motion and need no motion to be found.
+   !> A row of a linear map: without backlash the multipliers do not depend on the motion, which need not be found.
    subroutine compute_linear_row(train, frequency_ratio, row)
       type(train_type), intent(in) :: train
       real(dp), intent(in) :: frequency_ratio(:)
@@ -273,7 +277,7 @@ contains
       call build_system(train, system)
       call monodromy%setup(system)
       allocate (multipliers(monodromy%given))
-      ! A balance without unknowns: no mesh leaves its contact.
+      ! A balance without unknowns: no mesh ever separates.
       balance%system = system
       balance%eta = 1
       balance%unknowns = 0
@@ -287,7 +291,8 @@ contains
       end do
    end subroutine compute_linear_row
 
-   !> Follows the branch of the row and solves again at each Lambda that it passes; stability is of use only there.
+   !> A row of a map with backlash: traces the branch without stability, then solves the motions, with stability, at each Lambda
+   !> that the branch passes.
    subroutine compute_nonlinear_row(train, settings, frequency_ratio, row)
       type(train_type), intent(in) :: train
       type(stability_map_settings_type), intent(in) :: settings
@@ -312,7 +317,7 @@ contains
          if (train%interrupt%raised()) return
          first = found%points + 1
          call record_crossings(tracer, branch, frequency_ratio(k), found)
-         ! What an interrupted flight leaves are no numbers.
+         ! After an interrupt the motions found are not valid.
          if (train%interrupt%raised()) return
          do i = first, found%points
             if (.not. is_new(found, first, i)) cycle
@@ -327,7 +332,7 @@ contains
       end do
    end subroutine compute_nonlinear_row
 
-   !> Whether point i is none of first .. i - 1: two parts of a branch may pass the same motion.
+   !> Whether motion i equals none of motions first .. i - 1: two segments of a branch may pass through one motion.
    logical function is_new(found, first, i)
       type(branch_type), intent(in) :: found
       integer, intent(in) :: first, i

@@ -9,6 +9,11 @@ module geartrain_base_carry
    private
    public :: carry, carry_text
 
+   !> Carries a component between the result and its field.
+   !>
+   !> fields: the fields of the results, in the group of the component.
+   !> about: the row of the table; the dimensions of the row are those of the component in reverse order.
+   !> value: the component; of names, the blanks at their ends do not count.
    interface carry
       module procedure :: real_0, real_1, real_2, real_3, complex_1, complex_2, integer_0, integer_1, integer_2, logical_0, &
          logical_1, word_0, word_1

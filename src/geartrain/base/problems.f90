@@ -118,7 +118,7 @@ contains
       if (self%untold > 0) call fatal(error, 'and '//integer_text(self%untold)//' more')
    end subroutine raise
 
-   !> The text itself where it is UTF-8, else with a question mark for each byte beyond ASCII.
+   !> The text itself where it is UTF-8, else with a question mark for each byte that is not ASCII.
    pure function readable(text) result(whole)
       character(*), intent(in) :: text
       character(len(text)) :: whole

@@ -7,7 +7,9 @@ module geartrain_base_series
 
    !> Sum over h of Re(amplitude(h) exp(i h order Lambda t)).
    type :: series_type
+      !> Fundamental frequency over Lambda [1].
       integer :: order = 1
+      !> Complex amplitudes in the unit of the function, (harmonic).
       complex(dp), allocatable :: amplitude(:)
    end type series_type
 
@@ -15,8 +17,11 @@ contains
 
    !> Series of cos and sin amplitudes, either of which may be absent or shorter; trailing zeros are dropped.
    pure function make_series(cosine, sine, factor, order) result(series)
+      !> Amplitudes of the cosines and of the sines, (harmonic); not allocated: 0.
       real(dp), allocatable, intent(in) :: cosine(:), sine(:)
+      !> Factor of all amplitudes.
       real(dp), intent(in) :: factor
+      !> Fundamental frequency over Lambda [1].
       integer, intent(in) :: order
       type(series_type) :: series
       complex(dp), allocatable :: amplitude(:)
@@ -37,7 +42,9 @@ contains
 
    !> Sum over h of Re(amplitude(h) exp(i h phase)).
    pure real(dp) function wave_value(amplitude, phase)
+      !> Complex amplitudes, (harmonic).
       complex(dp), intent(in) :: amplitude(:)
+      !> Phase of the first harmonic [rad].
       real(dp), intent(in) :: phase
       integer :: h
 

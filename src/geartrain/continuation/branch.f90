@@ -15,10 +15,13 @@ module geartrain_continuation_branch
 
    !> The variables of &response; from and to are `start` and `stop`.
    type :: response_settings_type
+      !> Lambda at the first and at the last end of the range [1].
       real(dp) :: start = 0, stop = 0
       !> Harmonics of Lambda/subharmonic; 0 lets the program choose for `tolerance`.
       integer :: harmonics = 6
+      !> Period of the motions in fundamental mesh periods.
       integer :: subharmonic = 1
+      !> Whether Floquet multipliers are computed at each point.
       logical :: stability = .true.
       !> Largest rms over characteristic length; negative: 12 with backlash, none for a linear train.
       real(dp) :: amplitude_limit = -1
@@ -29,64 +32,71 @@ module geartrain_continuation_branch
       character(16) :: control = 'arclength'
       !> Relative error of the waveform aimed at where harmonics = 0.
       real(dp) :: tolerance = 1e-4_dp
-      !> Largest step along the branch, in Lambda and mesh displacement together.
+      !> Largest step along the branch [1], in Lambda and mesh displacement together.
       real(dp) :: step = 0.05_dp
+      !> Points after which the trace ends.
       integer :: max_points = 20000
-      !> Generations of branches that follow from period doublings, and whether those that cross at branch points are followed, see
-      !> follow_bifurcations.
+      !> Generations of period-doubled branches that are followed, see follow_bifurcations.
       integer :: period_doublings = 0
+      !> Whether the branches that cross at branch points are followed, see follow_bifurcations.
       logical :: branch_points = .false.
-      !> The points are polished by shooting, see refine_branch.
+      !> Whether shooting refines the points, see refine_branch.
       logical :: refine = .false.
    end type response_settings_type
 
-   !> A place on the branch that a reader looks for.
+   !> A fold or a bifurcation on the branch.
    type :: special_point_type
       !> 'fold', 'period doubling', 'neimark-sacker' (a pair of multipliers leaves the unit circle) or 'branch point' (another
       !> branch of the same period crosses; a multiplier passes +1 without a fold).
       character(16) :: kind = ''
+      !> Lambda [1].
       real(dp) :: frequency_ratio = 0
-      !> Index of the point before it.
+      !> Index of the point of the branch before the special point; of a fold the point itself.
       integer :: point = 0
+      !> Root mean square displacement over characteristic length [1], (mesh).
       real(dp), allocatable :: rms(:)
    end type special_point_type
 
    !> Where a mesh begins or ceases to separate, or its back flanks to collide.
    type :: contact_edge_type
-      !> The point of the branch before it.
+      !> Index of the point of the branch before the edge.
       integer :: point = 0
+      !> Number of the mesh.
       integer :: mesh = 0
-      !> Of the back flanks.
+      !> .true.: edge of a range of back collision; .false.: of separation.
       logical :: back = .false.
-      !> Lambda.
+      !> Lambda [1].
       real(dp) :: frequency_ratio = 0
    end type contact_edge_type
 
-   !> Where the trace of a response stands: all that its next step depends on, so that another run can go on with it.
+   !> State of the trace of a response: all that the next step depends on, so that another run can go on with the trace.
    type :: trace_state_type
-      !> It is traced from `stop`; the trace from `start` is done, and branch%ended says why it ended.
+      !> The trace from `start` is done, branch%ended says why it ended, and the trace from `stop` is under way.
       logical :: from_stop = .false.
-      !> That one was followed to where it leaves the range.
+      !> The trace from `start` was followed to where the branch leaves the range.
       logical :: whole = .false.
-      !> Points that it has.
+      !> Number of points of the trace from `start`.
       integer :: first_points = 0
       !> Steps done; 0: the trace from this end has not begun.
       integer :: steps = 0
       !> Harmonics in use.
       integer :: harmonics = 0
-      !> Length of the next step, and the tracer's measure of curvature.
+      !> Length of the next step [1]; the tracer's measure of curvature.
       real(dp) :: step = 0, curvature = 0
       !> Points so far that miss the tolerance.
       integer :: missed = 0
-      !> Of Lambda along the branch before it became vertical, if it is: +1 or -1.
+      !> Direction of Lambda, +1 or -1, before the branch became vertical; 0: the branch is not vertical.
       integer :: sense = 0
+      !> Latest solution point; solution point with which the trace began.
       type(solution_point_type) :: here, origin
-      !> What the reason for its end begins with.
+      !> Beginning of the text that will say why the trace ended.
       character(:), allocatable :: before
    end type trace_state_type
 
+   !> A branch of periodic motions; arrays over the points may be longer than `points`.
    type :: branch_type
-      !> states: multipliers of a point, of a train of many states the leading ones.
+      !> Numbers of points, meshes, multipliers of a point (of a train of many states the leading multipliers) and harmonics in use;
+      !> period of the motions in fundamental mesh periods.
       integer :: points = 0, meshes = 0, states = 0, harmonics = 0, subharmonic = 1
       !> Lambda, (point).
       real(dp), allocatable :: frequency_ratio(:)
@@ -94,53 +104,61 @@ module geartrain_continuation_branch
       real(dp), allocatable :: coefficients(:, :, :)
       !> (mesh, point), see motion_type.
       real(dp), allocatable :: rms(:, :), mean(:, :), minimum(:, :), maximum(:, :)
+      !> Mesh forces, (mesh, point).
       type(mesh_load_type), allocatable :: mesh_load(:, :)
       !> Half backlash over characteristic length, (mesh).
       real(dp), allocatable :: half_backlash(:)
-      !> (state, point) and (point); not allocated when stability was not asked for.
+      !> Floquet multipliers, (state, point); not allocated: stability was not asked for.
       complex(dp), allocatable :: multipliers(:, :)
+      !> Whether all multipliers are inside the unit circle, (point); not allocated: stability was not asked for.
       logical, allocatable :: stable(:)
-      !> Where `stable` is a guess, because the largest multiplier is as near to the unit circle as it is uncertain; its magnitude
-      !> by a second estimate, negative where none was needed; (point), see geartrain_continuation_stability_assessment.
+      !> Whether `stable` is a guess, because the largest multiplier is as near to the unit circle as it is uncertain, (point), see
+      !> geartrain_continuation_stability_assessment.
       logical, allocatable :: undecided(:)
+      !> Second estimate of the largest magnitude of a multiplier, (point); negative: not needed.
       real(dp), allocatable :: second_estimate(:)
-      !> Where the number of multipliers outside the unit circle is a guess, (point).
+      !> Whether the number of multipliers outside the unit circle is a guess, (point).
       logical, allocatable :: count_undecided(:)
-      !> Relative error of the waveform as estimated, against the motion at the same Lambda or, where the branch turns before it,
-      !> that of its fold, (point).
+      !> Estimated relative error of the waveform [1], (point): distance to the exact motion at the same Lambda, or to the fold of
+      !> the exact branch where the exact branch turns before this Lambda.
       real(dp), allocatable :: error_estimate(:)
-      !> Relative change of the waveform by refine_branch, which is the error that the point had, (point); negative where it was
-      !> not refined; not allocated where that was not asked for.
+      !> Relative change of the waveform by refine_branch [1], (point), which is the error before refinement; negative: the point
+      !> was not refined; not allocated: refinement was not asked for.
       real(dp), allocatable :: correction(:)
-      !> Where that may be off by more than a small factor: a fold as near as it is itself misplaced, a contact that begins or
-      !> ends within the error, or an error beyond 0.1, (point).
+      !> Whether `error_estimate` may be off by more than a small factor, (point): the error moves a fold nearby by about its
+      !> distance, a contact begins or ends within the error, or the error is larger than 0.1.
       logical, allocatable :: estimate_doubtful(:)
       !> Harmonics that each point was solved with, at most `harmonics`, (point).
       integer, allocatable :: point_harmonics(:)
-      !> Number of the segment that a point belongs to, (point): a new one begins where the branch comes back from beyond the
-      !> amplitude limit, and with the points traced from `stop` where those from `start` do not get there.
+      !> Number of the segment of a point, (point). A new segment begins where the branch comes back from above the amplitude limit,
+      !> and with the points traced from `stop` where the trace from `start` does not reach `stop`.
       integer, allocatable :: segment(:)
+      !> Folds and bifurcations, in the order found.
       type(special_point_type), allocatable :: special_points(:)
-      !> Not allocated until locate_contact_edges fills it.
+      !> Edges of separation and back collision; not allocated until locate_contact_edges fills the array.
       type(contact_edge_type), allocatable :: contact_edges(:)
-      !> Why it ended, in words; complete is .true. where it got to the other end or closed.
+      !> Why the trace ended, in words; not allocated: the trace is under way.
       character(:), allocatable :: ended
+      !> Whether the branch got to the other end of the range or closed; whether it closed.
       logical :: complete = .false., closed = .false.
-      !> The observer ended it.
+      !> Whether the observer ended the trace.
       logical :: cancelled = .false.
-      !> Where it comes from, in words; not allocated for the response itself.
+      !> What the branch follows from, in words; not allocated for the response itself.
       character(:), allocatable :: origin
-      !> Allocated while the response is under way.
+      !> State of the trace; allocated while the response is under way.
       type(trace_state_type), allocatable :: trace
    end type branch_type
 
 contains
 
-   !> Gives the arrays of the points room for `room` points with up to `highest` harmonics and puts the points of these numbers into
-   !> them, in this order.
+   !> Allocates the arrays of the points anew and puts chosen points into them, in a chosen order.
    subroutine arrange_points(branch, order, room, highest)
+      !> The branch; special points and other components stay as they are.
       type(branch_type), intent(inout), target :: branch
-      integer, intent(in) :: order(:), room, highest
+      !> Old index of each point that is kept, in the new order.
+      integer, intent(in) :: order(:)
+      !> Number of points and highest harmonic that the new arrays have room for.
+      integer, intent(in) :: room, highest
       type(fields_type) :: fields
 
       fields%way = arranging
@@ -151,10 +169,11 @@ contains
       branch%harmonics = highest
    end subroutine arrange_points
 
-   !> The fields of the points, in the order along the branch: what is written, taken back, moved to larger arrays and put into
-   !> another order.
+   !> Visits the fields of the points, in the order along the branch: to write, to read, to enlarge or to reorder the arrays.
    subroutine visit_points(branch, fields)
+      !> The branch; set by reading and arranging.
       type(branch_type), intent(inout) :: branch
+      !> The fields of the results, in the group of the branch.
       class(fields_type), intent(inout) :: fields
       real(dp), allocatable :: ac(:, :)
       logical, allocatable :: untried(:)

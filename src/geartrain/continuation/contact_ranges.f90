@@ -137,7 +137,7 @@ contains
 
       associate (f => branch%frequency_ratio, d1 => distance(i), d2 => distance(i + 1))
          crossing = f(i) + (f(i + 1) - f(i))*d1/(d1 - d2)
-         ! From the point beyond the edge to the near side.
+         ! From the point on the far side of the edge to the near side.
          along = merge(1, -1, d1 < 0)
          point = merge(i, i + 1, d1 < 0) + along*[0, 1, 2, 3]
          if (minval(point) < 1 .or. maxval(point) > branch%points) return

@@ -277,14 +277,14 @@ contains
    pure real(dp) function tolerance_at(self, u) result(tolerance)
       class(corrector_type), intent(in) :: self
       real(dp), intent(in) :: u(:, :)
-      real(dp) :: beyond
+      real(dp) :: squares
       integer :: i
 
-      beyond = 0
+      squares = 0
       do i = 1, size(u, 2)
-         beyond = beyond + (abs(u(1, i)) - self%balance%system%half_backlash(self%balance%mesh(i)))**2 + 0.5_dp*sum(u(2:, i)**2)
+         squares = squares + (abs(u(1, i)) - self%balance%system%half_backlash(self%balance%mesh(i)))**2 + 0.5_dp*sum(u(2:, i)**2)
       end do
-      tolerance = max(converged*(2 + sqrt(beyond)/self%units%length), rounding*self%length_of(u))
+      tolerance = max(converged*(2 + sqrt(squares)/self%units%length), rounding*self%length_of(u))
    end function tolerance_at
 
    !> Inner product of coefficients: products of the means plus half of all other products. Over the square of the unit of length:

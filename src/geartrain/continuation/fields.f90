@@ -1,5 +1,5 @@
-!> The fields of a branch: the groups /response, /branch_1, ..., with its special points and, while the response is under way, with
-!> what its next step depends on.
+!> The fields of a branch: the groups /response, /branch_1, ..., with the special points and, while the response is under way, with
+!> the state of the trace.
 module geartrain_continuation_fields
    use geartrain_base_carry, only: carry, carry_text
    use geartrain_base_field, only: row => field_type
@@ -14,11 +14,13 @@ module geartrain_continuation_fields
 
 contains
 
-   !> The points in use, the arrays may be longer; `ended` may still be unknown.
+   !> Visits the group of a branch and the groups in it.
    subroutine visit_branch(branch, home, fields)
+      !> The branch, which may be under way; set by reading.
       type(branch_type), intent(inout) :: branch
-      !> Path of its group.
+      !> Path of the group.
       character(*), intent(in) :: home
+      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
 
       if (.not. fields%enter(home, 'frequency response: periodic motions along one branch, through its folds', .true.)) return
@@ -75,7 +77,7 @@ contains
 
    subroutine visit_special_point(special, points, fields)
       type(special_point_type), intent(inout) :: special
-      !> Of the branch.
+      !> Number of points of the branch.
       integer, intent(in) :: points
       class(fields_type), intent(inout) :: fields
 
@@ -88,7 +90,7 @@ contains
       call carry(fields, row('rms', 'mesh', '1', about_rms), special%rms)
    end subroutine visit_special_point
 
-   !> Where a trace stands, see trace_state_type.
+   !> Visits the state of a trace, see trace_state_type.
    subroutine visit_trace(branch, home, fields)
       type(branch_type), intent(inout) :: branch
       character(*), intent(in) :: home
@@ -110,13 +112,13 @@ contains
          call carry_text(fields, row('before', optional=.true.), trace%before)
          if (trace%steps == 0) return
          call fields%check(trace%step > 0, 'step')
-         call visit_place(trace%here, home//'/here', trace%harmonics, branch%meshes, fields)
-         call visit_place(trace%origin, home//'/origin', trace%harmonics, branch%meshes, fields)
+         call visit_solution(trace%here, home//'/here', trace%harmonics, branch%meshes, fields)
+         call visit_solution(trace%origin, home//'/origin', trace%harmonics, branch%meshes, fields)
       end associate
    end subroutine visit_trace
 
-   !> A solution point of harmonics up to `highest`, of as many unknown meshes as the train has or less.
-   subroutine visit_place(solution, home, highest, meshes, fields)
+   !> Visits a solution point with harmonics up to `highest` and at most `meshes` unknown meshes.
+   subroutine visit_solution(solution, home, highest, meshes, fields)
       type(solution_point_type), intent(inout) :: solution
       character(*), intent(in) :: home
       integer, intent(in) :: highest, meshes
@@ -143,6 +145,6 @@ contains
       call carry(fields, row('tangent_frequency'), solution%tangent_frequency)
       call carry(fields, row('orientation'), solution%orientation)
       call fields%check(solution%frequency_ratio > 0 .and. terms == 1 + 2*harmonics .and. unknowns <= meshes, 'term')
-   end subroutine visit_place
+   end subroutine visit_solution
 
 end module geartrain_continuation_fields

@@ -1,4 +1,4 @@
-!> Traces a branch through its excursions beyond the amplitude limit, which are followed unrecorded until the branch comes back.
+!> Traces a branch through its excursions above the amplitude limit, which are followed unrecorded until the branch comes back.
 !>
 !> At infinite amplitude the gap no longer matters: the branch climbs along s phi, phi an eigenfunction of the linear train with
 !> multiplier +1, and comes back along -s phi, as every resonance of a linear train without loss does. So the branch is followed
@@ -17,10 +17,10 @@ module geartrain_continuation_large_amplitude
    private
    public :: followed_out, trace_through
 
-   !> Outcomes of a trace in addition to the outcomes of the tracer: beyond the amplitude limit the branch left the range of Lambda;
+   !> Outcomes of a trace in addition to the outcomes of the tracer: above the amplitude limit the branch left the range of Lambda;
    !> it comes back as its own mirror image, shifted by half its period.
-   integer, parameter :: left_beyond = 101, mirrored_beyond = 102
-   !> Further outcomes beyond the limit: below the limit again; not to be followed further.
+   integer, parameter :: left_range = 101, came_mirrored = 102
+   !> Further outcomes above the limit: below the limit again; not to be followed further.
    integer, parameter :: came_down = 103, lost = 104
 
    !> Amplitude over the amplitude limit at which the sign is changed: the neglected terms are of the order of its inverse [1].
@@ -36,10 +36,10 @@ contains
       !> Outcome of `trace_through`.
       integer, intent(in) :: outcome
 
-      followed_out = any(outcome == [reached_end, came_back, closed_loop, met_half_period, left_beyond, mirrored_beyond])
+      followed_out = any(outcome == [reached_end, came_back, closed_loop, met_half_period, left_range, came_mirrored])
    end function followed_out
 
-   !> Traces as the tracer does, and goes on wherever the branch comes back from beyond the amplitude limit, with a new segment.
+   !> Traces as the tracer does, and goes on wherever the branch comes back from above the amplitude limit, with a new segment.
    subroutine trace_through(tracer, solution, target, branch, outcome, reason, observer, began, point)
       !> A tracer for the branch.
       type(tracer_type), intent(inout) :: tracer
@@ -61,13 +61,13 @@ contains
       integer, intent(in), optional :: point
       character(:), allocatable :: before
       real(dp) :: left_at, low, high
-      integer :: beyond, first
+      integer :: passage, first
       logical :: success
 
       low = min(tracer%settings%start, tracer%settings%stop)
       high = max(tracer%settings%start, tracer%settings%stop)
       before = ''
-      ! The response may have been beyond the limit in the run before a resumed one.
+      ! The response may have been above the limit in the run before a resumed one.
       if (allocated(branch%trace)) before = branch%trace%before
       first = branch%points
       if (present(point)) first = point
@@ -76,13 +76,13 @@ contains
          reason = before//reason
          if (outcome /= left_by_amplitude) return
          left_at = solution%frequency_ratio
-         call pass_beyond(tracer, solution, low, high, beyond)
-         if (beyond == left_beyond) reason = reason//' and left the range of Lambda beyond it'
-         if (beyond == mirrored_beyond) reason = reason//' and comes back as its own mirror image, shifted by half its period'
-         if (any(beyond == [left_beyond, mirrored_beyond])) outcome = beyond
-         if (beyond == lost) reason = reason//' and could not be followed beyond it; &
+         call pass_large_amplitude(tracer, solution, low, high, passage)
+         if (passage == left_range) reason = reason//' and left the range of Lambda beyond it'
+         if (passage == came_mirrored) reason = reason//' and comes back as its own mirror image, shifted by half its period'
+         if (any(passage == [left_range, came_mirrored])) outcome = passage
+         if (passage == lost) reason = reason//' and could not be followed beyond it; &
             &a larger amplitude_limit traces it there as usual'
-         if (beyond /= came_down) return
+         if (passage /= came_down) return
          call tracer%adapt(solution, success, origin=began)
          before = before//'beyond the amplitude limit '//text(tracer%amplitude_limit)//' from Lambda = '//text(left_at) &
                   //' to '//text(solution%frequency_ratio)//'; '
@@ -93,15 +93,15 @@ contains
       end do
    end subroutine trace_through
 
-   !> Follows the branch beyond the amplitude limit, unrecorded.
-   subroutine pass_beyond(tracer, solution, low, high, outcome)
+   !> Follows the branch above the amplitude limit, unrecorded.
+   subroutine pass_large_amplitude(tracer, solution, low, high, outcome)
       type(tracer_type), intent(inout) :: tracer
       !> Where the branch passed the limit; then, with `came_down`, the last point above the limit, so that nothing below it is
       !> left out.
       type(solution_point_type), intent(inout) :: solution
       !> Range of Lambda [1].
       real(dp), intent(in) :: low, high
-      !> `came_down`, `left_beyond`, `mirrored_beyond` or `lost`.
+      !> `came_down`, `left_range`, `came_mirrored` or `lost`.
       integer, intent(out) :: outcome
       type(solution_point_type) :: next
       real(dp) :: h, size
@@ -123,7 +123,7 @@ contains
          end if
          h = next_step(tracer%corrector, solution, next, h, largest_step*tracer%corrector%length_of(next%u))
          size = amplitude(tracer, next)
-         if (next%frequency_ratio < low .or. next%frequency_ratio > high) outcome = left_beyond
+         if (next%frequency_ratio < low .or. next%frequency_ratio > high) outcome = left_range
          if (outcome == lost .and. size <= tracer%amplitude_limit) then
             call tracer%corrector%correct(solution, success)
             if (success) outcome = came_down
@@ -134,7 +134,7 @@ contains
          if (size < far*tracer%amplitude_limit .or. inner(solution%tangent, solution%u) < 0) cycle
          ! A shift by half the period changes the sign of the odd harmonics; phi has only odd or only even harmonics.
          if (mod(tracer%settings%subharmonic, 2) == 0 .and. 2*odd_product(solution, solution) > sum(solution%u**2)) then
-            outcome = mirrored_beyond
+            outcome = came_mirrored
             return
          end if
          solution%u = -solution%u
@@ -143,7 +143,7 @@ contains
          call tracer%corrector%correct(solution, success)
          if (.not. success) return
       end do
-   end subroutine pass_beyond
+   end subroutine pass_large_amplitude
 
    !> Largest rms of any mesh over characteristic length [1].
    real(dp) function amplitude(tracer, solution)

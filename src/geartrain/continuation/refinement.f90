@@ -1,5 +1,5 @@
-!> A branch polished by shooting: its points become orbits to integration accuracy, spread over threads, each by itself, so that
-!> the numbers do not depend on how many threads there are.
+!> Refinement of a branch by shooting: each point becomes an orbit to integration accuracy. Points are spread over threads and do
+!> not depend on one another, so that the numbers do not depend on how many threads there are.
 module geartrain_continuation_refinement
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_error, only: error_type
@@ -14,24 +14,25 @@ module geartrain_continuation_refinement
    private
    public :: refine_branch
 
-   !> An orbit that differs from the point by more than this many times the estimated error of the point is another one.
+   !> An orbit that differs from the point by more than `another` times the estimated error of the point is another orbit.
    real(dp), parameter :: another = 10
-   !> The correction of a point that is still to be tried; where shooting found nothing it is -1.
+   !> Correction of a point that is still to be tried; -1: shooting found no orbit.
    real(dp), parameter :: untried = -2
-   !> Least difference that is asked about, relative: below it the estimate may be rounding.
+   !> Relative difference that is always accepted: the estimate of a smaller difference may be rounding.
    real(dp), parameter :: rounding = 1e-6_dp
 
 contains
 
-   !> Replaces every point by the orbit near it to about 1e-11 and sets branch%correction, by how much each waveform changed.
-   !> Lambda stays. A point near which shooting finds no orbit, as next to a fold, whose true place is elsewhere, stays as it is,
-   !> with a negative correction. Special points stay as they are. A branch refined in part, as a checkpoint holds it, is taken up
-   !> with the points not tried before.
+   !> Replaces every point by the orbit near it, accurate to about 1e-11, and sets branch%correction to the change of each waveform.
+   !> Lambda and the special points stay as they are. A point near which shooting finds no orbit stays as it is, with a negative
+   !> correction; this happens next to a fold, because the fold of the exact branch lies elsewhere.
    subroutine refine_branch(train, branch, error, observer)
+      !> The train as described.
       type(train_type), intent(in) :: train
+      !> The branch; if it was refined in part, as in a checkpoint, only the points not tried before are refined.
       type(branch_type), intent(inout), target :: branch
       type(error_type), allocatable, intent(out) :: error
-      !> Told of 'refinement', by one thread at a time.
+      !> Told of each point of 'refinement', by one thread at a time; may end it.
       class(observer_type), intent(inout), optional :: observer
       type(motion_type) :: motion
       integer :: i, done
@@ -54,7 +55,7 @@ contains
             keep_going = .false.
             cycle
          end if
-         ! Whoever reads the branch meanwhile is the observer, and no point changes while it does.
+         ! The observer may read the branch: no other thread changes a point at this time.
          !$omp critical (geartrain_refinement)
          branch%correction(i) = correction
          if (.not. correction < 0) call replace_point(motion, i, branch)
@@ -72,7 +73,7 @@ contains
       branch%ended = 'refinement cancelled; before it: '//branch%ended
    end subroutine refine_branch
 
-   !> The orbit near point i; a negative correction where there is none.
+   !> Finds the orbit near point i; a negative correction means that there is none.
    subroutine refine_point(train, branch, i, motion, correction)
       type(train_type), intent(in) :: train
       type(branch_type), intent(in) :: branch
@@ -83,8 +84,8 @@ contains
       integer :: attempt
 
       correction = -1
-      ! In one piece, which is enough as a rule and quicker, then in sections: where the estimate is doubtful there
-      ! may be no orbit.
+      ! First by single shooting, which is quicker and is enough as a rule, then by multiple shooting, except where the estimate is
+      ! doubtful: there may be no orbit.
       do attempt = 1, merge(1, 2, branch%estimate_doubtful(i))
          motion%frequency_ratio = branch%frequency_ratio(i)
          motion%period = branch%subharmonic
@@ -99,7 +100,7 @@ contains
       end do
    end subroutine refine_point
 
-   !> The harmonics that the branch holds are those of the orbit; rms, extremes and loads are those of its whole waveform.
+   !> Puts an orbit in the place of point i; rms, extremes and loads are those of the whole waveform of the orbit.
    subroutine replace_point(motion, i, branch)
       type(motion_type), intent(in) :: motion
       integer, intent(in) :: i
@@ -116,7 +117,7 @@ contains
       branch%error_estimate(i) = motion%error_estimate
       branch%estimate_doubtful(i) = .false.
       if (.not. allocated(branch%stable)) return
-      ! Largest first; of a train of many states a branch has the leading ones only.
+      ! Multipliers are in descending order; of a train of many states a branch has the leading multipliers only.
       branch%multipliers(:, i) = motion%multipliers(:size(branch%multipliers, 1))
       branch%stable(i) = motion%stable
       branch%undecided(i) = .false.

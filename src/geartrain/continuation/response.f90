@@ -1,6 +1,6 @@
-!> The frequency response: the branch of periodic motions from rest at `start`, through its folds, and the one from rest at `stop`
-!> where that is another: the same curves whichever end is named first. From a seed: in both directions, as a closed curve if it
-!> is an island.
+!> The frequency response: the branch of periodic motions that begins with the motion from rest at `start`, through its folds, and
+!> the branch that begins with the motion from rest at `stop`, unless both are one branch: exchanged ends give equal curves. From a
+!> seed the branch is traced in both directions; an island becomes a closed curve.
 module geartrain_continuation_response
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_error, only: error_type, fatal
@@ -24,32 +24,32 @@ module geartrain_continuation_response
    private
    public :: response
 
-   !> The outcome of a part that would begin where the branch ends, beside those of the tracer.
+   !> Outcome, beside those of the tracer, of a trace that would begin where the branch so far ends.
    integer, parameter :: known_start = -1
 
 contains
 
-   !> Traces the response of a train. Fails on bad input only: a branch that ends early says why in branch%ended. A branch under
-   !> way (branch%trace is allocated, as a checkpoint of the same case holds it) is taken up where it stands.
+   !> Traces the response of a train. Fails on bad input only: a branch that ends early says why in branch%ended.
    subroutine response(train, settings, branch, error, seed, observer)
+      !> The train as described.
       type(train_type), intent(in) :: train
+      !> Range, harmonics, step and what else &response asks for.
       type(response_settings_type), intent(in) :: settings
-      !> A target, as it is everywhere below: an observer may read the points so far through a pointer.
+      !> The branch. With branch%trace allocated, as in a checkpoint of the same case, the trace goes on; else only branch%origin is
+      !> kept. A target here and below: an observer may read the points so far through a pointer.
       type(branch_type), intent(inout), target :: branch
       type(error_type), allocatable, intent(out) :: error
-      !> A motion to start from; its coefficients are used.
+      !> A motion to start from; its period, Lambda and coefficients are used.
       type(motion_type), intent(in), optional :: seed
+      !> Told of each point of 'response', or of 'branch' with a seed; may end the trace.
       class(observer_type), intent(inout), optional :: observer
       type(tracer_type) :: tracer
       type(branch_type) :: empty
-      integer :: outcome
-      character(:), allocatable :: reason
       logical :: resumed
 
       resumed = .false.
       if (allocated(branch%trace)) resumed = branch%points > 0 .and. (branch%trace%steps > 0 .or. branch%trace%from_stop)
       if (.not. resumed) then
-         ! All is new but where it comes from.
          call move_alloc(branch%origin, empty%origin)
          branch = empty
       end if
@@ -64,7 +64,7 @@ contains
          call trace_from_seed(tracer, seed, branch, observer)
       else
          if (resumed) then
-            ! The recorder for the same balance, the branch as it is.
+            ! `branch` has points already: the recorder is set up with an empty branch.
             call tracer%recorder%setup(tracer%corrector%balance, settings%stability, empty)
             tracer%segment = branch%segment(branch%points)
             tracer%resumes = branch%trace%steps > 0
@@ -74,34 +74,45 @@ contains
             call tracer%recorder%setup(tracer%corrector%balance, settings%stability, branch)
             allocate (branch%trace)
          end if
-         outcome = 0
-         if (.not. branch%trace%from_stop) then
-            call trace_part(train, tracer, settings%start, settings%stop, branch, outcome, branch%ended, observer)
-            branch%complete = outcome == reached_end
-            branch%trace%whole = followed_out(outcome)
-         end if
-         call drop_step(tracer, branch)
-         if (.not. (outcome == cancelled .or. branch%cancelled)) then
-            if (.not. branch%trace%from_stop) branch%trace%first_points = branch%points
-            branch%trace%from_stop = .true.
-            call trace_part(train, tracer, settings%stop, settings%start, branch, outcome, reason, observer)
-            call drop_step(tracer, branch)
-            if (branch%cancelled .and. outcome /= cancelled) outcome = known_start
-            if (outcome /= known_start) then
-               branch%complete = outcome == reached_end .or. branch%trace%whole .and. followed_out(outcome)
-               branch%ended = 'from Lambda = '//text(settings%start)//': '//branch%ended//'; from Lambda = ' &
-                              //text(settings%stop)//': '//reason
-            end if
-            ! It came to where the first part began, over all that this one holds.
-            if (outcome == reached_end .and. branch%trace%first_points > 0) then
-               if (is_same_point(branch, 1, branch%points)) call drop_first(branch, branch%trace%first_points)
-            end if
-         end if
+         call trace_from_both_ends(train, tracer, settings%start, settings%stop, branch, observer)
          deallocate (branch%trace)
       end if
       call tracer%tell_missed(branch)
       call tracer%recorder%finish(branch)
    end subroutine response
+
+   !> Traces from `start` towards `stop`, unless branch%trace tells that this is done, then from `stop` towards `start`.
+   subroutine trace_from_both_ends(train, tracer, start, stop, branch, observer)
+      type(train_type), intent(in) :: train
+      type(tracer_type), intent(inout) :: tracer
+      real(dp), intent(in) :: start, stop
+      type(branch_type), intent(inout), target :: branch
+      class(observer_type), intent(inout), optional :: observer
+      integer :: outcome
+      character(:), allocatable :: reason
+
+      outcome = 0
+      if (.not. branch%trace%from_stop) then
+         call trace_from_end(train, tracer, start, stop, branch, outcome, branch%ended, observer)
+         branch%complete = outcome == reached_end
+         branch%trace%whole = followed_out(outcome)
+      end if
+      call drop_step(tracer, branch)
+      if (outcome == cancelled .or. branch%cancelled) return
+      if (.not. branch%trace%from_stop) branch%trace%first_points = branch%points
+      branch%trace%from_stop = .true.
+      call trace_from_end(train, tracer, stop, start, branch, outcome, reason, observer)
+      call drop_step(tracer, branch)
+      if (branch%cancelled .and. outcome /= cancelled) outcome = known_start
+      if (outcome /= known_start) then
+         branch%complete = outcome == reached_end .or. branch%trace%whole .and. followed_out(outcome)
+         branch%ended = 'from Lambda = '//text(start)//': '//branch%ended//'; from Lambda = '//text(stop)//': '//reason
+      end if
+      ! The trace from `stop` reached the first point of the trace from `start`: it holds all points of the trace from `start`.
+      if (outcome == reached_end .and. branch%trace%first_points > 0) then
+         if (is_same_point(branch, 1, branch%points)) call drop_first(branch, branch%trace%first_points)
+      end if
+   end subroutine trace_from_both_ends
 
    subroutine check_seed(train, seed, error)
       type(train_type), intent(in) :: train
@@ -116,9 +127,9 @@ contains
       end if
    end subroutine check_seed
 
-   !> From one end of the range towards the other, through what lies beyond the amplitude limit. The outcome is `known_start` where
-   !> the branch so far ends at the motion that this part would begin at.
-   subroutine trace_part(train, tracer, from, to, branch, outcome, reason, observer)
+   !> Traces from one end of the range towards the other, and on where the branch rises above the amplitude limit. The outcome is
+   !> `known_start` where the branch so far ends at the motion with which the trace would begin.
+   subroutine trace_from_end(train, tracer, from, to, branch, outcome, reason, observer)
       type(train_type), intent(in) :: train
       type(tracer_type), intent(inout) :: tracer
       real(dp), intent(in) :: from, to
@@ -156,9 +167,9 @@ contains
       end if
       began = solution
       call trace_through(tracer, solution, to, branch, outcome, reason, observer, began)
-   end subroutine trace_part
+   end subroutine trace_from_end
 
-   !> Whether a motion is the one that the branch ends at.
+   !> Whether a solution is the last point of the branch.
    logical function is_last_point(tracer, solution, branch)
       type(tracer_type), intent(inout) :: tracer
       type(solution_point_type), intent(in) :: solution
@@ -175,7 +186,7 @@ contains
       end associate
    end function is_last_point
 
-   !> Both ways from a seed; the backward part is put in front, so that the branch is one curve.
+   !> Traces both ways from a seed and puts the backward points in front, so that the branch is one curve.
    subroutine trace_from_seed(tracer, seed, branch, observer)
       type(tracer_type), intent(inout) :: tracer
       type(motion_type), intent(in) :: seed

@@ -12,7 +12,7 @@ module geartrain_continuation_solutions
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: solutions_at, record_crossings, lies_on, beyond_limit
+   public :: solutions_at, record_crossings, lies_on, exceeds_limit
 
    !> Difference of rms, mean and maximum, relative to the largest displacement, up to which two solutions of a balance at one
    !> frequency are equal; relative difference of Lambda up to which a point lies at a frequency.
@@ -229,8 +229,8 @@ contains
       end do
    end function lies_on
 
-   !> Whether the rms of a motion is beyond the amplitude limit, where no branch is recorded.
-   logical function beyond_limit(train, settings, motion)
+   !> Whether the rms of a motion is above the amplitude limit, where no branch is recorded.
+   logical function exceeds_limit(train, settings, motion)
       !> Train of the motion.
       type(train_type), intent(in) :: train
       !> Settings with the amplitude limit.
@@ -240,7 +240,7 @@ contains
       type(tracer_type) :: tracer
 
       call begin_trace(train, settings, tracer)
-      beyond_limit = any(motion%rms > tracer%amplitude_limit)
-   end function beyond_limit
+      exceeds_limit = any(motion%rms > tracer%amplitude_limit)
+   end function exceeds_limit
 
 end module geartrain_continuation_solutions

@@ -19,10 +19,10 @@ module geartrain_continuation_stability_assessment
    !> The multipliers are estimated a second time where the largest is nearer to the unit circle than `sensitivity` allows, or any
    !> other nearer than `usual` does: the others tell no more than where special points lie.
    real(dp), parameter :: sensitivity = 30, usual = 8
-   !> Relative error of the waveform [1] beyond which the second estimate, which is of first order in the error, is worthless: with
+   !> Relative error of the waveform [1] above which the second estimate, which is of first order in the error, is worthless: with
    !> an error of 0.06 the largest multiplier of two hunting stages at R = 213 was 0.55 instead of 1.46.
    real(dp), parameter :: largest_error = 0.03_dp
-   !> Distance of a multiplier from the unit circle, over its error, beyond which its side of the circle is decided [1].
+   !> Distance of a multiplier from the unit circle, over its error, above which its side of the circle is decided [1].
    real(dp), parameter :: surely = 2
 
    type :: assessment_type

@@ -17,7 +17,7 @@ module geartrain_continuation_stability_changes
    public :: add_stability_changes
 
    !> Kinds of multipliers outside the circle: real below -1, complex pairs, real above +1.
-   integer, parameter :: doubling = 1, neimark_sacker = 2, beyond_one = 3
+   integer, parameter :: doubling = 1, neimark_sacker = 2, above_one = 3
    character(*), parameter :: names(*) = [character(15) :: 'period doubling', 'neimark-sacker']
    !> Magnitude of a multiplier beside which multipliers near the unit circle are rounding, as of an unstable motion over a period
    !> of many teeth: no changes are located there.
@@ -70,7 +70,7 @@ contains
 
       associate (real_ones => is_real(multipliers), size => abs(multipliers))
          outside(doubling) = count(real_ones .and. multipliers%re < -1 - neutral)
-         outside(beyond_one) = count(real_ones .and. multipliers%re > 1 + neutral)
+         outside(above_one) = count(real_ones .and. multipliers%re > 1 + neutral)
          ! Where only the leading multipliers are known the last multiplier may lack its conjugate.
          outside(neimark_sacker) = (count(.not. real_ones .and. size > 1 + neutral) + 1)/2
       end associate
@@ -99,9 +99,9 @@ contains
 
       change = outside(last) - outside(first)
       if (change(doubling) == 0 .and. change(neimark_sacker) == 0) return
-      if (all(mod(change([doubling, beyond_one]), 2) == 0) .and. stays(first, last)) return
+      if (all(mod(change([doubling, above_one]), 2) == 0) .and. stays(first, last)) return
       if (abs(change(doubling)) == 1 .and. change(neimark_sacker) == 0 .or. &
-          abs(change(neimark_sacker)) == 1 .and. change(doubling) == 0 .and. change(beyond_one) == 0) then
+          abs(change(neimark_sacker)) == 1 .and. change(doubling) == 0 .and. change(above_one) == 0) then
          kind = merge(doubling, neimark_sacker, change(neimark_sacker) == 0)
          call locate(corrector, monodromy, piece, a, b, first, last, kind, solution)
          call add_special_point(branch, trim(names(kind)), solution%frequency_ratio, after - 1, branch%rms(:, after))
@@ -116,7 +116,7 @@ contains
       end if
       ! A pair became two real multipliers, or the reverse: only the rest of the change crosses the circle.
       if (change(doubling)*change(neimark_sacker) < 0) change = [mod(change(doubling), 2), 0, 0]
-      if (change(beyond_one)*change(neimark_sacker) < 0) change(neimark_sacker) = 0
+      if (change(above_one)*change(neimark_sacker) < 0) change(neimark_sacker) = 0
       do kind = doubling, neimark_sacker
          do i = 1, abs(change(kind))
             call add_special_point(branch, trim(names(kind)), solution%frequency_ratio, after - 1, branch%rms(:, after))

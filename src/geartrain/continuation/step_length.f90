@@ -8,7 +8,7 @@ module geartrain_continuation_step_length
    public :: acceptable, next_step, crosses_branch, jump_step, large
 
    !> Angle between tangents of neighbouring points aimed at [rad], and first Newton correction over the step aimed at [1]: (1) as a
-   !> rule; (2) on branches of longer periods, whose period doublings lie closer together with each generation, and beyond the
+   !> rule; (2) on branches of longer periods, whose period doublings lie closer together with each generation, and above the
    !> amplitude `large`.
    real(dp), parameter :: angle_aim(2) = [0.25_dp, 0.2_dp], correction_aim(2) = [0.08_dp, 0.05_dp]
    !> First Newton correction over the step from which on a step is refused [1].

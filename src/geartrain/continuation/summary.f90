@@ -1,4 +1,4 @@
-!> What a reader looks for on a branch: its peaks, its folds, and where no stable motion of it exists.
+!> Figures of a branch: peaks, folds, and ranges of Lambda without a stable motion.
 module geartrain_continuation_summary
    use geartrain_base_kinds, only: dp
    use geartrain_base_sorting, only: ascending
@@ -14,14 +14,15 @@ module geartrain_continuation_summary
       real(dp) :: frequency_ratio = 0, rms = 0
       !> Index of the highest point.
       integer :: point = 0
-      !> Of that point; where `undecided`, `stable` is a guess.
+      !> Whether the highest point is stable; whether `stable` is a guess.
       logical :: stable = .false., undecided = .false.
    end type peak_type
 
    !> A range of Lambda.
    type :: band_type
+      !> Lower and upper end, Lambda [1].
       real(dp) :: from = 0, to = 0
-      !> It is there by the guess of undecided points alone.
+      !> Whether the range follows from undecided points alone.
       logical :: undecided = .false.
    end type band_type
 
@@ -29,7 +30,9 @@ contains
 
    !> Local maxima of the rms of `mesh`, in the order of the branch.
    pure function peaks(branch, mesh) result(found)
+      !> A branch.
       type(branch_type), intent(in) :: branch
+      !> Number of the mesh.
       integer, intent(in) :: mesh
       type(peak_type), allocatable :: found(:)
       integer :: i
@@ -52,32 +55,35 @@ contains
          before = norm2([f(i) - f(i - 1), rms(:, i) - rms(:, i - 1)])
          after = norm2([f(i + 1) - f(i), rms(:, i + 1) - rms(:, i)])
          height = rms(mesh, i - 1:i + 1)
-         associate (slope => slope_of(height), curvature => bend_of(height))
+         associate (slope => slope_of(height), curvature => curvature_of(height))
             along = 0
             if (curvature < 0) along = max(-before, min(after, -0.5_dp*slope/curvature))
-            top_of = peak_type(f(i) + along*(slope_of(f(i - 1:i + 1)) + along*bend_of(f(i - 1:i + 1))), &
+            top_of = peak_type(f(i) + along*(slope_of(f(i - 1:i + 1)) + along*curvature_of(f(i - 1:i + 1))), &
                                rms(mesh, i) + along*(slope + along*curvature), i, is_stable(branch, i), is_undecided(branch, i))
          end associate
       end associate
 
    contains
 
+      !> First derivative, along the chord length, at the middle of three points.
       pure real(dp) function slope_of(y)
          real(dp), intent(in) :: y(3)
 
          slope_of = ((y(2) - y(1))/before*after + (y(3) - y(2))/after*before)/(before + after)
       end function slope_of
 
-      pure real(dp) function bend_of(y)
+      !> Half the second derivative of the parabola through three points.
+      pure real(dp) function curvature_of(y)
          real(dp), intent(in) :: y(3)
 
-         bend_of = ((y(3) - y(2))/after - (y(2) - y(1))/before)/(before + after)
-      end function bend_of
+         curvature_of = ((y(3) - y(2))/after - (y(2) - y(1))/before)/(before + after)
+      end function curvature_of
 
    end function top_of
 
    !> Lambda of the folds, ascending.
    pure function folds(branch) result(frequency_ratio)
+      !> A branch.
       type(branch_type), intent(in) :: branch
       real(dp), allocatable :: frequency_ratio(:)
       integer :: i
@@ -90,9 +96,10 @@ contains
       frequency_ratio = frequency_ratio(ascending(frequency_ratio))
    end function folds
 
-   !> Ranges of Lambda that the branch spans without a stable point at any of its levels, ascending. One is undecided where nothing
-   !> of it is left if every undecided point is stable.
+   !> Ranges of Lambda that the branch spans without a stable point at any of its levels, ascending; none where stability is not
+   !> known. A range is undecided if it would vanish with every undecided point taken as stable.
    pure function bands_without_stability(branch) result(bands)
+      !> A branch.
       type(branch_type), intent(in) :: branch
       type(band_type), allocatable :: bands(:), certain(:)
       integer :: i
@@ -109,18 +116,17 @@ contains
       end do
    end function bands_without_stability
 
-   !> Ranges of Lambda that the branch spans without a point of `stable`, (point), at any of its levels, ascending.
-   !>
-   !> Stability changes where a special point says so, and halfway between two points where none does.
+   !> Ranges of Lambda that the branch spans without a point that `stable`, (point), calls stable, ascending. Between two points
+   !> stability changes at the Lambda that `change` gives.
    pure function bands_without(branch, stable) result(bands)
       type(branch_type), intent(in) :: branch
       logical, intent(in) :: stable(:)
       type(band_type), allocatable :: bands(:), between(:)
       real(dp), allocatable :: low(:), high(:)
-      real(dp) :: reached, last, edge, other, slack
-      integer :: i, lowest
+      real(dp) :: first, last, edge, other
+      integer :: i
 
-      allocate (bands(0), low(0), high(0))
+      allocate (low(0), high(0))
       do i = 1, branch%points - 1
          if (.not. joined(branch, i)) cycle
          if (.not. (stable(i) .or. stable(i + 1))) cycle
@@ -130,29 +136,41 @@ contains
          if (.not. stable(i)) other = branch%frequency_ratio(i + 1)
          call add_range(low, high, min(edge, other), max(edge, other))
       end do
-      ! An island closes at the motion it began with, but with other harmonics not at quite the same Lambda.
+      ! With harmonics that changed on the way, an island closes at a Lambda slightly off that of its first point.
       if (branch%closed .and. stable(1) .and. stable(branch%points)) then
          low = [low, min(branch%frequency_ratio(1), branch%frequency_ratio(branch%points))]
          high = [high, max(branch%frequency_ratio(1), branch%frequency_ratio(branch%points))]
       end if
-      ! Between two parts that do not meet nothing was recorded, and nothing is said.
+      ! Between segments that do not meet there are no points: the range counts as neither stable nor unstable.
       between = gaps(branch)
       low = [low, between%from]
       high = [high, between%to]
-      reached = minval(branch%frequency_ratio(:branch%points))
+      first = minval(branch%frequency_ratio(:branch%points))
       last = maxval(branch%frequency_ratio(:branch%points))
-      slack = 1e-9_dp*(last - reached)
-      do while (size(low) > 0)
-         lowest = minloc(low, dim=1)
-         if (low(lowest) > reached + slack) bands = [bands, band_type(reached, low(lowest))]
-         reached = max(reached, high(lowest))
-         low = [low(:lowest - 1), low(lowest + 1:)]
-         high = [high(:lowest - 1), high(lowest + 1:)]
-      end do
-      if (last > reached + slack) bands = [bands, band_type(reached, last)]
+      bands = uncovered(low, high, first, last, 1e-9_dp*(last - first))
    end function bands_without
 
-   !> Adds a range to a list, to the latest one of it where they overlap: those along a branch do as a rule.
+   !> Ranges of `first` to `last`, longer than `slack`, that none of the ranges `low` to `high` covers, ascending.
+   pure function uncovered(low, high, first, last, slack) result(bands)
+      real(dp), intent(in) :: low(:), high(:), first, last, slack
+      type(band_type), allocatable :: bands(:)
+      logical :: left(size(low))
+      real(dp) :: reached
+      integer :: i, lowest
+
+      allocate (bands(0))
+      left = .true.
+      reached = first
+      do i = 1, size(low)
+         lowest = minloc(low, dim=1, mask=left)
+         if (low(lowest) > reached + slack) bands = [bands, band_type(reached, low(lowest))]
+         reached = max(reached, high(lowest))
+         left(lowest) = .false.
+      end do
+      if (last > reached + slack) bands = [bands, band_type(reached, last)]
+   end function uncovered
+
+   !> Adds a range to a list, or enlarges the last range of the list if both overlap, as ranges along a branch do as a rule.
    pure subroutine add_range(low, high, from, to)
       real(dp), allocatable, intent(inout) :: low(:), high(:)
       real(dp), intent(in) :: from, to
@@ -170,13 +188,12 @@ contains
       high = [high, to]
    end subroutine add_range
 
-   !> Ranges of Lambda between the parts of a branch, which none of them spans, ascending.
+   !> Ranges of Lambda between the segments of a branch, which no segment spans, ascending.
    pure function gaps(branch) result(between)
       type(branch_type), intent(in) :: branch
       type(band_type), allocatable :: between(:)
       real(dp), allocatable :: low(:), high(:)
-      real(dp) :: reached
-      integer :: first, last, lowest
+      integer :: first, last
 
       allocate (between(0), low(0), high(0))
       if (.not. allocated(branch%segment)) return
@@ -191,19 +208,14 @@ contains
          high = [high, maxval(branch%frequency_ratio(first:last))]
          first = last + 1
       end do
-      reached = minval(low)
-      do while (size(low) > 0)
-         lowest = minloc(low, dim=1)
-         if (low(lowest) > reached) between = [between, band_type(reached, low(lowest))]
-         reached = max(reached, high(lowest))
-         low = [low(:lowest - 1), low(lowest + 1:)]
-         high = [high(:lowest - 1), high(lowest + 1:)]
-      end do
+      between = uncovered(low, high, minval(low), maxval(high), 0.0_dp)
    end function gaps
 
-   !> Lambda at which stability changes between points i and i + 1.
+   !> Lambda at which stability changes between points i and i + 1: at a special point between them, else halfway.
    pure real(dp) function change(branch, i)
+      !> A branch.
       type(branch_type), intent(in) :: branch
+      !> Index of the first of the two points.
       integer, intent(in) :: i
       integer :: j
 

@@ -1,5 +1,5 @@
-!> The fields of what one reads off a branch: peaks, jumps, bands, ranges of separation and back collision, each a group of its own
-!> that is there where there is something to put into it. They are computed anew, hence not taken back.
+!> The fields of the figures of a branch: peaks, jumps, bands, ranges of separation and back collision. Each is a group of its own,
+!> which exists if it is not empty. The figures follow from the branch and are therefore not read back.
 module geartrain_continuation_summary_fields
    use geartrain_base_carry, only: carry
    use geartrain_base_field, only: row => field_type
@@ -16,10 +16,13 @@ module geartrain_continuation_summary_fields
 
 contains
 
+   !> Visits all groups of figures of a branch.
    subroutine visit_summary(branch, home, fields)
+      !> A branch.
       type(branch_type), intent(in) :: branch
       !> Path of the group of the branch.
       character(*), intent(in) :: home
+      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
 
       call visit_peaks(branch, home, fields)
@@ -29,9 +32,13 @@ contains
       call visit_ranges(branch, home, .true., fields)
    end subroutine visit_summary
 
+   !> Visits the peaks of all meshes.
    subroutine visit_peaks(branch, home, fields)
+      !> A branch.
       type(branch_type), intent(in) :: branch
+      !> Path of the group of the branch.
       character(*), intent(in) :: home
+      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
       type(peak_type), allocatable :: found(:)
       type(peak_type) :: peak
@@ -73,9 +80,13 @@ contains
 
    end subroutine visit_peaks
 
+   !> Visits the jumps of a sweep in speed.
    subroutine visit_jumps(branch, home, fields)
+      !> A branch.
       type(branch_type), intent(in) :: branch
+      !> Path of the group of the branch.
       character(*), intent(in) :: home
+      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
       type(jump_type), allocatable :: found(:)
       integer :: i, n
@@ -119,9 +130,13 @@ contains
                              &and none unstable on the other, or the motion after it is undecided'), jump%undecided)
    end subroutine visit_jump
 
+   !> Visits the ranges of Lambda without a stable motion.
    subroutine visit_bands(branch, home, fields)
+      !> A branch.
       type(branch_type), intent(in) :: branch
+      !> Path of the group of the branch.
       character(*), intent(in) :: home
+      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
       type(band_type), allocatable :: found(:)
       integer :: i, n
@@ -145,12 +160,16 @@ contains
       call fields%end_list()
    end subroutine visit_bands
 
-   !> Ranges of every mesh, at any level of the branch and, where stability is known, at a stable one.
+   !> Visits the ranges of separation or back collision of every mesh: of all motions and, where stability is known, of the stable
+   !> motions.
    subroutine visit_ranges(branch, home, back, fields)
+      !> A branch.
       type(branch_type), intent(in) :: branch
+      !> Path of the group of the branch.
       character(*), intent(in) :: home
-      !> Of collisions of the back flanks; else of separation.
+      !> .true.: ranges of back collision; .false.: of separation.
       logical, intent(in) :: back
+      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
       type(band_type), allocatable :: found(:), more(:)
       integer, allocatable :: mesh(:)

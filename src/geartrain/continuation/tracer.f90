@@ -65,7 +65,7 @@ contains
    subroutine trace(self, here, low, high, target, branch, outcome, reason, observer, began, point)
       class(tracer_type), intent(inout) :: self
       !> Where to begin: solved, oriented and a point of the branch already. Afterwards, where the branch passed the amplitude
-      !> limit, the first point beyond the limit.
+      !> limit, the first point above the limit.
       type(solution_point_type), intent(inout) :: here
       !> Bounds of Lambda [1], and which of the two is the end: at the other bound the branch has come back.
       real(dp), intent(in) :: low, high, target
@@ -222,7 +222,7 @@ contains
             outcome = met_half_period
             reason = 'met the branch of half its period at Lambda = '//text(frequency_ratio)
          else if (branch%rms(mesh, n) > max(self%amplitude_limit, branch%rms(mesh, before))) then
-            ! Not where the rms falls: a branch may begin beyond the limit.
+            ! Not where the rms falls: a branch may begin above the limit.
             outcome = left_by_amplitude
             reason = 'rms of mesh '//text(mesh)//' passed the amplitude limit '//text(self%amplitude_limit) &
                      //' at Lambda = '//text(frequency_ratio)

@@ -1,4 +1,4 @@
-!> The table of input variables: those of &response.
+!> The table of input variables: the group &response, with its checks.
 module geartrain_continuation_variables
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type
@@ -10,15 +10,18 @@ module geartrain_continuation_variables
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: visit_response, check_response, check_response_consistency, fewest_samples, settings_for
+   public :: visit_response, check_response, check_response_consistency, settings_for
 
    real(dp), parameter :: zero = 0, one = 1
    integer, parameter :: most_harmonics = 1000, most_samples = 1048576
 
 contains
 
+   !> Leads a visitor over the variables of &response.
    subroutine visit_response(settings, v)
+      !> Values of the variables; set by a visitor that reads them.
       type(response_settings_type), intent(inout) :: settings
+      !> The visitor.
       class(visitor_type), intent(inout) :: v
       character(:), allocatable :: word
 
@@ -63,11 +66,13 @@ contains
       call v%leave()
    end subroutine visit_response
 
-   !> Checks the settings for a train that is in order; the error tells every problem, one a line.
+   !> Checks the settings of a response; the error tells every problem, one a line.
    subroutine check_response(train, settings, seeded, error)
+      !> A train that check_train accepts.
       type(train_type), intent(in) :: train
+      !> The settings.
       type(response_settings_type), intent(in) :: settings
-      !> It starts from a motion that is given, not from rest.
+      !> Whether the response starts from a given motion, not from rest.
       logical, intent(in) :: seeded
       type(error_type), allocatable, intent(out) :: error
       type(response_settings_type) :: copy
@@ -79,11 +84,15 @@ contains
       call checker%problems%raise('', error)
    end subroutine check_response
 
-   !> What single values cannot say; the problems are added to those of `checker`.
+   !> Checks values of &response against one another and against the train.
    subroutine check_response_consistency(train, settings, seeded, checker)
+      !> The train.
       type(train_type), intent(in) :: train
+      !> The settings.
       type(response_settings_type), intent(in) :: settings
+      !> Whether the response may start from a given motion.
       logical, intent(in) :: seeded
+      !> Collects the problems; nothing is checked if it has a problem of this group.
       class(checker_type), intent(inout) :: checker
 
       if (checker%problems%in_group('response')) return
@@ -118,17 +127,19 @@ contains
       call checker%leave()
    end subroutine check_response_consistency
 
-   !> Samples of the mesh force that the spectra of a balance of so many harmonics need.
+   !> Fewest samples a period of the mesh force for the spectra of a harmonic balance.
    pure integer function fewest_samples(harmonics)
+      !> Harmonics of the balance.
       integer, intent(in) :: harmonics
 
       fewest_samples = 8*harmonics + 2
    end function fewest_samples
 
-   !> The same settings for motions of another period: harmonics and samples of each mesh period as before.
+   !> Settings for motions of another period, with as many harmonics and samples a mesh period.
    pure function settings_for(settings, period) result(other)
+      !> Settings to start from.
       type(response_settings_type), intent(in) :: settings
-      !> In fundamental mesh periods.
+      !> The other period in fundamental mesh periods.
       integer, intent(in) :: period
       type(response_settings_type) :: other
 

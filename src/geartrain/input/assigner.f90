@@ -1,4 +1,4 @@
-!> The visitor that gives each variable its value from a scanned case file, and says what is wrong with it.
+!> The visitor that gives each variable its value from a scanned case file, and collects the problems of the values.
 module geartrain_input_assigner
    use geartrain_base_checker, only: checker_type
    use geartrain_base_kinds, only: dp
@@ -12,8 +12,9 @@ module geartrain_input_assigner
    public :: assigner_type
 
    type, extends(checker_type) :: assigner_type
+      !> Groups of the file.
       type(group_type), allocatable :: groups(:)
-      !> Which of them is being visited; 0: none.
+      !> Index in `groups` of the present group; 0: the file does not have the group.
       integer, private :: visited = 0
    contains
       procedure :: enter
@@ -120,11 +121,11 @@ contains
       type(variable_type), intent(in) :: variable
       real(dp), allocatable, intent(inout) :: value(:)
       character(:), allocatable :: wrong
-      integer :: group, place, i
+      integer :: group, assignment, i
 
-      call self%find(variable%name, group, place)
-      if (place == 0) return
-      associate (given => self%groups(group)%assignments(place))
+      call self%find(variable%name, group, assignment)
+      if (assignment == 0) return
+      associate (given => self%groups(group)%assignments(assignment))
          if (given%bad) return
          if (allocated(value)) deallocate (value)
          allocate (value(size(given%values)), source=0.0_dp)
@@ -143,14 +144,14 @@ contains
       type(variable_type), intent(in) :: variable
       character(*), intent(inout) :: value(:)
       character(:), allocatable :: word, wrong
-      integer :: group, place, i
+      integer :: group, assignment, i
 
-      call self%find(variable%name, group, place)
-      if (place == 0) then
+      call self%find(variable%name, group, assignment)
+      if (assignment == 0) then
          if (variable%required) call self%lacks(variable%name, trim(variable%description))
          return
       end if
-      associate (given => self%groups(group)%assignments(place))
+      associate (given => self%groups(group)%assignments(assignment))
          if (given%bad) return
          if (size(given%values) /= size(value)) then
             call self%complain(variable%name, trim(shown(given%values(1))), 'takes '//integer_text(size(value))//' names, not '// &
@@ -171,22 +172,22 @@ contains
       call self%checker_type%on_names(variable, value)
    end subroutine assign_names
 
-   !> The one value given for a variable; says so where there are several, or none and it is required.
+   !> Finds the value of a variable that takes one value; several values, or none of a required variable, are problems.
    subroutine find_one(self, variable, token, found)
       class(assigner_type), intent(inout) :: self
       type(variable_type), intent(in) :: variable
       type(token_type), intent(out) :: token
       logical, intent(out) :: found
       character(:), allocatable :: text
-      integer :: group, place, i
+      integer :: group, assignment, i
 
       found = .false.
-      call self%find(variable%name, group, place)
-      if (place == 0) then
+      call self%find(variable%name, group, assignment)
+      if (assignment == 0) then
          if (variable%required) call self%lacks(variable%name, trim(variable%range())//' '//variable%unit)
          return
       end if
-      associate (given => self%groups(group)%assignments(place))
+      associate (given => self%groups(group)%assignments(assignment))
          if (given%bad) return
          found = size(given%values) == 1
          token = given%values(1)
@@ -210,44 +211,46 @@ contains
       end associate
    end subroutine find_one
 
-   !> Where the group being visited stands, and the assignment to `name` in it; 0: there is none.
-   subroutine find(self, name, group, place)
+   !> Index of the present group in `groups`, and index of the assignment to `name` in the group; 0: none.
+   subroutine find(self, name, group, assignment)
       class(assigner_type), intent(in) :: self
       character(*), intent(in) :: name
-      integer, intent(out) :: group, place
+      integer, intent(out) :: group, assignment
 
       group = self%visited
-      place = 0
+      assignment = 0
       if (group == 0) return
-      do place = 1, size(self%groups(group)%assignments)
-         if (self%groups(group)%assignments(place)%name == name) return
+      do assignment = 1, size(self%groups(group)%assignments)
+         if (self%groups(group)%assignments(assignment)%name == name) return
       end do
-      place = 0
+      assignment = 0
    end subroutine find
 
+   !> Number of groups of a name in the file.
    pure integer function count_of(self, name)
       class(assigner_type), intent(in) :: self
+      !> Name of the groups.
       character(*), intent(in) :: name
       integer :: i
 
       count_of = count([(self%groups(i)%name == name, i = 1, size(self%groups))])
    end function count_of
 
-   !> Gives each problem that has no place yet the place of the value that it is about, or else of its group.
+   !> Gives each problem without line and column those of its value, else of its variable, else of its group.
    subroutine locate(self)
       class(assigner_type), intent(inout) :: self
-      integer :: i, group, place
+      integer :: i, group, assignment
 
       do i = 1, self%problems%count
          associate (problem => self%problems%list(i))
             if (problem%line > 0 .or. problem%group == '') cycle
             call self%enter(trim(problem%group), problem%index)
-            call self%find(trim(problem%name), group, place)
+            call self%find(trim(problem%name), group, assignment)
             if (group == 0) cycle
             problem%line = self%groups(group)%line
             problem%column = self%groups(group)%column
-            if (place == 0) cycle
-            associate (given => self%groups(group)%assignments(place))
+            if (assignment == 0) cycle
+            associate (given => self%groups(group)%assignments(assignment))
                problem%line = given%line
                problem%column = given%column
                if (size(given%values) == 0) cycle
@@ -261,7 +264,7 @@ contains
       call self%leave()
    end subroutine locate
 
-   !> A value as messages show it: in its quotes, and not at great length.
+   !> A value as messages show it: in quotes if it is quoted, and shortened.
    pure function shown(token) result(text)
       type(token_type), intent(in) :: token
       character(len(shortened(token%text)) + merge(2, 0, token%quoted)) :: text

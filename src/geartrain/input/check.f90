@@ -1,4 +1,4 @@
-!> Whether a case can be run: the same for one that is read, which `--check` does no more than, and for one that a program has made.
+!> Checks whether a case can be run: a case that was read, to which `--check` is limited, or a case that a program made.
 module geartrain_input_check
    use geartrain_analyses_analysis, only: analysis_type
    use geartrain_analyses_dependencies, only: check_agreement
@@ -13,8 +13,9 @@ module geartrain_input_check
 
 contains
 
-   !> Checks a case however it was made; the error tells every problem, one a line.
+   !> Checks a case; the error tells every problem, one a line.
    subroutine check_case(case, error)
+      !> The case, read or made by a program.
       type(case_type), intent(in) :: case
       type(error_type), allocatable, intent(out) :: error
       type(case_type) :: copy
@@ -27,11 +28,13 @@ contains
       call checker%problems%raise('', error)
    end subroutine check_case
 
-   !> What single values of the analyses cannot say; the problems are added to those of `checker`.
+   !> Checks the values of the analyses against one another and against the train.
    subroutine check_analyses(case, seeded, checker)
+      !> The case.
       type(case_type), intent(in), target :: case
-      !> The response may start from a motion that is given.
+      !> Whether the response may start from a given motion.
       logical, intent(in) :: seeded
+      !> Collects the problems.
       class(checker_type), intent(inout) :: checker
       type(results_type), target :: none
       class(analysis_type), allocatable :: analysis

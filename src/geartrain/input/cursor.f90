@@ -1,4 +1,4 @@
-!> A place in the text of a case file, and the steps over it.
+!> A position in the text of a case file, and steps through the text.
 module geartrain_input_cursor
    use geartrain_base_variable, only: is_utf_8
    implicit none (type, external)
@@ -8,12 +8,14 @@ module geartrain_input_cursor
    character(*), parameter :: newline = achar(10), blanks = ' '//achar(9)//achar(13)
    character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ', digits = '0123456789'
    character(*), parameter :: in_names = letters//digits//'_'
-   !> What ends a value that is not in quotes.
+   !> Characters that end a value without quotes.
    character(*), parameter :: delimiters = blanks//newline//',/!&='//"'"//'"'
 
+   !> A position in a text.
    type :: cursor_type
-      !> The text, closed by a new line.
+      !> The text, with a newline at its end.
       character(:), allocatable :: text
+      !> Position in bytes, line, and column in characters, each from 1.
       integer :: at = 1, line = 1, column = 1
    contains
       procedure :: ended
@@ -29,7 +31,7 @@ module geartrain_input_cursor
 
 contains
 
-   !> Over blanks, new lines and comments.
+   !> Moves past blanks, newlines and comments.
    subroutine skip_space(self)
       class(cursor_type), intent(inout) :: self
 
@@ -44,7 +46,7 @@ contains
       end do
    end subroutine skip_space
 
-   !> To the next & that is the first on its line.
+   !> Moves to the next & that is the first character of its line.
    subroutine skip_to_group(self)
       class(cursor_type), intent(inout) :: self
 
@@ -57,8 +59,10 @@ contains
       end do
    end subroutine skip_to_group
 
+   !> Takes a name and moves past it.
    subroutine take_name(self, name)
       class(cursor_type), intent(inout) :: self
+      !> Letters, digits and underscores from the cursor on; '': there are none.
       character(:), allocatable, intent(out) :: name
       integer :: length
 
@@ -67,8 +71,10 @@ contains
       call self%advance(length)
    end subroutine take_name
 
+   !> Takes a value without quotes and moves past it.
    subroutine take_bare(self, text)
       class(cursor_type), intent(inout) :: self
+      !> The characters up to the next of `delimiters`.
       character(:), allocatable, intent(out) :: text
       integer :: length
 
@@ -77,10 +83,12 @@ contains
       call self%advance(length)
    end subroutine take_bare
 
-   !> A quote inside the text is doubled; `status` is not 0 where the line ends before the closing quote.
+   !> Takes a value in quotes and moves past it.
    subroutine take_quoted(self, text, status)
       class(cursor_type), intent(inout) :: self
+      !> The value, without its quotes; a doubled quote inside it is one quote.
       character(:), allocatable, intent(out) :: text
+      !> 0: well; else the line ends before the closing quote.
       integer, intent(out) :: status
       character(1) :: quote
       integer :: length, first
@@ -100,19 +108,19 @@ contains
          end if
          call self%advance()
          if (self%peek() /= quote) return
-         ! Doubled: one of the two belongs to the text.
          text = text//quote
          call self%advance()
       end do
    end subroutine take_quoted
 
+   !> Whether the cursor is behind the last character.
    pure logical function ended(self)
       class(cursor_type), intent(in) :: self
 
       ended = self%at > len(self%text)
    end function ended
 
-   !> The character under the cursor; a new line beyond the end.
+   !> The character at the cursor; a newline behind the last character.
    pure character(1) function peek(self)
       class(cursor_type), intent(in) :: self
 
@@ -120,8 +128,8 @@ contains
       if (self%at <= len(self%text)) peek = self%text(self%at:self%at)
    end function peek
 
-   !> The character under the cursor in quotes, as a message shows it: all bytes of UTF-8, and the code point where it is not
-   !> ASCII, since it may look like a blank; a byte that is no character by its number. To be trimmed.
+   !> The character at the cursor as a message shows it, with blanks at the end: in quotes, with its code point if it is not ASCII
+   !> (it may look like a blank); a byte that is not UTF-8 as a number.
    pure function shown(self) result(text)
       class(cursor_type), intent(in) :: self
       character(64) :: text
@@ -145,9 +153,10 @@ contains
       end if
    end function shown
 
-   !> Columns count characters as an editor shows them: the later bytes of a UTF-8 character count nothing.
+   !> Moves on. Columns count characters, as editors do, not the bytes of UTF-8.
    subroutine advance(self, steps)
       class(cursor_type), intent(inout) :: self
+      !> Bytes to move, default 1.
       integer, intent(in), optional :: steps
       integer :: i, last
 
@@ -167,7 +176,9 @@ contains
       end do
    end subroutine advance
 
+   !> A text with its letters A to Z in lower case.
    pure function lower(text) result(lowered)
+      !> Any bytes.
       character(*), intent(in) :: text
       character(len(text)) :: lowered
       integer :: i
@@ -178,13 +189,14 @@ contains
       end do
    end function lower
 
+   !> Length of `shortened`.
    pure integer function shortened_length(text) result(length)
       character(*), intent(in) :: text
       integer :: last
 
       length = len(text)
       if (length <= 60) return
-      ! Not within a character of UTF-8.
+      ! The end must not split a character of UTF-8.
       last = 57
       do while (last > 53 .and. iand(iachar(text(last + 1:last + 1)), 192) == 128)
          last = last - 1
@@ -192,8 +204,9 @@ contains
       length = last + 3
    end function shortened_length
 
-   !> What a message shows of a word: all of it, unless it is very long.
+   !> A word as a message shows it: whole, or its beginning and '...' if it is longer than 60 bytes.
    pure function shortened(text) result(start)
+      !> The word.
       character(*), intent(in) :: text
       character(shortened_length(text)) :: start
 

@@ -1,4 +1,4 @@
-!> Whether the groups of a case file stand in the order of the train.
+!> Checks the order of the groups of a case file.
 module geartrain_input_order
    use geartrain_base_numbers, only: integer_text
    use geartrain_base_problems, only: group_label, problems_type
@@ -11,12 +11,14 @@ module geartrain_input_order
 
 contains
 
-   !> &train first, then &shaft and &mesh by turns (or, where there are bodies, these three in any order), then the analyses; what
-   !> may stand once stands once.
+   !> Checks that &train comes first, then &shaft and &mesh by turns (with &body all three in any order), then the analyses and
+   !> &output, and that no other group is given twice.
    subroutine check_order(groups, problems)
+      !> Groups of the file.
       type(group_type), intent(in) :: groups(:)
+      !> Collects the problems.
       type(problems_type), intent(inout) :: problems
-      !> Last group of the train, and the first one after the train.
+      ! Last group of the train, and first group after the train; '': none.
       character(:), allocatable :: last, after
       character(:), allocatable :: text
       integer :: i, j, first(size(known))
@@ -65,6 +67,7 @@ contains
       end if
    end subroutine check_order
 
+   !> Checks the position of a group &body, &shaft or &mesh after the groups before it.
    subroutine check_turn(group, chain, last, after, problems)
       type(group_type), intent(in) :: group
       logical, intent(in) :: chain

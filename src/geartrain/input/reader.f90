@@ -1,4 +1,4 @@
-!> Reads a case file: all that is wrong with it is told at once, and nothing is taken over unless all is well.
+!> Reads a case file. All problems of the file are told at once; with any problem no case is given.
 module geartrain_input_reader
    use geartrain_analyses_analysis, only: analysis_type
    use geartrain_analyses_list, only: case_type, find_analysis, number_of, results_type
@@ -22,9 +22,11 @@ module geartrain_input_reader
 
 contains
 
-   !> Reads the case file `path`.
+   !> Reads a case file.
    subroutine read_case(path, case, error)
+      !> Path of the file.
       character(*), intent(in) :: path
+      !> The case; default values where there is an error.
       type(case_type), intent(out) :: case
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: text
@@ -36,9 +38,11 @@ contains
 
    !> Reads a case from text.
    subroutine read_case_text(text, name, case, error)
+      !> Text of a case file.
       character(*), intent(in) :: text
-      !> What messages call the file, 'fig03.nml:14:4: error: ...'; '': they name the group alone, '&mesh 2: ...'.
+      !> Name of the file in messages, 'fig03.nml:14:4: error: ...'; '': messages name the group only, '&mesh 2: ...'.
       character(*), intent(in) :: name
+      !> The case; default values where there is an error.
       type(case_type), intent(out) :: case
       type(error_type), allocatable, intent(out) :: error
       type(assigner_type) :: reader
@@ -59,14 +63,14 @@ contains
       end do
       call read_groups(found, reader)
       if (in_order == 0) call check_consistency(found%train, reader)
-      ! The text of a call has no name; the call may have a seed, and checks that by itself.
+      ! The text of a call from Python has no name. Such a call may have a seed, and checks the settings with it.
       call check_analyses(found, name == '', reader)
       call reader%locate()
       call reader%problems%raise(name, error)
       if (.not. allocated(error)) case = found
    end subroutine read_case_text
 
-   !> Every variable is one of its group and stands there once.
+   !> Checks that every variable belongs to its group and is given once.
    subroutine check_names(group, rows, problems)
       type(group_type), intent(inout) :: group
       type(row_type), intent(in) :: rows(:)
@@ -96,7 +100,7 @@ contains
       end do
    end subroutine check_names
 
-   !> Leads the reader over the groups of the file, each with the part of the case that it fills.
+   !> Leads the reader over the groups of the file, each with the component of the case that the group sets.
    subroutine read_groups(case, reader)
       type(case_type), intent(inout), target :: case
       type(assigner_type), intent(inout) :: reader
@@ -132,7 +136,7 @@ contains
       end do
    end subroutine read_groups
 
-   !> The whole file as text.
+   !> Reads a whole file as text.
    subroutine load(path, text, error)
       character(*), intent(in) :: path
       character(:), allocatable, intent(out) :: text

@@ -1,7 +1,7 @@
-!> Goes over the text of a case file: groups, names and values with their places, and what is wrong with the form.
+!> Splits the text of a case file into groups, names and values with their lines and columns, and collects problems of form.
 !>
-!> The form is the Fortran namelist's: `&group`, `name = value, value`, `!` comments, quotes, repeat counts, `/`. Nothing is
-!> interpreted here; the reader does that. After a mistake the scan goes on, so that all mistakes are told at once.
+!> The form is that of a Fortran namelist: `&group`, `name = value, value`, `!` comments, quotes, repeat counts, `/`. Values are not
+!> interpreted here. After a mistake the scan goes on, so that all mistakes are told at once.
 module geartrain_input_scanner
    use geartrain_base_problems, only: problems_type
    use geartrain_input_cursor, only: blanks, cursor_type, digits, letters, lower, newline, shortened
@@ -9,40 +9,53 @@ module geartrain_input_scanner
    private
    public :: scan_text, group_type, assignment_type, token_type
 
+   !> A value as written.
    type :: token_type
-      !> The value as written, without its quotes.
+      !> The value without its quotes.
       character(:), allocatable :: text
+      !> Whether the value is in quotes.
       logical :: quoted = .false.
+      !> Line and column of the value, from 1.
       integer :: line = 0, column = 0
    end type token_type
 
+   !> A variable and its values.
    type :: assignment_type
-      !> In lower case.
+      !> Name of the variable, in lower case.
       character(:), allocatable :: name
+      !> Line and column of the name, from 1.
       integer :: line = 0, column = 0
+      !> The values, repeat counts applied.
       type(token_type), allocatable :: values(:)
-      !> Its problem has been told: there is no use in reading it.
+      !> Whether a problem of the assignment has been told: its values are not read.
       logical :: bad = .false.
    end type assignment_type
 
+   !> A group of the file.
    type :: group_type
-      !> In lower case.
+      !> Name of the group, in lower case, without &.
       character(:), allocatable :: name
-      !> Its number among the groups of that name.
+      !> Number of the group among the groups of its name, from 1.
       integer :: index = 1
+      !> Line and column of &, from 1.
       integer :: line = 0, column = 0
+      !> The variables of the group.
       type(assignment_type), allocatable :: assignments(:)
    end type group_type
 
-   !> UTF-8's, EF BB BF, which some editors put first.
+   !> Byte order mark of UTF-8, EF BB BF, which some editors put at the beginning of a file.
    character(*), parameter :: byte_order_mark = char(239)//char(187)//char(191)
    integer, parameter :: most_values = 1000, most_assignments = 100, most_groups = 10000
 
 contains
 
+   !> Splits the text of a case file.
    subroutine scan_text(text, groups, problems)
+      !> The text.
       character(*), intent(in) :: text
+      !> The groups in the order of the file.
       type(group_type), allocatable, intent(out) :: groups(:)
+      !> Collects the problems.
       type(problems_type), intent(inout) :: problems
       type(cursor_type) :: cursor
       type(group_type), allocatable :: room(:)
@@ -76,7 +89,7 @@ contains
       groups = room(:n)
    end subroutine scan_text
 
-   !> Fills the last of `groups`.
+   !> Scans a group into the last element of `groups`.
    subroutine scan_group(cursor, groups, problems)
       type(cursor_type), intent(inout) :: cursor
       type(group_type), intent(inout) :: groups(:)
@@ -120,7 +133,7 @@ contains
       groups(size(groups)) = group
    end subroutine scan_group
 
-   !> The group ends with /, and nothing but a comment or the next group stands after it on that line.
+   !> Checks that the group ends with /, followed on its line by nothing but a comment or the next group.
    subroutine close_group(cursor, group, problems)
       type(cursor_type), intent(inout) :: cursor
       type(group_type), intent(in) :: group
@@ -146,7 +159,7 @@ contains
       call cursor%skip_to_group()
    end subroutine close_group
 
-   !> name = value, value, ... up to the next name, / or &.
+   !> Scans name = value, value, ... up to the next name, / or &.
    subroutine scan_assignment(cursor, assignment, group, problems)
       type(cursor_type), intent(inout) :: cursor
       type(assignment_type), intent(inout) :: assignment
@@ -186,6 +199,7 @@ contains
 
    end subroutine scan_assignment
 
+   !> Scans value, value, ... up to the next name, / or &.
    subroutine scan_values(cursor, assignment, group, problems)
       type(cursor_type), intent(inout) :: cursor
       type(assignment_type), intent(inout) :: assignment
@@ -242,7 +256,7 @@ contains
 
    contains
 
-      !> One problem an assignment is enough.
+      !> Tells a problem, but only the first problem of an assignment.
       subroutine complain(text)
          character(*), intent(in) :: text
 
@@ -253,7 +267,7 @@ contains
 
    end subroutine scan_values
 
-   !> 3*0.0 becomes 0.0 and 3; a count that is no number stays in the text.
+   !> Splits 3*0.0 into 0.0 and 3; a text before * that is not a whole number stays in the text.
    subroutine split_repeat(text, repeats)
       character(:), allocatable, intent(inout) :: text
       integer, intent(inout) :: repeats
@@ -267,7 +281,7 @@ contains
       text = text(star + 1:)
    end subroutine split_repeat
 
-   !> A name stands here and = follows it (or an index, which is refused later).
+   !> Whether a name is at the cursor that is followed by = (or by an index, which is refused later).
    logical function begins_assignment(cursor)
       type(cursor_type), intent(inout) :: cursor
       character(:), allocatable :: name
@@ -286,7 +300,7 @@ contains
       cursor%column = column
    end function begins_assignment
 
-   !> Twice the room.
+   !> Doubles the size of a list of groups.
    subroutine enlarge_groups(room)
       type(group_type), allocatable, intent(inout) :: room(:)
       type(group_type), allocatable :: larger(:)
@@ -299,6 +313,7 @@ contains
       call move_alloc(larger, room)
    end subroutine enlarge_groups
 
+   !> Doubles the size of a list of values.
    subroutine enlarge_tokens(room)
       type(token_type), allocatable, intent(inout) :: room(:)
       type(token_type), allocatable :: larger(:)

@@ -1,4 +1,4 @@
-!> The table of input variables as rows: which there are, their kinds and defaults; and the closest name to a misspelt one.
+!> The table of input variables as a list of rows with kinds and defaults; messages about unknown groups and variables.
 module geartrain_input_table
    use geartrain_analyses_analysis, only: analysis_type
    use geartrain_analyses_list, only: analyses, case_type, find_analysis, results_type
@@ -12,17 +12,21 @@ module geartrain_input_table
    private
    public :: row_type, is_variable, list_variables, take_keyword, unknown_group, unknown_variable
 
+   !> A variable of the table.
    type :: row_type
+      !> Name of the group.
       character(16) :: group = ''
       !> 'real', 'integer', 'logical', 'text', 'reals' (a list) or 'names' (of bodies).
       character(12) :: kind = ''
-      !> As a case file would give it; blank: none.
+      !> Default as a case file would give it; blank: none.
       character(24) :: default = ''
+      !> Name, unit, range and description.
       type(variable_type) :: variable
    end type row_type
 
-   !> Writes down every row that it is led over.
+   !> The visitor that lists the variables.
    type, extends(visitor_type) :: collector_type
+      !> The first `count` elements are in use.
       type(row_type), allocatable :: rows(:)
       integer :: count = 0
    contains
@@ -32,13 +36,14 @@ module geartrain_input_table
       procedure :: on_text
       procedure :: on_list
       procedure :: on_names
-      procedure :: collect
+      procedure, private :: collect
    end type collector_type
 
 contains
 
-   !> Every variable of every group, in the order of a case file.
+   !> Lists every variable of every group.
    subroutine list_variables(rows)
+      !> The variables in the order of a case file.
       type(row_type), allocatable, intent(out) :: rows(:)
       type(collector_type) :: collector
       type(case_type), target :: case
@@ -54,6 +59,7 @@ contains
       rows = collector%rows(:collector%count)
    end subroutine list_variables
 
+   !> Adds a row.
    subroutine collect(self, variable, kind, default)
       class(collector_type), intent(inout) :: self
       type(variable_type), intent(in) :: variable
@@ -132,18 +138,23 @@ contains
 
    !> Whether the table has a variable of this name in the group.
    pure logical function is_variable(name, group, rows)
+      !> Name of the variable; name of the group.
       character(*), intent(in) :: name, group
+      !> All variables, see list_variables.
       type(row_type), intent(in) :: rows(:)
       integer :: i
 
       is_variable = any([(rows(i)%group == group .and. rows(i)%variable%name == name, i = 1, size(rows))])
    end function is_variable
 
-   !> Puts the name in the table in place of the keyword that a call has for it: Python has no keyword `from`, so that `start` and
-   !> `stop` stand for `from` and `to`, and for their like at the end of a name.
+   !> Replaces the keyword of a call by the name in the table. Python cannot have a keyword `from`: `start` and `stop` stand for
+   !> `from` and `to`, also at the end of a name.
    subroutine take_keyword(name, group, rows)
+      !> Keyword, then name; a name that is in the table, or a keyword without a name in the table, stays.
       character(:), allocatable, intent(inout) :: name
+      !> Name of the group.
       character(*), intent(in) :: group
+      !> All variables, see list_variables.
       type(row_type), intent(in) :: rows(:)
       character(:), allocatable :: meant
       integer :: at
@@ -157,9 +168,11 @@ contains
       if (is_variable(meant, group, rows)) name = meant
    end subroutine take_keyword
 
-   !> The message about a group that there is not.
+   !> Makes the message about an unknown group.
    subroutine unknown_group(name, text)
+      !> The name that is no group.
       character(*), intent(in) :: name
+      !> The message, with the nearest group or with all groups.
       character(:), allocatable, intent(out) :: text
       integer :: i, best
 
@@ -176,10 +189,13 @@ contains
       end if
    end subroutine unknown_group
 
-   !> The message about a variable that a group does not have; `meant` is the one that was probably meant, or ''.
+   !> Makes the message about an unknown variable.
    subroutine unknown_variable(name, group, rows, text, meant)
+      !> The name that is no variable of the group; name of the group.
       character(*), intent(in) :: name, group
+      !> All variables, see list_variables.
       type(row_type), intent(in) :: rows(:)
+      !> The message; the nearest name, '' if no name is near.
       character(:), allocatable, intent(out) :: text, meant
       character(24), allocatable :: names(:)
       integer :: i, best

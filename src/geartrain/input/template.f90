@@ -1,4 +1,4 @@
-!> The case that a newcomer begins with: figure 3 of Al-shyyab and Kahraman (2007), explained line by line.
+!> A case file to begin with: figure 3 of Al-shyyab and Kahraman (2007), with every variable explained.
 module geartrain_input_template
    use geartrain_analyses_analysis, only: analysis_type
    use geartrain_analyses_list, only: analyses, case_type, find_analysis, results_type
@@ -12,8 +12,9 @@ module geartrain_input_template
 
 contains
 
-   !> A complete case file with every variable explained, to write to a file and to edit.
+   !> Writes a complete case file with every variable explained.
    subroutine template_text(text)
+      !> The text of the file.
       character(:), allocatable, intent(out) :: text
       character(*), parameter :: newline = new_line('a')
       character(:), allocatable :: groups
@@ -46,7 +47,7 @@ contains
       text = changed//text(last + 2:)
    end subroutine set_aside
 
-   !> The train of table 1 and the analyses of figure 3, what coexists at Lambda = 0.6, and a map.
+   !> The train of table 1 of the paper, the analyses of figure 3, attractors at Lambda = 0.6, and a stability map.
    function paper_case() result(case)
       type(case_type), target :: case
       type(results_type), target :: none

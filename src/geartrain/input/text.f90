@@ -10,10 +10,12 @@ module geartrain_input_text
    private
    public :: case_text, commented_text, reference_text
 
-   !> Writes down the values that it is led over.
+   !> The visitor that writes groups and variables as text.
    type, extends(visitor_type) :: writer_type
+      !> The text so far.
       character(:), allocatable :: text
-      !> The group is explained: unit, range and description behind each variable, those not in force as comments.
+      !> Whether groups are explained where they first occur; whether the present group is explained: with unit, range and
+      !> description behind each variable, and with the variables not in force as comments.
       logical :: commented = .false., explain = .false.
    contains
       procedure :: enter => begin_group
@@ -31,9 +33,11 @@ module geartrain_input_text
 
 contains
 
-   !> The resolved namelist; numbers have the digits, up to 17, that read back to identical bits.
+   !> Writes a case as a namelist with every default.
    subroutine case_text(case, text)
+      !> The case.
       type(case_type), intent(in) :: case
+      !> The namelist; numbers have as many digits, up to 17, as needed to read back identical bits.
       character(:), allocatable, intent(out) :: text
       type(writer_type) :: writer
       type(case_type) :: copy
@@ -44,9 +48,11 @@ contains
       call move_alloc(writer%text, text)
    end subroutine case_text
 
-   !> The same with every variable explained where it first occurs.
+   !> Writes a case as a namelist with every variable explained where it first occurs.
    subroutine commented_text(case, text)
+      !> The case.
       type(case_type), intent(in) :: case
+      !> The namelist, with comments.
       character(:), allocatable, intent(out) :: text
       type(writer_type) :: writer
       type(case_type) :: copy
@@ -58,8 +64,9 @@ contains
       call move_alloc(writer%text, text)
    end subroutine commented_text
 
-   !> The groups and variables as Markdown tables, for docs/reference.md.
+   !> Writes the tables of groups and variables of docs/reference.md.
    subroutine reference_text(text)
+      !> Markdown.
       character(:), allocatable, intent(out) :: text
       type(row_type), allocatable :: rows(:)
       integer :: i, j
@@ -154,7 +161,7 @@ contains
       call self%write_line(variable, word, .true.)
    end subroutine write_text
 
-   !> A quote inside the text is doubled.
+   !> Puts a text in quotes; a quote inside the text is doubled.
    pure subroutine quote(value, quoted)
       character(*), intent(in) :: value
       character(:), allocatable, intent(out) :: quoted
@@ -184,7 +191,7 @@ contains
       call self%write_line(variable, joined, any(value /= ''))
    end subroutine write_names
 
-   !> An empty list is left out: a namelist has no word for it. Explained, it is a comment with a zero to start from.
+   !> An empty list is left out, because a namelist cannot write it; in an explained group it is a comment with the value 0.0.
    subroutine write_list(self, variable, value)
       class(writer_type), intent(inout) :: self
       type(variable_type), intent(in) :: variable
@@ -206,7 +213,7 @@ contains
       end if
    end subroutine write_list
 
-   !> name = value, and where it is explained ! unit, range: description.
+   !> Writes name = value, in an explained group with ! unit, range: description.
    subroutine write_line(self, variable, value, in_force)
       class(writer_type), intent(inout) :: self
       type(variable_type), intent(in) :: variable

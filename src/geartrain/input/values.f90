@@ -1,6 +1,6 @@
-!> One value of a case file: from its characters to a number, a logical or a text, or to what is wrong with it.
+!> Reads one value of a case file as a number, a logical or a text, or tells what is wrong with the value.
 !>
-!> Every character is looked at before Fortran's own read sees the value, which forgives too much (NaN, 1.0+5, 3abc).
+!> All characters are checked before the value goes to Fortran's read, which accepts too much (NaN, 1.0+5, 3abc).
 module geartrain_input_values
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use geartrain_base_kinds, only: dp
@@ -12,10 +12,13 @@ module geartrain_input_values
 
 contains
 
-   !> `wrong` is '' where all is well, else what is expected.
+   !> Reads a real number.
    subroutine read_real(token, value, wrong)
+      !> The value as written.
       type(token_type), intent(in) :: token
+      !> The number; unchanged if the value is wrong.
       real(dp), intent(inout) :: value
+      !> What is expected; '': the value is right.
       character(:), allocatable, intent(out) :: wrong
       real(dp) :: number
       integer :: status
@@ -37,9 +40,13 @@ contains
       end if
    end subroutine read_real
 
+   !> Reads a whole number.
    subroutine read_integer(token, value, wrong)
+      !> The value as written.
       type(token_type), intent(in) :: token
+      !> The number; unchanged if the value is wrong.
       integer, intent(inout) :: value
+      !> What is expected; '': the value is right.
       character(:), allocatable, intent(out) :: wrong
       integer :: number, status
 
@@ -57,9 +64,13 @@ contains
       end if
    end subroutine read_integer
 
+   !> Reads a logical.
    subroutine read_logical(token, value, wrong)
+      !> The value as written.
       type(token_type), intent(in) :: token
+      !> The logical; unchanged if the value is wrong.
       logical, intent(inout) :: value
+      !> What is expected; '': the value is right.
       character(:), allocatable, intent(out) :: wrong
 
       wrong = ''
@@ -74,9 +85,13 @@ contains
       if (token%quoted) wrong = 'must be .true. or .false., without quotes'
    end subroutine read_logical
 
+   !> Reads a text in quotes.
    subroutine read_text(token, value, wrong)
+      !> The value as written.
       type(token_type), intent(in) :: token
+      !> The text; unchanged if the value is wrong.
       character(:), allocatable, intent(inout) :: value
+      !> What is expected; '': the value is right.
       character(:), allocatable, intent(out) :: wrong
 
       wrong = ''
@@ -105,7 +120,7 @@ contains
       is_integer = len(text) >= first .and. verify(text(first:), digits) == 0
    end function is_integer
 
-   !> [+-] digits [. digits] [e or d, [+-] digits], at least one digit before the exponent.
+   !> Whether a text has the form [+-] digits [. digits] [e or d, [+-] digits], with at least one digit before the exponent.
    pure logical function is_real(text)
       character(*), intent(in) :: text
       character(:), allocatable :: mantissa

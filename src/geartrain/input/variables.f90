@@ -1,4 +1,4 @@
-!> The table of input variables, last part: the groups of a case file.
+!> The table of input variables: the list of groups of a case file, the group &output, and the visit of all groups.
 module geartrain_input_variables
    use geartrain_analyses_analysis, only: analysis_type, group_row_type
    use geartrain_analyses_list, only: analyses, case_type, find_analysis, results_type
@@ -19,9 +19,11 @@ module geartrain_input_variables
 
 contains
 
-   !> All groups of a case, in the order of a case file.
+   !> Leads a visitor over all groups of a case, in the order of a case file.
    subroutine visit_case(case, visitor)
+      !> The case; set by a visitor that reads.
       type(case_type), intent(inout), target :: case
+      !> The visitor.
       class(visitor_type), intent(inout) :: visitor
       type(results_type), target :: none
       class(analysis_type), allocatable :: analysis
@@ -35,8 +37,11 @@ contains
       call visit_output(case%output_file, visitor)
    end subroutine visit_case
 
+   !> Leads a visitor over the variables of &output.
    subroutine visit_output(file, v)
+      !> Name of the results file; set by a visitor that reads.
       character(:), allocatable, intent(inout) :: file
+      !> The visitor.
       class(visitor_type), intent(inout) :: v
 
       call v%enter('output', 1)

@@ -1,4 +1,4 @@
-!> Keeps a readable file of the results so far while long work goes on, and takes them up again in another run.
+!> Keeps a readable file of the results so far while long work goes on, from which another run can go on.
 module geartrain_run_checkpoint
    use, intrinsic :: iso_fortran_env, only: int64, int8
    use geartrain_analyses_list, only: case_type, results_type
@@ -14,25 +14,30 @@ module geartrain_run_checkpoint
    private
    public :: checkpoint_type, take_up_checkpoint, check_partial
 
-   !> Passes every step on to the caller's observer and writes the results so far when it is time. Once the caller has
-   !> cancelled it answers no to every further step.
+   !> Passes every step on to the caller's observer and writes the results so far from time to time. Once the caller has ended
+   !> the work, `keep_going` is .false. at every further step.
    type, extends(observer_type) :: checkpoint_type
       !> The caller's observer, if any.
       class(observer_type), pointer :: observer => null()
+      !> The case that runs.
       type(case_type), pointer :: case => null()
+      !> The results so far.
       type(results_type), pointer :: results => null()
       !> File to write; empty: none.
       character(:), allocatable :: path
-      !> Time before the first checkpoint and between two [s]; at the beginning no more than the run has taken so far, however long
-      !> the writing takes, so that a run that is killed again and again gets on.
+      !> Time before the first checkpoint [s], and between two checkpoints [s]. At the beginning a pause lasts no longer than the
+      !> run so far, however long writing takes, so that a run that is killed again and again makes progress.
       real(dp) :: first = 0.3_dp, interval = 2
-      !> Time that the latest one took [s]: where writing is slow, a tenth of the time at most goes into it.
+      !> Time that writing the latest checkpoint took [s]; at most a tenth of the time goes into writing.
       real(dp), private :: cost = 0
-      !> Steps were done since the latest one.
+      !> Whether steps were done since the latest checkpoint.
       logical, private :: news = .false.
+      !> Whether the caller's observer has ended the work.
       logical, private :: cancelled = .false.
+      !> Clock at the start of the run and at the latest checkpoint.
       integer(int64), private :: begin = -1, last = -1
-      !> Of the file at `path` that this run has written or goes on from; not allocated: there is none. Another file is not touched.
+      !> Seal of the file at `path` that this run has written or goes on from; not allocated: no such file. A file with another seal
+      !> is not touched.
       integer(int8), allocatable, private :: seal(:)
    contains
       procedure :: start
@@ -40,7 +45,7 @@ module geartrain_run_checkpoint
       procedure :: is_cancelled
       procedure :: write_now
       procedure :: remove
-      procedure, private :: owns_place
+      procedure, private :: owns_path
    end type checkpoint_type
 
 contains
@@ -48,7 +53,7 @@ contains
    !> Begins to count the time.
    subroutine start(self, resumed)
       class(checkpoint_type), intent(inout) :: self
-      !> The run goes on from the file at `path`, which becomes its own.
+      !> Whether the run goes on from the file at `path`, which it may then replace and remove.
       logical, intent(in) :: resumed
 
       call system_clock(self%begin)
@@ -68,7 +73,7 @@ contains
       if (associated(self%observer)) call self%observer%on_step(analysis, done, frequency_ratio, keep_going)
       if (.not. keep_going) self%cancelled = .true.
       keep_going = .not. self%is_cancelled()
-      ! After an interrupt in the midst of a step not all there is is whole.
+      ! An interrupt in the midst of a step leaves incomplete results.
       if (self%path == '' .or. self%case%train%interrupt%raised()) return
       self%news = .true.
       call system_clock(now, rate)
@@ -77,15 +82,15 @@ contains
       call self%write_now()
    end subroutine on_step
 
-   !> Whether the caller has ended the work, by his observer or by the interrupt of the train.
+   !> Whether the caller has ended the work, by the observer or by the interrupt of the train.
    logical function is_cancelled(self)
       class(checkpoint_type), intent(in) :: self
 
       is_cancelled = self%cancelled .or. self%case%train%interrupt%raised()
    end function is_cancelled
 
-   !> Where there is news. A checkpoint that cannot be written is no reason to lose the work: the final file tells. Nor is a file of
-   !> another run in its place, which stays.
+   !> Writes a checkpoint if steps were done since the latest checkpoint. The work goes on without an error if the checkpoint cannot
+   !> be written, or if `path` is a file of another run, which stays.
    subroutine write_now(self)
       class(checkpoint_type), intent(inout) :: self
       type(error_type), allocatable :: error
@@ -94,33 +99,33 @@ contains
       if (self%path == '' .or. .not. self%news) return
       self%news = .false.
       call system_clock(begin, rate)
-      if (self%owns_place()) call write_results(self%path, self%case, self%results, error, self%seal)
+      if (self%owns_path()) call write_results(self%path, self%case, self%results, error, self%seal)
       call system_clock(self%last)
       self%cost = real(self%last - begin, dp)/real(rate, dp)
    end subroutine write_now
 
-   !> Removes the file, if it is this run's.
+   !> Removes the checkpoint, if this run has written it or goes on from it.
    subroutine remove(self)
       class(checkpoint_type), intent(inout) :: self
 
       if (self%path == '' .or. .not. allocated(self%seal)) return
-      if (self%owns_place()) call remove_file(self%path)
+      if (self%owns_path()) call remove_file(self%path)
    end subroutine remove
 
-   !> Whether the file at `path` is this run's, or none is there.
-   logical function owns_place(self)
+   !> Whether the file at `path` is of this run, or there is no file.
+   logical function owns_path(self)
       class(checkpoint_type), intent(in) :: self
       integer(int8), allocatable :: seal(:)
 
-      owns_place = .not. exists(self%path)
-      if (owns_place .or. .not. allocated(self%seal)) return
+      owns_path = .not. exists(self%path)
+      if (owns_path .or. .not. allocated(self%seal)) return
       call read_seal(self%path, seal)
-      if (allocated(seal)) owns_place = all(seal == self%seal)
-   end function owns_place
+      if (allocated(seal)) owns_path = all(seal == self%seal)
+   end function owns_path
 
-   !> A file at the place of the checkpoint that the run does not go on from is not its own: a run that was killed left it, or one
-   !> is at work on it.
+   !> Tells as an error that there is a file at the path of the checkpoint, which a killed run left or another run is writing.
    subroutine check_partial(path, error)
+      !> Path of the checkpoint, from which the run does not go on.
       character(*), intent(in) :: path
       type(error_type), allocatable, intent(inout) :: error
 
@@ -129,10 +134,13 @@ contains
                                    &--output')
    end subroutine check_partial
 
-   !> The results so far of a run of the same case, from its checkpoint.
+   !> Reads the results so far of another run of the same case.
    subroutine take_up_checkpoint(path, case, results, error)
+      !> Path of the checkpoint.
       character(*), intent(in) :: path
+      !> The case.
       type(case_type), intent(in) :: case
+      !> The results so far.
       type(results_type), intent(out) :: results
       type(error_type), allocatable, intent(inout) :: error
       character(:), allocatable :: input, asked, written_by, wrong
@@ -156,6 +164,7 @@ contains
       end if
    end subroutine take_up_checkpoint
 
+   !> Length of the text of a case without its last group, &output.
    pure integer function kept_length(text) result(length)
       character(*), intent(in) :: text
 
@@ -163,7 +172,7 @@ contains
       if (length == 0) length = len(text)
    end function kept_length
 
-   !> The resolved case without its last group, which names the file alone.
+   !> The text of a case without its last group, &output, which only names the file.
    pure function without_output(text) result(rest)
       character(*), intent(in) :: text
       character(kept_length(text)) :: rest

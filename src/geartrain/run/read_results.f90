@@ -1,4 +1,4 @@
-!> Results read back from their file, with the case that they are of.
+!> Reads results from their file, with their case.
 module geartrain_run_read_results
    use geartrain_analyses_list, only: case_type, results_type
    use geartrain_base_error, only: error_type, fatal, status_file
@@ -11,11 +11,13 @@ module geartrain_run_read_results
 
 contains
 
-   !> Reads a results file, or the checkpoint of a run under way. One of which any bit is not what this version of geartrain wrote
-   !> is refused.
+   !> Reads a results file, or the checkpoint of a run under way. A file that was changed, or written in another format, is refused.
    subroutine read_results(path, case, results, error)
+      !> Path of the file.
       character(*), intent(in) :: path
+      !> The case of the results.
       type(case_type), intent(out) :: case
+      !> The results.
       type(results_type), intent(out) :: results
       type(error_type), allocatable, intent(out) :: error
       type(fields_type) :: fields

@@ -1,4 +1,4 @@
-!> Every field that a results file can hold, as the reference page of the output tells them and as a reader of it looks them up.
+!> Lists every field that a results file can hold, for the reference page of the output and for readers that look fields up.
 module geartrain_run_reference
    use geartrain_analyses_list, only: case_type, results_type
    use geartrain_base_field, only: group_type, kind_integer
@@ -12,8 +12,9 @@ module geartrain_run_reference
 
 contains
 
-   !> All groups with their fields, without values.
+   !> Lists all groups with their fields, without values.
    subroutine list_results(fields)
+      !> The fields; empty on entry.
       type(fields_type), intent(inout) :: fields
       type(results_type) :: results
       type(case_type) :: case
@@ -24,8 +25,9 @@ contains
       call visit_results(results, case, fields, summary=.true.)
    end subroutine list_results
 
-   !> The tables of docs/output.md, as Markdown.
+   !> Writes the tables of docs/output.md.
    subroutine output_reference(text)
+      !> Markdown.
       character(:), allocatable, intent(out) :: text
       type(fields_type) :: fields
       integer :: i
@@ -52,7 +54,7 @@ contains
       call add_table(group, .true., newline//'| Attribute | What |'//newline//'|---|---|'//newline, text)
    end subroutine add_group
 
-   !> The rows of the attributes or of the datasets, without the axes that only count.
+   !> Adds the rows of the attributes or of the datasets, without axes whose values are only 1, 2, ...
    subroutine add_table(group, attributes, head, text)
       type(group_type), intent(in) :: group
       logical, intent(in) :: attributes

@@ -1,4 +1,4 @@
-!> The results of a case, their file, and back: what is written is what is read, by a run that goes on as by whoever asks for it.
+!> The results of a case to and from their file. All results are read back: a file of work under way serves as a checkpoint.
 module geartrain_run_results
    use, intrinsic :: iso_fortran_env, only: int8
    use geartrain_analyses_analysis, only: analysis_type
@@ -20,20 +20,21 @@ module geartrain_run_results
    private
    public :: open_results, take_results, visit_results, visit_root, write_results
 
-   !> Raised when a name or a shape in the file changes its meaning. 2: a file is sealed and holds all that is to be read back.
+   !> Raised when a name or a shape in the file changes its meaning. 2: a file is sealed and holds all that reading needs.
    integer, parameter :: format_version = 2
 
 contains
 
-   !> Writes an HDF5 file; a file of that name is replaced once the new one is whole, and kept where writing fails. Of work under
-   !> way it holds what another run needs to go on.
+   !> Writes an HDF5 file. A file at `path` is replaced once the new file is complete, and kept if writing fails.
    subroutine write_results(path, case, results, error, seal)
+      !> Path of the file.
       character(*), intent(in) :: path
+      !> The case.
       type(case_type), intent(in) :: case
-      !> They stay as they are.
+      !> The results, which may be under way; unchanged.
       type(results_type), intent(inout) :: results
       type(error_type), allocatable, intent(out) :: error
-      !> The seal of what was written; allocated where that was done.
+      !> The seal of the file; set if the file was written.
       integer(int8), allocatable, intent(inout), optional :: seal(:)
       integer(int8), allocatable :: content(:)
       type(fields_type) :: fields
@@ -50,9 +51,11 @@ contains
       if (present(seal) .and. .not. allocated(error)) seal = content(size(content) - seal_bytes + 1:)
    end subroutine write_results
 
-   !> The attributes of the file itself.
+   !> Visits the attributes of the file itself, which are not read back here but by open_results.
    subroutine visit_root(case, fields)
+      !> The case.
       type(case_type), intent(in) :: case
+      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
       character(:), allocatable :: title, input
       real(kind(case%train%characteristic_length)) :: value
@@ -74,11 +77,13 @@ contains
       call carry(fields, row('characteristic_frequency', '', '', 'rad/s'), value)
    end subroutine visit_root
 
-   !> The groups of a results file, the text of the case that they are results of, and the version of geartrain that wrote them;
-   !> `wrong` says why they cannot be used, '' where all is well so far.
+   !> Reads the groups of a results file.
    subroutine open_results(path, fields, input, written_by, wrong)
+      !> Path of the file.
       character(*), intent(in) :: path
+      !> The fields; without groups if the file has no valid seal.
       type(fields_type), intent(inout) :: fields
+      !> Text of the case; version of geartrain that wrote the file; why the file cannot be used, '': it can.
       character(:), allocatable, intent(out) :: input, written_by, wrong
       integer :: number
 
@@ -96,12 +101,15 @@ contains
       if (allocated(fields%wrong) .or. number /= format_version) wrong = 'it was written by another version of geartrain'
    end subroutine open_results
 
-   !> The results of the case among the groups read; `wrong` says what does not agree with the rest or with the case, '' where all
-   !> does.
+   !> Takes the results of a case from the groups read.
    subroutine take_results(fields, case, results, wrong)
+      !> The fields, as open_results gives them.
       type(fields_type), intent(inout) :: fields
+      !> The case of the results.
       type(case_type), intent(in) :: case
+      !> The results.
       type(results_type), intent(out) :: results
+      !> Path of the first field that does not agree with other fields or with the case; '': all fields agree.
       character(:), allocatable, intent(out) :: wrong
 
       fields%way = reading
@@ -110,12 +118,15 @@ contains
       if (allocated(fields%wrong)) wrong = fields%wrong
    end subroutine take_results
 
-   !> All that a case can give, in the order of the file.
+   !> Visits the groups of all results, in the order of the file.
    subroutine visit_results(results, case, fields, summary)
+      !> The results; set by reading.
       type(results_type), intent(inout), target :: results
+      !> The case of the results.
       type(case_type), intent(in), target :: case
+      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
-      !> Whether what one reads off a branch is computed as well.
+      !> Whether the figures of branches (peaks, jumps, ...) are computed and visited as well.
       logical, intent(in) :: summary
       class(analysis_type), allocatable :: analysis
       integer :: i, n

@@ -19,17 +19,20 @@ module geartrain_run_run_case
 contains
 
    !> Runs the analyses of the case in the order of the list, each with the branches that follow from it, then refinement, and
-   !> writes `path`. Meanwhile path.partial holds what there is so far, every 2 s or so; a file of that name that the run does not
-   !> go on from is told as an error, and stays. An analysis that ends early is told by an error of status_ended_early after
-   !> everything has been written; bad input and a place that cannot be written to are told before anything is computed.
+   !> writes the results. Meanwhile the checkpoint path.partial is written about every 2 s; an existing file of this name is an
+   !> error unless the run goes on from it. Bad input and a path that cannot be written are told before anything is computed; an
+   !> analysis that ends early is told, with status_ended_early, after the results are written.
    subroutine run_case(case, path, results, error, observer, resume)
+      !> The case.
       type(case_type), intent(in), target :: case
       !> The HDF5 file; empty: write nothing.
       character(*), intent(in) :: path
+      !> The results.
       type(results_type), intent(out), target :: results
       type(error_type), allocatable, intent(out) :: error
+      !> Told of each step; may end the work.
       class(observer_type), intent(inout), target, optional :: observer
-      !> The checkpoint of another run of this case, path.partial of that time, to go on from; empty: begin anew.
+      !> Checkpoint of another run of this case to go on from; empty: begin anew.
       character(*), intent(in), optional :: resume
       type(checkpoint_type) :: checkpoint
       type(error_type), allocatable :: early
@@ -59,8 +62,8 @@ contains
       if (allocated(early)) call fatal(error, early%message, early%status)
    end subroutine run_case
 
-   !> Goes on from where `results` are, analysis by analysis; a branch of the list that was under way is traced again.
-   !> `early` tells which analyses ended early and why, `error` that the input is bad.
+   !> Runs analysis by analysis, from the results so far on; a further branch that was under way is traced again. `early` tells
+   !> which analyses ended early and why, `error` that the input is bad.
    subroutine compute(case, results, early, error, checkpoint)
       type(case_type), intent(in), target :: case
       type(results_type), intent(inout), target :: results
@@ -77,12 +80,12 @@ contains
          call find_analysis(i, case, results, analysis)
          if (.not. analysis%asked .or. begun .and. checkpoint%is_cancelled()) cycle
          begun = .true.
-         ! An analysis can be long: what came before it is safe from here on.
+         ! An analysis can take long: the results before it are saved first.
          call checkpoint%write_now()
          call find_analysis(i, case, results, analysis, begin=.true.)
          call analysis%run(case%train, error, checkpoint)
          if (ended_early(error)) then
-            ! An analysis that could not go on does not keep the next from running.
+            ! The next analysis runs although this analysis has no result.
             call fatal(early, error%message, status_ended_early)
             deallocate (error)
             call leave_out(i, results=results)
@@ -110,15 +113,19 @@ contains
       end do
    end subroutine compute
 
-   !> Runs one analysis of the case by itself, on from what the results have of it, with the branches that follow from it; those of
-   !> a response are refined where that was asked for.
+   !> Runs one analysis of a case, with the branches that follow from it; the branches of a response are refined if the case asks
+   !> for refinement.
    subroutine run_analysis(name, case, results, error, observer, start)
+      !> Name of the analysis.
       character(*), intent(in) :: name
+      !> The case.
       type(case_type), intent(in), target :: case
+      !> The results; a result of the analysis under way is taken up.
       type(results_type), intent(inout), target :: results
       type(error_type), allocatable, intent(out) :: error
+      !> Told of each step; may end the work.
       class(observer_type), intent(inout) :: observer
-      !> A motion to start from.
+      !> A motion to start from; ignored by an analysis that does not start from a motion.
       type(motion_type), intent(in), optional :: start
       class(analysis_type), allocatable :: analysis
       logical :: whole
