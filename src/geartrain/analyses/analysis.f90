@@ -83,10 +83,11 @@ module geartrain_analyses_analysis
       end subroutine visit_fields_interface
 
       !> Writes the lines that the executable prints of the result.
-      subroutine report_interface(self, unit, seconds)
-         import :: analysis_type, dp
+      subroutine report_interface(self, train, unit, seconds)
+         import :: analysis_type, dp, train_type
          implicit none (type, external)
          class(analysis_type), intent(in) :: self
+         type(train_type), intent(in) :: train
          !> An open unit for formatted text.
          integer, intent(in) :: unit
          !> Time taken [s].
