@@ -225,9 +225,10 @@ contains
 
       do i = 1, size(analyses)
          call find_analysis(i, job%case, results, analysis)
-         if (analysis%begun) call analysis%report(output_unit, progress%seconds(i))
+         if (analysis%begun) call analysis%report(job%case%train, output_unit, progress%seconds(i))
       end do
-      if (allocated(results%branches)) call report_branches(results%branches, output_unit, progress%branch_seconds)
+      if (allocated(results%branches)) &
+         call report_branches(results%branches, job%case%train, output_unit, progress%branch_seconds)
       if (job%status == 0 .or. job%status == status_ended_early) write (output_unit, '(2a)') 'Written: ', job%path
       call hand_over()
    end subroutine report

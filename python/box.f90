@@ -15,6 +15,7 @@ module geartrain_python_box
    use geartrain_continuation_summary_fields, only: visit_bands, visit_jumps, visit_peaks, visit_ranges
    use geartrain_flow_fields, only: visit_motions
    use geartrain_input_check, only: check_analyses
+   use geartrain_model_labels, only: mesh_labels
    use geartrain_python_taker, only: taker_type
    use geartrain_run_reference, only: list_results
    use geartrain_run_results, only: take_results, visit_results
@@ -229,6 +230,11 @@ contains
             call visit_results(box%results, box%case, fields, summary=.false.)
          case ('listing')
             call list_results(fields)
+         case ('labels')
+            if (.not. fields%enter('/labels', '', .true.)) return
+            n = size(box%case%train%meshes)
+            call fields%expect('mesh', n, mesh_labels(box%case%train))
+            call fields%index_axis('mesh', n, '')
          case ('motions')
             if (.not. allocated(box%motions)) return
             if (.not. fields%enter('/motions', '', .true.)) return

@@ -3,6 +3,7 @@ module unit_network
    use fixtures, only: body, ring, settings_of
    use geartrain, only: branch_type, dp, error_type, mesh_type, response, shaft_type, train_type
    use geartrain_model_check, only: check_train
+   use geartrain_model_labels, only: mesh_labels, shaft_labels
    use geartrain_model_network, only: build_network, network_type
    use geartrain_model_rest, only: largest_residual, rest_forces
    use geartrain_model_system, only: build_system, system_type
@@ -20,6 +21,7 @@ contains
       if (tests%runs('shared')) call shared(tests)
       if (tests%runs('one_body')) call one_body(tests)
       if (tests%runs('soft_mesh')) call soft_mesh(tests)
+      if (tests%runs('labels')) call labels(tests)
    end subroutine network_checks
 
    !> Gear a drives gear b; a wheel hangs on a further mesh of gear b.
@@ -36,6 +38,24 @@ contains
                       mesh_type(between=[character(64) :: 'b', 'wheel'], driving_radius=0.07_dp, driven_radius=0.03_dp, &
                                 stiffness=1e8_dp, half_backlash=1e-5_dp)]
    end function with_wheel
+
+   !> The bodies at the ends name a mesh or a shaft, no two of them alike, whatever the bodies are called.
+   subroutine labels(tests)
+      class(tests_type), intent(inout) :: tests
+      type(train_type) :: train
+
+      train = with_wheel()
+      train%meshes = [train%meshes, train%meshes, train%meshes(2)]
+      train%meshes(4)%between(2) = 'wheel (2)'
+      call tests%is_true(all(shaft_labels(train) == 'wheel - rim'), 'a shaft')
+      call tests%is_true(all(mesh_labels(train) == [character(24) :: 'a - b', 'b - wheel', 'a - b (2)', 'b - wheel (2)', &
+                                                    'b - wheel (3)']), 'equal pairs, and a body called wheel (2)')
+      deallocate (train%bodies)
+      train%meshes%between(1) = ''
+      train%shafts%between(1) = ''
+      call tests%is_true(all(mesh_labels(train) == [character(24) :: 'mesh 1', 'mesh 2', 'mesh 3', 'mesh 4', 'mesh 5']) .and. &
+                         all(shaft_labels(train) == 'shaft 1'), 'a chain')
+   end subroutine labels
 
    !> Nothing drives the wheel, or its torques cancel, by their sum or up to the rounding of it: it bears no force at all.
    subroutine idle(tests)

@@ -141,7 +141,8 @@ class Box:
             names = tuple(dimensions.split())
             values = self._values(line, kind, int(size), tuple(map(int, extents.split()))[::-1])
             if not names:
-                group.attributes[name] = values.item()
+                if name != "coordinates":  # which tells readers of the file alone something
+                    group.attributes[name] = values.item()
                 continue
             if names[-1] == "complex" and name != "complex":
                 pairs, names = np.ascontiguousarray(values), names[:-1]

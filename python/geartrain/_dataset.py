@@ -25,7 +25,7 @@ def dataset(path: str, values: dict[str, Any], attributes: dict[str, Any], coord
     values : dict
         Arrays by their names there; None for what there is not.
     coordinates : tuple of str
-        Those that are coordinates beside the axes.
+        Those that are coordinates beside the axes and their labels.
     attributes : dict
         Those of the group.
     """
@@ -48,7 +48,7 @@ def dataset(path: str, values: dict[str, Any], attributes: dict[str, Any], coord
         if axis.name in about:
             _, unit, description = about[str(axis.name)]
             axis.attrs.update(units=unit, description=description)
-    return found.set_coords([name for name in coordinates if name in variables])
+    return found.set_coords([name for name in (*coordinates, *(f"{axis}_label" for axis in axes)) if name in variables])
 
 
 def _labels(dimension: str, length: int) -> Any:

@@ -19,7 +19,7 @@ from ._extras import extra
 from ._motion_table import motions_of
 from ._watch import watched
 from .audit import Audit
-from .description import Description
+from .description import Description, mesh_names
 from .errors import InputError, SolverError, shown
 from .motion import Motion
 from .summary import Readings
@@ -282,8 +282,9 @@ class Branch(Readings):
 
         style = normalize_kwargs(style, Line2D)
         label = style.pop("label", None)
+        names = mesh_names(self.train, meshes)
         for number in chosen:
-            name = label or f"mesh {number}"
+            name = label or names[number - 1]
             draw_curve(ax, self.frequency, self.rms[:, number - 1], self.stable, self.segment, name, **style)
             # The same colour, whether it was given or the next of the cycle.
             thin = {"color": ax.lines[-1].get_color(), "linewidth": 0.8, **style}
@@ -310,7 +311,9 @@ class Branch(Readings):
         """
         names = ("ended", "complete", "closed", "subharmonic")
         attributes = {name: getattr(self, name) for name in names} | ({"origin": self.origin} if self.origin else {})
-        values = {**self.arrays(), "true_ac_rms": self.true_ac_rms}
+        values = {
+            **self.arrays(), "true_ac_rms": self.true_ac_rms, "mesh_label": mesh_names(self.train, self.rms.shape[1]),
+        }
         return dataset("/response", values, attributes, ("frequency",))
 
     def write(self, path: str | os.PathLike[str]) -> None:
@@ -388,9 +391,9 @@ class Branch(Readings):
             for kind, frequency, point, undecided, rms in rows.rows("kind", "frequency", "after_point", "undecided", "rms")
         ]
         known = {item.name for item in fields(cls)}
-        # Axes, and what follows from the rms, are no fields of their own; an attribute may have the name of an array.
+        # Axes, and what follows from the rms or the train, are no fields of their own; an attribute may have an array's name.
         arrays = {name: values for name, values in group.arrays.items()
-                  if group.about[name][0] != (name,) and name != "true_ac_rms"}
+                  if group.about[name][0] != (name,) and name not in {"true_ac_rms", "mesh_label"}}
         told = {name: value for name, value in group.attributes.items() if name in known - arrays.keys()}
         found: dict[str, Any] = {**dict.fromkeys(_of_points()), **told, **arrays}
         others = {name: found.pop(name) for name in arrays if name not in known}

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from .variables import Analyses
 
-__all__ = ["Description"]
+__all__ = ["Description", "mesh_names"]
 
 
 class Description(TrainVariables):
@@ -69,6 +69,12 @@ class Description(TrainVariables):
     def _values(part: Part) -> dict[str, Any]:
         return {name: getattr(part, name) for name in part.variables}
 
+    @property
+    def mesh_labels(self) -> tuple[str, ...]:
+        """Names of the meshes by the bodies that they join, ``'pinion - wheel'``; ``'mesh 1'``, ... in a chain."""
+        with Box(copy=self._kept) as box:
+            return tuple(box.show("labels")["/labels"].arrays["mesh_label"])
+
     @cached_property
     def _kept(self) -> Box:
         """A box of the train, which stays as it is: the train is read but once."""
@@ -104,6 +110,12 @@ class Description(TrainVariables):
         except InputError as error:
             told = in_words_of_the_call(str(error), {"start": "frequency", "stop": "frequency"})
             raise InputError("\n".join(dict.fromkeys(told.splitlines()))) from None
+
+
+def mesh_names(train: Description | None, meshes: int) -> tuple[str, ...]:
+    """What the meshes of a result are called; by their numbers where it has no train, or not one of so many meshes."""
+    labels = train.mesh_labels if isinstance(train, Description) else ()
+    return labels if len(labels) == meshes else tuple(f"mesh {number}" for number in range(1, meshes + 1))
 
 
 def _further_problems(text: str, known: Mapping[str, str]) -> list[str]:

@@ -27,6 +27,8 @@ class Modes(Table):
         Displacement of each elastic element, the largest of a mode being 1.
     element : tuple of str
         What the elements are: ``'shaft 1'``, ``'mesh 1'``, ...
+    element_label : tuple of str
+        Names of the two bodies that each joins, ``'pinion - wheel'``; in a chain as ``element``.
     """
 
     path = "/modes"
@@ -36,3 +38,4 @@ class Modes(Table):
     damping_ratio: NDArray[np.float64]
     shape: NDArray[np.float64]
     element: tuple[str, ...]
+    element_label: tuple[str, ...]

@@ -19,7 +19,7 @@ from ._extras import extra
 from ._motion_check import check_motion, check_states
 from ._motion_table import INTEGRATION, as_columns, motions_of, put_motions, put_table
 from ._watch import watched
-from .description import Description
+from .description import Description, mesh_names
 from .errors import InputError, SolverError, shown
 
 if TYPE_CHECKING:
@@ -212,12 +212,13 @@ class Motion:
         chosen = range(1, meshes + 1) if mesh is None else [mesh]
         if axes is None:
             axes = extra("matplotlib.pyplot").subplots(3, layout="constrained", figsize=(6.4, 7.2))[1]
+        names = mesh_names(self.train, meshes)
         time = self.time * self.frequency / (2 * np.pi)
         order, amplitude = self.spectrum()
         width = 0.8 * (order[0] if len(order) else 1.0) / len(chosen)
         for place, number in enumerate(chosen):
-            column, label = number - 1, f"mesh {number}"
-            (line,) = axes[0].plot(time, self.displacement[:, column], **{"label": label, **style})
+            column = number - 1
+            (line,) = axes[0].plot(time, self.displacement[:, column], **{"label": names[column], **style})
             axes[1].plot(time, self.mesh_force[:, column], **{"color": line.get_color(), **style})
             shift = (place - (len(chosen) - 1) / 2) * width
             axes[2].bar(order + shift, amplitude[:, column], width, color=line.get_color())
@@ -361,7 +362,8 @@ def table(
     **columns: Any,
 ) -> Dataset:
     """Motions as the table of a group of the results file."""
-    return dataset(path, {**as_columns(motions), **columns}, dict(attributes or {}), coordinates)
+    labels = mesh_names(motions[0].train, len(motions[0].rms)) if motions else None
+    return dataset(path, {**as_columns(motions), "mesh_label": labels, **columns}, dict(attributes or {}), coordinates)
 
 
 def from_state(state: ArrayLike, meshes: int, states: int) -> Motion:

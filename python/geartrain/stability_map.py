@@ -62,6 +62,8 @@ class StabilityMap(Table):
         Why it ended, in words.
     complete : bool
         Whether all rows are done and whole.
+    mesh_label : tuple of str, or None
+        Of each mesh, see `Train.mesh_labels`; None for a linear map.
     """
 
     path = "/stability_map"
@@ -80,6 +82,7 @@ class StabilityMap(Table):
     row_whole: NDArray[np.bool_]
     ended: str
     complete: bool
+    mesh_label: tuple[str, ...] | None = None
 
     def __repr__(self) -> str:
         rows, points = self.motions.shape

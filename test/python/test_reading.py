@@ -7,7 +7,7 @@ import h5py
 import numpy as np
 import pytest
 import xarray
-from conftest import ROOT, assert_equal_files, write_case
+from conftest import ROOT, assert_equal_files, run, write_case
 from test_faults import kill_at_checkpoint
 
 import geartrain as gt
@@ -105,6 +105,60 @@ def test_datasets_are_those_of_the_file(path, results):
                 told = found[variable].attrs[attribute]
                 assert told == stored[variable].attrs[attribute] or "number of the multiplier" in told, (name, variable)
     assert results.integration[0].to_dataset().rms.dims == ("mesh",)
+
+
+TWO_PAIRS = """
+&train characteristic_length = 1.0, characteristic_frequency = 1.0 /
+&body name = 'Ritzel',  inertia = 2.0, torque = 0.8 /
+&body name = 'Großrad', inertia = 2.0 /
+&body name = 'Last',    inertia = 3.0, balances = .true. /
+&shaft between = 'Großrad', 'Last', stiffness = 0.5, damping_ratio = 0.05 /
+&mesh between = 'Ritzel', 'Großrad', driving_radius = 1.0, driven_radius = 1.0, stiffness = 1.0,
+      damping_ratio = 0.05, half_backlash = 1.0, stiffness_cos = 0.6 /
+&mesh between = 'Ritzel', 'Großrad', driving_radius = 1.0, driven_radius = 1.0, stiffness = 1.0,
+      damping_ratio = 0.05, half_backlash = 1.0, stiffness_cos = 0.6 /
+"""
+OF_TWO_PAIRS = ["Ritzel - Großrad", "Ritzel - Großrad (2)"]
+
+
+def test_meshes_are_named_by_their_bodies(executable, tmp_path):
+    """In every group and picture; beside their numbers, two between the same bodies apart."""
+    (tmp_path / "case.nml").write_text(TWO_PAIRS + (
+        "&modes /\n&response from = 0.6, to = 4.2, harmonics = 4, period_doublings = 1 /\n"
+        "&integration from = 0.5, to = 0.6, points = 2 /\n&attractors frequency = 0.9, starts = 4 /\n"
+        "&stability_map from = 0.4, to = 0.6, points = 2, parameter_from = 0.1, parameter_to = 0.2, parameter_points = 2 /\n"
+    ), encoding="utf-8")
+    done = run(executable, tmp_path / "case.nml", "--output", tmp_path / "case.h5", encoding="utf-8")
+    assert done.returncode == 0, done.stdout + done.stderr
+    for number, name in enumerate(OF_TWO_PAIRS, 1):
+        assert f"mesh {number} ({name}) separates at Lambda" in done.stdout and f"    {number} ({name})  " in done.stdout
+    results = gt.read_results(tmp_path / "case.h5")
+    groups = {name: getattr(results, name) for name in ("response", "integration", "attractors", "stability_map")}
+    for name, result in {**groups, "branch_1": results.response.branches[0]}.items():
+        for opened in (xarray.open_dataset(tmp_path / "case.h5", group=name, engine="h5netcdf"), result.to_dataset()):
+            assert list(opened.coords["mesh_label"].values) == OF_TWO_PAIRS and opened.mesh_label.dims == ("mesh",), name
+            by_name = opened.swap_dims(mesh="mesh_label").rms.sel(mesh_label=OF_TWO_PAIRS[1])
+            np.testing.assert_array_equal(by_name, opened.rms.sel(mesh=2))
+    motion = results.integration[0]
+    assert list(motion.to_dataset().mesh_label.values) == list(motion.train.mesh_labels) == OF_TWO_PAIRS
+    for ax in (results.response.plot(), motion.plot()[0]):
+        assert [text.get_text() for text in ax.get_legend().get_texts()] == OF_TWO_PAIRS
+    modes = xarray.open_dataset(tmp_path / "case.h5", group="modes", engine="h5netcdf")
+    for opened in (modes, results.modes.to_dataset()):
+        assert list(opened.element.values) == ["shaft 1", "mesh 1", "mesh 2"]
+        assert list(opened.coords["element_label"].values) == ["Großrad - Last", *OF_TWO_PAIRS]
+    results.write(tmp_path / "again.h5")
+    assert_equal_files(tmp_path / "case.h5", tmp_path / "again.h5")
+
+
+def test_meshes_of_a_chain_are_named_by_their_numbers(path, results):
+    with h5py.File(path) as file:
+        for name in ("response", "branch_1", "integration", "attractors", "stability_map"):
+            label = file[name]["mesh_label"]
+            assert list(label.asstr()) == ["mesh 1", "mesh 2"] and label.dims[0][0] == file[name]["mesh"], name
+        assert list(file["modes/element_label"]) == list(file["modes/element"])
+    assert results.response.train.mesh_labels == ("mesh 1", "mesh 2")
+    assert [text.get_text() for text in results.response.plot().get_legend().get_texts()] == ["mesh 1", "mesh 2"]
 
 
 def test_a_motion_that_ran_away(tmp_path):

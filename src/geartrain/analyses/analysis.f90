@@ -91,10 +91,12 @@ module geartrain_analyses_analysis
       end subroutine visit_fields_interface
 
       !> Writes the lines about the result that the executable prints.
-      subroutine report_interface(self, unit, seconds)
-         import :: analysis_type, dp
+      subroutine report_interface(self, train, unit, seconds)
+         import :: analysis_type, dp, train_type
          implicit none (type, external)
          class(analysis_type), intent(in) :: self
+         !> The train of the case.
+         type(train_type), intent(in) :: train
          !> An open unit for formatted text.
          integer, intent(in) :: unit
          !> Time that the analysis took [s].

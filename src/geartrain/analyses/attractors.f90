@@ -392,8 +392,9 @@ contains
       if (n > 0 .or. fields%way == listing) call visit_motions(found%motions, 'motion', fields)
    end subroutine visit_found
 
-   subroutine report(self, unit, seconds)
+   subroutine report(self, train, unit, seconds)
       class(attractors_analysis_type), intent(in) :: self
+      type(train_type), intent(in) :: train
       integer, intent(in) :: unit
       real(dp), intent(in) :: seconds
       integer :: i

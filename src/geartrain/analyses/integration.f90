@@ -386,8 +386,9 @@ contains
       if (fields%way == reading .and. .not. allocated(fields%wrong)) sweep%direction(:n) = direction
    end subroutine visit_sweep
 
-   subroutine report(self, unit, seconds)
+   subroutine report(self, train, unit, seconds)
       class(integration_analysis_type), intent(in) :: self
+      type(train_type), intent(in) :: train
       integer, intent(in) :: unit
       real(dp), intent(in) :: seconds
       integer :: settled, period

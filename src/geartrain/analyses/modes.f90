@@ -71,11 +71,14 @@ contains
       associate (modes => self%result)
          if (.not. fields%enter('/modes', 'natural modes of the mean system: contact everywhere, mean mesh stiffness', .true.)) &
             return
+         call fields%describe('coordinates', 'element_label')
          n = 0
          if (allocated(modes%natural_frequency)) n = size(modes%natural_frequency)
          call fields%index_axis('mode', n, 'elastic mode, by frequency; a rigid mode is left out')
-         call carry(fields, row('element', 'element', '', 'elastic element, in the order of the train: `shaft 1`, `mesh 1`, ...'), &
+         call carry(fields, row('element', 'element', '', 'elastic element, in the order of the case: `shaft 1`, `mesh 1`, ...'), &
                     modes%element)
+         call carry(fields, row('element_label', 'element', '', 'names of the two bodies that the element joins, such as `pinion - &
+                                &wheel`; in a chain as `element`'), modes%element_label)
          call carry(fields, row('natural_frequency', 'mode', '1', &
                                 'undamped natural frequency / characteristic_frequency, mean mesh stiffness, teeth in contact'), &
                     modes%natural_frequency)
@@ -88,8 +91,9 @@ contains
       end associate
    end subroutine visit_fields
 
-   subroutine report(self, unit, seconds)
+   subroutine report(self, train, unit, seconds)
       class(modes_analysis_type), intent(in) :: self
+      type(train_type), intent(in) :: train
       integer, intent(in) :: unit
       real(dp), intent(in) :: seconds
 

@@ -17,6 +17,7 @@ module geartrain_analyses_response
    use geartrain_continuation_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
    use geartrain_continuation_summary_fields, only: visit_summary
    use geartrain_continuation_variables, only: check_response_consistency, visit_response
+   use geartrain_model_labels, only: label_length, mesh_labels
    use geartrain_model_network, only: state_count
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -123,19 +124,22 @@ contains
       end if
    end subroutine visit_whole_branch
 
-   subroutine report(self, unit, seconds)
+   subroutine report(self, train, unit, seconds)
       class(response_analysis_type), intent(in) :: self
+      type(train_type), intent(in) :: train
       integer, intent(in) :: unit
       real(dp), intent(in) :: seconds
 
       write (unit, '(a, i0, 3a)') 'Response: ', self%result%points, ' points in ', fixed(seconds, 2), ' s'
-      call report_branch(self%result, unit)
+      call report_branch(self%result, train, unit)
    end subroutine report
 
    !> Writes the lines about further branches that the executable prints.
-   subroutine report_branches(branches, unit, seconds)
+   subroutine report_branches(branches, train, unit, seconds)
       !> The branches.
       type(branch_type), intent(in) :: branches(:)
+      !> Their train.
+      type(train_type), intent(in) :: train
       !> An open unit for formatted text.
       integer, intent(in) :: unit
       !> Time that all of them took [s].
@@ -146,22 +150,26 @@ contains
          fixed(seconds, 2), ' s'
       do i = 1, size(branches)
          write (unit, '(a, i0, a, i0, 2a)') 'Branch ', i, ', period ', branches(i)%subharmonic, ': ', branches(i)%origin
-         call report_branch(branches(i), unit)
+         call report_branch(branches(i), train, unit)
       end do
    end subroutine report_branches
 
-   subroutine report_branch(branch, unit)
+   subroutine report_branch(branch, train, unit)
       type(branch_type), intent(in) :: branch
+      type(train_type), intent(in) :: train
       integer, intent(in) :: unit
       type(band_type), allocatable :: bands(:)
       real(dp), allocatable :: at_fold(:)
-      character(16) :: name
-      integer :: mesh, i
+      character(label_length + 24) :: column(0:size(train%meshes)), name
+      integer :: mesh, i, first
 
       if (branch%points > 0) then
-         write (unit, '(a)') '    mesh  peak at Lambda         rms'
+         call name_meshes(train, column)
+         first = len(column) + 1 - max(8, 4 + maxval(len_trim(column)))
+         column = adjustr(column)
+         write (unit, '(2a)') column(0)(first:), '  peak at Lambda         rms'
          do mesh = 1, branch%meshes
-            call report_peaks(branch, mesh, unit)
+            call report_peaks(branch, mesh, column(mesh)(first:), unit)
          end do
          at_fold = folds(branch)
          if (size(at_fold) > 0) write (unit, '(a, *(f10.4))') '    folds at Lambda', at_fold
@@ -176,16 +184,32 @@ contains
          end do
          call report_undecided(branch, unit)
          do mesh = 1, branch%meshes
-            write (name, '(a, i0)') 'mesh ', mesh
-            call report_ranges(trim(name)//' separates', separation_ranges(branch, mesh, .false.), &
+            name = adjustl(column(mesh))
+            call report_ranges('mesh '//trim(name)//' separates', separation_ranges(branch, mesh, .false.), &
                                separation_ranges(branch, mesh, .true.), allocated(branch%stable), unit)
-            call report_ranges(trim(name)//' back collision', back_collision_ranges(branch, mesh, .false.), &
+            call report_ranges('mesh '//trim(name)//' back collision', &
+                               back_collision_ranges(branch, mesh, .false.), &
                                back_collision_ranges(branch, mesh, .true.), allocated(branch%stable), unit)
          end do
-         call report_loads(branch, unit)
+         call report_loads(branch, column(:)(first:), unit)
       end if
       if (allocated(branch%ended)) write (unit, '(2a)') '    ended: ', branch%ended
    end subroutine report_branch
+
+   !> The column of meshes in a table: its head, then each by its number, and by its bodies where they have names.
+   subroutine name_meshes(train, column)
+      type(train_type), intent(in) :: train
+      character(*), intent(out) :: column(0:)
+      character(label_length) :: labels(size(train%meshes))
+      integer :: i
+
+      labels = mesh_labels(train)
+      column(0) = 'mesh'
+      do i = 1, size(labels)
+         write (column(i), '(i0)') i
+         if (allocated(train%bodies)) column(i) = trim(column(i))//' ('//trim(labels(i))//')'
+      end do
+   end subroutine name_meshes
 
    !> Lines about branch points, at which other branches of the same period cross.
    subroutine report_branch_points(branch, unit)
@@ -201,15 +225,17 @@ contains
       end do
    end subroutine report_branch_points
 
-   subroutine report_peaks(branch, mesh, unit)
+   subroutine report_peaks(branch, mesh, name, unit)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: mesh, unit
+      !> What the mesh is called, as wide as its column.
+      character(*), intent(in) :: name
       type(peak_type), allocatable :: found(:)
       integer :: i
 
       found = peaks(branch, mesh)
       do i = 1, size(found)
-         write (unit, '(i8, f16.4, f12.5)', advance='no') mesh, found(i)%frequency_ratio, found(i)%rms
+         write (unit, '(a, f16.4, f12.5)', advance='no') name, found(i)%frequency_ratio, found(i)%rms
          if (allocated(branch%stable)) write (unit, '(2x, a)', advance='no') &
             trim(merge('undecided', merge('stable   ', 'unstable ', found(i)%stable), found(i)%undecided))
          write (unit, '()')
@@ -302,8 +328,10 @@ contains
    end subroutine list
 
    !> Lines about the largest force of each mesh over the branch: of stable motions where stability is known, else of all motions.
-   subroutine report_loads(branch, unit)
+   subroutine report_loads(branch, column, unit)
       type(branch_type), intent(in) :: branch
+      !> Head of the column of meshes, and what each is called, (0:mesh).
+      character(*), intent(in) :: column(0:)
       integer, intent(in) :: unit
       logical :: counts(branch%points)
       integer :: mesh, i
@@ -311,12 +339,12 @@ contains
       counts = .true.
       if (allocated(branch%stable)) counts = branch%stable(:branch%points)
       if (.not. any(counts)) return
-      write (unit, '(2a)') '    mesh  largest force [N]  dynamic factor  at Lambda', &
+      write (unit, '(3a)') column(0), '  largest force [N]  dynamic factor  at Lambda', &
          trim(merge(', stable motions', '                ', allocated(branch%stable)))
       do mesh = 1, branch%meshes
          i = maxloc(branch%mesh_load(mesh, :branch%points)%force_maximum, 1, counts)
          associate (load => branch%mesh_load(mesh, i))
-            write (unit, '(i8, f19.1)', advance='no') mesh, load%force_maximum
+            write (unit, '(a, f19.1)', advance='no') column(mesh), load%force_maximum
             if (load%dynamic_factor < 0) write (unit, '(a16)', advance='no') '-'
             if (load%dynamic_factor >= 0) write (unit, '(f16.3)', advance='no') load%dynamic_factor
             write (unit, '(f11.4)') branch%frequency_ratio(i)

@@ -105,8 +105,9 @@ contains
       call visit_map(self%result, self%settings, fields)
    end subroutine visit_fields
 
-   subroutine report(self, unit, seconds)
+   subroutine report(self, train, unit, seconds)
       class(stability_map_analysis_type), intent(in) :: self
+      type(train_type), intent(in) :: train
       integer, intent(in) :: unit
       real(dp), intent(in) :: seconds
       integer :: points

@@ -30,6 +30,9 @@ module geartrain_base_fields
       integer, private :: next = 0
       !> Lengths of the dimensions of the present group; expected lengths in all groups.
       type(lengths_type), private :: lengths, expected
+      !> Dimension whose places have labels beside their numbers, and the labels, see `expect`.
+      character(24), private :: labelled = ''
+      type(text_type), allocatable, private :: labels(:)
       !> Dimension of the list that is visited item by item; '': no list.
       character(24) :: along = ''
       !> Number of items of the list; number of the present item.
@@ -50,21 +53,31 @@ module geartrain_base_fields
       procedure :: check
       procedure :: room_for
       procedure :: take
-      procedure, private :: find, say_length
+      procedure, private :: find, say_length, add_labels
    end type fields_type
 
 contains
 
    !> Sets the length that a dimension must have in every group, unless it is 0 there.
-   subroutine expect(self, name, length)
+   subroutine expect(self, name, length, labels)
       class(fields_type), intent(inout) :: self
       !> Name of the dimension.
       character(*), intent(in) :: name
       !> Number of places of the dimension.
       integer, intent(in) :: length
+      !> Labels that stand beside the numbers of the places wherever the dimension has an axis, (length); for one dimension only.
+      character(*), intent(in), optional :: labels(:)
+      integer :: i
 
       call self%expected%set(name, length)
       call self%lengths%set(name, length)
+      if (.not. present(labels)) return
+      self%labelled = name
+      if (allocated(self%labels)) deallocate (self%labels)
+      allocate (self%labels(length))
+      do i = 1, length
+         self%labels(i)%text = trim(labels(i))
+      end do
    end subroutine expect
 
    !> Enters a group; .false.: there is no group to visit.
@@ -143,7 +156,32 @@ contains
          group%fields(group%count)%axis = .true.
          if (self%way == writing) group%fields(group%count)%integers = [(i, i=1, length)]
       end associate
+      if (self%labelled == name) call self%add_labels(length)
    end subroutine index_axis
+
+   !> Adds the labels of an axis to the group as a coordinate, which is not read.
+   subroutine add_labels(self, length)
+      class(fields_type), intent(inout) :: self
+      !> Number of places; other than expected where the group has nothing yet.
+      integer, intent(in) :: length
+      character(:), allocatable :: name
+      integer :: place
+
+      if (length /= size(self%labels)) return
+      name = trim(self%labelled)//'_label'
+      associate (group => self%groups(self%here))
+         call group%add(field_type(name, self%labelled, '', 'names of the two bodies that the '//trim(self%labelled)// &
+                                   ' joins, such as `pinion - wheel`; in a chain `'//trim(self%labelled)//' 1`, ...'), &
+                        kind_text, [length])
+         group%fields(group%count)%texts = self%labels
+         place = group%place('coordinates', .true., 0)
+         if (place == 0) then
+            call self%describe('coordinates', name)
+         else
+            group%fields(place)%texts(1)%text = group%fields(place)%texts(1)%text//' '//name
+         end if
+      end associate
+   end subroutine add_labels
 
    !> Visits an axis whose places have labels, which are not read.
    subroutine text_axis(self, name, labels, description)

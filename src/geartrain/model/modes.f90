@@ -3,8 +3,10 @@
 module geartrain_model_modes
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_kinds, only: dp
+   use geartrain_base_sorting, only: ascending
    use geartrain_linalg_lapack, only: dgeev
    use geartrain_model_check, only: check_train
+   use geartrain_model_labels, only: label_length, mesh_labels, shaft_labels
    use geartrain_model_spectrum, only: eigenvalues_of
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
@@ -19,8 +21,10 @@ module geartrain_model_modes
       real(dp), allocatable :: damped_frequency(:), damping_ratio(:)
       !> Displacement of each element (mesh displacement, or shaft twist times base radius), largest 1, (element, mode).
       real(dp), allocatable :: shape(:, :)
-      !> 'shaft 1', 'mesh 1', ...: the elastic elements in their order in the train, (element).
+      !> 'shaft 1', 'mesh 1', ...: the elastic elements in the order of the case, (element).
       character(16), allocatable :: element(:)
+      !> Names of the two bodies that an element joins, 'pinion - wheel'; in a chain as `element`, (element).
+      character(label_length), allocatable :: element_label(:)
    end type modes_type
 
 contains
@@ -30,7 +34,7 @@ contains
       type(modes_type), intent(out) :: modes
       type(error_type), allocatable, intent(out) :: error
       type(system_type) :: system
-      integer :: info, n
+      integer :: info
 
       call check_train(train, error)
       if (allocated(error)) return
@@ -42,16 +46,43 @@ contains
       end if
       if (info == 0) call damped(system, modes, info)
       if (info /= 0) call fatal(error, 'natural modes: LAPACK did not converge', status_ended_early)
-      allocate (modes%element(system%elements))
-      do n = 1, system%elements
-         if (system%element_mesh(n) > 0) then
-            write (modes%element(n), '(a, i0)') 'mesh ', system%element_mesh(n)
-         else
-            write (modes%element(n), '(a, i0)') 'shaft ', system%element_shaft(n)
-         end if
-      end do
-      modes%element = pack(modes%element, system%spring > 0)
+      call name_elements(train, system, modes)
    end subroutine natural_modes
+
+   subroutine name_elements(train, system, modes)
+      type(train_type), intent(in) :: train
+      type(system_type), intent(in) :: system
+      type(modes_type), intent(inout) :: modes
+      character(label_length) :: shafts(size(train%shafts)), meshes(size(train%meshes))
+      integer :: i
+
+      shafts = shaft_labels(train)
+      meshes = mesh_labels(train)
+      associate (shown => elastic(system))
+         allocate (modes%element(size(shown)), modes%element_label(size(shown)))
+         do i = 1, size(shown)
+            associate (shaft => system%element_shaft(shown(i)), mesh => system%element_mesh(shown(i)))
+               if (mesh > 0) then
+                  write (modes%element(i), '(a, i0)') 'mesh ', mesh
+                  modes%element_label(i) = meshes(mesh)
+               else
+                  write (modes%element(i), '(a, i0)') 'shaft ', shaft
+                  modes%element_label(i) = shafts(shaft)
+               end if
+            end associate
+         end do
+      end associate
+   end subroutine name_elements
+
+   !> Numbers of the elastic elements in the order of the case: shaft 1, mesh 1, shaft 2, ...
+   pure function elastic(system) result(shown)
+      type(system_type), intent(in) :: system
+      integer, allocatable :: shown(:)
+      integer :: n
+
+      shown = pack([(n, n=1, system%elements)], system%spring > 0)
+      shown = shown(ascending(max(2*system%element_shaft(shown) - 1, 2*system%element_mesh(shown))*1.0_dp))
+   end function elastic
 
    !> Natural frequencies alone, over characteristic frequency, ascending; empty where LAPACK does not converge.
    pure function natural_frequencies(system) result(frequency)
@@ -81,7 +112,7 @@ contains
                              /sqrt(system%stiffness*merge(stiffness_at_rest(system), 1.0_dp, system%spring > 0))
          modes%shape(:, i) = modes%shape(:, i)/modes%shape(maxloc(abs(modes%shape(:, i)), 1), i)
       end do
-      modes%shape = modes%shape(pack([(i, i=1, system%elements)], system%spring > 0), :)
+      modes%shape = modes%shape(elastic(system), :)
    end subroutine undamped
 
    !> Stiffness of each element at rest over its mean stiffness [1], (element): 1 except on back flanks of another stiffness; 0 of

@@ -1,0 +1,58 @@
+!> What results call shafts and meshes: by the bodies that they join, 'pinion - wheel', or in a chain 'shaft 1', 'mesh 1'.
+module geartrain_model_labels
+   use geartrain_model_body, only: name_length
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: label_length, mesh_labels, shaft_labels
+
+   !> Most characters of a label.
+   integer, parameter :: label_length = 2*name_length + 16
+
+contains
+
+   !> Labels of the meshes, the driving body first; no two are equal, (mesh).
+   pure function mesh_labels(train) result(labels)
+      !> A train that is in order.
+      type(train_type), intent(in) :: train
+      character(label_length) :: labels(size(train%meshes))
+      integer :: i
+
+      do i = 1, size(labels)
+         call find_label('mesh', train%meshes(i)%between, labels, i)
+      end do
+   end function mesh_labels
+
+   !> Labels of the shafts; no two are equal, (shaft).
+   pure function shaft_labels(train) result(labels)
+      !> A train that is in order.
+      type(train_type), intent(in) :: train
+      character(label_length) :: labels(size(train%shafts))
+      integer :: i
+
+      do i = 1, size(labels)
+         call find_label('shaft', train%shafts(i)%between, labels, i)
+      end do
+   end function shaft_labels
+
+   !> Sets label number i; a second mesh between the bodies of an earlier one is 'pinion - wheel (2)'.
+   pure subroutine find_label(kind, between, labels, i)
+      !> 'shaft' or 'mesh'; names of the two bodies, blank in a chain.
+      character(*), intent(in) :: kind, between(2)
+      !> Those before number i are set.
+      character(label_length), intent(inout) :: labels(:)
+      integer, intent(in) :: i
+      character(label_length) :: names
+      integer :: n
+
+      names = trim(between(1))//' - '//between(2)
+      if (between(1) == '') write (names, '(2a, i0)') kind, ' ', i
+      labels(i) = names
+      n = 1
+      do while (any(labels(:i - 1) == labels(i)))
+         n = n + 1
+         write (labels(i), '(2a, i0, a)') trim(names), ' (', n, ')'
+      end do
+   end subroutine find_label
+
+end module geartrain_model_labels
