@@ -40,8 +40,10 @@ module geartrain_flow_settling
    real(dp), parameter :: states_a_state = 6
    !> Most states of a train for tries of Newton's method: for larger trains the tangents cost more than they save.
    integer, parameter :: most_states = 160
-   !> Relative difference of states up to which an orbit repeats itself.
-   real(dp), parameter :: same = 1e-8_dp
+   !> Relative difference of states up to which an orbit repeats itself within its period. Smaller than the difference of two
+   !> motions (geartrain_balance_same_motion): the halves of a period-doubled orbit next to its period doubling differ little, and
+   !> the orbit is known to about 1e-11.
+   real(dp), parameter :: repeated_to = 1e-8_dp
 
    !> The search for the orbit that the flow goes to.
    type :: search_type
@@ -379,7 +381,7 @@ contains
          call flow%start(frequency_ratio, 0.0_dp)
          call flow%advance(2*pi/frequency_ratio)
          if (system%interrupt%raised()) return
-         if (mod(period, n) == 0 .and. maxval(abs(flow%x(1, :) - state)) < same*maxval(abs(state))) return
+         if (mod(period, n) == 0 .and. maxval(abs(flow%x(1, :) - state)) < repeated_to*maxval(abs(state))) return
       end do
    end function shortest_period
 
