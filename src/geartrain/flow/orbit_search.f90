@@ -3,7 +3,7 @@
 module geartrain_flow_orbit_search
    use geartrain_balance_motion, only: motion_type
    use geartrain_balance_same_motion, only: is_same_motion
-   use geartrain_base_kinds, only: dp, pi
+   use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_orbit, only: flow_order, flow_tolerance, measure
@@ -84,8 +84,7 @@ contains
             if (self%periods == most_sections) return
             self%periods = self%periods + 1
             self%trial = 1
-            call self%flow%start(self%frequency_ratio, 0.0_dp)
-            call self%flow%advance(2*pi/self%frequency_ratio)
+            call self%flow%pass_period(self%frequency_ratio)
             stopped = self%flow%system%interrupt%raised()
             if (stopped .or. .not. all(abs(self%flow%x) < 1e100_dp)) return
             self%section = eoshift(self%section, -1, dim=2)
