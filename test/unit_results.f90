@@ -5,7 +5,9 @@ module unit_results
       h5f_obj_all_f, h5t_native_double, h5t_native_integer, hid_t, hsize_t, size_t
    use geartrain_analyses_list, only: case_type, results_type
    use geartrain_base_error, only: error_type, status_file
+   use geartrain_base_field, only: lengths_type
    use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: integer_text
    use geartrain_results_file, only: check_place
    use geartrain_run_reference, only: output_reference
    use geartrain_run_results, only: write_results
@@ -27,8 +29,22 @@ contains
       if (tests%runs('attractors_and_branches_as_written')) call attractors_and_branches_as_written(tests)
       if (tests%runs('failures')) call failures(tests)
       if (tests%runs('reference_page')) call reference_page(tests)
+      if (tests%runs('many_dimensions')) call many_dimensions(tests)
       call clean()
    end subroutine results_tests
+
+   subroutine many_dimensions(tests)
+      class(tests_type), intent(inout) :: tests
+      type(lengths_type) :: lengths
+      integer :: i
+
+      do i = 1, 40
+         call lengths%set('d'//integer_text(i), 0)
+         call lengths%set('d'//integer_text(i), i)
+      end do
+      call tests%is_true(all([(lengths%of('d'//integer_text(i)) == i, i=1, 40)]) .and. lengths%of('d') == -1, &
+                         'the lengths of forty dimensions')
+   end subroutine many_dimensions
 
    subroutine only_what_was_computed(tests)
       class(tests_type), intent(inout) :: tests

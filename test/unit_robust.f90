@@ -1,7 +1,8 @@
 !> What keeps a run from harm: checksums, fields that do not agree with themselves, work that is interrupted in its midst.
 module unit_robust
    use, intrinsic :: iso_fortran_env, only: int64, int8
-   use geartrain, only: attractors, attractors_type, branch_type, case_type, dp, error_type, interrupt_by, &
+   use fixtures, only: rattling_pair, settings_of
+   use geartrain, only: attractors, attractors_type, branch_type, case_type, dp, error_type, interrupt_by, observer_type, &
       read_case_text, response, results_type, run_case, stability_map, stability_map_type, status_file, status_input, sweep, &
       sweep_type
    use geartrain_base_checksum, only: crc64
@@ -13,6 +14,13 @@ module unit_robust
    implicit none (type, external)
    private
    public :: robust_tests
+
+   !> Says no to all, and counts.
+   type, extends(observer_type) :: stopper_type
+      integer :: calls = 0
+   contains
+      procedure :: on_step
+   end type stopper_type
 
    character(*), parameter :: path = 'build/test-robust.h5', newline = new_line('a')
    !> A single pair with backlash: quick.
@@ -34,8 +42,35 @@ contains
       if (tests%runs('checksums')) call checksums(tests)
       if (tests%runs('damaged_fields')) call damaged_fields(tests)
       if (tests%runs('interrupted')) call interrupted(tests)
+      if (tests%runs('stopped_before_a_motion')) call stopped_before_a_motion(tests)
       if (tests%runs('others_checkpoint')) call others_checkpoint(tests)
    end subroutine robust_tests
+
+   subroutine on_step(self, analysis, done, frequency_ratio, keep_going)
+      class(stopper_type), intent(inout) :: self
+      character(*), intent(in) :: analysis
+      integer, intent(in) :: done
+      real(dp), intent(in) :: frequency_ratio
+      logical, intent(inout) :: keep_going
+
+      associate (unused_1 => analysis, unused_2 => done, unused_3 => frequency_ratio)
+      end associate
+      self%calls = self%calls + 1
+      keep_going = .false.
+   end subroutine on_step
+
+   !> Newton's method from rest finds no motion of this train: the first call of the observer is that of the flow from rest.
+   subroutine stopped_before_a_motion(tests)
+      class(tests_type), intent(inout) :: tests
+      type(branch_type), target :: branch
+      type(error_type), allocatable :: error
+      type(stopper_type) :: observer
+
+      call response(rattling_pair(0.02_dp), settings_of(0.5_dp, 0.55_dp, 3, 1), branch, error, observer=observer)
+      call tests%is_true(.not. allocated(error) .and. branch%cancelled .and. branch%points == 0, &
+                         'a no to the flow ends the response')
+      call tests%is_true(branch%ended == 'cancelled at Lambda = 0.5' .and. observer%calls == 1, 'and it says so, after one call')
+   end subroutine stopped_before_a_motion
 
    !> The check value of CRC-64/XZ is that of the catalogue of parametrised CRC algorithms.
    subroutine checksums(tests)

@@ -4,6 +4,7 @@ module geartrain_analyses_attractors
    use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
    use geartrain_analyses_integration, only: most_harmonics
    use geartrain_balance_motion, only: motion_type
+   use geartrain_balance_same_motion, only: is_same_motion
    use geartrain_base_carry, only: carry, carry_text
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type
@@ -37,8 +38,8 @@ module geartrain_analyses_attractors
       &starts settle on at one frequency, and their shares.', steps='starts', set_aside=.true.)
 
    real(dp), parameter :: zero = 0, one = 1
-   !> Motions whose rms, mean and maximum agree to `same`, relative to the largest displacement, are equal.
-   real(dp), parameter :: same = 1e-5_dp
+   !> Relative error of the figures of a settled motion over the tolerance of its settling, at most.
+   real(dp), parameter :: error_share = 10
    !> Starts between two calls of the observer, which run in parallel.
    integer, parameter :: batch = 32
 
@@ -214,7 +215,7 @@ contains
          !$omp end parallel do
          if (train%interrupt%raised()) exit
          do i = 1, last - first + 1
-            call collect(settled(i), found%motions, hits)
+            call collect(settled(i), error_share*settings%tolerance, found%motions, hits)
          end do
          call sort_by_hits(found%motions, hits)
          found%starts = last
@@ -253,21 +254,19 @@ contains
    end function random_state
 
    !> Counts a settled motion as one of `motions`, or adds the motion to the list.
-   subroutine collect(motion, motions, hits)
+   subroutine collect(motion, uncertainty, motions, hits)
       type(motion_type), intent(in) :: motion
+      !> Relative error of the figures [1].
+      real(dp), intent(in) :: uncertainty
       type(motion_type), allocatable, intent(inout) :: motions(:)
       !> Starts that settled on each motion.
       integer, allocatable, intent(inout) :: hits(:)
       integer :: i
-      real(dp) :: scale
 
       if (motion%period == 0) return
       do i = 1, size(motions)
          if (motions(i)%period /= motion%period) cycle
-         scale = max(maxval(abs(motion%maximum)), maxval(abs(motion%minimum)))
-         if (any(abs(motions(i)%rms - motion%rms) > same*scale)) cycle
-         if (any(abs(motions(i)%mean - motion%mean) > same*scale)) cycle
-         if (any(abs(motions(i)%maximum - motion%maximum) > same*scale)) cycle
+         if (.not. is_same_motion(motion, motions(i), uncertainty)) cycle
          hits(i) = hits(i) + 1
          return
       end do

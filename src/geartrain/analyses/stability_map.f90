@@ -10,6 +10,7 @@ module geartrain_analyses_stability_map
       stability_map_settings_type, stability_map_type, train_with, unit_of, visit_map, visit_stability_map
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_motion, only: motion_type
+   use geartrain_balance_same_motion, only: is_same_motion
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_fields, only: fields_type
@@ -33,9 +34,6 @@ module geartrain_analyses_stability_map
 
    type(group_row_type), parameter :: stability_map_row = group_row_type('stability_map', &
       'Asks for the stability over frequency and one parameter of the train, a stability chart.', steps='rows', set_aside=.true.)
-
-   !> Motions of a row at equal Lambda whose coefficients agree to `same`, relative to the largest displacement, are equal.
-   real(dp), parameter :: same = 1e-6_dp
 
    type, extends(analysis_type) :: stability_map_analysis_type
       type(stability_map_settings_type), pointer :: settings => null()
@@ -337,14 +335,9 @@ contains
    logical function is_new(found, first, i)
       type(branch_type), intent(in) :: found
       integer, intent(in) :: first, i
-      real(dp) :: scale
       integer :: k
 
-      scale = max(maxval(abs(found%maximum(:, i))), maxval(abs(found%minimum(:, i))))
-      is_new = .true.
-      do k = first, i - 1
-         if (maxval(abs(found%coefficients(:, :, i) - found%coefficients(:, :, k))) < same*scale) is_new = .false.
-      end do
+      is_new = .not. any([(is_same_motion(found%coefficients(:, :, i), found%coefficients(:, :, k)), k=first, i - 1)])
    end function is_new
 
 end module geartrain_analyses_stability_map

@@ -1,4 +1,4 @@
-!> What a balance leaves out: the harmonics above its highest, and what they do to those it carries.
+!> Error estimate of a balance: the harmonics above its highest, the tail, and their effect on the carried harmonics.
 module geartrain_balance_error_estimate
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_bordered_system, only: bordered_system_type
@@ -13,41 +13,43 @@ module geartrain_balance_error_estimate
    private
    public :: error_estimate_type, find_error_estimate, harmonics_for
 
-   !> Beyond this the estimate is doubtful: 2 bend y/slope**2 (1: the fold lies at the point's Lambda), relative error; and where an
-   !> extreme comes as near to a wall as this share of the error.
+   !> The estimate is doubtful beyond these values: 2 bend y/slope**2 (1: the fold lies at Lambda of the point); relative error;
+   !> distance of an extreme from a wall below this share of the error [1].
    real(dp), parameter :: near_fold = 0.7_dp, large = 0.1_dp, grazing = 0.3_dp
-   !> Steepest branch, dLambda along it, on which a number of harmonics is to hold a tolerance: at a fold itself an error at
-   !> constant Lambda falls with the root of the shift of the fold only.
+   !> Least dLambda along the branch, over the unit of Lambda, for which a number of harmonics must hold a tolerance: at a fold the
+   !> error at constant Lambda falls only with the root of the shift of the fold.
    real(dp), parameter :: steepest = 0.05_dp
 
-   !> The tail is taken up to `near` times the highest kept harmonic, and up to `far` times that where a harmonic may meet a natural
-   !> frequency, which is lower than that of the train in contact by the share of separation.
+   !> The tail has the harmonics up to `near` times the highest carried harmonic, and up to `far` times the highest carried harmonic
+   !> those near a natural frequency: within these ratios to a natural frequency of the train in contact, which separation lowers.
    integer, parameter :: near = 3, far = 8
    real(dp), parameter :: lowest_resonance = 0.7_dp, highest_resonance = 1.15_dp
-   !> Accuracy that is enough for an estimate, where its equations are solved by iteration.
+   !> Relative accuracy of iterative solutions for the estimate [1].
    real(dp), parameter :: accuracy = 1e-3_dp
 
    type :: error_estimate_type
-      !> Of the train in contact, over characteristic frequency; to be set before `find_error_estimate`.
+      !> Natural frequencies of the train in contact over characteristic frequency [1], (mode); set by the caller before
+      !> `find_error_estimate`; not allocated: no harmonics near natural frequencies are added to the tail.
       real(dp), allocatable :: natural_frequency(:)
-      !> Relative error of the waveform, to first order: against the motion at the same Lambda or, where the branch turns before it,
-      !> that of its fold.
+      !> Relative error of the waveform [1], to first order: difference from the exact motion at equal Lambda or, where the exact
+      !> branch turns before this Lambda, from the motion at its fold.
       real(dp) :: relative = 0
-      !> The same on a branch that is nowhere steeper than `steepest`: what the number of harmonics is chosen by.
+      !> `relative` with dLambda along the branch not below `steepest` [1]: the number of harmonics is chosen by it.
       real(dp) :: limited = 0
-      !> The first order may not hold: a fold as near as it is itself misplaced, a contact that begins or ends within the error,
-      !> or an error that is not small.
+      !> The first order may not hold: a fold is nearer than its own error, a contact may begin or end within the error, or the
+      !> error is not small.
       logical :: doubtful = .false.
-      !> Root of the sum of squares of the amplitudes above harmonic r, all meshes together, (0:near*highest).
+      !> Root of the sum of squares of the amplitudes above harmonic r of all unknown meshes [1], (0:near*highest).
       real(dp), allocatable :: remainder(:)
-      !> Harmonics of the tail that are taken, their amplitudes (tail, unknowns), the spectra of contact (unknowns).
+      !> Number of harmonics in the tail; highest index of the spectra.
       integer, private :: count = 0, longest = -1
+      !> Harmonics of Lambda/eta in the tail; their amplitudes [1], (tail, unknown); spectra of contact, (unknown).
       integer, allocatable, private :: harmonic(:)
       complex(dp), allocatable, private :: tail(:, :)
       type(spectra_type), allocatable, private :: spectra(:)
-      !> The error of the kept coefficients, (block, unknowns), which corrects the motion to first order.
+      !> Error of the carried coefficients with the sign of a first-order correction [1], (block, unknown).
       real(dp), allocatable, private :: error(:, :)
-      !> Plan for products of the tail with the spectra, where the balance works by FFT too.
+      !> Plan for products of the tail with the spectra, where the balance works by FFT.
       type(transform_type), private :: wide
    contains
       procedure :: waveform_error
@@ -57,24 +59,26 @@ module geartrain_balance_error_estimate
 
 contains
 
-   !> The missing tail follows from the force at its harmonics, and its effect on the kept ones, at constant Lambda, costs one
-   !> solve with `matrix`, factored at this solution with any border row; the tangent (and its Lambda part) takes out what that
-   !> row lets Lambda move.
-   !>
-   !> Where that is y and Lambda = slope s + bend s**2/2 along the branch, the way back along it is the nearer root s of
-   !> y + slope s + bend s**2/2 = 0, or to the vertex.
+   !> Estimates the error of a solution. The tail follows from the force at its harmonics; its effect on the carried harmonics costs
+   !> one solve with the bordered matrix. The border row of the matrix lets Lambda change by y; a move s along the branch takes
+   !> Lambda back: with Lambda = slope s + bend s**2/2 along the branch, s is the nearer root of y + slope s + bend s**2/2 = 0, or
+   !> the vertex.
    subroutine find_error_estimate(balance, u, frequency_ratio, tangent, slope, bend, unit, matrix, estimate)
+      !> The balance, evaluated at the solution.
       type(balance_type), intent(inout) :: balance
-      !> The solution, the unit tangent there, its Lambda part and the change of that along the branch.
+      !> Solution [1], (block, unknown); Lambda [1]; unit tangent [1], (block, unknown); Lambda part of the tangent and its
+      !> derivative along the branch.
       real(dp), intent(in) :: u(:, :), frequency_ratio, tangent(:, :), slope, bend
-      !> Of Lambda, for what counts as steep.
+      !> Unit of Lambda, for `steepest` [1].
       real(dp), intent(in) :: unit
+      !> Matrix of the balance, factored at this solution with any border row.
       type(bordered_system_type), intent(inout) :: matrix
+      !> The estimate.
       type(error_estimate_type), intent(inout) :: estimate
       real(dp) :: correction(balance%block, balance%unknowns), error(balance%block, balance%unknowns), y, way, scale
       complex(dp), allocatable :: force(:, :)
       integer :: i, reach
-      !> Meshes that are no unknowns may lack excitation.
+      !> Harmonics left out may excite linear meshes.
       logical :: condensed
 
       estimate%relative = 0
@@ -97,7 +101,7 @@ contains
          do i = 1, balance%unknowns
             call balance%contact(i)%extend(estimate%spectra(i), reach)
          end do
-         ! Room for the product of the spectra with the motion or the tail, without aliases where it is used.
+         ! Room for the product of the spectra with the motion or the tail without aliases.
          if (.not. balance%is_direct()) call estimate%wide%plan(transform_length(2*reach + 1))
          call find_forces(balance, u, frequency_ratio, harmonic(:n), reach, estimate%spectra, estimate%wide, tail)
          condensed = size(balance%left_out) > 0 .and. balance%unknowns < balance%system%meshes
@@ -128,7 +132,7 @@ contains
       end associate
    end subroutine find_error_estimate
 
-   !> Room for the longest tail.
+   !> Makes room for the longest tail.
    pure subroutine reserve(self, balance)
       class(error_estimate_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
@@ -150,8 +154,8 @@ contains
       end do
    end subroutine reserve
 
-   !> Harmonics of the tail: those that the balance misses up to `near`, beyond where a natural frequency may be met, and those of
-   !> the excitation wherever they are.
+   !> Chooses the harmonics of the tail: all that the balance misses up to `near`, those near a natural frequency up to `far`, and
+   !> all of the excitation.
    pure subroutine choose_tail(self, balance, frequency_ratio)
       class(error_estimate_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
@@ -190,13 +194,14 @@ contains
       end associate
    end subroutine choose_tail
 
-   !> What the harmonics of the excitation that are left out make of the meshes that are no unknowns, relative to their waveforms;
-   !> `harmonic` are those of the tail.
+   !> Displacements of linear meshes at the harmonics of the excitation that the balance leaves out, relative to their waveforms
+   !> [1]; `harmonic` has the harmonics of the tail.
    real(dp) function condensed_error(balance, u, frequency_ratio, harmonic, force, tail)
       type(balance_type), intent(in) :: balance
       real(dp), intent(in) :: u(:, :), frequency_ratio
       integer, intent(in) :: harmonic(:)
-      !> Forces of the unknown meshes at the tail without what their displacements there cause, and these, (tail, unknowns).
+      !> Forces of the unknown meshes at the tail, without the forces by displacements at the tail; these displacements [1], (tail,
+      !> unknown).
       complex(dp), intent(in) :: force(:, :), tail(:, :)
       complex(dp) :: phi(balance%unknowns), p(balance%system%elements)
       real(dp) :: coefficients(1 + 2*balance%highest, balance%system%meshes), missing
@@ -222,11 +227,14 @@ contains
       condensed_error = sqrt(missing/max(condensed_error, tiny(1.0_dp)))
    end function condensed_error
 
-   !> The estimated error of unknown mesh i at theta [rad], with the sign of what is missing.
+   !> Estimated difference of the exact displacement over b_c from the displacement of the balance, at an instant [1].
    pure real(dp) function waveform_error(self, balance, i, theta)
       class(error_estimate_type), intent(in) :: self
+      !> The balance of the estimate.
       type(balance_type), intent(in) :: balance
+      !> Number of the unknown mesh.
       integer, intent(in) :: i
+      !> theta = Lambda t/eta [rad].
       real(dp), intent(in) :: theta
       real(dp) :: tail(1 + 2*self%count), missing, slope, curvature
 
@@ -238,7 +246,7 @@ contains
       waveform_error = waveform_error + missing
    end function waveform_error
 
-   !> The nearer root s of y + slope s + bend s**2/2 = 0; where there is none, the fold.
+   !> The nearer root s of y + slope s + bend s**2/2 = 0; where there is no root, the vertex.
    pure real(dp) function way_back(y, slope, bend)
       real(dp), intent(in) :: y, slope, bend
       real(dp) :: inside
@@ -251,10 +259,12 @@ contains
       end if
    end function way_back
 
-   !> Fewest harmonics for which the error is to be `share` of what it is, by the decay of the harmonics; at most twice as many as
-   !> there are, because more of the tail is not known.
+   !> Least number of harmonics for which the error falls to `share` of the present error, by the decay of the harmonics; at most
+   !> twice the present number, because not more of the tail is known.
    pure integer function harmonics_for(estimate, share) result(highest)
+      !> The estimate for the present number of harmonics.
       type(error_estimate_type), intent(in) :: estimate
+      !> Wanted error over present error [1].
       real(dp), intent(in) :: share
       integer :: now
 
@@ -264,7 +274,7 @@ contains
       end do
    end function harmonics_for
 
-   !> Root of the sum of squares above each harmonic; what lies beyond the last one counts for all.
+   !> Sets `remainder`; harmonics beyond its last index count at all indices.
    pure subroutine find_remainder(balance, u, harmonic, tail, remainder)
       type(balance_type), intent(in) :: balance
       integer, intent(in) :: harmonic(:)
@@ -287,7 +297,7 @@ contains
       remainder = sqrt(remainder)
    end subroutine find_remainder
 
-   !> Forces that the kept harmonics cause at those of the tail, (tail, unknowns).
+   !> Forces at the harmonics of the tail by the carried harmonics [1], (tail, unknown).
    subroutine find_forces(balance, u, frequency_ratio, harmonic, reach, spectra, wide, force)
       type(balance_type), intent(in) :: balance
       real(dp), intent(in) :: u(:, :), frequency_ratio
@@ -308,7 +318,7 @@ contains
 
    contains
 
-      !> Product of w with the motion of unknown mesh i.
+      !> Product of a function, given by its coefficients w, with the motion of unknown mesh i, at the tail.
       subroutine at_tail(w, product)
          complex(dp), intent(in) :: w(0:)
          complex(dp), intent(out) :: product(:)
@@ -327,8 +337,8 @@ contains
 
    end subroutine find_forces
 
-   !> Complex amplitudes of the tail in place of the forces there, (tail, unknowns): each harmonic by itself, the meshes coupled
-   !> and with their mean stiffness (a harmonic near a natural frequency resonates).
+   !> Replaces the forces at the tail by the displacements of the tail, (tail, unknown). Each harmonic is solved by itself, with the
+   !> meshes coupled and with their mean stiffness, because a harmonic near a natural frequency resonates.
    pure subroutine find_tail(balance, frequency_ratio, harmonic, tail)
       type(balance_type), intent(in) :: balance
       real(dp), intent(in) :: frequency_ratio
@@ -342,7 +352,7 @@ contains
          do m = 1, size(harmonic)
             force = tail(m, :)
             call find_receptance(balance%system, frequency_ratio, harmonic(m), balance%eta, local)
-            ! The diagonal is 1 plus something small, save at a resonance.
+            ! The diagonal is near 1 except at a resonance.
             call balance%mean_matrix(harmonic(m), local, matrix)
             p = local%a
             do i = 1, balance%unknowns
@@ -357,7 +367,7 @@ contains
       end associate
    end subroutine find_tail
 
-   !> What the tail's force moves the kept harmonics by, before the balance answers.
+   !> Change of the residual at the carried harmonics by the forces of the tail, with opposite sign [1], (block, unknown).
    subroutine find_shift(balance, frequency_ratio, harmonic, reach, spectra, wide, tail, correction)
       type(balance_type), intent(in) :: balance
       real(dp), intent(in) :: frequency_ratio
@@ -398,7 +408,7 @@ contains
 
    contains
 
-      !> Product of w with the tail of unknown mesh i.
+      !> Product of a function, given by its coefficients w, with the tail of unknown mesh i, at the carried harmonics.
       subroutine at_kept(w, product)
          complex(dp), intent(in) :: w(0:)
          real(dp), intent(out) :: product(:)

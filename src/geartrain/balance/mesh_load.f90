@@ -1,7 +1,7 @@
-!> What the teeth of a mesh bear over a period: the largest mesh force, its ratio to the static one (the dynamic factor), and the
-!> shares of the period without contact and with contact of the back flanks.
+!> Loads on the teeth of a mesh over a period: largest mesh force, dynamic factor (largest over static force), and shares of the
+!> period in separation and in back contact.
 !>
-!> The mesh force over k b_c is phi (geartrain_mesh_law_law), damping included, as everywhere in the equations.
+!> The mesh force over k b_c is phi (geartrain_mesh_law_law), damping included.
 module geartrain_balance_mesh_load
    use geartrain_base_kinds, only: dp, pi
    use geartrain_linalg_fftw, only: transform_type
@@ -14,18 +14,18 @@ module geartrain_balance_mesh_load
    public :: mesh_load_type, force_reader_type, put_force
 
    type :: mesh_load_type
-      !> Largest mesh force over the period in the direction of the static one [N]; without a static force, in either direction.
+      !> Largest mesh force over the period in the direction of the static force [N]; without a static force, in either direction.
       real(dp) :: force_maximum = 0
-      !> The same over the static (mean) mesh force [1]; negative where there is no static force, hence no such factor.
+      !> `force_maximum` over the static (mean) mesh force [1]; negative where there is no static force.
       real(dp) :: dynamic_factor = -1
       !> Shares of the period with |p| < b and with p < -b [1]; 0 without backlash.
       real(dp) :: separation = 0, back_contact = 0
    end type mesh_load_type
 
-   !> Reads the largest mesh force off Fourier coefficients: work space and stiffness samples, made once.
+   !> Finds the largest mesh force of Fourier coefficients, with work space and samples of the stiffness that are made once.
    type :: force_reader_type
       integer, private :: eta = 0
-      !> kappa at the samples, (sample, region, mesh), and the mesh force over k b_c, (sample).
+      !> kappa at the samples [1], (sample, region, mesh); mesh force over k b_c [1], (sample).
       real(dp), allocatable, private :: kappa(:, :, :), force(:)
    contains
       procedure :: setup
@@ -34,10 +34,12 @@ module geartrain_balance_mesh_load
 
 contains
 
-   !> Prepares for periods of `eta` mesh periods in `samples` samples; nothing to do where they are those of the last call.
+   !> Makes the work space; does nothing where eta and samples are equal to those of the last call.
    subroutine setup(self, system, eta, samples)
       class(force_reader_type), intent(inout) :: self
+      !> The train.
       type(system_type), intent(in) :: system
+      !> Period of the motions [mesh periods]; samples a period.
       integer, intent(in) :: eta, samples
       integer :: j, q, s
 
@@ -55,11 +57,15 @@ contains
       end do
    end subroutine setup
 
-   !> Puts the largest force into `load`, from the largest value of phi and that of -phi.
+   !> Sets the largest force and the dynamic factor of a mesh.
    pure subroutine put_force(system, mesh, largest, largest_reversed, load)
+      !> The train.
       type(system_type), intent(in) :: system
+      !> Number of the mesh.
       integer, intent(in) :: mesh
+      !> Largest value of phi and largest value of -phi over the period [1].
       real(dp), intent(in) :: largest, largest_reversed
+      !> Gets force_maximum and dynamic_factor.
       type(mesh_load_type), intent(inout) :: load
 
       associate (n => system%mesh_element(mesh))
@@ -72,18 +78,24 @@ contains
       end associate
    end subroutine put_force
 
-   !> The largest force of one mesh, of the motion with the coefficients u whose samples `transform` holds. Overwrites these.
+   !> Finds the largest force of one mesh.
    subroutine read_force(self, system, mesh, frequency_ratio, u, harmonic, transform, load, contact)
       class(force_reader_type), intent(inout) :: self
+      !> The train.
       type(system_type), intent(in) :: system
+      !> Number of the mesh.
       integer, intent(in) :: mesh
-      !> Lambda.
+      !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
+      !> Coefficients of the mesh displacement over b_c [1], (coefficient): mean, cos, sin, ... of each harmonic.
       real(dp), intent(in) :: u(:)
+      !> Harmonics of Lambda/eta.
       integer, intent(in) :: harmonic(:)
+      !> Samples of the displacement of the mesh; overwritten.
       type(transform_type), intent(inout) :: transform
+      !> Gets force_maximum and dynamic_factor.
       type(mesh_load_type), intent(inout) :: load
-      !> Of a mesh whose force jumps at its events.
+      !> Contact of the mesh at this motion; needed where its force jumps at events.
       type(contact_type), intent(in), optional :: contact
       real(dp) :: rate, largest, reversed, below, above
       real(dp), allocatable :: damping(:)
@@ -115,8 +127,8 @@ contains
       call put_force(system, mesh, largest, reversed, load)
    end subroutine read_force
 
-   !> Largest value of side*phi: Newton on the slope from the highest maxima among the samples, and both sides of every event where
-   !> phi jumps. Where it does not, its kinks at events of the flank that bears the load are minima: none is missed.
+   !> Largest value of side*phi [1]: Newton's method on the slope from the highest maxima among the samples, and both sides of every
+   !> event where phi jumps. Where phi does not jump, its kinks at the events of the loaded flank are minima.
    pure real(dp) function top(force, side, u, harmonic, law, eta, frequency_ratio, contact)
       real(dp), intent(in) :: force(:), u(:), frequency_ratio
       integer, intent(in) :: side, harmonic(:), eta
@@ -146,7 +158,7 @@ contains
             if (.not. side*phi(2) < 0) exit
             correction = -phi(1)/phi(2)
             if (abs(correction) < 1e-4_dp) then
-               ! What is left of the way up is a parabola.
+               ! The rest of the way up is a parabola.
                top = max(top, side*(phi(0) + 0.5_dp*phi(1)*correction))
                exit
             end if

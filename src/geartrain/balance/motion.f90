@@ -1,4 +1,4 @@
-!> A motion of a train: the result of every method (balance, integration, shooting).
+!> A motion of a train, as every method gives it: balance, integration, shooting.
 module geartrain_balance_motion
    use geartrain_balance_mesh_load, only: mesh_load_type
    use geartrain_base_kinds, only: dp
@@ -27,13 +27,14 @@ module geartrain_balance_motion
       logical :: stable = .false.
       !> `stable` is a guess: the largest multiplier is as near to the unit circle as it is uncertain.
       logical :: undecided = .false.
-      !> Some mesh bears on neither flank of its gap and nothing holds it there: its mean position is not unique.
+      !> Some mesh bears on neither flank, and no mean torque holds the mesh in its place in the gap: its mean position is not
+      !> unique.
       logical :: floating = .false.
       !> 'periodic'; where integration found no period 'chaotic', 'quasi-periodic', 'still settling' (or of a longer period than is
       !> looked for), 'undecided' or 'unbounded' (without any figures).
       character(14) :: kind = 'periodic'
-      !> Largest Lyapunov exponent per dimensionless time [1]: positive where neighbours part; of a periodic motion
-      !> ln|multiplier|/period. Allocated where integration gave the motion.
+      !> Largest Lyapunov exponent per dimensionless time [1]: positive where neighbouring states move apart; of a periodic motion
+      !> ln|largest multiplier|/period. Allocated where integration gave the motion.
       real(dp), allocatable :: lyapunov_exponent
       !> Uncertainty of `lyapunov_exponent` at 95 % [1]; 0 for a periodic motion.
       real(dp) :: lyapunov_error = 0

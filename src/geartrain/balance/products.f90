@@ -1,5 +1,6 @@
-!> Products of a periodic function, given by its two-sided Fourier coefficients w, with a motion on a list of harmonics, given by
-!> mean, cos, sin, ...: as a matrix, or by FFT; and with or at harmonics of a tail, given by complex amplitudes.
+!> Products of a periodic function, given by its two-sided Fourier coefficients w(0:), with a motion on a list of harmonics, given
+!> by its coefficients mean, cos, sin, ...: as a matrix, or by FFT. Products with a tail of further harmonics, given by complex
+!> amplitudes, and products at the harmonics of a tail.
 module geartrain_balance_products
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_fftw, only: transform_type
@@ -10,10 +11,13 @@ module geartrain_balance_products
 
 contains
 
-   !> Matrix of the product, (1 + 2*harmonics, 1 + 2*harmonics).
+   !> Makes the matrix of the product.
    pure subroutine toeplitz(harmonic, w, t)
+      !> Carried harmonics, ascending.
       integer, intent(in) :: harmonic(:)
+      !> Two-sided coefficients of the function, (0:).
       complex(dp), intent(in) :: w(0:)
+      !> Matrix, (1 + 2*harmonics, 1 + 2*harmonics).
       real(dp), intent(out) :: t(:, :)
       complex(dp) :: difference, total
       integer :: k, l, m
@@ -40,11 +44,15 @@ contains
       end associate
    end subroutine toeplitz
 
-   !> Adds a multiple of the function itself to coefficients f.
+   !> Adds a multiple of the function to the coefficients of another function.
    pure subroutine add_coefficients(harmonic, factor, w, f)
+      !> Carried harmonics, ascending.
       integer, intent(in) :: harmonic(:)
+      !> Multiple of the function.
       real(dp), intent(in) :: factor
+      !> Two-sided coefficients of the function, (0:).
       complex(dp), intent(in) :: w(0:)
+      !> Coefficients mean, cos, sin, ..., (1 + 2*harmonics).
       real(dp), intent(inout) :: f(:)
       integer :: k
 
@@ -55,11 +63,15 @@ contains
       end do
    end subroutine add_coefficients
 
-   !> Samples of the function, of its coefficients up to twice the highest harmonic.
+   !> Samples the function, with its coefficients up to twice the highest harmonic.
    subroutine find_wave(harmonic, w, transform, wave)
+      !> Carried harmonics, ascending.
       integer, intent(in) :: harmonic(:)
+      !> Two-sided coefficients of the function, (0:).
       complex(dp), intent(in) :: w(0:)
+      !> Plan with as many samples as `wave` has; overwritten.
       type(transform_type), intent(inout) :: transform
+      !> Samples of the function over a period, (sample).
       real(dp), intent(out) :: wave(:)
 
       transform%coefficient = 0
@@ -70,12 +82,16 @@ contains
       wave = transform%sample
    end subroutine find_wave
 
-   !> Coefficients f of the product of the function, given by samples, with the motion x: exact where there are more samples than
-   !> four times the highest harmonic.
+   !> Product of the function, given by samples, with a motion; exact where there are more samples than four times the highest
+   !> harmonic.
    subroutine wave_product(harmonic, wave, x, transform, f)
+      !> Carried harmonics, ascending.
       integer, intent(in) :: harmonic(:)
+      !> Samples of the function, (sample); coefficients of the motion, (1 + 2*harmonics).
       real(dp), intent(in) :: wave(:), x(:)
+      !> Plan with as many samples as `wave` has; overwritten.
       type(transform_type), intent(inout) :: transform
+      !> Coefficients of the product, (1 + 2*harmonics).
       real(dp), intent(out) :: f(:)
       integer :: k
 
@@ -89,9 +105,11 @@ contains
       end do
    end subroutine wave_product
 
-   !> Multiplies the waveform in wide%sample with that of the two-sided coefficients w; leaves coefficients there.
+   !> Multiplies the waveform in wide%sample with the function; the coefficients of the product are in wide%coefficient.
    subroutine multiply(wide, w)
+      !> Samples of a waveform, then coefficients of the product.
       type(transform_type), intent(inout) :: wide
+      !> Two-sided coefficients of the function from coefficient 0 on.
       complex(dp), intent(in) :: w(:)
       real(dp) :: waveform(wide%samples)
 
@@ -103,10 +121,13 @@ contains
       call wide%to_coefficients()
    end subroutine multiply
 
-   !> Force at harmonic r, not a kept one, that the kept harmonics cause.
+   !> Complex amplitude of the product at a harmonic that is not carried, without the product with the mean.
    pure complex(dp) function driven(kept, w, u, r)
+      !> Carried harmonics; harmonic of the product.
       integer, intent(in) :: kept(:), r
+      !> Two-sided coefficients of the function, (0:).
       complex(dp), intent(in) :: w(0:)
+      !> Coefficients of the motion, (1 + 2*harmonics).
       real(dp), intent(in) :: u(:)
       integer :: k
 
@@ -117,6 +138,7 @@ contains
       end do
    end function driven
 
+   !> Coefficient k of the function; k may be negative.
    pure complex(dp) function two_sided(w, k)
       complex(dp), intent(in) :: w(0:)
       integer, intent(in) :: k
@@ -125,10 +147,13 @@ contains
       if (k < 0) two_sided = conjg(two_sided)
    end function two_sided
 
-   !> Force at the kept harmonics that the missing tail causes, to first order.
+   !> Product of the function with a tail, at the carried harmonics.
    pure subroutine tail_force(kept, harmonic, w, tail, d_phi)
+      !> Carried harmonics; harmonics of the tail.
       integer, intent(in) :: kept(:), harmonic(:)
+      !> Two-sided coefficients of the function, (0:); complex amplitudes of the tail, (tail).
       complex(dp), intent(in) :: w(0:), tail(:)
+      !> Coefficients of the product, (1 + 2*harmonics).
       real(dp), intent(out) :: d_phi(:)
       complex(dp) :: total
       integer :: k, m
@@ -144,11 +169,15 @@ contains
       end do
    end subroutine tail_force
 
-   !> The same by FFT.
+   !> `tail_force` by FFT.
    subroutine transform_tail(kept, harmonic, w, tail, wide, d_phi)
+      !> Carried harmonics; harmonics of the tail.
       integer, intent(in) :: kept(:), harmonic(:)
+      !> Two-sided coefficients of the function, (0:); complex amplitudes of the tail, (tail).
       complex(dp), intent(in) :: w(0:), tail(:)
+      !> Plan with room for the product; overwritten.
       type(transform_type), intent(inout) :: wide
+      !> Coefficients of the product, (1 + 2*harmonics).
       real(dp), intent(out) :: d_phi(:)
       integer :: k
 

@@ -78,9 +78,8 @@ module geartrain_base_field
 
    !> Lengths of dimensions by their names.
    type :: lengths_type
-      integer, private :: known = 0
-      character(24), private :: name(16) = ''
-      integer, private :: length(16) = 0
+      character(24), allocatable, private :: name(:)
+      integer, allocatable, private :: length(:)
    contains
       procedure :: set
       procedure :: of
@@ -96,9 +95,9 @@ contains
       integer :: i
 
       length = -1
-      do i = 1, self%known
-         if (self%name(i) == name) length = self%length(i)
-      end do
+      if (.not. allocated(self%name)) return
+      i = findloc(self%name, name, 1)
+      if (i > 0) length = self%length(i)
    end function of
 
    !> Sets the length of a dimension.
@@ -110,12 +109,14 @@ contains
       integer, intent(in) :: length
       integer :: i
 
-      do i = 1, self%known
-         if (self%name(i) == name) exit
-      end do
-      self%name(i) = name
-      self%length(i) = length
-      self%known = max(self%known, i)
+      if (.not. allocated(self%name)) allocate (self%name(0), self%length(0))
+      i = findloc(self%name, name, 1)
+      if (i > 0) then
+         self%length(i) = length
+      else
+         self%name = [character(24) :: self%name, name]
+         self%length = [self%length, length]
+      end if
    end subroutine set
 
    !> Number of the group of this path; 0: none.

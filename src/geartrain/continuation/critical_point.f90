@@ -60,7 +60,7 @@ contains
          if (present(harmonics)) highest = harmonics
          call tracer%prepare(highest)
       end if
-      ! The search measures its steps along the branch, whatever the control of the trace.
+      ! The search measures its steps along the branch, whatever the control of the trace, which `prepare` sets.
       tracer%corrector%local_control = .false.
       call solve_next_to(tracer, branch, special, from, h, success)
       if (.not. success) return
@@ -89,10 +89,11 @@ contains
       met = .false.
       if (branch%points < 2) return
       call begin_trace(train, settings, tracer)
-      tracer%corrector%local_control = .false.
       associate (n => branch%points - 1)
          ! An even number: the balance of half the period has half as many harmonics.
          if (settings%harmonics == 0) call tracer%prepare(2*((maxval(branch%point_harmonics(n:n + 1)) + 1)/2))
+         ! The step is measured along the branch, whatever the control of the trace, which `prepare` sets.
+         tracer%corrector%local_control = .false.
          call take_chord(tracer, branch, n, here, next, chord)
       end associate
       if (settings%harmonics == 0) then

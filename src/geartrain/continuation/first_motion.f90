@@ -27,7 +27,7 @@ contains
    !> - the branch of a solution from rest at another Lambda, outside the range that ends at `other` or within;
    !> - an orbit, stable or not, near the flow from rest;
    !> - the branch of such an orbit at another Lambda.
-   subroutine find_start(train, tracer, frequency_ratio, other, solution, success, enough, observer)
+   subroutine find_start(train, tracer, frequency_ratio, other, solution, success, enough, stopped, observer)
       !> The train as described.
       type(train_type), intent(in) :: train
       !> Of `train`, from begin_trace.
@@ -40,7 +40,9 @@ contains
       logical, intent(out) :: success
       !> Harmonics of a solution that was found, where there is none with settings%harmonics; 0: no such case.
       integer, intent(out) :: enough
-      !> Is told of the mesh periods of time integration; if it cancels, the next attempt follows.
+      !> The observer or an interrupt ended the search before a motion was found.
+      logical, intent(out) :: stopped
+      !> Is told of the mesh periods of time integration, and may cancel.
       class(observer_type), intent(inout), optional :: observer
       type(motion_type) :: motion
       type(integration_settings_type) :: integration
@@ -50,34 +52,40 @@ contains
       integer :: i, round
 
       enough = 0
+      stopped = .false.
       solution = resting(tracer, frequency_ratio)
       call tracer%corrector%solve_at(solution, success)
       if (success) return
       state = resting_state(tracer%system)
       integration%harmonics = exact_harmonics(tracer)
-      call settle(tracer%system, frequency_ratio, integration, state, motion, observer)
+      call settle(tracer%system, frequency_ratio, integration, state, motion, observer, stopped)
+      if (stopped) return
       if (motion%period > 0 .and. mod(tracer%settings%subharmonic, max(1, motion%period)) == 0) &
          call solve_near(tracer, motion, solution, success, enough)
       elsewhere = [times*frequency_ratio, frequency_ratio + share*(other - frequency_ratio)]
       do round = 1, 2
          do i = 1, size(elsewhere)
-            if (success .or. tracer%system%interrupt%raised()) return
-            call follow_branch(train, tracer%settings, elsewhere(i), frequency_ratio, round == 1, motion, success, observer)
+            stopped = stopped .or. tracer%system%interrupt%raised()
+            if (success .or. stopped) return
+            call follow_branch(train, tracer%settings, elsewhere(i), frequency_ratio, round == 1, motion, success, stopped, &
+                               observer)
             if (.not. success) cycle
             solution = solution_of(tracer, motion)
             call tracer%corrector%solve_at(solution, success)
          end do
-         if (.not. success .and. round == 1) call solve_near_flow(tracer, frequency_ratio, solution, success, enough, observer)
+         if (.not. success .and. round == 1) &
+            call solve_near_flow(tracer, frequency_ratio, solution, success, enough, stopped, observer)
       end do
    end subroutine find_start
 
    !> A solution near an orbit that the flow from rest passes.
-   subroutine solve_near_flow(tracer, frequency_ratio, solution, success, enough, observer)
+   subroutine solve_near_flow(tracer, frequency_ratio, solution, success, enough, stopped, observer)
       type(tracer_type), intent(inout) :: tracer
       real(dp), intent(in) :: frequency_ratio
       type(solution_point_type), intent(inout) :: solution
       logical, intent(out) :: success
       integer, intent(inout) :: enough
+      logical, intent(out) :: stopped
       class(observer_type), intent(inout), optional :: observer
       type(orbit_search_type) :: orbits
       type(motion_type) :: motion
@@ -86,7 +94,7 @@ contains
       success = .false.
       call orbits%begin(tracer%system, frequency_ratio, tracer%settings%subharmonic, exact_harmonics(tracer))
       do while (.not. success)
-         call orbits%next(motion, found, observer)
+         call orbits%next(motion, found, stopped, observer)
          if (.not. found) return
          call solve_near(tracer, motion, solution, success, enough)
       end do
@@ -134,7 +142,7 @@ contains
    end function exact_harmonics
 
    !> Follows a branch from one Lambda to another, for its last motion only.
-   subroutine follow_branch(train, settings, from, to, from_rest, motion, success, observer)
+   subroutine follow_branch(train, settings, from, to, from_rest, motion, success, stopped, observer)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
       !> Lambda at the beginning and at the end [1].
@@ -143,7 +151,8 @@ contains
       logical, intent(in) :: from_rest
       !> The motion at `to`, where `success`.
       type(motion_type), intent(out) :: motion
-      logical, intent(out) :: success
+      !> A motion at `to` was found; the observer or an interrupt ended the flow from rest.
+      logical, intent(out) :: success, stopped
       class(observer_type), intent(inout), optional :: observer
       type(response_settings_type) :: without_stability
       type(tracer_type) :: tracer
@@ -155,13 +164,14 @@ contains
       without_stability = settings
       without_stability%stability = .false.
       without_stability%max_points = min(2000, settings%max_points)
+      stopped = .false.
       call begin_trace(train, without_stability, tracer)
       if (from_rest) then
          solution = resting(tracer, from)
          call tracer%corrector%solve_at(solution, success)
       else
          enough = 0
-         call solve_near_flow(tracer, from, solution, success, enough, observer)
+         call solve_near_flow(tracer, from, solution, success, enough, stopped, observer)
       end if
       if (.not. success) return
       ! The number of harmonics stays constant along the way.

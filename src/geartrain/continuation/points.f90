@@ -1,14 +1,12 @@
 !> The points of a branch as a list: reversed, shortened, compared, taken as motions.
 module geartrain_continuation_points
    use geartrain_balance_motion, only: motion_type
+   use geartrain_balance_same_motion, only: is_same_motion
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: arrange_points, branch_type, special_point_type
    implicit none (type, external)
    private
-   public :: drop_first, is_same_point, motion_of, put_in_front, same_motion
-
-   !> Largest relative difference of the coefficients of two solutions at equal Lambda that count as equal motions [1].
-   real(dp), parameter :: same_motion = 1e-6_dp
+   public :: drop_first, is_same_point, motion_of, put_in_front
 
 contains
 
@@ -86,15 +84,14 @@ contains
       type(branch_type), intent(in) :: branch
       !> Indices of the two points.
       integer, intent(in) :: i, j
-      real(dp) :: allowed
+      real(dp) :: uncertainty
 
       is_same_point = .false.
       if (abs(branch%frequency_ratio(i) - branch%frequency_ratio(j)) > 0) return
-      allowed = same_motion
+      uncertainty = 0
       if (branch%point_harmonics(i) /= branch%point_harmonics(j)) &
-         allowed = allowed + 3*(branch%error_estimate(i) + branch%error_estimate(j))
-      is_same_point = maxval(abs(branch%coefficients(:, :, i) - branch%coefficients(:, :, j))) &
-                      <= allowed*maxval(abs(branch%coefficients(:, :, i)))
+         uncertainty = 3*(branch%error_estimate(i) + branch%error_estimate(j))
+      is_same_point = is_same_motion(branch%coefficients(:, :, i), branch%coefficients(:, :, j), uncertainty)
    end function is_same_point
 
    !> Keeps the points of the numbers `order`, in this order.

@@ -3,6 +3,7 @@
 !> seed the branch is traced in both directions; an island becomes a closed curve.
 module geartrain_continuation_response
    use geartrain_balance_motion, only: motion_type
+   use geartrain_balance_same_motion, only: is_same_motion
    use geartrain_base_error, only: error_type, fatal
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
@@ -13,7 +14,7 @@ module geartrain_continuation_response
    use geartrain_continuation_first_motion, only: find_start
    use geartrain_continuation_interruption, only: drop_step
    use geartrain_continuation_large_amplitude, only: followed_out, trace_through
-   use geartrain_continuation_points, only: drop_first, is_same_point, same_motion
+   use geartrain_continuation_points, only: drop_first, is_same_point
    use geartrain_continuation_start, only: begin_trace, solution_of
    use geartrain_continuation_tracer, only: cancelled, reached_end, tracer_type
    use geartrain_continuation_variables, only: check_response
@@ -139,14 +140,20 @@ contains
       class(observer_type), intent(inout), optional :: observer
       type(solution_point_type) :: solution, began
       integer :: enough
-      logical :: success
+      logical :: success, stopped
 
       outcome = 0
       if (.not. tracer%resumes) then
          branch%trace%steps = 0
          branch%trace%before = ''
          call tracer%note_state(branch%trace)
-         call find_start(train, tracer, from, to, solution, success, enough, observer)
+         call find_start(train, tracer, from, to, solution, success, enough, stopped, observer)
+         if (stopped .and. .not. tracer%system%interrupt%raised()) then
+            outcome = cancelled
+            branch%cancelled = .true.
+            reason = 'cancelled at Lambda = '//text(from)
+            return
+         end if
          if (.not. success) then
             reason = 'no motion of period '//text(tracer%settings%subharmonic)//' found to start from'
             if (enough > 0) reason = reason//' with '//text(tracer%corrector%balance%highest)//' harmonics: there is one with ' &
@@ -181,9 +188,7 @@ contains
       if (abs(branch%frequency_ratio(branch%points) - solution%frequency_ratio) > 0) return
       call tracer%corrector%balance%full_coefficients(solution%u, solution%frequency_ratio, coefficients)
       n = min(size(coefficients, 1), size(branch%coefficients, 1))
-      associate (last => branch%coefficients(:n, :, branch%points))
-         is_last_point = maxval(abs(coefficients(:n, :) - last)) <= same_motion*maxval(abs(last))
-      end associate
+      is_last_point = is_same_motion(branch%coefficients(:n, :, branch%points), coefficients(:n, :))
    end function is_last_point
 
    !> Traces both ways from a seed and puts the backward points in front, so that the branch is one curve.

@@ -8,7 +8,7 @@ module geartrain_continuation_same_solution
    public :: same_solution
 
    !> Solution points closer than this in the metric of the branch are equal [units_type]. Two searches that end at one point agree
-   !> to some 1e-6.
+   !> to some 1e-6 only, so the tolerance of geartrain_balance_same_motion would be too small.
    real(dp), parameter :: same = 1e-3_dp
    !> Directions whose angle has a larger cosine than this are equal.
    real(dp), parameter :: parallel = 0.7_dp

@@ -1,6 +1,7 @@
 !> Every solution of a branch at exactly one frequency, and whether a motion lies on a branch.
 module geartrain_continuation_solutions
    use geartrain_balance_motion, only: motion_type
+   use geartrain_balance_same_motion, only: is_same_motion
    use geartrain_base_error, only: error_type, fatal
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
@@ -14,9 +15,8 @@ module geartrain_continuation_solutions
    private
    public :: solutions_at, record_crossings, lies_on, exceeds_limit
 
-   !> Difference of rms, mean and maximum, relative to the largest displacement, up to which two solutions of a balance at one
-   !> frequency are equal; relative difference of Lambda up to which a point lies at a frequency.
-   real(dp), parameter :: same = 1e-6_dp
+   !> Relative difference of Lambda up to which a point lies at a frequency.
+   real(dp), parameter :: at_frequency = 1e-6_dp
 
 contains
 
@@ -157,7 +157,7 @@ contains
       solution%tangent = ends(2)%u - ends(1)%u
       solution%tangent_frequency = ends(2)%frequency_ratio - ends(1)%frequency_ratio
       call tracer%corrector%correct(solution, success)
-      success = success .and. abs(solution%frequency_ratio - frequency_ratio) <= same*frequency_ratio
+      success = success .and. abs(solution%frequency_ratio - frequency_ratio) <= at_frequency*frequency_ratio
       solution%frequency_ratio = frequency_ratio
    end subroutine solve_across
 
@@ -202,15 +202,15 @@ contains
       type(tracer_type) :: tracer
       type(solution_point_type) :: solution
       type(branch_type) :: solved
-      type(motion_type), allocatable :: motions(:)
+      type(motion_type), allocatable :: motions(:), here(:)
       type(error_type), allocatable :: error
       logical :: success
-      real(dp) :: scale
       integer :: i
 
       lies_on = .false.
       if (branch%subharmonic /= motion%period .or. branch%points < 2) return
       same_balance = settings
+      same_balance%stability = .false.
       if (settings%harmonics == 0) same_balance%harmonics = branch%harmonics
       call begin_trace(train, same_balance, tracer)
       solution = solution_of(tracer, motion)
@@ -220,13 +220,8 @@ contains
       call tracer%recorder%setup(tracer%corrector%balance, .false., solved)
       call tracer%record(solution, solved)
       call solutions_at(train, same_balance, branch, motion%frequency_ratio, motions, error)
-      scale = max(maxval(abs(solved%maximum(:, 1))), maxval(abs(solved%minimum(:, 1))))
-      do i = 1, size(motions)
-         lies_on = all(abs(motions(i)%rms - solved%rms(:, 1)) < same*scale) &
-                   .and. all(abs(motions(i)%mean - solved%mean(:, 1)) < same*scale) &
-                   .and. all(abs(motions(i)%maximum - solved%maximum(:, 1)) < same*scale)
-         if (lies_on) return
-      end do
+      call gather(solved, same_balance, here)
+      lies_on = any([(is_same_motion(here(1), motions(i)), i=1, size(motions))])
    end function lies_on
 
    !> Whether the rms of a motion is above the amplitude limit, where no branch is recorded.

@@ -7,7 +7,7 @@
 !> fast direction. The largest e is found by trial flights along the way that M predicts, where slow vibrations may add up and open
 !> a mesh.
 module geartrain_flow_attraction
-   use geartrain_base_kinds, only: dp, pi
+   use geartrain_base_kinds, only: dp
    use geartrain_floquet_multipliers, only: eigenvalues, is_neutral, is_stable
    use geartrain_flow_energy, only: energy_type
    use geartrain_flow_flow, only: flow_type
@@ -189,8 +189,7 @@ contains
          end do
          self%flow%x(1, :) = self%state + self%energy%state(worst)
          do i = 1, self%period
-            call self%flow%start(self%frequency_ratio, 0.0_dp)
-            call self%flow%advance(2*pi/self%frequency_ratio)
+            call self%flow%pass_period(self%frequency_ratio)
          end do
          state = self%energy%coordinates(self%flow%x(1, :) - self%state) - matmul(self%monodromy, worst)
          self%ahead = max(self%ahead, sqrt(self%value(state)/self%value(worst)))

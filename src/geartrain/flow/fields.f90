@@ -1,4 +1,4 @@
-!> The fields of motions, of which an analysis gives a list.
+!> The fields of a list of motions, as analyses give it.
 module geartrain_flow_fields
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
    use geartrain_balance_mesh_load, only: mesh_load_type
@@ -13,7 +13,7 @@ module geartrain_flow_fields
    public :: about_coefficients, about_frequency, about_maximum, about_mean, about_mesh, about_minimum, about_multipliers, &
       about_rms, about_stable, about_true_ac_rms, about_undecided, on_stability
 
-   !> Wording that several groups have in common.
+   !> Descriptions that several groups of fields share.
    character(*), parameter :: about_frequency = 'Lambda: fundamental mesh frequency [rad/s] / characteristic_frequency'
    character(*), parameter :: about_mesh = 'mesh, in the order of the train'
    character(*), parameter :: about_rms = 'mesh displacement / characteristic_length, the rms of Al-shyyab and Kahraman &
@@ -41,16 +41,20 @@ module geartrain_flow_fields
       row('back_contact_fraction', 'mesh', '1', 'share of the period with the back flanks in contact, p < -half_backlash; &
           &0 without backlash; under a negative torque these bear the load', optional=.true.)]
 
+   !> Carries the fields of the loads on meshes.
    interface carry_loads
       module procedure :: carry_loads_1, carry_loads_2
    end interface carry_loads
 
 contains
 
-   !> Motions along a dimension whose axis stands already: as many as it is long.
+   !> Visits a list of motions.
    subroutine visit_motions(motions, along, fields)
+      !> The motions; not allocated: none. Before reading as many as the dimension is long.
       type(motion_type), allocatable, intent(inout) :: motions(:)
+      !> Dimension of the list, whose axis has been visited.
       character(*), intent(in) :: along
+      !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
       type(motion_type), allocatable :: none(:)
       integer :: i, n, meshes, terms, coordinates, states
@@ -60,7 +64,7 @@ contains
       terms = 0
       coordinates = 0
       states = 0
-      ! There are none where fields are listed.
+      ! The list of all fields is made without motions.
       if (.not. allocated(motions)) allocate (motions(0))
       if (fields%way /= reading) then
          do i = 1, min(n, size(motions))
@@ -148,11 +152,13 @@ contains
                                 none_is_negative=.true.), motion%share)
    end subroutine visit_motion
 
-   !> The labels of coefficients: mean, cos 1, sin 1, cos 2, ...
+   !> Adds the axis of coefficients with the labels mean, cos 1, sin 1, cos 2, ...
    subroutine coefficient_axis(terms, period, fields)
+      !> Number of coefficients.
       integer, intent(in) :: terms
-      !> What they are of, over Lambda: 'period' or 'subharmonic'.
+      !> Name of the divisor of Lambda in the frequency of the first harmonic: 'period' or 'subharmonic'.
       character(*), intent(in) :: period
+      !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
       character(16) :: labels(terms)
       integer :: i
@@ -164,9 +170,11 @@ contains
       call fields%text_axis('coefficient', labels, 'order of the coefficient in multiples of Lambda/'//period)
    end subroutine coefficient_axis
 
-   !> What the meshes of one motion bear, (mesh).
+   !> Loads on the meshes of a motion.
    subroutine carry_loads_1(fields, load)
+      !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
+      !> Loads, (mesh); not allocated: none.
       type(mesh_load_type), allocatable, intent(inout) :: load(:)
       real(dp), allocatable :: force(:), factor(:), apart(:), back(:)
 
@@ -190,11 +198,13 @@ contains
       load%back_contact = back
    end subroutine carry_loads_1
 
-   !> What the meshes bear at each point of a branch, (mesh, point).
+   !> Loads on the meshes at each point of a branch.
    subroutine carry_loads_2(fields, load, points)
+      !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
+      !> Loads, (mesh, point); not allocated: none.
       type(mesh_load_type), allocatable, intent(inout) :: load(:, :)
-      !> In use.
+      !> Number of points in use.
       integer, intent(in) :: points
       real(dp), allocatable :: force(:, :), factor(:, :), apart(:, :), back(:, :)
       type(row) :: about(4)

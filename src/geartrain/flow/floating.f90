@@ -1,4 +1,4 @@
-!> A train without a mean torque: nothing holds the teeth of a mesh with backlash together, and it floats in its gap.
+!> Trains without a mean torque: nothing holds the teeth of a mesh with backlash together, and the mesh floats in its gap.
 module geartrain_flow_floating
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp
@@ -7,26 +7,28 @@ module geartrain_flow_floating
    private
    public :: can_float, is_floating, note_of
 
-   !> What is said of it, after the word on how an analysis ended.
+   !> Note that follows the words on how an analysis ended.
    character(*), parameter :: note = ' (without a mean torque a train with backlash floats in its gaps, where its mean position is &
       &not unique)'
-   !> By how much of the half backlash a floating mesh may seem to touch a flank: a motion settles to a tolerance.
+   !> Largest penetration of a flank by a floating mesh over the half backlash [1]: a motion settles to a tolerance.
    real(dp), parameter :: slack = 1e-6_dp
 
 contains
 
-   !> Whether nothing holds the teeth of some mesh together at rest.
+   !> Whether some mesh with backlash has no static force.
    pure logical function can_float(system)
+      !> The train.
       type(system_type), intent(in) :: system
 
       can_float = any(system%half_backlash > 0 .and. .not. abs(system%static_force(system%mesh_element)) > 0)
    end function can_float
 
-   !> Whether a motion bears on no flank of some mesh: any other mean position of that mesh in its gap does as well. A steady motion
-   !> that touches one flank touches the other, too, since the forces have no mean.
+   !> Whether some mesh touches no flank during a motion: then its mean position in the gap is arbitrary. (A steady motion that
+   !> touches one flank touches the other flank too, because the forces have no mean.)
    pure logical function is_floating(system, motion)
+      !> The train.
       type(system_type), intent(in) :: system
-      !> Its extremes are known.
+      !> Motion with its extremes.
       type(motion_type), intent(in) :: motion
 
       is_floating = .false.
@@ -36,8 +38,9 @@ contains
       end associate
    end function is_floating
 
-   !> The note where it applies, else ''.
+   !> The note on floating; '' for a motion that does not float.
    pure function note_of(floating) result(text)
+      !> A motion floats, or may float.
       logical, intent(in) :: floating
       character(merge(len(note), 0, floating)) :: text
 

@@ -1,13 +1,14 @@
 !> The flow of the equations of motion by Taylor series with located contact events.
 !>
-!> Between contact events the equations are linear with analytic coefficients, so the Taylor coefficients of the solution
-!> follow from a short recurrence, to any order; the series is its own dense output, in which the events are found. The
-!> elastic force is continuous at an event, and tangents pass it unchanged unless the damping force jumps (`shear`).
+!> Between contact events the equations are linear with analytic coefficients, so the Taylor coefficients of the solution follow
+!> from a recurrence, to any order. The events are found in the series itself. The elastic force is continuous at an event, so
+!> tangents pass an event unchanged unless the damping force jumps (`shear`).
 !>
-!> A state is the displacement of the elements that are coordinates (a mesh: p; a shaft: its twist less that at rest), then the
-!> velocities. Elements that close loops follow from these. Of a body with damping to ground only the velocity is a state.
+!> A state has the displacements of the elements that are coordinates (of a mesh p, of a shaft its twist less the twist at rest),
+!> then their velocities; of a body with damping to ground only the velocity. The elements that close loops follow from the
+!> coordinates.
 module geartrain_flow_flow
-   use geartrain_base_kinds, only: dp
+   use geartrain_base_kinds, only: dp, pi
    use geartrain_base_series, only: series_type
    use geartrain_flow_taylor, only: add_waves, last_term, recur, sum_series
    use geartrain_linalg_first_root, only: first_root
@@ -16,44 +17,53 @@ module geartrain_flow_flow
    private
    public :: flow_type
 
-   !> Events one after another without time passing, at most, before one is passed over.
+   !> Most successive events at one instant; the next event is passed over.
    integer, parameter :: most_stuck = 3
 
    type :: flow_type
+      !> The train.
       type(system_type) :: system
+      !> Lambda [1].
       real(dp) :: frequency_ratio = 1
-      !> Columns of `x`: the first is the state, the others are tangents to the flow.
+      !> Number of columns of `x`: the state, then tangents to the flow.
       integer :: columns = 1
-      !> Time [1] and columns, (column, state).
+      !> Time times characteristic frequency [1]; state and tangents [1], (column, state).
       real(dp) :: time = 0
       real(dp), allocatable :: x(:, :)
-      !> Region of its law in which each mesh is: +1 drive flank, 0 separation, -1 back flank; 1 for a mesh without backlash.
+      !> Region of the force law of each mesh, (mesh): 1 drive flank, 0 separation, -1 back flank; 1 for a mesh without backlash.
       integer, allocatable :: contact(:)
-      !> Events met in the latest `step` (0 or 1) and the smallest impact or release speed of all since `start`.
+      !> The latest `step` ended at an event; since `start` the smallest mesh speed at an event [1] and the number of events.
       logical :: event = .false.
       real(dp) :: slowest_event = huge(1.0_dp)
       integer :: events = 0
-      !> Length of the latest step; its series p and velocity of all elements, (column, element, 0:order).
+      !> Length of the latest step [1]; Taylor coefficients of displacement and velocity over the step [1], (column, element,
+      !> 0:order).
       real(dp) :: length = 0
       real(dp), allocatable :: p(:, :, :), v(:, :, :)
-      !> Displacement below which a state counts as nothing [1]: errors are relative to what is larger.
+      !> Least size of a state in the relative error of a step [1].
       real(dp) :: smallest = 1e-3_dp
+      !> Order of the Taylor series; relative error of a step [1].
       integer :: order = 20
       real(dp) :: tolerance = 1e-15_dp
+      !> Work space of `recur`: forces, (column, element); Taylor coefficients of kappa, (0:order, mesh), and of the acceleration by
+      !> excitation, (0:order, element).
       real(dp), allocatable, private :: phi(:, :), kappa(:, :), excitation(:, :)
-      !> Taylor coefficients of what closes loops while the coordinates are 0, (0:order + 1, loop).
+      !> Taylor coefficients of the displacements of the elements that close loops where the coordinates are 0 [1], (0:order + 1,
+      !> loop).
       real(dp), allocatable, private :: loop(:, :)
+      !> Mesh and wall of the event at the present time, 0: none; number of successive events at the present time.
       integer, private :: event_mesh = 0, event_wall = 0, stuck = 0
-      !> Since `setup`, events followed one another without time passing, and one was passed over, or a state without bound left no
-      !> step to go on with: the state is not to be trusted.
+      !> The state is not valid: since `setup` an event was passed over because too many events fell on one instant, or the step
+      !> of an unbounded state became 0.
       logical :: lost = .false.
-      !> Length within which the series in hand hold: kappa is cut where it does not show there; 0: all terms.
+      !> Largest length of the next step [1], for which the series of kappa is cut off; 0: no limit, all terms.
       real(dp), private :: reach = 0
    contains
       procedure :: setup
       procedure :: start
       procedure :: step
       procedure :: advance
+      procedure :: pass_period
       procedure :: displacement
       procedure :: velocity
       procedure :: mesh_now
@@ -65,13 +75,16 @@ module geartrain_flow_flow
 
 contains
 
-   !> Prepares for `columns` columns.
+   !> Makes the work space.
    subroutine setup(self, system, columns, order, tolerance)
       class(flow_type), intent(inout) :: self
+      !> The train.
       type(system_type), intent(in) :: system
+      !> Number of columns: the state and tangents.
       integer, intent(in) :: columns
+      !> Order of the Taylor series.
       integer, intent(in) :: order
-      !> Relative error of one step.
+      !> Relative error of a step [1].
       real(dp), intent(in) :: tolerance
 
       self%system = system
@@ -91,9 +104,10 @@ contains
       if (.not. self%smallest > 0) self%smallest = sqrt(tiny(1.0_dp))
    end subroutine setup
 
-   !> Begins at a time with `x` set by the caller; contacts follow from the state.
+   !> Begins a flight from the state and tangents `x`, which the caller has set; finds the contacts of the state.
    subroutine start(self, frequency_ratio, time)
       class(flow_type), intent(inout) :: self
+      !> Lambda [1]; time, 0 at phase 0 [1].
       real(dp), intent(in) :: frequency_ratio, time
       real(dp) :: p, v
       integer :: j
@@ -112,9 +126,20 @@ contains
       end do
    end subroutine start
 
-   !> Advances to `end_time`, or less far where it is interrupted.
+   !> Flies over a mesh period from phase 0; less far where the interrupt is raised.
+   subroutine pass_period(self, frequency_ratio)
+      class(flow_type), intent(inout) :: self
+      !> Lambda [1].
+      real(dp), intent(in) :: frequency_ratio
+
+      call self%start(frequency_ratio, 0.0_dp)
+      call self%advance(2*pi/frequency_ratio)
+   end subroutine pass_period
+
+   !> Advances to a time; less far where the interrupt is raised.
    subroutine advance(self, end_time)
       class(flow_type), intent(inout) :: self
+      !> Time to fly to [1].
       real(dp), intent(in) :: end_time
 
       do while (self%time < end_time)
@@ -123,9 +148,10 @@ contains
       end do
    end subroutine advance
 
-   !> One step, at most to `end_time`, ending at the first contact event.
+   !> Makes one step, which ends at the first contact event.
    subroutine step(self, end_time)
       class(flow_type), intent(inout) :: self
+      !> Time that the step must not pass [1].
       real(dp), intent(in) :: end_time
       real(dp) :: h
       integer :: d, n, mesh, wall
@@ -134,7 +160,7 @@ contains
       call self%expand()
       h = self%step_length()
       if (self%reach > 0) h = min(h, self%reach)
-      ! The next step may be longer, but not by much, even where an event or the end cuts this one short.
+      ! The next step is at most twice as long, also where an event or the end of the flight shortens this step.
       self%reach = 2*h
       reaches_end = h >= end_time - self%time
       if (.not. (reaches_end .or. self%time + h > self%time)) then
@@ -162,7 +188,7 @@ contains
       end if
    end subroutine step
 
-   !> Changes the contact of `mesh` at a wall of its law.
+   !> Changes the contact of a mesh at a wall of its law, after a step of length h.
    subroutine enter(self, mesh, wall, h)
       class(flow_type), intent(inout) :: self
       integer, intent(in) :: mesh, wall
@@ -190,7 +216,7 @@ contains
       end if
    end subroutine enter
 
-   !> Taylor coefficients of all columns at the present time.
+   !> Computes the Taylor coefficients of all columns at the present time.
    subroutine expand(self)
       class(flow_type), intent(inout) :: self
       real(dp) :: spring(self%system%elements), damping(self%system%elements), origin(self%system%meshes), reach
@@ -229,7 +255,8 @@ contains
       end associate
    end subroutine expand
 
-   !> Taylor coefficients of the displacements of what closes loops while the coordinates are 0, (0:highest, loop).
+   !> Computes the Taylor coefficients of the displacements of the elements that close loops, where the coordinates are 0,
+   !> (0:highest, loop).
    pure subroutine expand_loops(self, highest, coefficient)
       class(flow_type), intent(in) :: self
       integer, intent(in) :: highest
@@ -264,10 +291,12 @@ contains
       end associate
    end subroutine expand_loops
 
-   !> Displacement and velocity of a mesh at the present state.
+   !> Displacement and velocity of a mesh at the present time.
    pure subroutine mesh_now(self, mesh, p, v)
       class(flow_type), intent(in) :: self
+      !> Number of the mesh.
       integer, intent(in) :: mesh
+      !> Displacement over b_c and velocity [1].
       real(dp), intent(out) :: p, v
       real(dp), allocatable :: loop(:, :)
 
@@ -284,7 +313,7 @@ contains
       end associate
    end subroutine mesh_now
 
-   !> Torque harmonics and second derivative of the transmission errors as accelerations.
+   !> Computes the Taylor coefficients of the accelerations by torques and transmission errors.
    subroutine expand_excitation(self)
       class(flow_type), intent(inout) :: self
       type(series_type) :: second
@@ -313,7 +342,7 @@ contains
       end associate
    end subroutine expand_excitation
 
-   !> Step at which the last two terms fall below the tolerance, for the state and for the tangents.
+   !> Step length at which the last two terms of the series fall below the tolerance, for the state and for the tangents [1].
    pure real(dp) function step_length(self) result(h)
       class(flow_type), intent(in) :: self
 
@@ -338,7 +367,7 @@ contains
 
    end function step_length
 
-   !> The first instant in (0, h] at which a mesh leaves its present contact; h is shortened to it.
+   !> Finds the first instant in (0, h] at which a mesh leaves its present contact, and shortens h to this instant.
    subroutine first_event(self, h, found, mesh, wall)
       class(flow_type), intent(in) :: self
       real(dp), intent(inout) :: h
@@ -354,14 +383,14 @@ contains
       if (self%stuck > most_stuck) return
       do j = 1, self%system%meshes
          n = self%system%mesh_element(j)
-         ! The walls on either side of the region.
+         ! Both walls of the region.
          do w = max(self%contact(j) - 1, self%system%law(j)%lowest), min(self%contact(j), self%system%law(j)%highest - 1)
-            ! Distance from the wall, positive while the present contact lasts.
+            ! Distance from the wall, positive in the present region.
             f = self%p(1, n, :)
             f(0) = f(0) - self%system%law(j)%wall(w)
             if (w == self%contact(j)) f = -f
             if (j == self%event_mesh .and. w == self%event_wall) then
-               ! Just left this wall: divide the known root at 0 out.
+               ! The mesh has just left this wall: divide by the known root 0.
                f(0:self%order - 1) = f(1:self%order)
                f(self%order) = 0
             end if
@@ -375,10 +404,12 @@ contains
       end do
    end subroutine first_event
 
-   !> Displacement of a mesh at time tau into the latest step (0 <= tau <= length).
+   !> Displacement over b_c of a mesh within the latest step [1].
    pure real(dp) function displacement(self, mesh, tau)
       class(flow_type), intent(in) :: self
+      !> Number of the mesh.
       integer, intent(in) :: mesh
+      !> Time since the beginning of the step, 0 to `length` [1].
       real(dp), intent(in) :: tau
       integer :: k, n
 
@@ -389,10 +420,12 @@ contains
       end do
    end function displacement
 
-   !> Its derivative with respect to time.
+   !> Velocity of a mesh within the latest step [1].
    pure real(dp) function velocity(self, mesh, tau)
       class(flow_type), intent(in) :: self
+      !> Number of the mesh.
       integer, intent(in) :: mesh
+      !> Time since the beginning of the step, 0 to `length` [1].
       real(dp), intent(in) :: tau
       integer :: k, n
 

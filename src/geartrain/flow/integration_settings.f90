@@ -1,23 +1,23 @@
-!> The variables of &integration, by which every settling goes.
+!> The variables of &integration, which every settling uses.
 module geartrain_flow_integration_settings
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
    private
    public :: integration_settings_type
 
-   !> from and to are `start` and `stop`.
    type :: integration_settings_type
+      !> Range of Lambda [1], `from` and `to` in a case file; number of frequencies.
       real(dp) :: start = 0, stop = 0
       integer :: points = 121
-      !> 'up', 'down' or 'both': the order in which the frequencies between from and to are visited.
+      !> Order in which the frequencies are visited: 'up', 'down' or 'both'.
       character(16) :: direction = 'up'
-      !> Harmonics of Lambda that are stored; 0: as many as tell what the motion is made of, 16 of the highest mesh order.
+      !> Number of harmonics of Lambda that are stored; 0: see `stored_harmonics`.
       integer :: harmonics = 0
-      !> Mesh periods after which an unsettled motion is given up.
+      !> Mesh periods after which an unsettled motion is abandoned.
       integer :: max_periods = 2000
-      !> Relative change over a period of the motion at which it counts as settled.
+      !> Relative change over a period at which a motion counts as settled [1].
       real(dp) :: tolerance = 1e-9_dp
-      !> Floquet multipliers of each settled motion.
+      !> Compute the Floquet multipliers of each settled motion.
       logical :: stability = .false.
    end type integration_settings_type
 

@@ -103,8 +103,7 @@ contains
       next = least
       allocate (growth(next), source=0.0_dp)
       do k = 1, most
-         call flow%start(frequency_ratio, 0.0_dp)
-         call flow%advance(2*pi/frequency_ratio)
+         call flow%pass_period(frequency_ratio)
          if (system%interrupt%raised() .or. .not. all(abs(flow%x) < 1e100_dp)) return
          length = norm2(energy%coordinates(flow%x(2, :)))
          if (.not. length > 0) return

@@ -44,8 +44,7 @@ contains
       call begin_tangents(flow, state)
       if (present(slowest_event)) slowest_event = huge(1.0_dp)
       do i = 1, period
-         call flow%start(frequency_ratio, 0.0_dp)
-         call flow%advance(2*pi/frequency_ratio)
+         call flow%pass_period(frequency_ratio)
          if (present(slowest_event)) slowest_event = min(slowest_event, flow%slowest_event)
       end do
       final = flow%x(1, :)

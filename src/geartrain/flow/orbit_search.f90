@@ -2,7 +2,8 @@
 !> motion of the wanted period.
 module geartrain_flow_orbit_search
    use geartrain_balance_motion, only: motion_type
-   use geartrain_base_kinds, only: dp, pi
+   use geartrain_balance_same_motion, only: is_same_motion
+   use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_orbit, only: flow_order, flow_tolerance, measure
@@ -16,8 +17,6 @@ module geartrain_flow_orbit_search
 
    !> Most sections from which Newton's method is tried; most Newton steps of a try.
    integer, parameter :: most_sections = 128, most_steps = 15
-   !> Relative difference of states up to which orbits are equal.
-   real(dp), parameter :: same = 1e-6_dp
 
    type :: orbit_search_type
       !> Lambda [1].
@@ -63,12 +62,14 @@ contains
    end subroutine begin
 
    !> Finds the next orbit that was not found before.
-   subroutine next(self, motion, found, observer)
+   subroutine next(self, motion, found, stopped, observer)
       class(orbit_search_type), intent(inout) :: self
       !> The orbit, without multipliers.
       type(motion_type), intent(out) :: motion
-      !> .false.: all sections are used, the flow ran away, the train has too many states, or the observer or an interrupt ended it.
+      !> .false.: all sections are used, the flow ran away, the train has too many states, or the search was stopped.
       logical, intent(out) :: found
+      !> The observer or an interrupt ended the search.
+      logical, intent(out) :: stopped
       !> Called after each mesh period, as 'settling'.
       class(observer_type), intent(inout), optional :: observer
       real(dp) :: state(size(self%flow%x, 2)), monodromy(size(self%flow%x, 2), size(self%flow%x, 2)), length
@@ -76,20 +77,22 @@ contains
       integer :: i
 
       found = .false.
+      stopped = .false.
       if (size(state) > most_states) return
       do
          if (self%trial > 2*self%longest) then
             if (self%periods == most_sections) return
             self%periods = self%periods + 1
             self%trial = 1
-            call self%flow%start(self%frequency_ratio, 0.0_dp)
-            call self%flow%advance(2*pi/self%frequency_ratio)
-            if (self%flow%system%interrupt%raised() .or. .not. all(abs(self%flow%x) < 1e100_dp)) return
+            call self%flow%pass_period(self%frequency_ratio)
+            stopped = self%flow%system%interrupt%raised()
+            if (stopped .or. .not. all(abs(self%flow%x) < 1e100_dp)) return
             self%section = eoshift(self%section, -1, dim=2)
             self%section(:, 0) = self%flow%x(1, :)
             keep_going = .true.
             if (present(observer)) call observer%on_step('settling', self%periods, self%frequency_ratio, keep_going)
-            if (.not. keep_going) return
+            stopped = .not. keep_going
+            if (stopped) return
          end if
          motion%period = (self%trial + 1)/2
          self%trial = self%trial + 1
@@ -99,7 +102,7 @@ contains
          if (mod(self%trial, 2) > 0) state = (state + self%section(:, motion%period))/2
          call find_orbit(self%flow%system, self%frequency_ratio, motion%period, most_steps, state, monodromy, length, found)
          if (.not. found) cycle
-         found = .not. any([(maxval(abs(self%known(:, i) - state)) < same*maxval(abs(state)), i=1, size(self%known, 2))])
+         found = .not. any([(is_same_motion(state, self%known(:, i)), i=1, size(self%known, 2))])
          if (.not. found) cycle
          self%known = reshape([self%known, state], [size(state), size(self%known, 2) + 1])
          motion%frequency_ratio = self%frequency_ratio

@@ -40,8 +40,10 @@ module geartrain_flow_settling
    real(dp), parameter :: states_a_state = 6
    !> Most states of a train for tries of Newton's method: for larger trains the tangents cost more than they save.
    integer, parameter :: most_states = 160
-   !> Relative difference of states up to which an orbit repeats itself.
-   real(dp), parameter :: same = 1e-8_dp
+   !> Relative difference of states up to which an orbit repeats itself within its period. Smaller than the difference of two
+   !> motions (geartrain_balance_same_motion): the halves of a period-doubled orbit next to its period doubling differ little, and
+   !> the orbit is known to about 1e-11.
+   real(dp), parameter :: repeated_to = 1e-8_dp
 
    !> The search for the orbit that the flow goes to.
    type :: search_type
@@ -96,8 +98,7 @@ contains
       limit = unbounded*max(1.0_dp, maxval(abs(resting_state(system))), maxval(abs(state)))
       look = max(1, nint(between_looks*frequency_ratio/(2*pi)))
       do k = 1, settings%max_periods
-         call flow%start(frequency_ratio, 0.0_dp)
-         call flow%advance(2*pi/frequency_ratio)
+         call flow%pass_period(frequency_ratio)
          section = eoshift(section, -1, dim=2)
          section(:, 0) = flow%x(1, :)
          period = 0
@@ -307,8 +308,7 @@ contains
       call begin_tangents(flow, state)
       merit = huge(1.0_dp)
       do n = 1, longest_period
-         call flow%start(frequency_ratio, 0.0_dp)
-         call flow%advance(2*pi/frequency_ratio)
+         call flow%pass_period(frequency_ratio)
          if (system%interrupt%raised() .or. .not. all(abs(flow%x) < 1e100_dp)) exit
          call newton_step(state, flow%x(1, :), transpose(flow%x(2:, :)), step, info)
          if (info == 0 .and. maxval(abs(step)) < 1e100_dp) merit(n) = n*maxval(abs(step))
@@ -341,8 +341,7 @@ contains
          if (abs(rate_of(multipliers, frequency_ratio, period(i)) - exponent) > 0.2_dp*exponent) cycle
          flow%x(1, :) = state
          do n = 1, period(i)
-            call flow%start(frequency_ratio, 0.0_dp)
-            call flow%advance(2*pi/frequency_ratio)
+            call flow%pass_period(frequency_ratio)
          end do
          is_leaving = maxval(abs(flow%x(1, :) - orbit - matmul(monodromy, state - orbit))) < 0.1_dp*maxval(abs(state - orbit))
          if (is_leaving) return
@@ -376,10 +375,9 @@ contains
       call flow%setup(system, 1, flow_order, flow_tolerance)
       flow%x(1, :) = state
       do n = 1, period - 1
-         call flow%start(frequency_ratio, 0.0_dp)
-         call flow%advance(2*pi/frequency_ratio)
+         call flow%pass_period(frequency_ratio)
          if (system%interrupt%raised()) return
-         if (mod(period, n) == 0 .and. maxval(abs(flow%x(1, :) - state)) < same*maxval(abs(state))) return
+         if (mod(period, n) == 0 .and. maxval(abs(flow%x(1, :) - state)) < repeated_to*maxval(abs(state))) return
       end do
    end function shortest_period
 

@@ -1,5 +1,5 @@
-!> Shooting: a periodic orbit to integration accuracy by Newton on the flow over its period, in one piece or, where that does not
-!> do, in sections. Tangents pass contact events exactly, so the monodromy matrix that comes with the flow is the exact
+!> Shooting: a periodic orbit to integration accuracy by Newton's method on the flow over its period, in one piece or, where this
+!> does not converge, in sections. Tangents pass contact events exactly, so the monodromy matrix of the flow is the exact
 !> derivative.
 module geartrain_flow_shooting
    use geartrain_balance_motion, only: motion_type
@@ -23,16 +23,18 @@ module geartrain_flow_shooting
 
 contains
 
-   !> Polishes a motion: the same orbit to about 1e-11, its multipliers, its state at time 0. On failure the motion is left
-   !> as it was and the error says why.
+   !> Refines a motion to a relative error of about 1e-11, with multipliers and the state at time 0. On failure the motion is
+   !> unchanged and the error says why.
    subroutine refine(train, motion, error, in_sections, harmonics)
+      !> The train.
       type(train_type), intent(in) :: train
+      !> A motion with a period and a state or coefficients, then the refined motion.
       type(motion_type), intent(inout) :: motion
       type(error_type), allocatable, intent(out) :: error
-      !> The period in sections, which finds more orbits of strong instability and costs some time; left to the program it is tried
-      !> where one piece does not do.
+      !> Divides the period into sections, which finds more of the strongly unstable orbits and takes longer. Unless it is given,
+      !> sections are used where one piece does not converge.
       logical, intent(in), optional :: in_sections
-      !> Of Lambda, that the motion is to have then; else as many as it has, and at least `stored_harmonics`.
+      !> Harmonics of Lambda in the refined motion; unless it is given as many as `motion` has, at least `stored_harmonics`.
       integer, intent(in), optional :: harmonics
       type(system_type) :: system
       type(sections_type) :: sections
@@ -69,7 +71,7 @@ contains
          call divide_orders(times, system)
          call take_one(times, guess)
       end if
-      ! In one piece, in sections.
+      ! Which ways are tried: in one piece, in sections.
       pieces = .true.
       if (present(in_sections)) pieces = [.not. in_sections, in_sections]
       found = .false.
@@ -115,21 +117,23 @@ contains
 
    end subroutine refine
 
-   !> Newton on the flow over `period` mesh periods, from `state` to the state of an orbit near it.
+   !> Newton's method on the flow over a period, from a state to the state of an orbit nearby.
    subroutine find_orbit(system, frequency_ratio, period, most, state, monodromy, length, found, flights)
+      !> The train.
       type(system_type), intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
-      !> Mesh periods; Newton steps at most.
+      !> Period of the orbit [mesh periods]; most Newton steps.
       integer, intent(in) :: period, most
-      !> (state) at phase 0; where no orbit is found it is what the last step left.
+      !> State at phase 0 [1], (state): a guess, then the orbit; where no orbit is found the result of the last step.
       real(dp), intent(inout) :: state(:)
-      !> Of the orbit found, (state, state).
+      !> Monodromy matrix of the orbit [1], (state, state).
       real(dp), intent(out) :: monodromy(:, :)
       !> Last Newton step relative to the state [1].
       real(dp), intent(out) :: length
+      !> An orbit was found.
       logical, intent(out) :: found
-      !> Times that the state and its tangents were carried over the period.
+      !> Number of flights over the period.
       integer, intent(out), optional :: flights
       real(dp) :: final(size(state)), step(size(state)), before, scale, gap
       integer :: i, info
@@ -155,12 +159,13 @@ contains
 
    !> The step of Newton's method towards a state that the flow carries into itself.
    subroutine newton_step(state, final, monodromy, step, info)
-      !> A state, what the flow makes of it, (state).
+      !> A state, and the state after the period [1], (state).
       real(dp), intent(in) :: state(:), final(:)
-      !> Derivative of `final`, (state, state).
+      !> Derivative of `final` with respect to `state` [1], (state, state).
       real(dp), intent(in) :: monodromy(:, :)
+      !> Change of the state [1], (state).
       real(dp), intent(out) :: step(:)
-      !> 0: there is a step.
+      !> 0: the step was found; else the matrix is singular.
       integer, intent(out) :: info
       real(dp) :: matrix(size(state), size(state))
       integer :: pivot(size(state)), k

@@ -11,8 +11,9 @@ module geartrain_flow_start_state
 
 contains
 
-   !> At rest, every mesh on the flank that bears its mean load (see geartrain_flow_flow for what a state is), (state).
+   !> State at rest [1], (state), see geartrain_flow_flow: every mesh is on the flank that bears its mean load.
    pure function resting_state(system) result(state)
+      !> The train.
       type(system_type), intent(in) :: system
       real(dp) :: state(system%states)
       integer :: j
@@ -26,10 +27,13 @@ contains
       end do
    end function resting_state
 
-   !> State at time 0 of a motion: its own where integration gave one, else from its coefficients.
+   !> State of a motion at time 0: `motion%state` where it is allocated, else from the coefficients.
    subroutine state_of(system, motion, state)
+      !> The train.
       type(system_type), intent(in) :: system
+      !> Motion with a state or with coefficients.
       type(motion_type), intent(in) :: motion
+      !> State at time 0 [1], (state).
       real(dp), intent(out) :: state(:)
       real(dp) :: states(size(state), 1)
 
@@ -41,11 +45,14 @@ contains
       state = states(:, 1)
    end subroutine state_of
 
-   !> States of a motion at equidistant instants of its period from time 0 on, (state, instant), from its coefficients, with
-   !> the shafts' twists recovered from the mesh forces.
+   !> States of a motion at equidistant instants of its period from time 0 on, from its coefficients. The twists of shafts follow
+   !> from the mesh forces.
    subroutine states_of(system, motion, states)
+      !> The train.
       type(system_type), intent(in) :: system
+      !> Motion with coefficients.
       type(motion_type), intent(in) :: motion
+      !> States [1], (state, instant).
       real(dp), intent(out) :: states(:, :)
       type(balance_type) :: balance
       real(dp), allocatable :: u(:, :)
@@ -70,7 +77,7 @@ contains
          call linear_displacements(system, motion%frequency_ratio, balance%harmonic(k), motion%period, &
                                    cmplx(balance%force(2*k, :), -balance%force(2*k + 1, :), dp), amplitudes(:, k))
       end do
-      ! The twist of a shaft is counted from that at rest.
+      ! The twist of a shaft is relative to the twist at rest.
       do i = 1, system%elements
          mean(i) = merge(system%static_force(i), 0.0_dp, system%element_mesh(i) > 0) &
                    + system%mean%linear_displacement(system%cut, i, balance%force(1, :), system%static_force)

@@ -1,4 +1,4 @@
-!> Taylor series in time: of the excitation, and of the solution of the equations of motion along constant contacts.
+!> Taylor series in time of the excitation, and of the solution of the equations of motion with constant contacts.
 module geartrain_flow_taylor
    use geartrain_base_kinds, only: dp
    use geartrain_model_system, only: system_type
@@ -8,15 +8,25 @@ module geartrain_flow_taylor
 
 contains
 
-   !> The recurrence: p(k+1) = v(k)/(k+1), v(k+1) = (-W phi(k) + s(k))/(k+1) with phi = kappa (p - origin) + damping v, kappa of a
-   !> mesh a series where it has terms (`terms` >= 0), else `spring`. The columns of element n are the numbers
-   !> (n-1)*columns + 1 .. n*columns, so that most lines are long loops over all elements.
+   !> Computes the Taylor coefficients of displacements and velocities by the recurrence p(k+1) = v(k)/(k+1), v(k+1) = (-W phi(k) +
+   !> s(k))/(k+1) with phi = kappa (p - origin) + damping v. The columns of element n are the numbers (n-1)*columns + 1 ..
+   !> n*columns, so that most lines are long loops over all elements.
    pure subroutine recur(columns, elements, meshes, order, spring, damping, terms, kappa, system, origin, excitation, &
                          loop, phi, p, v)
-      integer, intent(in) :: columns, elements, meshes, order, terms(meshes)
-      real(dp), intent(in) :: spring(elements), damping(elements), kappa(0:order, meshes), origin(meshes), &
-                              excitation(0:order, elements), loop(0:, :)
+      !> Number of columns (state and tangents), elements and meshes; order of the series.
+      integer, intent(in) :: columns, elements, meshes, order
+      !> Last Taylor coefficient of kappa that counts, (mesh); negative: kappa is constant and part of `spring`.
+      integer, intent(in) :: terms(meshes)
+      !> Constant stiffness over mean stiffness, 0 where kappa varies, and damping gamma in the present contact [1].
+      real(dp), intent(in) :: spring(elements), damping(elements)
+      !> Taylor coefficients of kappa in the present contact; displacement at which the elastic force of the mesh is 0 [1].
+      real(dp), intent(in) :: kappa(0:order, meshes), origin(meshes)
+      !> Taylor coefficients of the accelerations by excitation, and of the displacements of the elements that close loops where the
+      !> coordinates are 0, (0:order + 1, loop) [1].
+      real(dp), intent(in) :: excitation(0:order, elements), loop(0:, :)
+      !> The train.
       type(system_type), intent(in) :: system
+      !> Work space; Taylor coefficients of displacement and velocity [1], of which coefficient 0 of the coordinates is given.
       real(dp), intent(inout) :: phi(columns*elements), p(columns*elements, 0:order), v(columns*elements, 0:order)
       real(dp), dimension(columns*elements) :: own, gamma, k_spring
       real(dp) :: inverse
@@ -66,7 +76,7 @@ contains
       end do
    end subroutine recur
 
-   !> Coefficient k of the elements that close loops, from those of the coordinates.
+   !> Sets coefficient k of the elements that close loops from coefficient k of the coordinates.
    pure subroutine close_loops(columns, system, loop, k, p, v)
       integer, intent(in) :: columns, k
       type(system_type), intent(in) :: system
@@ -86,10 +96,13 @@ contains
       end do
    end subroutine close_loops
 
-   !> Value at h of a series with vector coefficients, the first `length` of `stride` numbers each, by Horner's rule.
+   !> Value of a Taylor series with vector coefficients by Horner's rule.
    pure subroutine sum_series(length, stride, order, series, h, value)
+      !> Elements of the vector that are wanted; elements of each coefficient; order of the series.
       integer, intent(in) :: length, stride, order
+      !> Taylor coefficients; time [1].
       real(dp), intent(in) :: series(stride, 0:order), h
+      !> Value of the series.
       real(dp), intent(out) :: value(length)
       integer :: k
 
@@ -99,10 +112,13 @@ contains
       end do
    end subroutine sum_series
 
-   !> Adds the Taylor coefficients in time of the sum over h of Re(amplitude(h) exp(i h frequency t)).
+   !> Adds the Taylor coefficients at `time` of the sum over h of Re(amplitude(h) exp(i h frequency_ratio t)).
    pure subroutine add_waves(amplitude, frequency_ratio, time, coefficient)
+      !> Complex amplitudes, (harmonic).
       complex(dp), intent(in) :: amplitude(:)
+      !> Frequency of the first harmonic [1]; time of the expansion [1].
       real(dp), intent(in) :: frequency_ratio, time
+      !> Taylor coefficients, (0:order).
       real(dp), intent(inout) :: coefficient(0:)
       complex(dp) :: term
       real(dp) :: rate
@@ -119,8 +135,9 @@ contains
       end do
    end subroutine add_waves
 
-   !> Index of the last coefficient that matters within `reach`.
+   !> Index of the last coefficient that counts within a time `reach`: the last two terms are larger than the tolerance.
    pure integer function last_term(coefficient, reach, tolerance)
+      !> Taylor coefficients, (0:order); time [1], from 1e10 on all coefficients count; largest sum of two terms to neglect.
       real(dp), intent(in) :: coefficient(0:), reach, tolerance
       real(dp) :: power
 

@@ -1,6 +1,6 @@
-!> Contact of one mesh over a period of a given motion: the instants at which it goes from one region of its force law to another,
-!> and from them the Fourier coefficients of the mesh force and of its derivative (geartrain_mesh_law_spectra).
-!> The paper's sampled DFT, equations (12) and (13), is the same formula with sampled brackets.
+!> Contact of one mesh over a period of a given motion: the instants at which the mesh goes from one region of its force law to
+!> another, and the Fourier coefficients of the mesh force and of its derivative (geartrain_mesh_law_spectra), exact or by the
+!> sampled DFT of the paper, equations (12) and (13).
 module geartrain_mesh_law_contact
    use geartrain_base_kinds, only: dp, pi
    use geartrain_linalg_fftw, only: transform_type
@@ -12,21 +12,26 @@ module geartrain_mesh_law_contact
    public :: contact_type
 
    type :: contact_type
+      !> Force law of the mesh.
       type(law_type) :: law
       !> Sub-harmonic index: theta = Lambda t/eta.
       integer :: eta = 1
       !> Harmonics of theta that the motion has.
       integer, allocatable :: harmonic(:)
-      !> Region of the law at theta = 0 and the events after it: instants [rad], ascending, and the region that each leads to.
+      !> Region of the law at theta = 0; number of events of the period.
       integer :: first_contact = 1, events = 0
+      !> theta of each event [rad], ascending, and the region after the event; the first `events` elements are in use.
       real(dp), allocatable :: instant(:)
       integer, allocatable :: contact(:)
+      !> Fourier coefficients at the latest `update`.
       type(spectra_type) :: spectra
+      !> Plan of the sampled DFT; samples of p and of dp/dtheta [1], (sample).
       type(transform_type), private :: sampled
       real(dp), allocatable, private :: p(:), slope(:)
-      !> kappa at the samples of the DFT, (sample, region), and the regions there.
+      !> kappa [1] at the samples of the DFT, (sample, region); region at each sample, (sample).
       real(dp), allocatable, private :: kappa_sample(:, :)
       integer, allocatable, private :: region_sample(:)
+      !> Exact coefficients, no DFT.
       logical, private :: exact = .true.
    contains
       procedure :: setup
@@ -40,10 +45,12 @@ module geartrain_mesh_law_contact
 
 contains
 
-   !> Prepares work space: no allocation and no planning happens in `update`, except where many events need more room.
+   !> Prepares work space and plans.
    subroutine setup(self, law, eta, harmonic, highest, samples)
       class(contact_type), intent(inout) :: self
+      !> Force law of the mesh.
       type(law_type), intent(in) :: law
+      !> Sub-harmonic index.
       integer, intent(in) :: eta
       !> Harmonics of theta that the motion has, and the highest index of the spectra.
       integer, intent(in) :: harmonic(:), highest
@@ -66,11 +73,12 @@ contains
       end do
    end subroutine setup
 
-   !> Events and spectra of the motion with the coefficients `u` (mean, cos, sin, ...).
+   !> Finds events and spectra of a motion.
    subroutine update(self, u, fine)
       class(contact_type), intent(inout) :: self
+      !> Coefficients of the mesh displacement over b_c [1], (coefficient): mean, cos, sin, ... of each harmonic.
       real(dp), intent(in) :: u(:)
-      !> A plan of `fine_samples` of the highest harmonic: one serves all meshes.
+      !> Plan of `fine_samples` of the highest harmonic, work space shared by all meshes.
       type(transform_type), intent(inout) :: fine
 
       self%events = 0
@@ -87,19 +95,22 @@ contains
       end associate
    end subroutine update
 
-   !> Spectra as far as the arrays reach, or to `highest`, by the events of the last `update`.
+   !> Computes exact spectra of any length with the events of the latest `update`.
    pure subroutine extend(self, spectra, highest)
       class(contact_type), intent(in) :: self
+      !> Spectra with room from `reserve`.
       type(spectra_type), intent(inout) :: spectra
+      !> Highest index to compute; as far as the room reaches unless it is given.
       integer, intent(in), optional :: highest
 
       call find_spectra(self%law, self%eta, self%first_contact, self%instant(:self%events), self%contact(:self%events), spectra, &
                         highest)
    end subroutine extend
 
-   !> Shares of the period without contact and with contact of the back flanks, at the last `update`.
+   !> Shares of the period in separation and in back contact, at the latest `update`.
    pure subroutine shares(self, separation, back_contact)
       class(contact_type), intent(in) :: self
+      !> Share of the period in the gap; share of the period in regions below the gap [1].
       real(dp), intent(out) :: separation, back_contact
       real(dp) :: share(min(self%law%lowest, 0):self%law%highest), last
       integer :: i, now
@@ -117,8 +128,8 @@ contains
       back_contact = sum(share(:-1))
    end subroutine shares
 
-   !> How near an extreme of p, by the parabola through three samples, comes to one of the walls, at the last `update`: a change
-   !> of p by as much makes a contact or ends one. Huge for a linear mesh.
+   !> Least distance of an extreme of p from a wall [1], at the latest `update`: a change of p by this distance may add or remove a
+   !> contact. Extremes are those of the parabolas through three samples. Huge for a linear mesh.
    pure real(dp) function clearance(self)
       class(contact_type), intent(in) :: self
       real(dp) :: before, here, after, extreme
@@ -140,8 +151,8 @@ contains
       end do
    end function clearance
 
-   !> Samples bracket the crossings of +-b, Newton polishes them; where two samples on one side of a wall turn back between
-   !> them, the extreme decides whether the wall was crossed twice.
+   !> Finds the crossings of the walls: samples bracket them, Newton's method polishes them. Where the motion turns back towards a
+   !> wall between two samples on one side of the wall, the extreme decides whether the wall is crossed twice.
    subroutine find_events(self, u, fine)
       class(contact_type), intent(inout) :: self
       real(dp), intent(in) :: u(:)
@@ -195,15 +206,15 @@ contains
       end do
    end subroutine find_events
 
-   !> Whether nothing happens between two samples: both lie in the region between two walls, from which the first is farther than it
-   !> could reach and turn.
+   !> Whether there is no event between two samples p and `next`: both lie between the walls `below` and `above`, and p is farther
+   !> from the walls than `reach`.
    pure logical function stays(p, next, reach, below, above)
       real(dp), intent(in) :: p, next, reach, below, above
 
       stays = p - below >= reach .and. above - p >= reach .and. p > below .and. next > below .and. next <= above
    end function stays
 
-   !> Inserts an event in order among those since `first`.
+   !> Inserts an event in order of time among the events from number `first` on.
    subroutine add_event(self, instant, contact, first)
       class(contact_type), intent(inout) :: self
       real(dp), intent(in) :: instant
@@ -226,8 +237,8 @@ contains
       self%contact(i) = contact
    end subroutine add_event
 
-   !> The root of p - wall in [left, right], whose ends have different signs (`f_left` is the left one): Newton, kept in
-   !> the bracket by bisection.
+   !> Root of p - wall in [left, right] by Newton's method, kept in the bracket by bisection. p - wall has different signs at both
+   !> ends; `f_left` is its value at the left end.
    pure real(dp) function crossing(self, u, wall, left, right, f_left) result(theta)
       class(contact_type), intent(in) :: self
       real(dp), intent(in) :: u(:), wall, left, right, f_left
@@ -252,7 +263,7 @@ contains
       end do
    end function crossing
 
-   !> The extreme of p in [left, right], where its slope changes sign, and p - wall there.
+   !> Finds the extreme of p in [left, right], at whose ends the slope has different signs, and p - wall at the extreme.
    pure subroutine turning(self, u, wall, left, right, theta, f)
       class(contact_type), intent(in) :: self
       real(dp), intent(in) :: u(:), wall, left, right
@@ -280,7 +291,7 @@ contains
       end do
    end subroutine turning
 
-   !> The paper's DFT: the brackets of the spectra at equidistant samples.
+   !> Computes the spectra by the sampled DFT of the paper.
    subroutine sampled_spectra(self, u)
       class(contact_type), intent(inout) :: self
       real(dp), intent(in) :: u(:)

@@ -1,11 +1,11 @@
-!> The force of a mesh, piecewise linear in its displacement p: rows of numbers, one for each region of p. In region s
+!> The force of a mesh, piecewise linear in its displacement p: a row of numbers for each region of p. In region s
 !>    phi = kappa_s(theta) (p - origin_s) + gamma_s p',
 !>    kappa_s = stiffness_s + sum over h of Re(amplitude_hs exp(i h order theta)).
-!> The elastic force is continuous at the walls between regions; the damping force need not be, but it is the derivative of
-!> gamma_s p + impulse_s with respect to time, which is.
+!> The elastic force is continuous at the walls between regions. The damping force may jump at a wall; it is the time derivative of
+!> gamma_s p + impulse_s, which is continuous.
 !>
-!> Region 1 is the drive flank. A mesh with backlash has 0, the gap, and -1, the back flank, besides. A law with more regions has
-!> more rows: all that computes goes over regions and walls.
+!> Region 1 is the drive flank. A mesh with backlash has the region 0, the gap, and the region -1, the back flank. A law with more
+!> regions has more rows: all computations go over regions and walls.
 module geartrain_mesh_law_law
    use geartrain_base_kinds, only: dp
    use geartrain_base_series, only: series_type, wave_value
@@ -16,17 +16,19 @@ module geartrain_mesh_law_law
    type :: law_type
       !> kappa has harmonics of this order of Lambda.
       integer :: order = 1
+      !> First and last region.
       integer :: lowest = 1, highest = 1
-      !> Displacement over b_c between regions s and s + 1, ascending, (lowest:highest - 1).
+      !> Displacement over b_c between regions s and s + 1 [1], ascending, (lowest:highest - 1).
       real(dp), allocatable :: wall(:)
-      !> Mean stiffness over that of the mesh [1], p at which the elastic force is 0 [1], damping over the mesh's stiffness [1], and
-      !> what makes its integral continuous, (lowest:highest).
+      !> Mean stiffness over the mean stiffness of the mesh [1], p at which the elastic force is 0 [1], damping gamma [1], and the
+      !> impulse [1] that makes gamma p + impulse continuous, (lowest:highest).
       real(dp), allocatable :: stiffness(:), origin(:), damping(:), impulse(:)
-      !> (harmonic, lowest:highest)
+      !> Complex amplitudes of kappa [1], (harmonic, lowest:highest).
       complex(dp), allocatable :: amplitude(:, :)
-      !> Whether kappa of a region changes with time, and whether there is a force in it that is not everywhere, (lowest:highest);
-      !> whether the force jumps at a wall, since damping does.
+      !> Whether kappa of the region changes with time; whether the region has a row in the spectra: it has a stiffness, or the
+      !> force jumps, (lowest:highest).
       logical, allocatable :: varies(:), acts(:)
+      !> The force jumps at a wall, because the damping differs between regions.
       logical :: jumps = .false.
    contains
       procedure :: begin
@@ -43,10 +45,12 @@ module geartrain_mesh_law_law
 
 contains
 
-   !> Makes room for the regions between `walls`, all of them without a force.
+   !> Makes room for the regions, all without force.
    pure subroutine begin(self, order, lowest, walls, harmonics)
       class(law_type), intent(inout) :: self
+      !> Order of kappa: its harmonics are multiples of order Lambda; number of the first region; number of harmonics of kappa.
       integer, intent(in) :: order, lowest, harmonics
+      !> Displacements between the regions over b_c [1], ascending.
       real(dp), intent(in) :: walls(:)
 
       self%order = order
@@ -61,9 +65,11 @@ contains
       self%wall(:) = walls
    end subroutine begin
 
-   !> Derives what follows from the rows, in which damping is given over that of the mesh, whose own is gamma = `damping`.
+   !> Makes the damping of the rows, until now relative to the damping of the mesh, absolute, and derives impulse, varies, acts,
+   !> jumps.
    pure subroutine complete(self, damping)
       class(law_type), intent(inout) :: self
+      !> gamma of the mesh [1].
       real(dp), intent(in) :: damping
       integer :: s, middle
 
@@ -81,10 +87,12 @@ contains
       self%acts(:) = self%stiffness > 0 .or. self%jumps
    end subroutine complete
 
-   !> Region of the displacement p; on a wall itself the nearer to 0, unless a velocity says where p goes.
+   !> Region of a displacement. On a wall: the region into which the velocity points; without velocity the region nearer to 0.
    pure integer function region_at(self, p, velocity) result(region)
       class(law_type), intent(in) :: self
+      !> Displacement over b_c [1].
       real(dp), intent(in) :: p
+      !> Velocity of p [1].
       real(dp), intent(in), optional :: velocity
       integer :: s
 
@@ -103,9 +111,10 @@ contains
       end do
    end function region_at
 
-   !> Region whose flank bears a mean force over k b_c.
+   !> Region in which a mean force is in equilibrium.
    pure integer function bearing(self, load)
       class(law_type), intent(in) :: self
+      !> Mean force over k b_c [1].
       real(dp), intent(in) :: load
 
       bearing = 1
@@ -120,9 +129,10 @@ contains
       end if
    end function bearing
 
-   !> Displacement at rest under a mean force over k b_c.
+   !> Displacement over b_c at rest under a mean force [1].
    pure real(dp) function rest(self, load)
       class(law_type), intent(in) :: self
+      !> Mean force over k b_c [1].
       real(dp), intent(in) :: load
       integer :: s
 
@@ -130,7 +140,7 @@ contains
       rest = self%origin(s) + load/self%stiffness(s)
    end function rest
 
-   !> No kappa is larger.
+   !> Upper bound of kappa in all regions [1].
    pure real(dp) function stiffest(self)
       class(law_type), intent(in) :: self
       integer :: s
@@ -138,7 +148,7 @@ contains
       stiffest = maxval([(self%stiffness(s) + sum(abs(self%amplitude(:, s))), s=self%lowest, self%highest)])
    end function stiffest
 
-   !> The harmonics by which any kappa varies: their largest amplitudes.
+   !> The harmonics of kappa, each with its largest amplitude in any region.
    pure function variation(self) result(series)
       class(law_type), intent(in) :: self
       type(series_type) :: series
@@ -147,18 +157,21 @@ contains
       series%amplitude = cmplx(maxval(abs(self%amplitude), 2), 0, dp)
    end function variation
 
-   !> kappa of region s at the phase `phase` = Lambda t [rad].
+   !> kappa of a region [1].
    pure real(dp) function stiffness_at(self, s, phase)
       class(law_type), intent(in) :: self
+      !> Region.
       integer, intent(in) :: s
+      !> Phase Lambda t [rad].
       real(dp), intent(in) :: phase
 
       stiffness_at = self%stiffness(s) + wave_value(self%amplitude(:, s), self%order*phase)
    end function stiffness_at
 
-   !> phi at the phase Lambda t [rad] of the displacement p and its derivative with respect to time.
+   !> Mesh force phi over k b_c [1].
    pure real(dp) function force(self, phase, p, velocity)
       class(law_type), intent(in) :: self
+      !> Phase Lambda t [rad]; displacement over b_c [1]; derivative of the displacement with respect to time [1].
       real(dp), intent(in) :: phase, p, velocity
       integer :: s
 
@@ -167,14 +180,16 @@ contains
       if (self%stiffness(s) > 0) force = force + self%stiffness_at(s, phase)*(p - self%origin(s))
    end function force
 
-   !> phi and its first two derivatives with respect to theta as it is in region s, be p there or not.
+   !> phi and its first two derivatives with respect to theta by the row of region s, wherever p is.
    pure subroutine along(self, s, eta, theta, frequency_ratio, p, phi)
       class(law_type), intent(in) :: self
+      !> Region; sub-harmonic index.
       integer, intent(in) :: s, eta
-      !> theta = Lambda t/eta, and Lambda.
+      !> theta = Lambda t/eta [rad]; Lambda [1].
       real(dp), intent(in) :: theta, frequency_ratio
-      !> Displacement and its first three derivatives with respect to theta.
+      !> Displacement over b_c and its first three derivatives with respect to theta [1].
       real(dp), intent(in) :: p(0:3)
+      !> phi and its first two derivatives with respect to theta [1].
       real(dp), intent(out) :: phi(0:2)
       complex(dp) :: term
       real(dp) :: g, kappa(0:2)

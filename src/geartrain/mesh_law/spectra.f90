@@ -1,10 +1,10 @@
-!> Two-sided Fourier coefficients of what makes the force of a mesh along a given motion,
-!>    phi = stiffness p - offset + d/dt (damping p + impulse),
-!> each bracket the sum over regions s of chi_s, which is 1 where the motion is in s, times a row of the law: kappa_s,
-!> kappa_s origin_s, gamma_s, impulse_s. Between the events all of them are trigonometric polynomials: closed form.
+!> Two-sided Fourier coefficients of the four functions of time in the force of a mesh along a given motion,
+!>    phi = stiffness p - offset + d/dt (damping p + impulse).
+!> Each function is the sum over regions s of chi_s, which is 1 where the motion is in region s and else 0, times kappa_s,
+!> kappa_s origin_s, gamma_s or impulse_s of the law. Between events these are trigonometric polynomials: closed form.
 !>
-!> The last bracket is continuous, so the derivative of phi by the motion is stiffness + d/dt damping: no term for the instants of
-!> the events is left, though the damping force may jump there.
+!> damping p + impulse is continuous, so the derivative of phi with respect to the motion is stiffness + d/dt damping, without terms
+!> for the instants of the events, although the damping force may jump at an event.
 module geartrain_mesh_law_spectra
    use geartrain_base_kinds, only: dp, pi
    use geartrain_mesh_law_law, only: law_type
@@ -12,8 +12,9 @@ module geartrain_mesh_law_spectra
    private
    public :: spectra_type, find_spectra
 
-   !> Coefficients 0:highest. The last two are allocated where the force jumps; else damping is the same everywhere.
    type :: spectra_type
+      !> Fourier coefficients [1], (0:highest). Damping and impulse are allocated only where the force jumps: else all regions have
+      !> equal damping.
       complex(dp), allocatable :: stiffness(:), offset(:), damping(:), impulse(:)
    contains
       procedure :: reserve
@@ -22,9 +23,12 @@ module geartrain_mesh_law_spectra
 
 contains
 
+   !> Makes room.
    pure subroutine reserve(self, law, highest)
       class(spectra_type), intent(inout) :: self
+      !> Force law of the mesh.
       type(law_type), intent(in) :: law
+      !> Highest index of the coefficients.
       integer, intent(in) :: highest
 
       if (allocated(self%stiffness)) then
@@ -36,24 +40,29 @@ contains
       if (law%jumps) allocate (self%damping(0:highest), self%impulse(0:highest))
    end subroutine reserve
 
-   !> Mean damping of the motion over the mesh's stiffness.
+   !> Mean of gamma over the period of the motion [1].
    pure real(dp) function mean_damping(self, law)
       class(spectra_type), intent(in) :: self
+      !> Force law of the mesh.
       type(law_type), intent(in) :: law
 
       mean_damping = law%damping(1)
       if (law%jumps) mean_damping = real(self%damping(0), dp)
    end function mean_damping
 
-   !> As far as the arrays of `spectra` reach, or to `highest`.
+   !> Computes the coefficients in closed form.
    pure subroutine find_spectra(law, eta, first, instant, region, spectra, highest)
+      !> Force law of the mesh.
       type(law_type), intent(in) :: law
-      !> theta = Lambda t/eta; region at theta = 0.
+      !> Sub-harmonic index, theta = Lambda t/eta; region at theta = 0.
       integer, intent(in) :: eta, first
-      !> Events in [0, 2 pi), ascending, and the regions that they lead to.
+      !> theta of the events in [0, 2 pi) [rad], ascending.
       real(dp), intent(in) :: instant(:)
+      !> Region after each event.
       integer, intent(in) :: region(:)
+      !> Spectra with room from `reserve`.
       type(spectra_type), intent(inout) :: spectra
+      !> Highest index to compute; as far as the room reaches unless it is given.
       integer, intent(in), optional :: highest
       integer :: h, n, stride
 
@@ -82,14 +91,15 @@ contains
       if (abs(law%origin(first)) > 0) spectra%offset(:n) = law%origin(first)*spectra%stiffness(:n)
    end subroutine find_spectra
 
-   !> A jump of size J at theta adds J exp(-i k theta)/(2 pi i k) to coefficient k of chi; then come the products with the rows.
+   !> Adds all regions: a jump of size J at theta adds J exp(-i k theta)/(2 pi i k) to coefficient k of chi, then chi is multiplied
+   !> with the row of its region.
    pure subroutine add_pieces(law, stride, first, instant, region, n, spectra)
       type(law_type), intent(in) :: law
       integer, intent(in) :: stride, first, n
       real(dp), intent(in) :: instant(:)
       integer, intent(in) :: region(:)
       type(spectra_type), intent(inout) :: spectra
-      !> The last column: the powers of exp(-i theta) of an event.
+      !> Coefficients of chi, (index, region); powers of exp(-i theta) of an event in the last column.
       complex(dp) :: chi(0:n + stride*size(law%amplitude, 1), law%lowest:law%highest + 1), z, factor, kappa
       real(dp) :: last
       integer :: h, i, k, now, powers, s
@@ -118,7 +128,7 @@ contains
       if (law%acts(now)) chi(0, now) = chi(0, now) + (2*pi - last)/(2*pi)
       do s = law%lowest, law%highest
          if (.not. law%acts(s)) cycle
-         ! The motion is never there.
+         ! The motion is never in this region.
          if (.not. real(chi(0, s), dp) > 0) cycle
          do k = 1, ubound(chi, 1)
             chi(k, s) = chi(k, s)/k

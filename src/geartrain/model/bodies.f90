@@ -1,5 +1,5 @@
-!> The bodies of a train, as given or those of a chain, and which of them its shafts and meshes join. The bodies of a chain are
-!> prime mover, driving and driven gear of each mesh, load.
+!> The bodies of a train, and which of them its shafts and meshes join. A chain has the bodies prime mover, driving and driven gear
+!> of each mesh, load.
 module geartrain_model_bodies
    use geartrain_base_kinds, only: dp
    use geartrain_model_train, only: train_type
@@ -9,8 +9,9 @@ module geartrain_model_bodies
 
 contains
 
-   !> How many bodies there are: as given, or those of a chain.
+   !> Number of bodies.
    pure integer function body_count(train)
+      !> The train, with its bodies or its shafts.
       type(train_type), intent(in) :: train
 
       if (allocated(train%bodies)) then
@@ -20,10 +21,14 @@ contains
       end if
    end function body_count
 
-   !> Inertias of the bodies [kg m^2] and mean torques [N m], (body); the body whose torque balances the others'.
+   !> Inertias and mean torques of the bodies.
    pure subroutine bodies_of(train, inertia, torque, balancing)
+      !> The train.
       type(train_type), intent(in) :: train
+      !> Polar moments of inertia [kg m^2] and mean torques as given [N m], (body); the torque by which the last body of a chain
+      !> balances the others is not given: 0.
       real(dp), intent(out) :: inertia(:), torque(:)
+      !> Number of the body whose mean torque balances all others; 0: none.
       integer, intent(out) :: balancing
       integer :: j
 
@@ -43,9 +48,11 @@ contains
       end if
    end subroutine bodies_of
 
-   !> The bodies that the shafts and the meshes join, (2, shaft) and (2, mesh); 0 for a name that there is not.
+   !> Numbers of the bodies that shafts and meshes join.
    pure subroutine find_ends(train, shafts, meshes)
+      !> The train.
       type(train_type), intent(in) :: train
+      !> Bodies at the two ends of each shaft, (2, shaft), and of each mesh, (2, mesh); 0: no body has the name.
       integer, allocatable, intent(out) :: shafts(:, :), meshes(:, :)
       integer, allocatable :: keys(:)
       integer :: i, j
@@ -71,7 +78,8 @@ contains
 
    contains
 
-      !> A positive number of a name: most names are told apart by it, at a hundredth of the time that the names take.
+      !> A positive number made from a name. Different numbers tell different names, in a hundredth of the time of a comparison of
+      !> the names.
       pure integer function key(name)
          character(*), intent(in) :: name
          integer :: k

@@ -9,17 +9,17 @@ module geartrain_model_body
    integer, parameter :: name_length = 64
 
    type :: body_type
-      !> By which shafts and meshes call it.
+      !> Name by which shafts and meshes refer to the body.
       character(:), allocatable :: name
       !> Polar moment of inertia [kg m^2]; 0 is allowed where a rigid shaft joins it with others.
       real(dp) :: inertia = 0
-      !> Mean torque on it [N m], positive in the sense in which it turns; 0 for the body that balances the others.
+      !> Mean torque on the body [N m], positive in its sense of rotation; 0 for the body that balances the others.
       real(dp) :: torque = 0
-      !> Harmonics 1.. of the torque [N m], orders of Lambda.
+      !> Amplitudes of the torque at the harmonics 1, 2, ... of Lambda [N m], (harmonic).
       real(dp), allocatable :: torque_cos(:), torque_sin(:)
-      !> Damping of its vibration, which has no mean, against the ground [N m s/rad].
+      !> Damping to ground of the vibration of the body [N m s/rad]; none of its mean rotation.
       real(dp) :: damping_to_ground = 0
-      !> Its mean torque is such that all of them balance.
+      !> The mean torque of the body balances the mean torques of all others.
       logical :: balances = .false.
    end type body_type
 

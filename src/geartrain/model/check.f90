@@ -1,4 +1,4 @@
-!> Whether a train is one that can be computed: every value in its range, and the values in agreement with one another.
+!> Checks of a train: every value is in its range, and no values contradict each other.
 module geartrain_model_check
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type
@@ -6,7 +6,7 @@ module geartrain_model_check
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_model_check_network, only: check_network
    use geartrain_model_limits, only: check_stiffest
-   use geartrain_model_mesh, only: has_table, mesh_type
+   use geartrain_model_mesh, only: has_table, is_given, mesh_type
    use geartrain_model_scales, only: check_scales
    use geartrain_model_shaft, only: shaft_type
    use geartrain_model_train, only: train_type
@@ -17,8 +17,9 @@ module geartrain_model_check
 
 contains
 
-   !> Checks a train however it was made; the error tells every problem, one a line: '&mesh 2: stiffness = -1.0: must be > 0 N/m'.
+   !> Checks all of a train. The error tells every problem, one a line: '&mesh 2: stiffness = -1.0: must be > 0 N/m'.
    subroutine check_train(train, error)
+      !> The train, with any values.
       type(train_type), intent(in) :: train
       type(error_type), allocatable, intent(out) :: error
       type(train_type) :: copy
@@ -30,9 +31,11 @@ contains
       call checker%problems%raise('', error)
    end subroutine check_train
 
-   !> What single values cannot say; the problems are added to those of `checker`.
+   !> Checks how the values of a train agree; the range of each value is not checked here.
    subroutine check_consistency(train, checker)
+      !> The train, with any values.
       type(train_type), intent(in) :: train
+      !> Gets the problems.
       class(checker_type), intent(inout) :: checker
       integer :: shafts, meshes, i
 
@@ -71,7 +74,7 @@ contains
 
    contains
 
-      !> A chain has no names.
+      !> In a chain no shaft or mesh names bodies.
       subroutine check_names()
          character(*), parameter :: cure = 'names bodies, but there is no &body: a chain is joined in its order'
 
@@ -102,7 +105,7 @@ contains
 
    end subroutine check_consistency
 
-   !> The stiffness is given in one way.
+   !> A mesh has either stiffness or stiffness_table, and harmonics of the stiffness from one source.
    subroutine check_stiffness(mesh, checker)
       type(mesh_type), intent(in) :: mesh
       class(checker_type), intent(inout) :: checker
@@ -123,19 +126,9 @@ contains
       end if
       if (mesh%contact_ratio > 0 .and. harmonics) call checker%complain('contact_ratio', real_text(mesh%contact_ratio), &
          'contradicts stiffness_cos, stiffness_sin: leave out one of the two')
-
-   contains
-
-      pure logical function is_given(list)
-         real(dp), allocatable, intent(in) :: list(:)
-
-         is_given = .false.
-         if (allocated(list)) is_given = size(list) > 0
-      end function is_given
-
    end subroutine check_stiffness
 
-   !> Without backlash there are no back flanks of their own.
+   !> A mesh without backlash has no variables of back flanks.
    subroutine check_back(mesh, checker)
       type(mesh_type), intent(in) :: mesh
       class(checker_type), intent(inout) :: checker

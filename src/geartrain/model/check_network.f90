@@ -1,4 +1,4 @@
-!> Whether bodies, shafts and meshes make one network: every name known, everything joined, no loop that locks, one body that
+!> Checks that bodies, shafts and meshes make one network: every name is known, all bodies are joined, no loop locks, one body
 !> balances the torques.
 module geartrain_model_check_network
    use geartrain_base_checker, only: checker_type
@@ -7,7 +7,7 @@ module geartrain_model_check_network
    use geartrain_base_numbers, only: integer_text, real_text, text
    use geartrain_mesh_law_law, only: law_type
    use geartrain_model_bodies, only: find_ends
-   use geartrain_model_mesh, only: mesh_type, plain_mesh, put_law
+   use geartrain_model_mesh, only: is_given, mesh_type, plain_mesh, put_law
    use geartrain_model_network, only: build_network, join_rigid, network_type
    use geartrain_model_rest, only: largest_residual, rest_forces
    use geartrain_model_train, only: train_type
@@ -15,14 +15,16 @@ module geartrain_model_check_network
    private
    public :: check_network
 
-   !> How far the ratios round a loop may be from 1, relative.
+   !> Largest difference from 1 of the product of the ratios round a loop [1].
    real(dp), parameter :: rounding = 1e-9_dp
 
 contains
 
-   !> Adds every problem of the network; the values by themselves are checked elsewhere.
+   !> Adds every problem of the network; the range of each value is checked elsewhere.
    subroutine check_network(train, checker)
+      !> The train, with bodies, shafts and meshes.
       type(train_type), intent(in) :: train
+      !> Gets the problems.
       class(checker_type), intent(inout) :: checker
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
       integer :: before
@@ -33,7 +35,7 @@ contains
       call check_balance(train, checker)
       if (size(train%meshes) == 0) call checker%problems%add('the train has no &mesh', 'train', 1, names_group=.true.)
       if (checker%problems%count > before) return
-      ! A problem that has been told already, with its value, is not counted here.
+      ! The checks below need the names; a value that is out of range has been told with its variable.
       call find_ends(train, shaft_ends, mesh_ends)
       if (any(shaft_ends == 0) .or. any(mesh_ends == 0)) return
       call check_inertias(train, shaft_ends, mesh_ends, checker)
@@ -43,7 +45,7 @@ contains
       if (checker%problems%count == before) call check_rest(train, checker)
    end subroutine check_network
 
-   !> What belongs to the chain of shafts and meshes stands in no network.
+   !> A train with bodies has no values of the variables of a chain.
    subroutine check_chain_values(train, checker)
       type(train_type), intent(in) :: train
       class(checker_type), intent(inout) :: checker
@@ -56,8 +58,8 @@ contains
          call checker%complain('prime_mover_inertia', real_text(train%prime_mover_inertia), cure//', as inertia')
       if (abs(train%load_inertia) > 0) &
          call checker%complain('load_inertia', real_text(train%load_inertia), cure//', as inertia')
-      if (given(train%torque_cos)) call checker%complain('torque_cos', '...', cure)
-      if (given(train%torque_sin)) call checker%complain('torque_sin', '...', cure)
+      if (is_given(train%torque_cos)) call checker%complain('torque_cos', '...', cure)
+      if (is_given(train%torque_sin)) call checker%complain('torque_sin', '...', cure)
       call checker%leave()
       do i = 1, size(train%meshes)
          call checker%enter('mesh', i)
@@ -70,13 +72,6 @@ contains
          call checker%leave()
       end do
    end subroutine check_chain_values
-
-   pure logical function given(list)
-      real(dp), allocatable, intent(in) :: list(:)
-
-      given = .false.
-      if (allocated(list)) given = size(list) > 0
-   end function given
 
    !> Every body has a name of its own, and every end is the name of a body.
    subroutine check_names(train, checker)
@@ -142,7 +137,7 @@ contains
       if (between(1) == between(2)) call checker%complain('between', "'"//trim(between(1))//"' twice", 'must be two bodies')
    end subroutine check_ends
 
-   !> One body balances, and has no torque of its own.
+   !> Exactly one body balances the others, and has no given mean torque.
    subroutine check_balance(train, checker)
       type(train_type), intent(in) :: train
       class(checker_type), intent(inout) :: checker
@@ -165,7 +160,7 @@ contains
       call checker%leave()
    end subroutine check_balance
 
-   !> What vibrates has inertia: a body on a mesh or an elastic shaft; a rigid shaft may join one without to another.
+   !> A body on a mesh or an elastic shaft has inertia; a body with rigid shafts only may have none.
    subroutine check_inertias(train, shaft_ends, mesh_ends, checker)
       type(train_type), intent(in) :: train
       !> Bodies that each shaft and each mesh joins, (2, shaft) and (2, mesh).
@@ -189,7 +184,7 @@ contains
       end do
    end subroutine check_inertias
 
-   !> A mesh or an elastic shaft whose ends turn as one does nothing.
+   !> No mesh and no elastic shaft joins two bodies that rigid shafts make one.
    subroutine check_elastic(train, shaft_ends, mesh_ends, checker)
       type(train_type), intent(in) :: train
       integer, intent(in) :: shaft_ends(:, :), mesh_ends(:, :)
@@ -225,7 +220,7 @@ contains
       type(train_type), intent(in) :: train
       integer, intent(in) :: shaft_ends(:, :), ends(2)
       character(400) :: words
-      !> The rigid shaft by which each body was met, seen from the second end; 0: not met.
+      !> Rigid shaft by which the search from the second end came to each body; 0: not met; -1: the second end.
       integer :: by(size(train%bodies)), pair(2), body, i, round
 
       by = 0
@@ -247,7 +242,7 @@ contains
       words = 'the rigid '//words(3:)
    end function rigid_way
 
-   !> Where stiffnesses lie too far apart, how loops share the mean torque is lost in rounding.
+   !> The mean torques of loops can be computed: with stiffnesses too far apart they are lost in rounding.
    subroutine check_rest(train, checker)
       type(train_type), intent(in) :: train
       class(checker_type), intent(inout) :: checker
@@ -271,14 +266,14 @@ contains
                                 names_group=.true.)
    end subroutine check_rest
 
-   !> Walks from the first body to all that it is joined with: whom it does not meet is joined with nothing, and where it meets one
-   !> again the ratios must agree.
+   !> Every body is joined with the first body, and round every loop the ratios multiply to 1. A search from the first body visits
+   !> each body once; every further joint closes a loop.
    subroutine check_joints(train, shaft_ends, mesh_ends, checker)
       type(train_type), intent(in) :: train
       !> Bodies that each shaft and each mesh joins, (2, shaft) and (2, mesh).
       integer, intent(in) :: shaft_ends(:, :), mesh_ends(:, :)
       class(checker_type), intent(inout) :: checker
-      !> Reduced radius and sense of rotation of each body, and the joint it was met by: number, whether it is a mesh, body before.
+      !> Reduced radius [1] and sense of rotation of each body, and the body from which the search came, (body).
       real(dp) :: radius(size(train%bodies))
       integer :: sense(size(train%bodies)), came(size(train%bodies)), ends(2), i
       logical :: met(size(train%bodies)), changed
@@ -340,7 +335,7 @@ contains
          changed = .true.
       end subroutine pass
 
-      !> A joint of two bodies that the walk has met: `ratio` is 1 and the senses agree where it closes a loop that turns.
+      !> Adds a problem where a joint closes a loop that locks: `ratio` is not 1, or the senses of rotation do not agree.
       subroutine close_loop(ends, ratio, agree, group)
          integer, intent(in) :: ends(2)
          real(dp), intent(in) :: ratio
@@ -355,7 +350,7 @@ contains
          call checker%problems%add(why//trim(loop_of(ends)), group, i, 'between')
       end subroutine close_loop
 
-      !> 'a - b - c - a': along the walk from one end of the joint to the other.
+      !> The bodies of a loop in words, 'a - b - c - a': along the search tree from one end of the joint to the other.
       function loop_of(ends) result(words)
          integer, intent(in) :: ends(2)
          character(400) :: words
@@ -376,7 +371,7 @@ contains
          words = trim(words)//' - '//train%bodies(ends(1))%name
       end function loop_of
 
-      !> Whether the walk came to `body` by way of `before`, or they are the same.
+      !> Whether the search came to `body` by way of `before`, or `before` is `body`.
       logical function is_before(before, body)
          integer, intent(in) :: before, body
          integer :: now
@@ -388,7 +383,7 @@ contains
          is_before = now == before
       end function is_before
 
-      !> The body after `before` on the walk to `body`.
+      !> The body after `before` on the way of the search to `body`.
       integer function lower(before, body)
          integer, intent(in) :: before, body
 

@@ -9,16 +9,19 @@ module geartrain_model_cut
    public :: cut_type, cut_network
 
    type :: cut_type
-      !> Unknown meshes, their elements in the network, and whether an element is one, (unknown), (unknown) and (element).
+      !> Number of unknown meshes.
       integer :: unknowns = 0
+      !> Mesh and element of the network of each unknown, (unknown); whether an element is an unknown mesh, (element).
       integer, allocatable :: mesh(:), element(:)
       logical, allocatable :: is_unknown(:)
+      !> Nodes are the unknowns; two are coupled where they touch one part, or where the mean of one depends on the other.
       type(graph_type) :: graph
+      !> The free linear parts.
       type(part_type), allocatable :: part(:)
-      !> Part and number of the mass of each body of the network, (body).
+      !> Part of each node of the network, and number of its mass in the part, (node).
       integer, allocatable :: home(:), mass(:)
-      !> Slot of each element within its part, 0 for unknown meshes; displacement of the element per difference of the slot [1],
-      !> (element).
+      !> Slot of each element in the graph of its part, 0 for unknown meshes; displacement of the element over difference of the two
+      !> masses of the slot [1], (element).
       integer, allocatable :: slot(:)
       real(dp), allocatable :: scale(:)
    end type cut_type
@@ -27,12 +30,14 @@ contains
 
    !> Cuts a network at its unknown meshes.
    pure subroutine cut_network(network, cut)
+      !> Network of a train.
       type(network_type), intent(in) :: network
+      !> The parts and the graph of the unknowns.
       type(cut_type), intent(out) :: cut
       integer :: i, n
 
       cut%is_unknown = network%elements%unknown
-      ! The unknowns are in the order of the meshes, whatever that of the elements.
+      ! The unknowns are in the order of the meshes, not of the elements.
       cut%element = pack([(n, n=1, size(cut%is_unknown))], cut%is_unknown)
       cut%mesh = [(network%elements(cut%element(n))%mesh, n=1, size(cut%element))]
       cut%unknowns = size(cut%mesh)
@@ -45,7 +50,7 @@ contains
       call join_unknowns(network, cut)
    end subroutine cut_network
 
-   !> The mesh of an unknown touches the part of `body`; sign = 1 for the driving side.
+   !> Adds the port of an unknown mesh to the part of a node; sign = 1 for the driving gear, -1 for the driven gear.
    pure subroutine add_port(network, cut, unknown, body, sign)
       type(network_type), intent(in) :: network
       type(cut_type), intent(inout) :: cut
@@ -74,7 +79,7 @@ contains
       end do
    end subroutine sort_by_mesh
 
-   !> The parts, numbered by their first bodies.
+   !> Makes the parts, numbered in the order of their first nodes.
    pure subroutine find_parts(network, cut)
       type(network_type), intent(in) :: network
       type(cut_type), intent(inout) :: cut
@@ -126,7 +131,7 @@ contains
       end do
    end subroutine find_parts
 
-   !> The slot of two masses; the scale changes its sign where the second is the earlier.
+   !> Finds the slot of two masses; `scale` changes its sign where the mass `to` is eliminated before the mass `from`.
    pure subroutine find_slot(graph, from, to, slot, scale)
       type(graph_type), intent(in) :: graph
       integer, intent(in) :: from, to
@@ -139,7 +144,7 @@ contains
       scale = -scale
    end subroutine find_slot
 
-   !> The graph of the unknowns, all of one part joined.
+   !> Makes the graph of the unknowns: all unknowns at one part are coupled.
    pure subroutine join_unknowns(network, cut)
       type(network_type), intent(in) :: network
       type(cut_type), intent(inout) :: cut
@@ -148,7 +153,7 @@ contains
 
       allocate (pairs(2, sum([(size(cut%part(p)%at)**2, p=1, size(cut%part))]) + count(closes(cut%element))*cut%unknowns))
       n = 0
-      ! The mean of a mesh that closes a loop (geartrain_model_mean).
+      ! The mean equation of a mesh that closes a loop has the other unknowns of the loop (geartrain_model_mean).
       do i = 1, cut%unknowns
          if (.not. closes(cut%element(i))) cycle
          do j = 1, cut%unknowns

@@ -1,4 +1,4 @@
-!> Which harmonics of Lambda excite a train: those of the torque, of the mesh stiffnesses and of the transmission errors.
+!> Harmonics of Lambda that excite a train: by the torques, the mesh stiffnesses and the transmission errors.
 module geartrain_model_excitation
    use geartrain_base_series, only: series_type
    use geartrain_model_system, only: system_type
@@ -10,6 +10,7 @@ contains
 
    !> Harmonics of Lambda that a torque, a mesh stiffness or a transmission error excites, ascending.
    pure function excited_harmonics(system) result(harmonic)
+      !> System with at least its excitation, see `put_excitation`.
       type(system_type), intent(in) :: system
       integer, allocatable :: harmonic(:)
       logical, allocatable :: excited(:)
@@ -30,9 +31,10 @@ contains
       harmonic = pack([(r, r=1, size(excited))], excited)
    end function excited_harmonics
 
-   !> The fewest harmonics of Lambda with which every source of excitation (the torque, each mesh's stiffness and transmission
-   !> error) is there with its lowest one: a balance of fewer leaves a source out. 1 for a train that nothing excites.
+   !> Least number of harmonics of Lambda that includes the lowest harmonic of every source of excitation: torques, mesh
+   !> stiffnesses, transmission errors. 1 for a train without excitation.
    pure integer function reach_of_sources(system) result(reach)
+      !> System with at least its excitation, see `put_excitation`.
       type(system_type), intent(in) :: system
       integer :: j
 
@@ -42,14 +44,15 @@ contains
       end do
    end function reach_of_sources
 
-   !> Lowest harmonic of Lambda in a series; 0: it has none.
+   !> Lowest harmonic of Lambda in a series; 0 for an empty series.
    pure integer function lowest_harmonic(series) result(lowest)
+      !> A source of excitation, in any unit.
       type(series_type), intent(in) :: series
 
       lowest = series%order*findloc(abs(series%amplitude) > 0, .true., 1)
    end function lowest_harmonic
 
-   !> Highest harmonic of Lambda in a series; 0: it has none.
+   !> Highest harmonic of Lambda in a series; 0 for an empty series.
    pure integer function highest_harmonic(series) result(highest)
       type(series_type), intent(in) :: series
 

@@ -1,6 +1,5 @@
-!> How slowly and how fast the teeth may mesh, how fast or slowly a part of the train may vibrate and how many harmonics a motion
-!> needs at least: what lies beyond would keep the program busy for hours over a single point, be lost in rounding, or leave an
-!> excitation out without a word.
+!> Limits of the mesh frequency, of the frequencies of elements and of the number of harmonics. Beyond these limits a single point
+!> would take hours, or a vibration would be lost in rounding, or an excitation would be left out without a message.
 module geartrain_model_limits
    use geartrain_base_checker, only: checker_type
    use geartrain_base_kinds, only: dp
@@ -16,27 +15,31 @@ module geartrain_model_limits
    private
    public :: check_frequency, check_harmonics, check_stiffest, in_order, own_frequency
 
-   !> Smallest Lambda of a train whose meshes vibrate at the characteristic frequency: a mesh period below it takes more than some
-   !> 1e5 steps of the flow.
+   !> Smallest mesh frequency over the frequency of the slowest mesh [1]: below this limit a mesh period takes more than about 1e5
+   !> steps of the flow.
    real(dp), parameter :: slowest = 1e-4_dp
-   !> Largest Lambda of such a train: nothing of the motion but its mean is left at it.
+   !> Largest mesh frequency over the frequency of the slowest mesh [1]: beyond this limit only the mean of a motion is left.
    real(dp), parameter :: fastest = 1e6_dp
-   !> Largest ratio of the frequencies of two elements: time steps, and what the multipliers cost, follow the fastest one; a slower
-   !> one is lost in rounding.
+   !> Largest ratio of the frequencies of two elements [1]: the fastest element determines the time step and the cost of the
+   !> multipliers; a slower element is lost in rounding.
    real(dp), parameter :: largest_ratio = 1e6_dp
 
 contains
 
-   !> Adds a problem where Lambda is too small or too large for a train that is in order: `name = value: must be >= ...`.
+   !> Adds a problem where Lambda is too small or too large, `name = value: must be >= ...`; nothing for a train not `in_order`.
    subroutine check_frequency(train, name, value, checker)
+      !> The train.
       type(train_type), intent(in) :: train
+      !> Name of the variable, for the message.
       character(*), intent(in) :: name
+      !> Lambda [1].
       real(dp), intent(in) :: value
+      !> Gets the problem.
       class(checker_type), intent(inout) :: checker
       real(dp) :: decades, unit
 
       if (.not. in_order(train, checker)) return
-      ! Any two numbers that can be written: their ratio need not be one.
+      ! By logarithms: the ratio itself may overflow.
       decades = log10(own_frequency(train)) - log10(train%characteristic_frequency)
       unit = 10.0_dp**nint(max(-300.0_dp, min(300.0_dp, decades)))
       if (.not. value >= slowest*unit) call checker%complain(name, real_text(value), 'must be >= '//real_text(slowest*unit)// &
@@ -45,12 +48,15 @@ contains
          ': the train does not follow a faster mesh frequency')
    end subroutine check_frequency
 
-   !> Adds a problem where a motion's harmonics of Lambda/subharmonic leave out a source of excitation, whose lowest harmonic is
-   !> higher.
+   !> Adds a problem where all harmonics of a source of excitation are higher than the harmonics of a motion; nothing for a train
+   !> not `in_order`.
    subroutine check_harmonics(train, harmonics, subharmonic, most, checker)
+      !> The train.
       type(train_type), intent(in) :: train
-      !> Harmonics of the motion, 0 where the program chooses them, and the most that there may be.
+      !> Number of harmonics of Lambda/subharmonic, 0: chosen by the program; sub-harmonic index; most harmonics that the program
+      !> chooses.
       integer, intent(in) :: harmonics, subharmonic, most
+      !> Gets the problems.
       class(checker_type), intent(inout) :: checker
       type(system_type) :: system
       integer :: j
@@ -90,10 +96,12 @@ contains
 
    end subroutine check_harmonics
 
-   !> Adds a problem for every element that vibrates or creeps too fast beside the slowest mesh, or too slowly, in a train whose
-   !> values are in their ranges.
+   !> Adds a problem for every element that vibrates or creeps too fast, or vibrates too slowly, compared with the slowest mesh;
+   !> nothing for a train not `in_order`.
    subroutine check_stiffest(train, checker)
+      !> The train.
       type(train_type), intent(in) :: train
+      !> Gets the problems.
       class(checker_type), intent(inout) :: checker
       type(network_type) :: network
       character(*), parameter :: units = 'are radii, inertias and stiffness in SI units?'
@@ -160,15 +168,17 @@ contains
 
    end subroutine check_stiffest
 
-   !> What follows from the train can be said: it is whole, and nothing is wrong with it.
+   !> Whether a train has all values that these limits are computed from, and no problem was found in its groups.
    pure logical function in_order(train, checker)
+      !> The train.
       type(train_type), intent(in) :: train
+      !> Problems found so far.
       class(checker_type), intent(in) :: checker
 
       in_order = allocated(train%shafts) .and. allocated(train%meshes)
       if (.not. in_order) return
       in_order = size(train%meshes) > 0 .and. train%characteristic_frequency > 0
-      ! What stands outside of a group is a problem of none.
+      ! A problem that stands outside of the groups belongs to no group, so the values are checked here as well.
       if (in_order) in_order = all(mean_stiffness(train%meshes) > 0 .and. train%meshes%driving_radius > 0 .and. &
                                    train%meshes%driven_radius > 0)
       if (in_order .and. .not. allocated(train%bodies)) &
@@ -178,14 +188,15 @@ contains
                                       checker%problems%in_group('shaft') .or. checker%problems%in_group('mesh'))
    end function in_order
 
-   !> Frequency of the slowest mesh [rad/s], between its two gears alone, and what stiffens it in loops; neither 0 nor infinite.
+   !> Frequency of the slowest mesh [rad/s], see `mesh_frequencies`; neither 0 nor infinite.
    pure real(dp) function own_frequency(train)
+      !> A train that is `in_order`.
       type(train_type), intent(in) :: train
 
       own_frequency = min(huge(1.0_dp), max(tiny(1.0_dp), minval(mesh_frequencies(train))))
    end function own_frequency
 
-   !> Frequency of each mesh between its two gears, stiffened by the loops it is in [rad/s], (mesh).
+   !> Frequency of each mesh [rad/s], (mesh): of its two gears alone, with the stiffening by loops.
    pure function mesh_frequencies(train) result(frequency)
       type(train_type), intent(in) :: train
       real(dp) :: frequency(size(train%meshes))

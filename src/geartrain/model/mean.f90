@@ -1,9 +1,9 @@
-!> The equations of the mean: in a tree the mean force of each mesh is its load. Where unknown meshes close loops, each takes what
-!> it bears from those of its loop, and its mean displacement agrees with theirs and with the twist of what lies between.
+!> The equations of the mean: in a tree the mean force of each mesh is its load. An unknown mesh that closes a loop takes its force
+!> from the other elements of the loop, and its mean displacement agrees with theirs.
 !>
 !> With loop matrix C (geartrain_model_network) and means:
 !>    F_n + sum over c of C_cn (F_c - load_c) = load_n          an unknown mesh n of the tree
-!>    p_c - sum over n of C_cn p_n = twist of what is linear    an unknown mesh c that closes a loop
+!>    p_c - sum over unknown n of C_cn p_n = sum over linear n of C_cn p_n    an unknown mesh c that closes a loop
 module geartrain_model_mean
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
@@ -13,13 +13,13 @@ module geartrain_model_mean
    private
    public :: mean_type, mean_rows
 
-   !> The rows sum over j of (force_ij phi_j + displacement_ij p_j) = load_i, over the unknowns.
+   !> The equations sum over j of (force_ij phi_j + displacement_ij p_j) = static_force_i, i and j unknowns.
    type :: mean_type
-      !> (entries of the cut's graph) and (unknown).
+      !> Coefficients of phi and p [1], (entry of the graph of the cut); right sides [1], (unknown).
       real(dp), allocatable :: force(:), displacement(:), static_force(:)
-      !> Unknowns that close loops, and the mean displacement of each linear element per phi of theirs beyond the load, (element,
-      !> loop).
+      !> Unknowns that close loops, (loop).
       integer, allocatable :: closing(:)
+      !> Mean displacement of each linear element per phi of each closing unknown beyond its load [1], (element, loop).
       real(dp), allocatable :: follow(:, :)
    contains
       procedure :: linear_displacement
@@ -27,11 +27,15 @@ module geartrain_model_mean
 
 contains
 
-   !> The mean equations of a network cut at its unknown meshes, whose elements bear `load` over k b_c at rest, (element).
+   !> Makes the mean equations of a network.
    pure subroutine mean_rows(network, cut, load, mean)
+      !> Network of the train.
       type(network_type), intent(in) :: network
+      !> The network cut at its unknown meshes.
       type(cut_type), intent(in) :: cut
+      !> Force of each element at rest over k b_c [1], (element).
       real(dp), intent(in) :: load(:)
+      !> The equations.
       type(mean_type), intent(out) :: mean
       integer :: c, i, j, n
 
@@ -60,7 +64,7 @@ contains
                   end associate
                end associate
             end do
-            ! What is linear in the loop twists by its load and by what the closing forces change.
+            ! Linear elements of the loop deflect by their loads and by the change of the closing forces.
             do n = 1, network%coordinates
                if (network%elements(n)%unknown) cycle
                associate (ratio => network%loop(c - network%coordinates, n))
@@ -77,7 +81,7 @@ contains
       end do
    end subroutine mean_rows
 
-   !> How the linear elements follow the closing forces, those that close loops of linear elements included.
+   !> Sets `follow`: how linear elements, in the tree or closing loops of linear elements, deflect under the closing forces.
    pure subroutine find_following(network, cut, mean)
       type(network_type), intent(in) :: network
       type(cut_type), intent(in) :: cut
@@ -93,7 +97,7 @@ contains
          linear = pack(linear, linear > tree)
          allocate (flexibility(size(linear), size(linear)), taken(size(linear), size(mean%closing)), source=0.0_dp)
          allocate (pivot(size(linear)))
-         ! Forces of the linear closing elements per force of the unknown ones.
+         ! Forces of the linear closing elements per force of the unknown closing elements.
          do n = 1, tree
             if (elements(n)%unknown) cycle
             do i = 1, size(linear)
@@ -127,12 +131,14 @@ contains
       end associate
    end subroutine find_following
 
-   !> Mean displacement of a linear element over b_c that the closing forces cause, beyond its load; `force` are the phi of the
-   !> unknown meshes, and `load` those of all elements at rest.
+   !> Mean displacement over b_c [1] of a linear element due to the closing forces, without the deflection under its load at rest.
    pure real(dp) function linear_displacement(self, cut, element, force, load)
       class(mean_type), intent(in) :: self
+      !> The network cut at its unknown meshes.
       type(cut_type), intent(in) :: cut
+      !> Number of the linear element.
       integer, intent(in) :: element
+      !> Mean phi of the unknown meshes [1], (unknown); force of each element at rest over k b_c [1], (element).
       real(dp), intent(in) :: force(:), load(:)
       integer :: i
 

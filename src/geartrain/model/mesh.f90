@@ -6,12 +6,12 @@ module geartrain_model_mesh
    use geartrain_model_body, only: name_length
    implicit none (type, external)
    private
-   public :: mesh_type, has_table, mean_stiffness, plain_mesh, put_law
+   public :: mesh_type, has_table, is_given, mean_stiffness, plain_mesh, put_law
 
    type :: mesh_type
-      !> Names of the bodies that the gears are on, that of the driving one first; blank in a chain.
+      !> Names of the bodies of the driving and the driven gear; blank in a chain.
       character(name_length) :: between(2) = ''
-      !> The pair is an internal one: both gears turn in one sense.
+      !> An internal gear pair: both gears turn in one sense.
       logical :: internal = .false.
       !> Base circle radii [m].
       real(dp) :: driving_radius = 0, driven_radius = 0
@@ -28,19 +28,19 @@ module geartrain_model_mesh
       character(8) :: damping_acts = 'always'
       !> Half of the backlash [m]; 0 makes the mesh linear.
       real(dp) :: half_backlash = 0
-      !> Mean stiffness of the back flanks [N/m], 0: as that of the drive flanks; by which their kappa lags that of the drive flanks
-      !> [rad of the mesh cycle].
+      !> Mean stiffness of the back flanks [N/m], 0: equal to `stiffness`; lag of kappa of the back flanks behind kappa of the drive
+      !> flanks [rad of the mesh cycle].
       real(dp) :: back_stiffness = 0, back_phase = 0
       !> Harmonics 1..K of kappa(t) = 1 + ... [1], equation (7a); empty where there are none.
       real(dp), allocatable :: stiffness_cos(:), stiffness_sin(:)
       !> In place of stiffness and its harmonics: stiffness at equidistant instants of a mesh cycle from its beginning [N/m].
       real(dp), allocatable :: stiffness_table(:)
-      !> In place of the harmonics: contact ratio, of a rectangular wave, and how many of its harmonics; 0: not given.
+      !> In place of the harmonics: contact ratio of a rectangular wave of the stiffness [1], 0: not given; harmonics of this wave.
       real(dp) :: contact_ratio = 0
       integer :: stiffness_harmonics = 5
-      !> By which kappa and the transmission error lag [rad of the mesh cycle].
+      !> Lag of kappa and of the transmission error [rad of the mesh cycle].
       real(dp) :: phase = 0
-      !> Harmonics 1.. of the static transmission error [m], equation (7b); it adds to the mesh displacement.
+      !> Harmonics 1.. of the static transmission error [m], equation (7b), which adds to the mesh displacement.
       real(dp), allocatable :: error_cos(:), error_sin(:)
       !> Mesh frequency as a multiple of the fundamental, m_n [1].
       integer :: order = 1
@@ -48,31 +48,43 @@ module geartrain_model_mesh
 
 contains
 
-   !> Whether the stiffness is given by a table: an empty one is none.
+   !> Whether the stiffness is given by a table.
    pure logical function has_table(mesh)
+      !> The mesh as given.
       type(mesh_type), intent(in) :: mesh
 
-      has_table = .false.
-      if (allocated(mesh%stiffness_table)) has_table = size(mesh%stiffness_table) > 0
+      has_table = is_given(mesh%stiffness_table)
    end function has_table
 
-   !> Mean stiffness of a mesh, however it is given [N/m].
+   !> Whether a list is given: an empty list is not.
+   pure logical function is_given(list)
+      !> Values in any unit; may be unallocated.
+      real(dp), allocatable, intent(in) :: list(:)
+
+      is_given = .false.
+      if (allocated(list)) is_given = size(list) > 0
+   end function is_given
+
+   !> Mean stiffness of a mesh [N/m], as given or of the table.
    elemental real(dp) function mean_stiffness(mesh)
+      !> The mesh as given.
       type(mesh_type), intent(in) :: mesh
 
       mean_stiffness = mesh%stiffness
       if (has_table(mesh)) mean_stiffness = sum(mesh%stiffness_table)/size(mesh%stiffness_table)
    end function mean_stiffness
 
-   !> A mesh with the same force, whose mean stiffness and harmonics are given as such and include the phase.
+   !> Replaces table, contact ratio and phase of a mesh by mean stiffness and harmonics of an equal force.
    pure subroutine plain_mesh(mesh, plain)
+      !> The mesh as given.
       type(mesh_type), intent(in) :: mesh
+      !> The mesh with mean stiffness and harmonics only.
       type(mesh_type), intent(out) :: plain
       integer :: h
 
       plain = mesh
       if (mesh%contact_ratio > 0) then
-         ! k1, 2 k1, ... as tooth pairs come and go: the wave of a share contact_ratio - 1 of the cycle.
+         ! A rectangular wave: one more tooth pair is in contact during the share contact_ratio - 1 of the cycle.
          plain%stiffness_cos = [(2*sin(h*pi*(mesh%contact_ratio - 1))/(h*pi*mesh%contact_ratio), h=1, mesh%stiffness_harmonics)]
       else if (has_table(mesh)) then
          call transform(mesh%stiffness_table, plain)
@@ -85,10 +97,13 @@ contains
       plain%phase = 0
    end subroutine plain_mesh
 
-   !> The law of the force of a plain mesh, displacements over `length` [m], damping over that of the mesh.
+   !> Makes the force law of a plain mesh. Its damping is relative to the damping of the mesh until `law_type%complete`.
    pure subroutine put_law(mesh, length, law)
+      !> A mesh from `plain_mesh`.
       type(mesh_type), intent(in) :: mesh
+      !> Unit of displacements in the law, b_c [m].
       real(dp), intent(in) :: length
+      !> Walls, stiffness, origin, amplitudes and relative damping of the regions.
       type(law_type), intent(out) :: law
       type(series_type) :: kappa
       real(dp) :: back
@@ -118,7 +133,7 @@ contains
       end associate
    end subroutine put_law
 
-   !> The trigonometric polynomial of least degree through the values of a table.
+   !> Sets mean stiffness and harmonics to the trigonometric polynomial of least degree through the values of a table.
    pure subroutine transform(table, mesh)
       real(dp), intent(in) :: table(:)
       type(mesh_type), intent(inout) :: mesh
@@ -138,7 +153,7 @@ contains
       end do
    end subroutine transform
 
-   !> The harmonics of a function of theta - phase from those of the function of theta; either list may be absent or shorter.
+   !> Delays a function of theta by `phase`, given by its harmonics; either list may be absent or shorter than the other.
    pure subroutine delay(phase, cosine, sine)
       real(dp), intent(in) :: phase
       real(dp), allocatable, intent(inout) :: cosine(:), sine(:)

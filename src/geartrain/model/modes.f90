@@ -1,5 +1,5 @@
-!> Natural frequencies and mode shapes of the mean linear system: every mesh on the flank that bears its mean load, at its mean
-!> stiffness.
+!> Natural frequencies and mode shapes of the mean linear system: every mesh is on the flank of its mean load, with the mean
+!> stiffness of this flank.
 module geartrain_model_modes
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_kinds, only: dp
@@ -15,9 +15,10 @@ module geartrain_model_modes
    public :: modes_type, natural_modes, natural_frequencies
 
    type :: modes_type
-      !> Undamped, over characteristic frequency, ascending, the rigid-body mode left out, (mode).
+      !> Undamped natural frequencies over characteristic frequency [1], ascending, without the rigid-body mode, (mode).
       real(dp), allocatable :: natural_frequency(:)
-      !> Imaginary part of the damped eigenvalue and its damping ratio [1], (mode); an overdamped mode has frequency 0.
+      !> Imaginary part of the damped eigenvalue over characteristic frequency [1], 0 for an overdamped mode, and damping ratio [1],
+      !> (mode).
       real(dp), allocatable :: damped_frequency(:), damping_ratio(:)
       !> Displacement of each element (mesh displacement, or shaft twist times base radius), largest 1, (element, mode).
       real(dp), allocatable :: shape(:, :)
@@ -29,8 +30,11 @@ module geartrain_model_modes
 
 contains
 
+   !> Computes the modes of a train.
    subroutine natural_modes(train, modes, error)
+      !> The train.
       type(train_type), intent(in) :: train
+      !> The modes.
       type(modes_type), intent(out) :: modes
       type(error_type), allocatable, intent(out) :: error
       type(system_type) :: system
@@ -84,8 +88,9 @@ contains
       shown = shown(ascending(max(2*system%element_shaft(shown) - 1, 2*system%element_mesh(shown))*1.0_dp))
    end function elastic
 
-   !> Natural frequencies alone, over characteristic frequency, ascending; empty where LAPACK does not converge.
+   !> Natural frequencies over characteristic frequency [1], ascending; empty where LAPACK does not converge.
    pure function natural_frequencies(system) result(frequency)
+      !> The train.
       type(system_type), intent(in) :: system
       real(dp), allocatable :: frequency(:)
       integer :: info
@@ -130,8 +135,8 @@ contains
       end do
    end function stiffness_at_rest
 
-   !> Eigenvalues of p'' + W Gamma p' + W K p = 0, K the stiffness at rest, each given to the mode of the nearest magnitude. Damping
-   !> to ground adds the rate at which the train as a whole comes to rest, the smallest real eigenvalue, which is no mode.
+   !> Eigenvalues of p'' + W Gamma p' + W K p = 0, K the stiffness at rest; each mode gets the eigenvalue of the nearest magnitude.
+   !> With damping to ground the smallest real eigenvalue is the rate at which the whole train comes to rest: it is no mode.
    subroutine damped(system, modes, info)
       type(system_type), intent(in) :: system
       type(modes_type), intent(inout) :: modes

@@ -1,8 +1,8 @@
-!> A train as a network, in SI units: nodes that turn as one, and the elastic elements, shafts and meshes, that join them. A rigid
-!> shaft makes one node of its bodies.
+!> A train as a network, in SI units: nodes, and the elastic elements, shafts and meshes, that join them. A node is a body, or
+!> several bodies on rigid shafts.
 !>
-!> Rotations are counted positive in the sense in which a body turns when the train runs. Then all of them turn together where
-!> theta = x/radius with one x and the reduced radii; with x = radius theta every element is a spring between two masses.
+!> A rotation theta is positive in the sense in which the body turns when the train runs. With x = radius theta and the reduced
+!> radii of the nodes, all x are equal where the train turns without deflection, and every element is a spring between two masses.
 module geartrain_model_network
    use geartrain_base_kinds, only: dp
    use geartrain_model_bodies, only: bodies_of, body_count, find_ends
@@ -12,51 +12,53 @@ module geartrain_model_network
    private
    public :: network_type, element_type, build_network, join_rigid, state_count, stiffening
 
-   !> A shaft or a mesh: its force is F, its displacement p = radius(1) theta_from - radius(2) theta_to.
+   !> A shaft or a mesh with the displacement p = radius(1) theta_from - radius(2) theta_to; or damping to ground.
    type :: element_type
-      !> Number of the shaft or of the mesh in the train; the other is 0.
+      !> Number of the shaft or of the mesh in the train; 0 where the element is none.
       integer :: shaft = 0, mesh = 0
-      !> The nodes it joins; that of the driving gear first.
+      !> The nodes that the element joins; of a mesh `from` has the driving gear.
       integer :: from = 0, to = 0
-      !> [m]; those of a shaft are equal, any radius does.
+      !> Radii at the two nodes [m]: base radii of the gears; two equal ones for a shaft, of any length.
       real(dp) :: radius(2) = 0
-      !> Along the line of action, [N/m] and [N s/m].
+      !> Stiffness [N/m] and damping [N s/m] along the line of action.
       real(dp) :: stiffness = 0, damping = 0
       !> A mesh with backlash or a varying stiffness: an unknown of the harmonic balance.
       logical :: unknown = .false.
-      !> Damping to ground of the node `from`, which is `to` as well, at radius 0: its displacement is the vibration of the node,
-      !> its stiffness but a unit of its force.
+      !> Damping to ground of the node `from`; `to` is this node too, at radius 0. The displacement is the vibration of the node;
+      !> the stiffness only is the unit of the force.
       logical :: grounded = .false.
    end type element_type
 
    type :: network_type
-      !> Node of each body of the train, (body): as given, or in a chain prime mover, driving and driven gear of each mesh, load.
+      !> Node of each body of the train (geartrain_model_bodies), (body).
       integer, allocatable :: node(:)
-      !> [kg m^2], mean torque [N m], but for the node that balances all others, and reduced radii [m], (node).
+      !> Inertia [kg m^2], given mean torque [N m] and reduced radius [m], (node).
       real(dp), allocatable :: inertia(:), torque(:), radius(:)
-      !> Sum of the magnitudes of the torques on the bodies of a node [N m], which tells the rounding of `torque`, (node).
+      !> Sum of the magnitudes of the torques on the bodies of a node [N m], (node): the scale of the rounding of `torque`.
       real(dp), allocatable :: magnitude(:)
       !> Damping to ground [N m s/rad], (node).
       real(dp), allocatable :: damping(:)
-      !> The node whose mean torque balances all others'.
+      !> The node whose mean torque balances the torques on all others.
       integer :: balancing = 0
-      !> First the elements of a tree that joins all nodes, each with a node in common with one before it: their displacements are
-      !> the coordinates of the network, with one more where there is damping to ground, to tell the vibration of all nodes from:
-      !> only its velocity matters. Then those that close loops, unknown meshes wherever the loop has one, then the further
-      !> grounded ones.
+      !> In this order: the elements of a tree that joins all nodes, each with a node in common with an element before it; where
+      !> there is damping to ground, one grounded element; the elements that close loops, unknown meshes wherever a loop has one;
+      !> the other grounded elements. The displacements of the tree and of the first grounded element are the coordinates of the
+      !> network.
       type(element_type), allocatable :: elements(:)
-      !> Coordinates, and those of which the displacement matters.
+      !> Number of coordinates; number of coordinates without the grounded element, of which only the velocity matters.
       integer :: coordinates = 0, displacements = 0
-      !> Displacement of each element that closes a loop per displacement of those of the tree [1], (loop, coordinate): what a force
-      !> in it takes from the forces of the tree.
+      !> Loop matrix C: displacement of each element after the coordinates per displacement of each coordinate [1], (loop,
+      !> coordinate). A force in such an element is taken, times C, from the forces of the tree.
       real(dp), allocatable :: loop(:, :)
    end type network_type
 
 contains
 
-   !> The network of a train that is in order.
+   !> Makes the network of a train.
    pure subroutine build_network(train, network)
+      !> A train that has passed `check_train`.
       type(train_type), intent(in) :: train
+      !> The network.
       type(network_type), intent(out) :: network
       type(element_type), allocatable :: elements(:)
 
@@ -70,9 +72,10 @@ contains
       call find_loops(network)
    end subroutine build_network
 
-   !> How many numbers a state has: displacements of the tree's elements, their velocities and, with damping to ground, one more. 0
-   !> for a train of nothing.
+   !> Number of values of a state: displacements and velocities of the elements of the tree and, with damping to ground, one more
+   !> velocity. 0 for a train without bodies.
    pure integer function state_count(train)
+      !> The train; its shafts are allocated.
       type(train_type), intent(in) :: train
       type(network_type) :: network
 
@@ -82,9 +85,11 @@ contains
       state_count = 2*(size(network%inertia) - 1) + merge(1, 0, any(network%damping > 0))
    end function state_count
 
-   !> Makes the nodes, numbered by their first bodies.
+   !> Makes the nodes, numbered in the order of their first bodies.
    pure subroutine join_rigid(train, network)
+      !> The train.
       type(train_type), intent(in) :: train
+      !> Gets node, inertia, torque, magnitude, damping and balancing.
       type(network_type), intent(out) :: network
       real(dp), dimension(body_count(train)) :: inertia, torque
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
@@ -117,7 +122,7 @@ contains
       network%balancing = network%node(max(1, balancing))
    end subroutine join_rigid
 
-   !> Elastic shafts and meshes as they are given: shaft 1, mesh 1, shaft 2, ...
+   !> Lists elastic shafts and meshes in the order shaft 1, mesh 1, shaft 2, ...
    pure subroutine list_elements(train, network, elements)
       type(train_type), intent(in) :: train
       type(network_type), intent(in) :: network
@@ -146,7 +151,7 @@ contains
    pure subroutine make_shaft(train, network, i, ends, mesh_ends, element)
       type(train_type), intent(in) :: train
       type(network_type), intent(in) :: network
-      !> The shaft, the bodies that it joins, and those that each mesh joins, (2, mesh).
+      !> Number of the shaft; its two bodies; the two bodies of each mesh, (2, mesh).
       integer, intent(in) :: i, ends(2), mesh_ends(:, :)
       type(element_type), intent(inout) :: element
 
@@ -165,8 +170,9 @@ contains
    pure subroutine make_mesh(train, network, i, ends, inertia, element)
       type(train_type), intent(in) :: train
       type(network_type), intent(in) :: network
-      !> The mesh and the bodies that it joins.
+      !> Number of the mesh; its two bodies.
       integer, intent(in) :: i, ends(2)
+      !> Of the bodies [kg m^2], (body).
       real(dp), intent(in) :: inertia(:)
       type(element_type), intent(inout) :: element
       type(mesh_type) :: mesh
@@ -192,12 +198,12 @@ contains
 
    end subroutine make_mesh
 
-   !> The radius along which the twist of a shaft is measured [m]: of a gear that drives from one of its nodes, else of one that is
-   !> driven, else of any gear.
+   !> The radius along which the twist of a shaft is measured [m]: of a driving gear on one of its nodes; else of a driven gear
+   !> there; else of the first mesh.
    pure real(dp) function measured_radius(train, network, mesh_ends, nodes) result(radius)
       type(train_type), intent(in) :: train
       type(network_type), intent(in) :: network
-      !> Bodies of each mesh, (2, mesh), and the nodes of the shaft.
+      !> The two bodies of each mesh, (2, mesh); the two nodes of the shaft.
       integer, intent(in) :: mesh_ends(:, :), nodes(2)
       integer :: i
 
@@ -210,7 +216,7 @@ contains
       end do
    end function measured_radius
 
-   !> Which elements make a tree: linear ones first, the stiffest before.
+   !> Chooses the elements of a tree: linear elements first, in order of falling stiffness.
    pure function in_tree(given, nodes) result(chosen)
       type(element_type), intent(in) :: given(:)
       integer, intent(in) :: nodes
@@ -233,8 +239,8 @@ contains
       end do
    end function in_tree
 
-   !> The elements of the tree in the order in which they are met from a node at an end: a chain from one end to the other; then the
-   !> rest.
+   !> Sorts the elements: first the tree in the order of a search from a node at an end, so a chain from one end to the other; then
+   !> the rest.
    pure subroutine sort_elements(given, chosen, nodes, elements)
       type(element_type), intent(in) :: given(:)
       logical, intent(in) :: chosen(:)
@@ -290,7 +296,7 @@ contains
       end associate
    end subroutine add_grounded
 
-   !> Each node lies at the end of a path of the tree from the first one; a loop goes along the paths to the ends of its element.
+   !> Sets the loop matrix: the coordinates give x of every node along the tree, and x of two nodes the displacement of an element.
    pure subroutine find_loops(network)
       type(network_type), intent(inout) :: network
       !> x of each node per displacement of the coordinates.
@@ -316,7 +322,7 @@ contains
          end associate
       end do
       if (network%coordinates > network%displacements) then
-         ! From the node whose vibration is the last coordinate.
+         ! x relative to the node whose vibration is the last coordinate.
          x = x - spread(x(:, network%elements(network%coordinates)%from), 2, size(x, 2))
          x(network%coordinates, :) = 1
       end if
@@ -338,8 +344,9 @@ contains
 
    end subroutine find_loops
 
-   !> Factor >= 1 by which the loops that an element is in stiffen it: a soft mesh beside stiff ones moves with them, (element).
+   !> Factor >= 1 by which loops stiffen each element, (element): a soft element beside stiff elements follows their motion.
    pure function stiffening(network) result(factor)
+      !> Network from `build_network`.
       type(network_type), intent(in) :: network
       real(dp) :: factor(size(network%elements)), share(size(network%elements)), others
       integer :: i, m, n
@@ -352,14 +359,14 @@ contains
          share(network%coordinates + i) = 1
          do n = 1, size(share)
             if (.not. abs(share(n)) > 0) cycle
-            ! What the others of the loop yield to a unit of force in it, over what this element does.
+            ! Compliance of the other elements of the loop over the compliance of this element.
             others = sum(share**2*(network%elements(n)%stiffness/network%elements%stiffness), [(m, m=1, size(share))] /= n)
             factor(n) = max(factor(n), 1 + share(n)**2/max(others, tiny(others)))
          end do
       end do
    end function stiffening
 
-   !> The first element has its own radius at its first node.
+   !> Finds the reduced radii; the first node of the first element has the radius of this element.
    pure subroutine find_radii(network)
       type(network_type), intent(inout) :: network
       integer :: n

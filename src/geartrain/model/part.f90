@@ -1,10 +1,9 @@
-!> A free linear part of a train, what hangs together when the unknown meshes are cut: masses on springs (see
-!> geartrain_model_network), with the meshes that touch it as ports. Its receptance between the ports stands for it in the
-!> harmonic balance.
+!> A free linear part of a train: masses and springs (see geartrain_model_network) that remain joined when the unknown meshes are
+!> cut. The cut meshes are its ports; the harmonic balance uses the receptance between the ports.
 !>
-!> A mass is eliminated by the star-mesh transform: with springs s_j to the masses j and e, the rest of the diagonal, to ground,
-!> it leaves springs s_i s_j/(e + sum of s) between these and e s_j/(e + sum of s) to ground. Nothing is subtracted that might
-!> cancel: a stiff spring, a small mass beside a large one lose no digits.
+!> A mass is eliminated by the star-mesh transform. With springs s_j to the masses j and a spring e, the rest of the diagonal, to
+!> ground, the elimination leaves springs s_i s_j/(e + sum of s) between masses i and j and e s_j/(e + sum of s) from mass j to
+!> ground. There are no differences that might cancel: a stiff spring or a small mass beside a large mass loses no digits.
 module geartrain_model_part
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_graph, only: graph_type
@@ -13,25 +12,25 @@ module geartrain_model_part
    public :: part_type, part_state_type
 
    type :: part_type
-      !> Body of the network of each mass, and masses over reduced radii squared [kg], (mass).
+      !> Node of the network of each mass; inertia over reduced radius squared [kg], (mass).
       integer, allocatable :: body(:)
       real(dp), allocatable :: mass(:)
-      !> Damping to ground over reduced radii squared [N s/m], (mass); whether there is any.
+      !> Damping to ground over reduced radius squared [N s/m], (mass); whether any is > 0.
       real(dp), allocatable :: drag(:)
       logical :: dragged = .false.
-      !> Which masses springs join, with fill; stiffness [N/m] and damping [N s/m], (slot).
+      !> Pairs of masses joined by springs, with fill; stiffness [N/m] and damping [N s/m] of the springs, (slot).
       type(graph_type) :: graph
       real(dp), allocatable :: stiffness(:), damping(:)
-      !> Elements of the network that are springs here; whether something within excites it.
+      !> Elements of the network that are springs of the part; whether a torque or a transmission error excites the part.
       integer, allocatable :: element(:)
       logical :: excited = .false.
-      !> Mass of each port and displacement of its mesh per displacement of the mass, with its sign [1], (port).
+      !> Mass of each port; displacement of the mesh of the port over displacement of the mass, with sign [1], (port).
       integer, allocatable :: at(:)
       real(dp), allocatable :: weight(:)
-      !> Unknown that each port belongs to, (port), and the entries of the balance's graph between them, (port, port).
+      !> Unknown of each port, (port); entry of the graph of the unknowns of each pair of ports, (port, port).
       integer, allocatable :: unknown(:), entry(:, :)
-      !> What a receptance of the masses of two ports is multiplied with: displacement of the first mesh per phi of the second over
-      !> k b_c [N/m], (port, port).
+      !> Factor of the receptance between the masses of two ports [N/m], (port, port): gain times receptance is the displacement
+      !> over b_c of the first mesh per phi of the second mesh.
       real(dp), allocatable :: gain(:, :)
    contains
       procedure :: setup
@@ -42,20 +41,23 @@ module geartrain_model_part
       procedure :: derivative
    end type part_type
 
-   !> A part at one frequency: factors of its masses.
+   !> Factors of the dynamic stiffness Z of a part at one frequency.
    type :: part_state_type
-      !> [rad/s]
+      !> Frequency [rad/s].
       real(dp) :: omega = 0
-      !> Springs as they are met [N/m], (slot); what goes to ground and the inverse pivot, (mass).
+      !> Springs when the first of their masses is eliminated [N/m], (slot); springs to ground [N/m] and inverse pivots [m/N],
+      !> (mass).
       complex(dp), allocatable :: spring(:), ground(:), inverse(:)
    end type part_state_type
 
 contains
 
-   !> Masses joined by springs, each column of `ends` one; parallel springs add up. The ports come later.
+   !> Makes a part without ports; parallel springs add up.
    pure subroutine setup(self, body, mass, drag, ends, stiffness, damping)
       class(part_type), intent(inout) :: self
+      !> Node of the network of each mass, (mass); the two masses that each spring joins, (2, spring).
       integer, intent(in) :: body(:), ends(:, :)
+      !> Masses [kg] and damping to ground [N s/m], (mass); stiffness [N/m] and damping [N s/m] of each spring, (spring).
       real(dp), intent(in) :: mass(:), drag(:), stiffness(:), damping(:)
       integer :: n, slot
 
@@ -72,7 +74,7 @@ contains
       end do
    end subroutine setup
 
-   !> The slot of two masses that a spring joins.
+   !> Slot of two masses joined by a spring.
    pure integer function slot_of(self, i, j)
       type(part_type), intent(in) :: self
       integer, intent(in) :: i, j
@@ -81,11 +83,12 @@ contains
       if (slot_of > self%graph%slots) slot_of = slot_of - self%graph%slots
    end function slot_of
 
-   !> Displacement per force between the masses of the ports [m/N], and its derivative with respect to omega, (port, port);
-   !> omega > 0 [rad/s].
+   !> Receptance between the masses of the ports.
    pure subroutine receptance(self, omega, alpha, d_alpha)
       class(part_type), intent(in) :: self
+      !> Frequency > 0 [rad/s].
       real(dp), intent(in) :: omega
+      !> Displacement over force [m/N], and its derivative with respect to omega [m s/(N rad)], (port, port).
       complex(dp), intent(out) :: alpha(:, :), d_alpha(:, :)
       type(part_state_type) :: state
       complex(dp) :: x(size(self%mass), size(self%at)), changed(size(self%mass)), difference(self%graph%slots)
@@ -107,10 +110,13 @@ contains
       end do
    end subroutine receptance
 
-   !> `receptance` in closed form between one mass, or two on a spring, without damping to ground: (1, 1), (1, 2) and (2, 2).
+   !> Receptance in closed form of a part of one mass, or of two masses on a spring, without damping to ground.
    pure subroutine receptance_of_two(self, omega, alpha, d_alpha)
       class(part_type), intent(in) :: self
+      !> Frequency > 0 [rad/s].
       real(dp), intent(in) :: omega
+      !> Displacement over force [m/N] between masses 1 and 1, 1 and 2, 2 and 2, and derivatives with respect to omega [m s/(N
+      !> rad)]; of one mass all three are equal.
       complex(dp), intent(out) :: alpha(3), d_alpha(3)
       complex(dp) :: spring, d_spring, inverse, d_denominator, d_numerator(3)
       real(dp) :: both, product
@@ -131,10 +137,12 @@ contains
       d_alpha = (d_numerator - alpha*d_denominator)*inverse
    end subroutine receptance_of_two
 
-   !> Eliminates the masses at omega > 0 [rad/s].
+   !> Eliminates the masses.
    pure subroutine factor(self, omega, state)
       class(part_type), intent(in) :: self
+      !> Frequency > 0 [rad/s].
       real(dp), intent(in) :: omega
+      !> The factors.
       type(part_state_type), intent(out) :: state
       complex(dp) :: share
       integer :: i, k, n, s, t, slot
@@ -164,12 +172,15 @@ contains
       end associate
    end subroutine factor
 
-   !> Displacements [m] in place of the forces on the masses [N], (mass), and of the earlier less the later mass of each slot,
-   !> (slot), which is found by itself: a difference would cancel on a stiff spring.
+   !> Solves for displacements, and for the differences of displacements by their own recurrence: a difference of two displacements
+   !> would cancel on a stiff spring.
    pure subroutine solve(self, state, x, difference)
       class(part_type), intent(in) :: self
+      !> Factors from `factor`.
       type(part_state_type), intent(in) :: state
+      !> Forces on the masses [N], then displacements [m], (mass).
       complex(dp), intent(inout) :: x(:)
+      !> Displacement of the mass eliminated earlier less displacement of the mass eliminated later [m], (slot).
       complex(dp), intent(out) :: difference(:)
       complex(dp) :: force
       integer :: i, k, n, s, t, slot
@@ -188,14 +199,14 @@ contains
                x(i) = state%inverse(i)*(force + sum(state%spring(first:last)*x(graph%later(first:last))))
                n = graph%update(k)
                do s = first, last
-                  ! The others as seen from later(s): the pivot times x(i) - x(later(s)).
+                  ! `difference` so far is the pivot times x(i) - x(later(s)).
                   difference(s) = force - state%ground(i)*x(graph%later(s))
                   do t = first, last
                      n = n + 1
                      if (t == s) cycle
                      slot = graph%target(n) - graph%nodes
                      if (slot > graph%slots) then
-                        ! Row later(s), column later(t), which is eliminated first.
+                        ! later(t) is eliminated before later(s).
                         difference(s) = difference(s) + state%spring(t)*difference(slot - graph%slots)
                      else
                         difference(s) = difference(s) - state%spring(t)*difference(slot)
@@ -208,10 +219,12 @@ contains
       end associate
    end subroutine solve
 
-   !> (dZ/d omega) x.
+   !> Product (dZ/d omega) x with the dynamic stiffness Z.
    pure function derivative(self, omega, x) result(force)
       class(part_type), intent(in) :: self
+      !> Frequency > 0 [rad/s].
       real(dp), intent(in) :: omega
+      !> Displacements [m], (mass).
       complex(dp), intent(in) :: x(:)
       complex(dp) :: force(size(x)), damping
       integer :: i, k, s

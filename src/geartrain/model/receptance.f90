@@ -1,6 +1,6 @@
-!> The linear rest of the harmonic balance: displacement of each unknown mesh under harmonic mesh forces,
+!> The linear parts in the harmonic balance: displacement of each unknown mesh i under harmonic mesh forces,
 !>    p_i + sum over j of H_ij phi_j = a_i,
-!> j over the unknown meshes that share a linear part with i, and the displacements within the parts afterwards.
+!> j over the unknown meshes at the linear parts of mesh i; and the displacements of the other elements.
 module geartrain_model_receptance
    use geartrain_base_kinds, only: dp
    use geartrain_base_series, only: series_type
@@ -11,18 +11,21 @@ module geartrain_model_receptance
    public :: receptance_type, find_receptance, linear_displacements
 
    type :: receptance_type
-      !> H between the unknown meshes, (entries of the cut's graph), the excitation a, (unknown), and their derivatives with respect
-      !> to Lambda.
+      !> H [1] and dH/dLambda [1], (entry of the graph of the unknowns); excitation a [1] and da/dLambda [1], (unknown).
       complex(dp), allocatable :: h(:), dh(:), a(:), da(:)
    end type receptance_type
 
 contains
 
-   !> Receptance at `harmonic` of Lambda/eta (`harmonic` >= 1).
+   !> Computes receptance and excitation at one harmonic.
    pure subroutine find_receptance(system, frequency_ratio, harmonic, eta, r)
+      !> The train.
       type(system_type), intent(in) :: system
+      !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
+      !> Harmonic >= 1 of Lambda/eta; sub-harmonic index.
       integer, intent(in) :: harmonic, eta
+      !> Gets H, a and their derivatives; allocated at the first call.
       type(receptance_type), intent(inout) :: r
       complex(dp) :: alpha(3), d_alpha(3)
       real(dp) :: omega, d_omega, gain
@@ -63,7 +66,7 @@ contains
       end associate
    end subroutine find_receptance
 
-   !> Adds the receptance of a part that has no closed form.
+   !> Adds the receptance of a part without closed form.
    pure subroutine add_part(part, omega, d_omega, r)
       type(part_type), intent(in) :: part
       real(dp), intent(in) :: omega, d_omega
@@ -82,7 +85,7 @@ contains
       end do
    end subroutine add_part
 
-   !> What the torque and the transmission errors of meshes that are no unknowns, in part p, make of the others.
+   !> Adds to the excitation a the torques on part p and the transmission errors of linear meshes in part p.
    pure subroutine add_sources(system, p, omega, d_omega, harmonic, eta, r)
       type(system_type), intent(in) :: system
       integer, intent(in) :: p, harmonic, eta
@@ -109,7 +112,7 @@ contains
       end associate
    end subroutine add_sources
 
-   !> Forces on the masses of part p over b_c [N/m] and their derivatives with respect to omega, (mass).
+   !> Forces of the sources in part p on its masses over b_c [N/m], and their derivatives with respect to omega, (mass).
    pure subroutine find_sources(system, p, omega, harmonic, eta, force, d_force)
       type(system_type), intent(in) :: system
       integer, intent(in) :: p, harmonic, eta
@@ -145,13 +148,18 @@ contains
       end associate
    end subroutine find_sources
 
-   !> Displacements of the elements that are no unknowns, over b_c, at one harmonic, given the forces phi of the unknown meshes,
-   !> (unknown); those of the unknowns, and of damping to ground that is no coordinate, are left as they are, (element).
+   !> Computes the displacements of linear elements at one harmonic from the forces of the unknown meshes.
    pure subroutine linear_displacements(system, frequency_ratio, harmonic, eta, phi, p)
+      !> The train.
       type(system_type), intent(in) :: system
+      !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
+      !> Harmonic >= 1 of Lambda/eta; sub-harmonic index.
       integer, intent(in) :: harmonic, eta
+      !> Complex amplitudes of the forces of the unknown meshes over k b_c [1], (unknown).
       complex(dp), intent(in) :: phi(:)
+      !> Complex amplitudes of the displacements over b_c [1], (element); left unchanged for unknown meshes, and for damping to
+      !> ground that is no coordinate.
       complex(dp), intent(inout) :: p(:)
       type(part_state_type) :: state
       complex(dp), allocatable :: x(:), dx(:), difference(:)
@@ -189,7 +197,7 @@ contains
       end associate
    end subroutine linear_displacements
 
-   !> Amplitude of a series at a harmonic of Lambda/eta.
+   !> Complex amplitude of a series at a harmonic of Lambda/eta; 0 where the series does not have the harmonic.
    pure complex(dp) function amplitude_at(series, harmonic, eta)
       type(series_type), intent(in) :: series
       integer, intent(in) :: harmonic, eta

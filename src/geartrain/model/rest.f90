@@ -1,7 +1,7 @@
 !> The network at rest under its mean torques: the force of each shaft and each mesh.
 !>
-!> What no torque loads, or torques that cancel, has a force of exactly 0: rounding would make a load of it that everything else is
-!> large beside.
+!> An element without load, or between torques that cancel, has a force of exactly 0: a force by rounding would count as a load
+!> beside which every other force is large.
 module geartrain_model_rest
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
@@ -11,23 +11,26 @@ module geartrain_model_rest
    private
    public :: rest_forces, largest_residual
 
-   !> Largest misfit of the displacements round a loop that is taken for rounding, over the sum of their magnitudes [1].
+   !> Largest misfit of the displacements round a loop over the sum of their magnitudes that counts as rounding [1].
    real(dp), parameter :: largest_residual = 1e-10_dp
-   !> Forces of loops below this share of the largest one, or of that of a gap closed by the loop's stiffness, are rounding [1].
+   !> Largest force of an element of a loop that counts as rounding, over the largest force or the force that closes the gaps of the
+   !> loop [1].
    real(dp), parameter :: nothing = 1e-13_dp
 
 contains
 
-   !> Forces of the elements at rest.
+   !> Computes the forces of the elements at rest.
    pure subroutine rest_forces(network, law, length, force, residual)
+      !> The network.
       type(network_type), intent(in) :: network
-      !> Force of each mesh, (mesh); unit of its displacements, b_c [m].
+      !> Force law of each mesh, (mesh).
       type(law_type), intent(in) :: law(:)
+      !> Unit of the displacements in the laws, b_c [m].
       real(dp), intent(in) :: length
-      !> [N], (element); 0 of damping to ground.
+      !> Force of each element [N], (element); 0 for damping to ground.
       real(dp), intent(out) :: force(:)
-      !> Misfit of the displacements round the loops, beyond what gaps take up, over the sum of their magnitudes [1]; the forces
-      !> were found where it is below `largest_residual`.
+      !> Largest misfit of the displacements round a loop, beyond the gaps of unloaded meshes, over the sum of their magnitudes [1].
+      !> The forces are valid where it is below `largest_residual`.
       real(dp), intent(out) :: residual
       type(element_type) :: elements(count(.not. network%elements%grounded))
       real(dp) :: elastic(size(elements))
@@ -43,12 +46,12 @@ contains
       force = unpack(elastic, .not. network%elements%grounded, 0.0_dp)
    end subroutine rest_forces
 
-   !> What bears the force of each element: its compliance [m/N], and the displacement from which on it bears, in the direction of
-   !> the force [m].
+   !> Finds the compliance [m/N] of each element on the flank that bears its force, and the displacement at which this flank begins
+   !> to bear, in the direction of the force [m], (element).
    pure subroutine find_compliance(elements, law, length, force, compliance, gap)
       type(element_type), intent(in) :: elements(:)
       type(law_type), intent(in) :: law(:)
-      !> Unit of displacements [m]; forces [N], (element).
+      !> Unit of the displacements in the laws [m]; forces [N], (element).
       real(dp), intent(in) :: length, force(:)
       real(dp), intent(out) :: compliance(:), gap(:)
       integer :: n, s
@@ -65,13 +68,13 @@ contains
       end do
    end subroutine find_compliance
 
-   !> Which forces the elements that close loops take [N]: those of least complementary energy, the sum of F^2/(2 k) + b |F|, with
-   !> |F| made smooth, less and less so.
+   !> Finds the forces of least complementary energy in a network with loops. The energy is the sum of F^2/(2 k) + b |F|, with |F|
+   !> replaced by a smooth function that comes nearer and nearer to |F|.
    pure subroutine share_force(loop, elements, law, length, force, residual)
       real(dp), intent(in) :: loop(:, :), length
       type(element_type), intent(in) :: elements(:)
       type(law_type), intent(in) :: law(:)
-      !> In: of the tree alone; out: of all, (element).
+      !> Forces of the tree alone, then of the network [N], (element).
       real(dp), intent(inout) :: force(:)
       real(dp), intent(out) :: residual
       real(dp), dimension(size(loop, 1)) :: misfit, change, magnitude
@@ -83,7 +86,7 @@ contains
       n = size(loop, 2)
       unit = maxval(abs(force))
       if (.not. unit > 0) return
-      ! What a force in a loop takes from each element.
+      ! Force of each element per force of each closing element.
       taken = 0
       taken(:, :n) = -loop
       do i = 1, size(loop, 1)
@@ -114,14 +117,14 @@ contains
          where (abs(taken(i, :)) > 0) least = max(least, unit, magnitude(i)/sum(taken(i, :)**2*compliance))
       end do
       where (abs(force) <= nothing*least) force = 0
-      ! A mesh that bears nothing stands anywhere in its gap.
+      ! An unloaded mesh may stand anywhere in its gap.
       misfit = abs(matmul(taken, force*compliance + sign(gap, force)*merge(1, 0, abs(force) > 0))) &
                - matmul(abs(taken), merge(0.0_dp, gap, abs(force) > 0))
       residual = max(0.0_dp, maxval(misfit/magnitude))
 
    contains
 
-      !> How much of Newton's step to take: where the energy is least along it, beyond a kink a whole step would climb.
+      !> Share of the Newton step at which the energy is least: beyond a kink of |F| a whole step may raise the energy.
       pure real(dp) function length_of() result(middle)
          real(dp) :: left, right
          integer :: k
@@ -140,6 +143,7 @@ contains
          end do
       end function length_of
 
+      !> Derivative of the energy along the Newton step.
       pure real(dp) function slope(share)
          real(dp), intent(in) :: share
          real(dp), dimension(size(force)) :: there, soft, free
@@ -151,7 +155,8 @@ contains
 
    end subroutine share_force
 
-   !> Mean forces of the elements of the tree [N], (displacement): each body that has but one of them left tells that one.
+   !> Mean forces of the elements of the tree [N], (displacement): a node with a single open element gives the force of this
+   !> element.
    pure function tree_forces(network) result(force)
       type(network_type), intent(in) :: network
       real(dp) :: force(network%displacements), torque(size(network%torque)), magnitude(size(network%torque)), ratio

@@ -1,5 +1,5 @@
-!> How far apart the scales of a train may lie: its frequencies from the characteristic one, its displacements from the
-!> characteristic length and from one another. What lies beyond is no number any more, or lost in rounding.
+!> Limits of the scales of a train: of its frequencies relative to the characteristic frequency, of its displacements relative to
+!> the characteristic length and to each other. Beyond these limits a number overflows or is lost in rounding.
 module geartrain_model_scales
    use geartrain_base_checker, only: checker_type
    use geartrain_base_kinds, only: dp
@@ -12,28 +12,30 @@ module geartrain_model_scales
    private
    public :: check_scales
 
-   !> Largest ratio of the characteristic frequency to that of the slowest mesh, either way [decades]: a step of the flow has its
-   !> powers up to 20.
+   !> Largest ratio between the characteristic frequency and the frequency of the slowest mesh [decades]: a step of the flow has the
+   !> powers of this ratio up to 20.
    real(dp), parameter :: off_unit = 7
-   !> The largest displacement lies within this of the characteristic length [decades]: its square is a number.
+   !> Largest ratio between the largest displacement and the characteristic length [decades]: its square does not overflow.
    real(dp), parameter :: most_lengths = 20
-   !> Of two displacements further apart [decades] the smaller one is lost in the rounding of the larger one.
+   !> Ratio of two displacements beyond which the smaller displacement is lost in the rounding of the larger [decades].
    real(dp), parameter :: lost = 12
-   !> Largest amplitude of kappa: the motion of an unstable train grows with the exponential of its root.
+   !> Largest amplitude of kappa [1]: the growth rate of the motion of an unstable train is proportional to its root.
    real(dp), parameter :: most_variation = 1e3_dp
-   !> Decades of 0.
+   !> Value for the logarithm of 0 [decades].
    real(dp), parameter :: none = -1e4_dp
 
 contains
 
-   !> Adds a problem for what the values of a train give together, each of them being in its range. By logarithms: those are numbers
-   !> whatever the values are, and however many meshes hand the torque on.
+   !> Adds a problem where values of a train, each in its range, give together a scale beyond the limits. All by logarithms, which
+   !> do not overflow for any values and any number of meshes.
    subroutine check_scales(train, checker)
+      !> The train.
       type(train_type), intent(in) :: train
+      !> Gets the problems.
       class(checker_type), intent(inout) :: checker
       real(dp) :: static, unit, largest, own
-      !> Decades of the reduced radii of the bodies; of x on them [N], by the mean torque; of the displacement of mesh j per unit of
-      !> a force on x.
+      !> Logarithms of the reduced radius and of the force by the mean torque at this radius, (body); of the displacement of each
+      !> mesh per force, (mesh) [decades].
       real(dp) :: radius(body_count(train)), force(body_count(train)), compliance(size(train%meshes))
       integer :: b, j, before, strongest
 
@@ -83,7 +85,7 @@ contains
 
    contains
 
-      !> The static deflection of mesh j [decades of m].
+      !> Checks the static deflection of mesh j [decades of m].
       subroutine check_torque(j, static)
          integer, intent(in) :: j
          real(dp), intent(in) :: static
@@ -97,7 +99,7 @@ contains
          end if
       end subroutine check_torque
 
-      !> A displacement [decades of m] that a value gives.
+      !> Checks a displacement `length` [decades of m] that a value causes.
       subroutine check_length(group, index, name, value, length, what)
          character(*), intent(in) :: group, name, what
          integer, intent(in) :: index
@@ -115,7 +117,7 @@ contains
          character(*), intent(in) :: group, name, what
          integer, intent(in) :: index
          real(dp), allocatable, intent(in) :: values(:)
-         !> To a displacement [decades].
+         !> Displacement per value [decades].
          real(dp), intent(in) :: factor
          integer :: i
 
@@ -140,7 +142,7 @@ contains
          call checker%leave()
       end subroutine check_variation
 
-      !> A gap and the deflection over it that cannot be told from the larger of them.
+      !> Adds a problem where the gap or the static deflection of a mesh is lost beside the other.
       subroutine check_rounding()
          real(dp) :: gap
          character(12) :: torque_name
@@ -181,7 +183,7 @@ contains
 
    end subroutine check_scales
 
-   !> See `check_scales`, all in decades.
+   !> Sets the logarithms of `check_scales` [decades].
    subroutine find_scales(train, radius, force, compliance)
       type(train_type), intent(in) :: train
       real(dp), intent(out) :: radius(:), force(:), compliance(:)
@@ -227,7 +229,7 @@ contains
 
    end subroutine find_scales
 
-   !> log10 of a magnitude, also of 0.
+   !> Logarithm of a magnitude [decades]; `none` for 0.
    elemental real(dp) function decades(value)
       real(dp), intent(in) :: value
 
@@ -235,7 +237,7 @@ contains
       if (abs(value) > 0) decades = log10(abs(value))
    end function decades
 
-   !> A number by its logarithm, roughly: '1e305'.
+   !> A power of ten in words, by its rounded exponent: '1e305'.
    pure function power(exponent) result(text)
       real(dp), intent(in) :: exponent
       character(2 + len(integer_text(nint(exponent)))) :: text

@@ -7,7 +7,7 @@ module geartrain_model_shaft
    public :: shaft_type
 
    type :: shaft_type
-      !> Names of the bodies that it joins; blank in a chain.
+      !> Names of the two bodies that the shaft joins; blank in a chain.
       character(name_length) :: between(2) = ''
       !> Torsional stiffness [N m/rad]; not used when rigid.
       real(dp) :: stiffness = 0
@@ -16,7 +16,7 @@ module geartrain_model_shaft
       !> Damping coefficient [N m s/rad], in force when `damping_given`.
       real(dp) :: damping = 0
       logical :: damping_given = .false.
-      !> The inertias at its ends move as one.
+      !> The bodies at both ends move as one.
       logical :: rigid = .false.
    end type shaft_type
 

@@ -1,5 +1,5 @@
-!> Eigenvalues of W diag(factor), which is similar to a symmetric matrix by the roots of stiffness and factor; banded, as the
-!> elements are numbered along the train. Over all elements it has one eigenvalue 0 for each that closes a loop, or has factor 0.
+!> Eigenvalues of W diag(factor), which the roots of stiffness and factor transform to a symmetric matrix, banded since the elements
+!> are numbered along the train. Each element that closes a loop or has factor 0 adds an eigenvalue 0.
 module geartrain_model_spectrum
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_lapack, only: dsbev
@@ -10,14 +10,17 @@ module geartrain_model_spectrum
 
 contains
 
-   !> The largest eigenvalues, ascending, as many as `values` has room for, and the eigenvectors of the symmetric matrix, (element,
-   !> value); info = 0: LAPACK converged.
+   !> Finds the largest eigenvalues.
    pure subroutine eigenvalues_of(system, factor, values, info, vectors)
+      !> The train.
       type(system_type), intent(in) :: system
       !> Factors >= 0 of the elements, (element).
       real(dp), intent(in) :: factor(:)
+      !> The largest eigenvalues [1], ascending, as many as there is room for, (value).
       real(dp), intent(out) :: values(:)
+      !> 0: LAPACK converged.
       integer, intent(out) :: info
+      !> Eigenvectors of the symmetric matrix [1], (element, value).
       real(dp), intent(out), optional :: vectors(:, :)
       real(dp), allocatable :: band(:, :), work(:), vector(:, :)
       real(dp) :: value(system%elements)

@@ -1,10 +1,10 @@
-!> The dimensionless system of a train, holding only what the train has: elastic elements (shafts that are not rigid, and meshes)
-!> between bodies, displacement over characteristic length, time times characteristic frequency.
+!> The dimensionless system of a train: elastic elements (shafts that are not rigid, and meshes) between nodes. Displacements are
+!> over characteristic length, time is times characteristic frequency.
 !>
 !> Element n: p_n = r_from theta_from - r_to theta_to + e_n (geartrain_model_network). Each force is over k_n b_c: phi = kappa
 !> g(p) + gamma p' in a mesh. From I theta'' + B^T F = T and p = B theta + e:
 !>    p'' = -W phi + s(t) + e''      (equations (5) with their signs and indices put right)
-!> with W = B I^-1 B^T K, whose elements n and m are different from 0 where they have a body in common.
+!> with W = B I^-1 B^T K; W_nm is not 0 only where the elements n and m have a node in common.
 module geartrain_model_system
    use geartrain_base_interrupt, only: interrupt_type
    use geartrain_base_kinds, only: dp
@@ -21,55 +21,58 @@ module geartrain_model_system
    public :: system_type, build_system, put_excitation, shear
 
    type :: system_type
-      !> The displacements of the first `coordinates` elements are the coordinates of the train; the others close loops. A state is
-      !> the first `displacements` of them and the velocities of all: with damping to ground the last coordinate is the vibration of
-      !> a body, whose displacement nothing depends on.
+      !> Number of meshes and of elements. The displacements of the first `coordinates` elements are the coordinates of the train;
+      !> the other elements close loops. A state has the displacements of the first `displacements` coordinates and the velocities
+      !> of all coordinates, `states` values: with damping to ground the last coordinate is the vibration of a body, and no force
+      !> depends on its displacement.
       integer :: meshes = 0, elements = 0, coordinates = 0, displacements = 0, states = 0
-      !> Element of each mesh (mesh); mesh and shaft of each element, 0 where it is none (element).
+      !> Element of each mesh, (mesh); mesh and shaft of each element, 0 where the element is none, (element).
       integer, allocatable :: mesh_element(:), element_mesh(:), element_shaft(:)
-      !> Mean stiffness along the line of action [N/m], (element); `spring` is 1, but 0 of damping to ground, whose stiffness is
-      !> only the unit of its force.
+      !> Mean stiffness along the line of action [N/m]; 1, but 0 for damping to ground, whose stiffness is only the unit of its
+      !> force [1], (element).
       real(dp), allocatable :: stiffness(:), spring(:)
-      !> W_nn [1], (element); the elements first(n):first(n + 1) - 1 of `neighbour` have a body in common with element n, ascending;
-      !> W of each of them is in `coupling`.
+      !> W_nn [1], (element); W_nm [1] of each neighbour m of element n, (neighbour).
       real(dp), allocatable :: own(:), coupling(:)
+      !> neighbour(first(n):first(n + 1) - 1) are the elements with a node in common with element n, ascending.
       integer, allocatable :: first(:), neighbour(:)
-      !> gamma = c omega_c/k [1], of a mesh that of its drive flank, and static force over k b_c [1], (element).
+      !> gamma = c omega_c/k [1], for a mesh on its drive flank; static force over k b_c [1], (element).
       real(dp), allocatable :: damping(:), static_force(:)
-      !> Displacement of each element that closes a loop while the coordinates and the transmission errors are 0: the static twists
-      !> of its shafts, which coordinates leave out [1], (loop).
+      !> Displacement of each element that closes a loop where the coordinates and the transmission errors are 0 [1], (loop): the
+      !> coordinates leave out the static twists of the shafts.
       real(dp), allocatable :: loop_offset(:)
       !> Rate at which the determinant of the monodromy decays, every mesh on its drive flank [1].
       real(dp) :: decay = 0
       !> b/b_c [1], (mesh).
       real(dp), allocatable :: half_backlash(:)
-      !> The force of each mesh, (mesh).
+      !> Force law of each mesh, (mesh).
       type(law_type), allocatable :: law(:)
       !> e/b_c, (mesh).
       type(series_type), allocatable :: transmission_error(:)
-      !> Fluctuating torques T/b_c [N m/m], the bodies of the train on which they act, (torque), and the acceleration of each
-      !> element per unit of their amplitudes [1], (element, torque).
+      !> Fluctuating torques T/b_c [N m/m] and the bodies on which they act, (torque); dimensionless acceleration of each element
+      !> per torque [m/(N m)], (element, torque).
       type(series_type), allocatable :: torque(:)
       integer, allocatable :: torque_body(:)
       real(dp), allocatable :: torque_gain(:, :)
+      !> The train as a network; the network cut at its unknown meshes, with backlash or a varying stiffness; the equations of the
+      !> mean.
       type(network_type) :: network
-      !> The network cut at the meshes that are unknowns of the harmonic balance: those with backlash or a varying stiffness; and
-      !> the equations of the mean.
       type(cut_type) :: cut
       type(mean_type) :: mean
       !> omega_c [rad/s] and b_c [m].
       real(dp) :: characteristic_frequency = 0, characteristic_length = 0
-      !> Greatest common divisor of the orders that excite the train: Lambda harmonics that are no multiple of it stay zero.
+      !> Greatest common divisor of the excited harmonics of Lambda: a motion of period 1 has only multiples of it.
       integer :: excitation_order = 1
-      !> The train's: all that takes long has a system at hand.
+      !> Interrupt of the train, for long work that has a system at hand.
       type(interrupt_type) :: interrupt
    end type system_type
 
 contains
 
-   !> Makes the dimensionless system of a train that has passed `check_train`.
+   !> Makes the dimensionless system of a train.
    pure subroutine build_system(train, system)
+      !> A train that has passed `check_train`.
       type(train_type), intent(in) :: train
+      !> The system.
       type(system_type), intent(out) :: system
       real(dp) :: residual
       integer :: i, j, n
@@ -114,10 +117,9 @@ contains
             if (size(system%transmission_error(j)%amplitude) > 0) system%cut%part(n)%excited = .true.
          end do
       end do
-
    end subroutine build_system
 
-   !> W, and what the torque does.
+   !> Sets W and the accelerations by torques.
    pure subroutine couple(network, system)
       type(network_type), intent(in) :: network
       type(system_type), intent(inout) :: system
@@ -154,7 +156,7 @@ contains
       system%first(system%elements + 1) = count + 1
       system%neighbour = system%neighbour(:count)
       system%coupling = system%coupling(:count)
-      ! The trace of W diag(gamma) over all elements is that of the damping in the coordinates.
+      ! The trace of W diag(gamma) over all elements is the trace of the damping matrix of the coordinates.
       system%decay = sum(system%own*system%damping)
 
    contains
@@ -190,15 +192,19 @@ contains
 
    end subroutine couple
 
-   !> Changes velocities by column `element` of W times `jump` times the displacement of that element: what tangents of the flow do
-   !> where the force of a mesh jumps by `jump` times its velocity as it meets a wall. (The saltation matrix divides by that
-   !> velocity.)
+   !> Saltation of tangents where the damping of a mesh changes by `jump` at a wall: subtracts column `element` of W times `jump`
+   !> times the displacement of the element from the velocities. (The force jumps by `jump` times the mesh velocity, and the
+   !> saltation matrix divides by this velocity.)
    pure subroutine shear(system, element, jump, displacement, velocity)
+      !> The train.
       type(system_type), intent(in) :: system
+      !> Element of the mesh.
       integer, intent(in) :: element
+      !> Damping gamma after the wall less damping before the wall [1].
       real(dp), intent(in) :: jump
-      !> (column, coordinate)
+      !> Displacements of the tangents [1], (column, displacement).
       real(dp), intent(in) :: displacement(:, :)
+      !> Velocities of the tangents [1], (column, coordinate).
       real(dp), intent(inout) :: velocity(:, :)
       real(dp) :: change(size(displacement, 1))
       integer :: i, k, m
@@ -218,10 +224,11 @@ contains
       end do
    end subroutine shear
 
-   !> What excites the train: torque, mesh stiffnesses and transmission errors as series, and the greatest common divisor of the
-   !> harmonics of Lambda in them.
+   !> Sets the excitation of a system: torques, force laws of the meshes, transmission errors, excitation_order.
    pure subroutine put_excitation(train, system)
+      !> A train that is in order (geartrain_model_limits).
       type(train_type), intent(in) :: train
+      !> Gets the excitation and the number of meshes; nothing else is set.
       type(system_type), intent(inout) :: system
       type(mesh_type) :: mesh
       integer :: j
@@ -249,6 +256,7 @@ contains
       system%excitation_order = common_order(system)
    end subroutine put_excitation
 
+   !> Greatest common divisor of the excited harmonics of Lambda; 1 without excitation.
    pure integer function common_order(system)
       type(system_type), intent(in) :: system
       integer :: j

@@ -1,5 +1,5 @@
-!> A gear train as the user gives it, in SI units: bodies joined by shafts and gear pairs; or in short form, without bodies, M
-!> shafts in a chain and the M-1 gear pairs between them.
+!> A gear train as given, in SI units: bodies joined by shafts and gear pairs; or, without bodies, a chain of M shafts and the M - 1
+!> gear pairs between them.
 module geartrain_model_train
    use geartrain_base_interrupt, only: interrupt_type
    use geartrain_base_kinds, only: dp
@@ -11,8 +11,9 @@ module geartrain_model_train
    public :: train_type
 
    type :: train_type
+      !> A line of text that is kept with the results.
       character(:), allocatable :: title
-      !> What the shafts and meshes join by `between`; not allocated: they are a chain.
+      !> Bodies, which the shafts and meshes name by `between`; not allocated for a chain.
       type(body_type), allocatable :: bodies(:)
       !> Of a chain: mean input torque [N m]; the output torque balances it by itself.
       real(dp) :: input_torque = 0
@@ -24,7 +25,7 @@ module geartrain_model_train
       real(dp) :: characteristic_length = 0, characteristic_frequency = 0
       type(shaft_type), allocatable :: shafts(:)
       type(mesh_type), allocatable :: meshes(:)
-      !> Ends work on this train in the midst of a step; no variable of a case.
+      !> When raised, ends work on this train even within a step; not a variable of a case.
       type(interrupt_type) :: interrupt
    end type train_type
 

@@ -1,6 +1,6 @@
-!> The table of input variables, those of the train, its shafts and its meshes.
+!> The table of input variables of the train, its bodies, shafts and meshes.
 !>
-!> Defaults are those of the types. A visitor is led over the values in the order in which a case file gives them.
+!> The initial values of the types are the defaults. A visitor visits the values in the order of a case file.
 module geartrain_model_variables
    use geartrain_base_kinds, only: dp
    use geartrain_base_variable, only: row => variable_type, visitor_type
@@ -16,9 +16,11 @@ module geartrain_model_variables
 
 contains
 
-   !> The train and its bodies, then shaft 1, mesh 1, shaft 2, ...
+   !> Visits the train and its bodies, then shaft 1, mesh 1, shaft 2, ...
    subroutine visit_model(train, visitor)
+      !> The train; the visitor may change it.
       type(train_type), intent(inout) :: train
+      !> Reads, checks, sets or lists each variable.
       class(visitor_type), intent(inout) :: visitor
       logical :: chain
       integer :: i, shafts, meshes
@@ -40,8 +42,11 @@ contains
       end do
    end subroutine visit_model
 
+   !> Visits the variables of the group &train.
    subroutine visit_train(train, v)
+      !> The train; the visitor may change it.
       type(train_type), intent(inout) :: train
+      !> Reads, checks, sets or lists each variable.
       class(visitor_type), intent(inout) :: v
       logical :: chain
 
@@ -66,10 +71,13 @@ contains
       call v%leave()
    end subroutine visit_train
 
+   !> Visits the variables of a group &body.
    subroutine visit_body(body, index, v)
+      !> The body; the visitor may change it.
       type(body_type), intent(inout) :: body
       !> Number of the body in the train.
       integer, intent(in) :: index
+      !> Reads, checks, sets or lists each variable.
       class(visitor_type), intent(inout) :: v
 
       call v%enter('body', index)
@@ -86,10 +94,13 @@ contains
       call v%leave()
    end subroutine visit_body
 
+   !> Visits the variables of a group &shaft.
    subroutine visit_shaft(shaft, index, v)
+      !> The shaft; the visitor may change it.
       type(shaft_type), intent(inout) :: shaft
       !> Number of the shaft in the train.
       integer, intent(in) :: index
+      !> Reads, checks, sets or lists each variable.
       class(visitor_type), intent(inout) :: v
       logical :: elastic, by_ratio
 
@@ -108,12 +119,15 @@ contains
       call v%leave()
    end subroutine visit_shaft
 
+   !> Visits the variables of a group &mesh.
    subroutine visit_mesh(mesh, index, chain, v)
+      !> The mesh; the visitor may change it.
       type(mesh_type), intent(inout) :: mesh
       !> Number of the mesh in the train.
       integer, intent(in) :: index
       !> It stands in a chain, which has no bodies.
       logical, intent(in) :: chain
+      !> Reads, checks, sets or lists each variable.
       class(visitor_type), intent(inout) :: v
       logical :: by_ratio, own_gears, plain, rectangular, own_back
       character(:), allocatable :: word
@@ -132,7 +146,7 @@ contains
       call v%on_real(row('driven_inertia', 'kg m^2', 'in a chain: polar moment of inertia of the driven gear', required=chain, &
                          above=zero), mesh%driven_inertia, own_gears)
       call v%on_logical(row('internal', '', 'an internal gear pair: both gears turn in one sense'), mesh%internal)
-      ! Both are told, so that both are written down.
+      ! Where both are given, both are written, so that `check_stiffness` finds the contradiction again.
       plain = .not. has_table(mesh) .or. mesh%stiffness > 0
       call v%on_real(row('stiffness', 'N/m', 'mean mesh stiffness along the line of action; required unless stiffness_table is &
                          &given', above=zero), mesh%stiffness, plain)
