@@ -2,6 +2,7 @@
 module geartrain_floquet_multipliers
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
    use geartrain_base_kinds, only: dp
+   use geartrain_base_sorting, only: ascending
    use geartrain_linalg_eigenvalues, only: find_eigenvalues
    implicit none (type, external)
    private
@@ -14,33 +15,23 @@ contains
 
    !> Eigenvalues of a matrix (destroyed), largest magnitude first; NaN where they do not converge.
    subroutine eigenvalues(matrix, values)
+      !> Square matrix.
       real(dp), intent(inout) :: matrix(:, :)
+      !> Its eigenvalues, (row).
       complex(dp), intent(out) :: values(:)
-      complex(dp) :: held
-      real(dp) :: magnitude(size(values)), held_magnitude
-      integer :: info, i, j
+      integer :: info
 
       call find_eigenvalues(size(values), matrix, values, info)
       if (info /= 0) then
          values = ieee_value(0.0_dp, ieee_quiet_nan)
          return
       end if
-      magnitude = abs(values)
-      do i = 2, size(values)
-         held = values(i)
-         held_magnitude = magnitude(i)
-         do j = i - 1, 1, -1
-            if (magnitude(j) >= held_magnitude) exit
-            values(j + 1) = values(j)
-            magnitude(j + 1) = magnitude(j)
-         end do
-         values(j + 1) = held
-         magnitude(j + 1) = held_magnitude
-      end do
+      values = values(ascending(-abs(values)))
    end subroutine eigenvalues
 
    !> The largest multiplier, that is the first, is on the unit circle as far as rounding tells; or it is not a number.
    pure logical function is_neutral(multipliers)
+      !> Largest magnitude first.
       complex(dp), intent(in) :: multipliers(:)
 
       is_neutral = .not. are_numbers(multipliers)
@@ -49,6 +40,7 @@ contains
 
    !> All multipliers inside the unit circle, by more than their rounding.
    pure logical function is_stable(multipliers)
+      !> Largest magnitude first.
       complex(dp), intent(in) :: multipliers(:)
 
       is_stable = are_numbers(multipliers)
@@ -58,6 +50,7 @@ contains
    !> Whether the multipliers were found: those of an interrupted flight, or of a matrix that does not converge, are NaN, on
    !> which any comparison is an invalid operation.
    pure logical function are_numbers(multipliers)
+      !> Largest magnitude first.
       complex(dp), intent(in) :: multipliers(:)
 
       are_numbers = .not. any(ieee_is_nan(multipliers%re) .or. ieee_is_nan(multipliers%im))
@@ -65,7 +58,9 @@ contains
 
    !> An integer power, whose magnitude stays a number.
    elemental complex(dp) function power(value, exponent)
+      !> Base.
       complex(dp), intent(in) :: value
+      !> Exponent of at least 1.
       integer, intent(in) :: exponent
       real(dp), parameter :: highest = 700
       real(dp) :: magnitude, angle

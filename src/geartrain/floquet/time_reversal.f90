@@ -1,8 +1,8 @@
-!> Monodromy over an interval from that over its second half.
+!> Monodromy matrix over an interval from the matrix over the second half of the interval.
 !>
 !> The matrices of the equations of motion M p'' + C p' + K(t) p = 0 are symmetric: M = D W^-1, C = D diag(gamma),
-!> K = D diag(kappa), with the diagonal D that makes D W so. Where kappa is even about an instant, x(t) and z(t) solutions of
-!> them and z(-t) the mirror image, z(-t)^T M x' + z'(-t)^T M x + z(-t)^T C x = (z, z')(-t)^T J (x, x')(t) is constant,
+!> K = D diag(kappa), with the diagonal D that makes D W symmetric. Where kappa is even about an instant and x(t), z(t) are
+!> solutions, z(-t)^T M x' + z'(-t)^T M x + z(-t)^T C x = (z, z')(-t)^T J (x, x')(t) is constant,
 !> J = [C M; M 0]. With Phi from the middle to the end and Psi from the beginning to the middle therefore J Phi = Psi^T J, and
 !> Phi Psi = Phi J^-1 Phi^T J.
 module geartrain_floquet_time_reversal
@@ -33,8 +33,10 @@ module geartrain_floquet_time_reversal
 
 contains
 
+   !> Finds J and the centres of symmetry; no centre where J is singular.
    subroutine setup(self, system)
       class(time_reversal_type), intent(inout) :: self
+      !> The train.
       type(system_type), intent(in) :: system
       real(dp), dimension(system%coordinates, system%coordinates) :: coupling, inertia, symmetric
       real(dp) :: scale(system%coordinates), product(2*system%coordinates, 2*system%coordinates)
@@ -133,7 +135,9 @@ contains
    !> Minus infinity, as good as: there is none.
    pure real(dp) function centre_near(self, contact, frequency_ratio, middle)
       class(time_reversal_type), intent(in) :: self
+      !> Region of its law in which each mesh is, (mesh).
       integer, intent(in) :: contact(:)
+      !> Lambda [1]; time [1].
       real(dp), intent(in) :: frequency_ratio, middle
       real(dp) :: offset, least
       integer :: i
@@ -154,11 +158,14 @@ contains
       centre_near = middle + least/frequency_ratio
    end function centre_near
 
-   !> From the transposed matrix of the second half to that of the whole: J Phi J^-1 Phi^T.
+   !> Transposed matrix of the whole interval from the transposed matrix of its second half: J Phi J^-1 Phi^T.
    subroutine complete(self, contact, half, whole, work)
       class(time_reversal_type), intent(inout) :: self
+      !> Region of its law in which each mesh is throughout the interval, (mesh).
       integer, intent(in) :: contact(:)
+      !> Matrix of the second half, transposed [1], (state, state).
       real(dp), intent(in) :: half(:, :)
+      !> Matrix of the whole interval, transposed [1], (state, state); work space of this shape.
       real(dp), intent(inout) :: whole(:, :), work(:, :)
       real(dp) :: damping(merge(self%system%elements, 0, self%jumps))
       integer :: i, n

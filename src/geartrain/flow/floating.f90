@@ -1,4 +1,5 @@
-!> Trains without a mean torque: nothing holds the teeth of a mesh with backlash together, and the mesh floats in its gap.
+!> Meshes with backlash and without a mean force, as all of a train without a mean torque: nothing holds the teeth together, and the
+!> mesh floats in its gap.
 module geartrain_flow_floating
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp
@@ -8,8 +9,8 @@ module geartrain_flow_floating
    public :: can_float, is_floating, note_of
 
    !> Note that follows the words on how an analysis ended.
-   character(*), parameter :: note = ' (without a mean torque a train with backlash floats in its gaps, where its mean position is &
-      &not unique)'
+   character(*), parameter :: note = ' (a train with backlash in a mesh that bears no mean force floats in its gaps, where its &
+      &mean position is not unique)'
    !> Largest penetration of a flank by a floating mesh over the half backlash [1]: a motion settles to a tolerance.
    real(dp), parameter :: slack = 1e-6_dp
 
