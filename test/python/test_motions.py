@@ -248,7 +248,10 @@ def test_period_doublings(train):
 def test_a_branch_without_points(branch, tmp_path):
     """It reads as empty, and is written, drawn and pickled like any other."""
     arrays = [name for name, value in vars(branch).items() if isinstance(value, np.ndarray)]
-    empty = replace(branch, special_points=[], ended="nothing found", **{name: getattr(branch, name)[:0] for name in arrays})
+    others = {name: value[:0] for name, value in branch.others.items()}
+    empty = replace(
+        branch, special_points=[], ended="nothing found", others=others, **{name: getattr(branch, name)[:0] for name in arrays}
+    )
     assert len(empty) == 0 and empty.at(1.6) == [] and empty.peaks(1) == [] and empty.jumps == []
     for ranges in (empty.bands_without_stability, empty.separation_ranges(1), empty.back_collision_ranges(2, stable=True)):
         assert ranges.shape == (0, 2)

@@ -45,6 +45,8 @@ def same(one, other):
         return one.shape == other.shape and np.array_equal(one, other, equal_nan=True)
     if isinstance(one, np.ndarray):
         return np.array_equal(one, other)
+    if isinstance(one, dict):
+        return one.keys() == other.keys() and all(same(value, other[name]) for name, value in one.items())
     if isinstance(one, float):
         return one == other or (np.isnan(one) and np.isnan(other))
     if isinstance(one, (list, tuple)):

@@ -95,6 +95,7 @@ contains
       do j = 1, branch%meshes
          branch%rms(j, n) = rms(coefficients(:, j))
          branch%mean(j, n) = coefficients(1, j)
+         ! `extremes` leaves the samples of p in self%transform, which the reader of forces uses: other samples come after it.
          call extremes(coefficients(:, j), self%harmonic, self%transform, branch%minimum(j, n), branch%maximum(j, n))
          if (balance%system%law(j)%jumps) then
             call self%reader%read(balance%system, j, solution%frequency_ratio, coefficients(:, j), self%harmonic, self%transform, &

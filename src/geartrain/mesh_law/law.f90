@@ -50,7 +50,8 @@ contains
       class(law_type), intent(inout) :: self
       !> Order of kappa: its harmonics are multiples of order Lambda; number of the first region; number of harmonics of kappa.
       integer, intent(in) :: order, lowest, harmonics
-      !> Displacements between the regions over b_c [1], ascending.
+      !> Displacements between the regions over b_c [1], ascending, further apart than rounding: contact events at one instant have
+      !> no order.
       real(dp), intent(in) :: walls(:)
 
       self%order = order
