@@ -4,7 +4,7 @@ module geartrain_run_run_case
    use geartrain_analyses_dependencies, only: asks_refinement, follow_branches, locate_edges, refine_branches, take_known
    use geartrain_analyses_list, only: analyses, case_type, find_analysis, leave_out, number_of, results_type
    use geartrain_balance_motion, only: motion_type
-   use geartrain_base_error, only: error_type, fatal, status_ended_early
+   use geartrain_base_error, only: error_type, fatal, status_ended_early, status_input
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
    use geartrain_continuation_branch, only: branch_type
@@ -130,6 +130,10 @@ contains
       class(analysis_type), allocatable :: analysis
       logical :: whole
 
+      if (number_of(name) == 0) then
+         call fatal(error, "analysis = '"//name//"': there is none of this name", status_input)
+         return
+      end if
       call find_analysis(number_of(name), case, results, analysis, begin=.true.)
       call analysis%run(case%train, error, observer, start)
       if (allocated(error) .or. case%train%interrupt%raised()) return
