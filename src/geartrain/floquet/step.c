@@ -161,10 +161,17 @@ typedef double two __attribute__((vector_size(16), aligned(8), may_alias));
 
 INLINE eight load8(const double *p) { return *(const eight *)p; }
 INLINE void store8(double *p, eight v) { *(eight *)p = v; }
+/* Numbers of four elements, each for both vectors. */
+INLINE eight twice(const double *p)
+{
+   const four v = load(p);
+   return __builtin_shufflevector(v, v, 0, 0, 1, 1, 2, 2, 3, 3);
+}
 
 /* Carries a pair of vectors of a large train over a step, as `geartrain_step` does columns. The two numbers of an element lie together,
-   and so do all elements: matrices hold all of their numbers twice. Derivatives are over factorials: Leibniz' rule has no binomials.
-     rows, varying                  elements, and those of a varying kappa, which come first: both times two, rounded up to eights
+   and so do all elements. Derivatives are over factorials: Leibniz' rule has no binomials.
+     rows, varying                  elements, and those of a varying kappa, which come first: both times two, rounded up to eights;
+                                    what is of elements alone has half as many numbers
      degree, terms                  derivatives, terms of kappa
      spring, damper(row)            -W_nn kappa where it is constant, -W_nn gamma
      kappa(varying, terms)          -W_nn kappa
@@ -196,16 +203,16 @@ WIDE_VERSIONS void geartrain_step_pair(int rows, int varying, int degree, int te
       const double scale = 1 / ((k + 1.0) * (k + 2.0)), rate = k + 1;
       const int last = terms < k + 1 ? terms : k + 1;
       for (int n = 0; n < rows; n += 8) {
-         eight sum = load8(spring + n) * load8(here + n) + rate * load8(damper + n) * load8(here + rows + n);
+         eight sum = twice(spring + n / 2) * load8(here + n) + rate * twice(damper + n / 2) * load8(here + rows + n);
          for (int l = 0; n < varying && l < last; l++)
-            sum += load8(kappa + l * varying + n) * load8(here - l * rows + n);
+            sum += twice(kappa + (l * varying + n) / 2) * load8(here - l * rows + n);
          sum *= scale;
          store8(psi + n, sum);
          store8(next + n, sum);
       }
       for (int d = 0; d < diagonals; d++)
          for (int n = low[d]; n < high[d]; n += 8)
-            store8(next + n, load8(next + n) + load8(share + d * rows + n) * load8(psi + n + offset[d]));
+            store8(next + n, load8(next + n) + twice(share + (d * rows + n) / 2) * load8(psi + n + offset[d]));
       for (int i = 0; i < rest; i++)
          *(two *)(next + to[i]) += factor[i] * *(const two *)(psi + from[i]);
    }

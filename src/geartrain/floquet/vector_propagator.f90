@@ -23,16 +23,16 @@ module geartrain_floquet_vector_propagator
       integer, private :: rows = 0, varying = 0
       !> Displacements, then velocities over `band`, (vector of a pair, row, 2, pair).
       real(dp), allocatable, private :: x(:, :, :, :)
-      !> -W_nn kappa where it is constant, -W_nn gamma, over the powers of `band`, (vector of a pair, row).
-      real(dp), allocatable, private :: spring(:, :), damper(:, :)
+      !> -W_nn kappa where it is constant, -W_nn gamma, over the powers of `band`, (row).
+      real(dp), allocatable, private :: spring(:), damper(:)
       !> W_nm/W_mm for neighbours: diagonals, and the rest, as step.c describes them.
       integer, allocatable, private :: offset(:), low(:), high(:), to(:), from(:)
-      real(dp), allocatable, private :: share(:, :, :), factor(:)
+      real(dp), allocatable, private :: share(:, :), factor(:)
       !> Harmonics of Lambda in any kappa, and the number of each harmonic of a mesh among them, (harmonic, mesh).
       integer, allocatable, private :: harmonic(:), place(:, :)
       !> Taylor's terms of each harmonic at the beginning of a step, real and imaginary part, (term, part, harmonic), and of kappa,
-      !> times -W_nn, (vector of a pair, row, term).
-      real(dp), allocatable, private :: wave(:, :, :), kappa_terms(:, :, :)
+      !> times -W_nn, (row, term).
+      real(dp), allocatable, private :: wave(:, :, :), kappa_terms(:, :)
       real(dp), allocatable, private :: weight(:), work(:)
    contains
       procedure :: setup
@@ -74,8 +74,8 @@ contains
       associate (most => maxval(self%motion%degree))
          allocate (self%weight(0:most), self%work(pair*self%rows*(most + 3) + 32))
       end associate
-      allocate (self%spring(pair, self%rows), self%damper(pair, self%rows), source=0.0_dp)
-      allocate (self%kappa_terms(pair, self%varying, 0:most_terms - 1), source=0.0_dp)
+      allocate (self%spring(self%rows), self%damper(self%rows), source=0.0_dp)
+      allocate (self%kappa_terms(self%varying, 0:most_terms - 1), source=0.0_dp)
    end subroutine setup
 
    !> Numbers the elements, those of a varying kappa first.
@@ -105,7 +105,6 @@ contains
    !> would wait for the sum before it.
    subroutine list_neighbours(self)
       class(vector_propagator_type), intent(inout) :: self
-      real(dp), allocatable :: share(:, :, :)
       integer :: number(1 - self%rows:self%rows - 1), low(1 - self%rows:self%rows - 1), high(1 - self%rows:self%rows - 1)
       logical :: whole(1 - self%rows:self%rows - 1)
       integer :: taken(self%system%elements), d, i, m, n, round
@@ -126,7 +125,7 @@ contains
          self%offset = pack([(d, d=1 - self%rows, self%rows - 1)], whole)
          self%low = pair*pack(low, whole)
          self%high = pair*pack(high, whole)
-         allocate (share(pair, self%rows, size(self%offset)), source=0.0_dp)
+         allocate (self%share(self%rows, size(self%offset)), source=0.0_dp)
          allocate (self%to(0), self%from(0), self%factor(0))
          taken = 0
          do round = 1, maxval(system%first(2:) - system%first(:system%elements))
@@ -137,7 +136,7 @@ contains
                   m = system%neighbour(i)
                   d = row(m) - row(n)
                   if (whole(d)) then
-                     share(:, row(n), findloc(self%offset, d, 1)) = system%coupling(i)/system%own(m)
+                     self%share(row(n), findloc(self%offset, d, 1)) = system%coupling(i)/system%own(m)
                   else
                      self%to = [self%to, pair*(row(n) - 1)]
                      self%from = [self%from, pair*(row(m) - 1)]
@@ -149,7 +148,6 @@ contains
          end do
       end associate
       self%offset = pair*self%offset
-      call move_alloc(share, self%share)
    end subroutine list_neighbours
 
    subroutine list_harmonics(self)
@@ -177,7 +175,7 @@ contains
       real(dp), intent(in) :: frequency_ratio, refinement
 
       call self%put_frequency(frequency_ratio, refinement)
-      self%damper(:, self%row) = -spread(self%system%own*self%system%damping/self%band, 1, pair)
+      self%damper(self%row) = -self%system%own*self%system%damping/self%band
    end subroutine start
 
    !> Takes vectors (state, vector), velocities in plain units.
@@ -234,13 +232,13 @@ contains
       if (.not. to > from) return
       varies = .false.
       associate (system => self%system)
-         self%spring(:, self%row) = -spread(system%own*system%spring/self%band**2, 1, pair)
+         self%spring(self%row) = -system%own*system%spring/self%band**2
          do j = 1, system%meshes
             associate (law => system%law(j), s => contact(j), n => system%mesh_element(j))
                associate (row => self%row(n))
-                  self%spring(:, row) = merge(0.0_dp, law%stiffness(s), row <= self%varying)*self%spring(:, row)
+                  self%spring(row) = merge(0.0_dp, law%stiffness(s), row <= self%varying)*self%spring(row)
                   varies = varies .or. law%varies(s)
-                  if (law%jumps) self%damper(:, row) = -system%own(n)*law%damping(s)/self%band
+                  if (law%jumps) self%damper(row) = -system%own(n)*law%damping(s)/self%band
                end associate
             end associate
          end do
@@ -343,9 +341,7 @@ contains
                   end associate
                end do
             end if
-            do l = 0, last
-               self%kappa_terms(:, self%row(n), l) = -self%system%own(n)/self%band**2*polynomial(l)
-            end do
+            self%kappa_terms(self%row(n), :last) = -self%system%own(n)/self%band**2*polynomial(:last)
          end associate
       end do
    end subroutine expand_kappa
