@@ -8,6 +8,7 @@ module geartrain_floquet_monodromy
    use geartrain_floquet_multipliers, only: eigenvalues, power
    use geartrain_floquet_propagator, only: propagator_type
    use geartrain_floquet_time_reversal, only: time_reversal_type
+   use geartrain_floquet_vector_propagator, only: vector_propagator_type
    use geartrain_linalg_arnoldi, only: arnoldi_type
    use geartrain_linalg_elimination, only: factor_matrix
    use geartrain_linalg_lapack, only: dgemm
@@ -31,9 +32,8 @@ module geartrain_floquet_monodromy
    !> propagator good to 1e-9), in a space of at most this share of the states.
    integer, parameter :: many_states = 160, leading = 16
    real(dp), parameter :: residual_limit = 1e-9_dp, largest_share = 0.7_dp
-   !> Vectors that are carried together. Four take the time of two (step.c), but a larger space: from so many states on it is worth
-   !> the shorter way.
-   integer, parameter :: two = 2, four = 4, states_for_four = 360
+   !> Vectors that are carried together: a larger block makes a larger space, but finds more copies of a multiplier.
+   integer, parameter :: two = 2, four = 4
    !> Relative distance of multipliers that may be copies of each other, as of equal branches.
    real(dp), parameter :: equal = 1e-6_dp
 
@@ -52,7 +52,7 @@ module geartrain_floquet_monodromy
       logical :: confirmed = .true.
       type(propagator_type), private :: propagator
       !> The same for a few vectors, and the space of their products.
-      type(propagator_type), private :: few
+      type(vector_propagator_type), private :: few
       type(arnoldi_type), private :: space
       !> Multipliers that were found without the matrix.
       complex(dp), allocatable, private :: found(:)
@@ -102,7 +102,7 @@ contains
       self%kept = [(i, i=1, system%displacements), (system%coordinates + i, i=1, system%coordinates)]
       if (whole) return
       self%given = leading
-      call self%few%setup(system, columns=four)
+      call self%few%setup(system)
    end subroutine setup
 
    subroutine prepare_matrix(self, system)
@@ -143,9 +143,9 @@ contains
       events = events/self%repetitions
       self%now = 1
       if (allocated(self%found)) deallocate (self%found)
-      if (self%few%states > 0) then
+      if (self%given < size(self%kept)) then
          success = .false.
-         if (self%states < states_for_four) call self%find_leading(motion, frequency_ratio, period, events, two, success)
+         call self%find_leading(motion, frequency_ratio, period, events, two, success)
          if (.not. success) call self%find_leading(motion, frequency_ratio, period, events, four, success)
          if (success) return
       end if
@@ -172,7 +172,7 @@ contains
       integer, intent(in) :: events, block
       logical, intent(out) :: success
       real(dp), dimension(self%states, block) :: vectors, products
-      real(dp) :: residual
+      real(dp) :: residuals(self%given)
       complex(dp) :: values(self%given)
       integer :: attempt, check, most
       logical :: independent
@@ -181,31 +181,30 @@ contains
       success = .false.
       do attempt = 0, most_attempts - 1
          call self%space%begin(self%states, most, block)
-         ! With two vectors chains of 30 to 200 shafts need 7.2 to 7.7 times the root of their states; with four, trains of 100 to
-         ! 300 meshes, be they chains or trees, 10 to 13 times.
-         check = min(most, block*nint(merge(3.0_dp, 3.6_dp, block == four)*sqrt(real(self%states, dp))))
-         residual = huge(1.0_dp)
+         ! Trains of 100 to 300 meshes, be they chains or trees, need 7 to 11 times the root of their states with two vectors, and
+         ! binary trees 8 with four. Copies show earlier.
+         check = min(most, block*nint(merge(2.2_dp, 2.6_dp, block == four)*sqrt(real(self%states, dp))))
+         residuals = huge(1.0_dp)
          do while (self%space%dimension < most .and. .not. motion%system%interrupt%raised())
             call self%few%start(frequency_ratio, 2.0_dp**attempt)
             call self%space%latest(vectors)
-            call self%few%put_columns(vectors)
+            call self%few%put_vectors(vectors)
             call self%carry_vectors(motion, period, events)
-            call self%few%get_columns(products)
+            call self%few%get_vectors(products)
             call self%space%extend(products, independent)
             if (.not. independent) return
             if (self%space%dimension < check) cycle
-            call self%space%ritz(values, residual)
-            if (residual <= residual_limit) exit
-            ! It falls by about a decade for each three products, and faster and faster.
-            check = self%space%dimension + max(self%space%dimension/16, min(self%space%dimension/8, &
-                                                               nint(3*block*log10(residual/residual_limit))))
+            call self%space%ritz(values, residuals)
+            if (maxval(residuals) <= residual_limit) exit
+            if (most_copies(pack(values, residuals <= residual_limit)) >= block) return
+            check = min(most, next_check(self%space%dimension, maxval(residuals), block))
          end do
-         if (.not. residual <= residual_limit .or. most_copies(values) >= block) return
-         call self%space%leading_vector(values(1), vectors(:, :two))
+         if (.not. maxval(residuals) <= residual_limit .or. most_copies(values) >= block) return
+         call self%space%leading_vector(vectors(:, :two))
          call self%few%start(frequency_ratio, 2.0_dp**(attempt + 1))
-         call self%few%put_columns(vectors(:, :two))
+         call self%few%put_vectors(vectors(:, :two))
          call self%carry_vectors(motion, period, events)
-         call self%few%get_columns(products(:, :two))
+         call self%few%get_vectors(products(:, :two))
          products(:, 1) = products(:, 1) - values(1)%re*vectors(:, 1) + abs(values(1)%im)*vectors(:, 2)
          products(:, 2) = products(:, 2) - values(1)%re*vectors(:, 2) - abs(values(1)%im)*vectors(:, 1)
          success = norm2(products(:, :two)) < largest_defect
@@ -214,12 +213,23 @@ contains
       if (success) self%found = values
    end subroutine find_leading
 
+   !> The dimension at which the residual should be small enough: its logarithm grows as the third to fourth power of the dimension.
+   pure integer function next_check(dimension, residual, block) result(check)
+      integer, intent(in) :: dimension, block
+      real(dp), intent(in) :: residual
+      real(dp) :: growth
+
+      growth = (log(0.3_dp*residual_limit)/min(log(residual), -0.5_dp))**(1/3.0_dp)
+      check = block*ceiling(dimension*max(1.05_dp, min(1.4_dp, growth))/block)
+   end function next_check
+
    !> How often the multiplier that is there most often is among them.
    pure integer function most_copies(values)
       complex(dp), intent(in) :: values(:)
       integer :: i
 
-      most_copies = maxval([(count(abs(values - values(i)) <= equal*abs(values(i))), i=1, size(values))])
+      most_copies = 0
+      if (size(values) > 0) most_copies = maxval([(count(abs(values - values(i)) <= equal*abs(values(i))), i=1, size(values))])
    end function most_copies
 
    !> Carries the vectors over the period.
@@ -238,7 +248,10 @@ contains
       do i = 1, events
          call self%few%advance(time, self%instant(i), self%now)
          time = self%instant(i)
-         call self%change(i, self%few)
+         associate (mesh => self%mesh(i))
+            call self%few%pass_wall(mesh, self%now(mesh), self%contact(i))
+            self%now(mesh) = self%contact(i)
+         end associate
       end do
       call self%few%advance(time, period, self%now)
    end subroutine carry_vectors

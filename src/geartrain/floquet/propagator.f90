@@ -1,14 +1,11 @@
 !> Carries tangents of the motion along given contacts, for monodromy matrices: many columns, one accuracy, no events to find.
 !>
-!> Between contact events the equations are linear and the solution is, but for small sidebands, a sum of exponentials whose
-!> rates lie in an ellipse along the imaginary axis that is known beforehand. So the derivatives of the solution at the beginning
-!> of a step, weighted with the coefficients of an economised exponential series, give its end: no step control, and two
-!> thirds of the terms of Taylor's series. kappa within a step is a short polynomial, made likewise.
+!> The derivatives of the solution at the beginning of a step, weighted as `step_rule.f90` says, give its end. kappa within a step
+!> is a short polynomial, made likewise.
 module geartrain_floquet_propagator
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use geartrain_base_kinds, only: dp
-   use geartrain_linalg_chebyshev_exponential, only: chebyshev_exponential_type
-   use geartrain_model_spectrum, only: eigenvalues_of
+   use geartrain_floquet_step_rule, only: most_terms, step_rule_type
    use geartrain_model_system, only: shear, system_type
    implicit none (type, external)
    private
@@ -16,36 +13,12 @@ module geartrain_floquet_propagator
 
    !> Most columns that are carried together, a multiple of four (step.c): their derivatives stay in a cache.
    integer, parameter :: widest = 12
-   !> Most terms of kappa in a step, a multiple of four too.
-   integer, parameter :: most_terms = 32
-   !> Longest step [rad of the band]: rounding grows as exp(reach).
-   real(dp), parameter :: longest = 16
-   !> Error of a step relative to the state, and of kappa: multipliers to about 1e-9.
-   real(dp), parameter :: tolerance = 5e-10_dp
-   !> Sidebands of kappa's highest harmonic that the band makes room for: beside the fastest mode of all, in which meshes
-   !> hardly take part or which lies above what a mesh can do alone, and beside the rate of a mesh alone.
-   real(dp), parameter :: sidebands = 1, mesh_sidebands = 6
-   !> Longest step [rad of kappa's highest harmonic].
-   real(dp), parameter :: longest_kappa = 2
 
-   type :: propagator_type
+   type, extends(step_rule_type) :: propagator_type
       integer :: states = 0
-      !> Largest rate of decay of any motion [1].
-      real(dp) :: fastest_decay = 0
-      !> Largest rate of all modes, with all meshes in contact and stiffest [1].
-      real(dp) :: fastest = 0
       !> Columns of displacements, of all coordinates, then velocities over `band`, (column, 2*coordinates, block of columns).
       real(dp), allocatable, private :: x(:, :, :)
       integer, private :: coordinates = 0, elements = 0, width = 0
-      !> The columns are those of a whole matrix, which begins as the identity.
-      logical, private :: whole = .true.
-      !> That of a mesh of varying stiffness alone [1]; the largest that a step has to follow, at `frequency_ratio`.
-      real(dp), private :: fastest_mesh = 0, band = 1, frequency_ratio = 1
-      type(system_type), private :: system
-      !> Allocatable, because gfortran 12 never frees the second of two components of a type that itself has allocatable ones.
-      type(chebyshev_exponential_type), allocatable, private :: motion, kappa
-      !> Highest order of Lambda in any kappa.
-      integer, private :: highest_order = 0
       !> Weights of the derivatives at the beginning of a step; for Leibniz' rule, the binomials (term, derivative), -W_nn times the
       !> derivatives of kappa (term, element) and how many of them there are.
       real(dp), allocatable, private :: weight(:), binomial(:, :), kappa_terms(:, :)
@@ -67,8 +40,6 @@ module geartrain_floquet_propagator
       procedure :: pass_wall
       procedure :: spared
       procedure :: get
-      procedure :: put_columns
-      procedure :: get_columns
       procedure, private :: step
       procedure, private :: expand_kappa
    end type propagator_type
@@ -89,46 +60,18 @@ module geartrain_floquet_propagator
 
 contains
 
-   subroutine setup(self, system, columns)
+   subroutine setup(self, system)
       class(propagator_type), intent(inout) :: self
       type(system_type), intent(in) :: system
-      !> Carry so many columns (at most `widest`), given by `put_columns`, instead of a whole matrix.
-      integer, intent(in), optional :: columns
-      real(dp) :: stiffest(system%elements), damping(system%elements), aspect
-      integer :: blocks, i, j, k, most
+      integer :: blocks, i, k, most
 
-      self%system = system
+      call self%put_system(system)
       self%elements = system%elements
       self%coordinates = system%coordinates
       self%states = 2*system%coordinates
       ! Blocks of equal width.
       blocks = (self%states + widest - 1)/widest
       self%width = 4*((self%states + 4*blocks - 1)/(4*blocks))
-      self%whole = .not. present(columns)
-      if (present(columns)) then
-         blocks = 1
-         self%width = 4*((columns + 3)/4)
-      end if
-      stiffest = system%spring
-      damping = system%damping
-      self%highest_order = 0
-      self%fastest_mesh = 0
-      do j = 1, system%meshes
-         associate (law => system%law(j), n => system%mesh_element(j))
-            stiffest(n) = law%stiffest()
-            damping(n) = maxval(law%damping)
-            if (.not. any(law%varies)) cycle
-            self%fastest_mesh = max(self%fastest_mesh, sqrt(system%own(n)*stiffest(n)))
-            self%highest_order = max(self%highest_order, law%order*size(law%amplitude, 1))
-         end associate
-      end do
-      self%fastest = sqrt(largest_eigenvalue(system, stiffest))
-      self%fastest_decay = largest_eigenvalue(system, damping)
-      aspect = min(0.6_dp, max(0.1_dp, 2*self%fastest_decay/self%fastest))
-      self%fastest = hypot(self%fastest, self%fastest_decay/aspect)
-      if (.not. allocated(self%motion)) allocate (self%motion, self%kappa)
-      call self%motion%setup([(longest*i/16, i=1, 16)], aspect, tolerance)
-      call self%kappa%setup([(0.05_dp*1.5_dp**i, i=0, 11)], 0.0_dp, tolerance)
       most = maxval(self%motion%degree)
       if (allocated(self%x)) deallocate (self%x, self%binomial, self%kappa_terms, self%weight, self%spring, self%damper, &
                                          self%work, self%terms)
@@ -153,30 +96,17 @@ contains
       end do
    end subroutine setup
 
-   !> Largest eigenvalue of W diag(factor).
-   real(dp) function largest_eigenvalue(system, factor) result(largest)
-      type(system_type), intent(in) :: system
-      real(dp), intent(in) :: factor(:)
-      real(dp) :: values(system%coordinates)
-      integer :: info
-
-      call eigenvalues_of(system, factor, values, info)
-      largest = maxval(values)
-   end function largest_eigenvalue
-
-   !> Begins at `frequency_ratio`, a whole matrix with the identity; steps are shortened by `refinement`.
+   !> Begins with the identity at `frequency_ratio`; steps are shortened by `refinement`.
    subroutine start(self, frequency_ratio, refinement)
       class(propagator_type), intent(inout) :: self
       real(dp), intent(in) :: frequency_ratio, refinement
       integer :: n
 
-      self%frequency_ratio = frequency_ratio
-      self%band = refinement*max(self%fastest + sidebands*self%highest_order*frequency_ratio, &
-                                 self%fastest_mesh + mesh_sidebands*self%highest_order*frequency_ratio)
+      call self%put_frequency(frequency_ratio, refinement)
       do n = 1, self%elements
          self%damper(n) = -self%system%own(n)*self%system%damping(n)/self%band
       end do
-      if (self%whole) call self%restart()
+      call self%restart()
    end subroutine start
 
    !> Puts the identity in place of the columns.
@@ -207,31 +137,12 @@ contains
       end associate
    end subroutine get
 
-   !> Takes columns (state, column), velocities in plain units.
-   subroutine put_columns(self, columns)
-      class(propagator_type), intent(inout) :: self
-      real(dp), intent(in) :: columns(:, :)
-
-      self%x(:size(columns, 2), :, 1) = transpose(columns)
-      self%x(:, self%coordinates + 1:, 1) = self%x(:, self%coordinates + 1:, 1)/self%band
-   end subroutine put_columns
-
-   !> Gives them back, but for the displacement that is no state.
-   subroutine get_columns(self, columns)
-      class(propagator_type), intent(in) :: self
-      real(dp), intent(out) :: columns(:, :)
-
-      columns = transpose(self%x(:size(columns, 2), :, 1))
-      columns(self%coordinates + 1:, :) = columns(self%coordinates + 1:, :)*self%band
-      columns(self%system%displacements + 1:self%coordinates, :) = 0
-   end subroutine get_columns
-
    !> From one time to another along constant contacts (mesh), 0 for separation; less far where it is interrupted.
    subroutine advance(self, from, to, contact)
       class(propagator_type), intent(inout) :: self
       real(dp), intent(in) :: from, to
       integer, intent(in) :: contact(:)
-      real(dp) :: h, limit
+      real(dp) :: h
       integer :: i, j, n, steps
 
       if (.not. to > from) return
@@ -247,9 +158,7 @@ contains
             if (law%jumps) self%damper(n) = -self%system%own(n)*law%damping(s)/self%band
          end associate
       end do
-      limit = longest/self%band
-      if (any(self%terms > 0)) limit = min(limit, longest_kappa/(self%frequency_ratio*self%highest_order))
-      steps = ceiling((to - from)/limit*(1 - 1e-12_dp))
+      steps = self%steps(to - from, any(self%terms > 0))
       h = (to - from)/steps
       do i = 1, steps
          if (self%system%interrupt%raised()) return

@@ -5,9 +5,11 @@
 
 #if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__)
 #define VERSIONS __attribute__((target_clones("fma", "default"), optimize("O3")))
+#define WIDE_VERSIONS __attribute__((target_clones("avx512f", "fma", "default"), optimize("O3")))
 #define INLINE static inline __attribute__((always_inline, optimize("O3")))
 #else
 #define VERSIONS
+#define WIDE_VERSIONS
 #define INLINE static inline
 #endif
 
@@ -151,4 +153,76 @@ VERSIONS void geartrain_step(int width, int chain, int coordinates, int elements
       chain ? CARRY(2, 1) : CARRY(2, 0);
    else
       chain ? CARRY(3, 1) : CARRY(3, 0);
+}
+
+/* Four elements of a pair of vectors; one. */
+typedef double eight __attribute__((vector_size(64), aligned(8), may_alias));
+typedef double two __attribute__((vector_size(16), aligned(8), may_alias));
+
+INLINE eight load8(const double *p) { return *(const eight *)p; }
+INLINE void store8(double *p, eight v) { *(eight *)p = v; }
+/* Numbers of four elements, each for both vectors. */
+INLINE eight twice(const double *p)
+{
+   const four v = load(p);
+   return __builtin_shufflevector(v, v, 0, 0, 1, 1, 2, 2, 3, 3);
+}
+
+/* Carries a pair of vectors of a large train over a step, as `geartrain_step` does columns. The two numbers of an element lie together,
+   and so do all elements. Derivatives are over factorials: Leibniz' rule has no binomials.
+     rows, varying                  elements, and those of a varying kappa, which come first: both times two, rounded up to eights;
+                                    what is of elements alone has half as many numbers
+     degree, terms                  derivatives, terms of kappa
+     spring, damper(row)            -W_nn kappa where it is constant, -W_nn gamma
+     kappa(varying, terms)          -W_nn kappa
+     diagonals                      of the matrix of the neighbours' shares, those that are worth being taken as a whole:
+     offset, low, high(diagonal), share(row, diagonal)   column less row; range of rows, multiples of eight; elements
+     rest                           its other elements:
+     to, from, factor(rest)         row, column
+     weight(degree + 1)             weights of the derivatives at the end
+     work                           room for rows (degree + 3) + 32 numbers
+     x(row, 2)                      displacements and velocities, in and out */
+WIDE_VERSIONS void geartrain_step_pair(int rows, int varying, int degree, int terms, const double *restrict spring,
+                                       const double *restrict damper, const double *restrict kappa, int diagonals,
+                                       const int *restrict offset, const int *restrict low, const int *restrict high,
+                                       const double *restrict share, int rest, const int *restrict to, const int *restrict from,
+                                       const double *restrict factor, const double *restrict weight, double *restrict work,
+                                       double *restrict x)
+{
+   double *restrict margin = (double *)(((uintptr_t)work + 63) & ~(uintptr_t)63);
+   double *restrict psi = margin + 8;
+   double *restrict p = psi + rows + 8;
+
+   store8(margin, (eight){0});
+   store8(psi + rows, (eight){0});
+   for (int n = 0; n < 2 * rows; n += 8)
+      store8(p + n, load8(x + n));
+   for (int k = 0; k < degree; k++) {
+      const double *restrict here = p + k * rows;
+      double *restrict next = p + (k + 2) * rows;
+      const double scale = 1 / ((k + 1.0) * (k + 2.0)), rate = k + 1;
+      const int last = terms < k + 1 ? terms : k + 1;
+      for (int n = 0; n < rows; n += 8) {
+         eight sum = twice(spring + n / 2) * load8(here + n) + rate * twice(damper + n / 2) * load8(here + rows + n);
+         for (int l = 0; n < varying && l < last; l++)
+            sum += twice(kappa + (l * varying + n) / 2) * load8(here - l * rows + n);
+         sum *= scale;
+         store8(psi + n, sum);
+         store8(next + n, sum);
+      }
+      for (int d = 0; d < diagonals; d++)
+         for (int n = low[d]; n < high[d]; n += 8)
+            store8(next + n, load8(next + n) + twice(share + (d * rows + n) / 2) * load8(psi + n + offset[d]));
+      for (int i = 0; i < rest; i++)
+         *(two *)(next + to[i]) += factor[i] * *(const two *)(psi + from[i]);
+   }
+   for (int n = 0; n < rows; n += 8) {
+      eight displacement = {0}, velocity = {0};
+      for (int k = 0; k <= degree; k++) {
+         displacement += weight[k] * load8(p + k * rows + n);
+         velocity += (k + 1) * weight[k] * load8(p + (k + 1) * rows + n);
+      }
+      store8(x + n, displacement);
+      store8(x + rows + n, velocity);
+   }
 }

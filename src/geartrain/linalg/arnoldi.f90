@@ -3,7 +3,7 @@
 !> times.
 module geartrain_linalg_arnoldi
    use geartrain_base_kinds, only: dp
-   use geartrain_linalg_lapack, only: dgeev, dgemm
+   use geartrain_linalg_lapack, only: dgehrd, dgemm, dhsein, dhseqr, dormhr
    implicit none (type, external)
    private
    public :: arnoldi_type
@@ -19,9 +19,8 @@ module geartrain_linalg_arnoldi
       integer, private :: n = 0
       !> Orthonormal basis, (n, most + block); products of the basis in it, (most + block, most).
       real(dp), allocatable, private :: basis(:, :), projected(:, :)
-      !> Eigenvectors of the projection as LAPACK leaves them, and which of them is the first: of the latest `ritz`.
-      real(dp), allocatable, private :: vectors(:, :)
-      integer, private :: first = 1
+      !> Real and imaginary part of the eigenvector of the projection for the first value of the latest `ritz`, (dimension, part).
+      real(dp), allocatable, private :: vector(:, :)
    contains
       procedure :: begin
       procedure :: latest
@@ -78,7 +77,7 @@ contains
    end subroutine extend
 
    !> Makes the block of vectors after the first m orthonormal to them and to each other; the factors go into the projection.
-   !> Twice is enough (Kahan and Parlett).
+   !> Twice is enough (Kahan and Parlett), and needed: what is left of a long product grows from block to block.
    subroutine orthonormalise(self, m, independent)
       class(arnoldi_type), intent(inout) :: self
       integer, intent(in) :: m
@@ -114,52 +113,72 @@ contains
       end associate
    end subroutine orthonormalise
 
-   !> The eigenvalues of largest magnitude in the space, largest first, and the largest residual |A x - value x| of a unit vector x
-   !> among them.
-   subroutine ritz(self, values, residual)
+   !> The eigenvalues of largest magnitude in the space, largest first, and of each the residual |A x - value x| of a unit vector x.
+   !> Of all eigenvectors of the projection only those are found, by inverse iteration.
+   subroutine ritz(self, values, residuals)
       class(arnoldi_type), intent(inout) :: self
       complex(dp), intent(out) :: values(:)
-      real(dp), intent(out) :: residual
-      real(dp) :: h(self%dimension, self%dimension), re(self%dimension), im(self%dimension), work(34*self%dimension), empty(1, 1)
+      !> Huge where there are not so many values yet, or LAPACK fails.
+      real(dp), intent(out) :: residuals(:)
+      real(dp), dimension(self%dimension, self%dimension) :: h, copy
+      real(dp) :: vectors(self%dimension, size(values) + 1), work((self%dimension + 40)*self%dimension), empty(1, 1), length
+      real(dp), dimension(self%dimension) :: re, im, factors
       complex(dp) :: tail(self%block)
-      logical :: left(self%dimension)
-      integer :: i, k, m, info
+      logical :: left(self%dimension), wanted(self%dimension)
+      integer :: column(self%dimension), place(size(values)), unused(1), failed(size(values) + 1), i, k, m, info
 
       m = self%dimension
-      residual = huge(1.0_dp)
+      values = 0
+      residuals = huge(1.0_dp)
       if (m < size(values)) return
       h = self%projected(:m, :m)
-      if (allocated(self%vectors)) deallocate (self%vectors)
-      allocate (self%vectors(m, m))
-      call dgeev('N', 'V', m, h, m, re, im, empty, 1, self%vectors, m, work, size(work), info)
+      call dgehrd(m, 1, m, h, m, factors, work, size(work), info)
+      copy = h
+      call dhseqr('E', 'N', m, 1, m, copy, m, re, im, empty, 1, work, size(work), info)
       if (info /= 0) return
-      residual = 0
       left = .true.
-      associate (last => self%vectors(m - self%block + 1:, :), &
+      wanted = .false.
+      do i = 1, size(values)
+         k = maxloc(hypot(re, im), 1, left)
+         left(k) = .false.
+         values(i) = cmplx(re(k), im(k), dp)
+         ! A pair has its real part in one column and the imaginary part in the next.
+         place(i) = merge(k - 1, k, im(k) < 0)
+         wanted(place(i)) = .true.
+      end do
+      k = 1
+      do i = 1, m
+         column(i) = k
+         if (wanted(i)) k = k + merge(2, 1, abs(im(i)) > 0)
+      end do
+      call dhsein('R', 'Q', 'N', wanted, m, h, m, re, im, empty, 1, vectors, m, size(vectors, 2), k, work, unused, failed, info)
+      if (info /= 0) return
+      call dormhr('L', 'N', m, k, 1, m, h, m, factors, vectors, m, work, size(work), info)
+      associate (last => vectors(m - self%block + 1:, :), &
                  next => self%projected(m + 1:m + self%block, m - self%block + 1:m))
          do i = 1, size(values)
-            k = maxloc(hypot(re, im), 1, left)
-            left(k) = .false.
-            values(i) = cmplx(re(k), im(k), dp)
-            ! A pair has its real part in one column and the imaginary part in the next.
-            if (im(k) > 0) tail = cmplx(last(:, k), last(:, k + 1), dp)
-            if (im(k) < 0) tail = cmplx(last(:, k - 1), -last(:, k), dp)
-            if (.not. abs(im(k)) > 0) tail = last(:, k)
-            residual = max(residual, norm2(abs(matmul(next, tail))))
-            if (i == 1) self%first = merge(k - 1, k, im(k) < 0)
+            k = column(place(i))
+            if (abs(values(i)%im) > 0) then
+               length = norm2(vectors(:, k:k + 1))
+               tail = cmplx(last(:, k), last(:, k + 1), dp)
+            else
+               length = norm2(vectors(:, k))
+               tail = last(:, k)
+            end if
+            residuals(i) = norm2(abs(matmul(next, tail)))/length
+            if (i > 1) cycle
+            self%vector = vectors(:, k:k + 1)/length
+            if (.not. abs(values(i)%im) > 0) self%vector(:, 2) = 0
          end do
       end associate
    end subroutine ritz
 
    !> Real and imaginary part of the eigenvector of the first value of the latest `ritz` (or of its conjugate), (n, 2).
-   subroutine leading_vector(self, value, vector)
+   subroutine leading_vector(self, vector)
       class(arnoldi_type), intent(in) :: self
-      complex(dp), intent(in) :: value
       real(dp), intent(out) :: vector(:, :)
 
-      vector(:, 1) = matmul(self%basis(:, :self%dimension), self%vectors(:, self%first))
-      vector(:, 2) = 0
-      if (abs(value%im) > 0) vector(:, 2) = matmul(self%basis(:, :self%dimension), self%vectors(:, self%first + 1))
+      vector = matmul(self%basis(:, :self%dimension), self%vector)
    end subroutine leading_vector
 
 end module geartrain_linalg_arnoldi

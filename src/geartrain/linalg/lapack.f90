@@ -3,7 +3,7 @@ module geartrain_linalg_lapack
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
    private
-   public :: dgetrf, dgetrs, dgeev, dgemm, dgemv, dsbev
+   public :: dgeev, dgehrd, dgemm, dgemv, dgetrf, dgetrs, dhsein, dhseqr, dormhr, dsbev
 
    interface
       !> LU factors of a general matrix.
@@ -49,6 +49,70 @@ module geartrain_linalg_lapack
          !> 0: converged.
          integer, intent(out) :: info
       end subroutine dgeev
+
+      !> Reduces a general matrix to Hessenberg form.
+      pure subroutine dgehrd(n, ilo, ihi, a, lda, tau, work, lwork, info)
+         import :: dp
+         implicit none (type, external)
+         !> Rows; first and last row of what is to be reduced, leading dimension, size of `work`.
+         integer, intent(in) :: n, ilo, ihi, lda, lwork
+         !> The matrix, then its Hessenberg form and, below it, reflections; work space.
+         real(dp), intent(inout) :: a(lda, *), work(*)
+         !> Factors of the reflections, (n - 1).
+         real(dp), intent(out) :: tau(*)
+         !> 0: the arguments are valid.
+         integer, intent(out) :: info
+      end subroutine dgehrd
+
+      !> Eigenvalues of a Hessenberg matrix.
+      pure subroutine dhseqr(job, compz, n, ilo, ihi, h, ldh, wr, wi, z, ldz, work, lwork, info)
+         import :: dp
+         implicit none (type, external)
+         !> 'E': eigenvalues alone; 'N': no Schur vectors.
+         character, intent(in) :: job, compz
+         !> Rows; first and last row of what is not yet triangular, leading dimensions, size of `work`.
+         integer, intent(in) :: n, ilo, ihi, ldh, ldz, lwork
+         !> The matrix, destroyed; Schur vectors; work space.
+         real(dp), intent(inout) :: h(ldh, *), z(ldz, *), work(*)
+         !> Real and imaginary parts of the eigenvalues, (n).
+         real(dp), intent(out) :: wr(*), wi(*)
+         !> 0: converged.
+         integer, intent(out) :: info
+      end subroutine dhseqr
+
+      !> Some eigenvectors of a Hessenberg matrix by inverse iteration.
+      pure subroutine dhsein(side, eigsrc, initv, select, n, h, ldh, wr, wi, vl, ldvl, vr, ldvr, mm, m, work, ifaill, ifailr, info)
+         import :: dp
+         implicit none (type, external)
+         !> 'R': right eigenvectors; 'Q': of eigenvalues that dhseqr found; 'N': from any vectors.
+         character, intent(in) :: side, eigsrc, initv
+         !> Of which eigenvalues: of a pair, the first, (n).
+         logical, intent(inout) :: select(*)
+         !> Rows, leading dimensions, room for columns of vectors.
+         integer, intent(in) :: n, ldh, ldvl, ldvr, mm
+         !> The matrix; imaginary parts of the eigenvalues, (n).
+         real(dp), intent(in) :: h(ldh, *), wi(*)
+         !> Real parts, those of close eigenvalues moved apart, (n); left and right vectors; work space, (n*(n + 2)).
+         real(dp), intent(inout) :: wr(*), vl(ldvl, *), vr(ldvr, *), work(*)
+         !> Columns in use; 0: the left, the right vector converged, (mm); 0: all did.
+         integer, intent(out) :: m, ifaill(*), ifailr(*), info
+      end subroutine dhsein
+
+      !> Multiplies a matrix by the reflections of dgehrd.
+      pure subroutine dormhr(side, trans, m, n, ilo, ihi, a, lda, tau, c, ldc, work, lwork, info)
+         import :: dp
+         implicit none (type, external)
+         !> 'L': from the left; 'N': as they are, 'T': transposed.
+         character, intent(in) :: side, trans
+         !> Rows and columns of c, then as in dgehrd.
+         integer, intent(in) :: m, n, ilo, ihi, lda, ldc, lwork
+         !> Reflections and their factors.
+         real(dp), intent(in) :: a(lda, *), tau(*)
+         !> The matrix; work space.
+         real(dp), intent(inout) :: c(ldc, *), work(*)
+         !> 0: the arguments are valid.
+         integer, intent(out) :: info
+      end subroutine dormhr
 
       !> c := alpha a b + beta c
       pure subroutine dgemm(transa, transb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc)
