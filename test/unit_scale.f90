@@ -39,6 +39,10 @@ contains
          ! Up to nine multipliers are one: more than vectors are carried together.
          call leading_multipliers(tests, equal_branches(10, 5), 0.83_dp, 0.0_dp, .false., '10 equal branches')
          call leading_multipliers(tests, equal_branches(3, 24), 0.83_dp, 0.0_dp, .true., '3 equal branches')
+         call leading_multipliers(tests, dragged(equal_branches(3, 24)), 0.83_dp, 1.0_dp, .true., 'damping to ground')
+         call leading_multipliers(tests, joined(equal_branches(2, 30), 30), 0.83_dp, 1.0_dp, .true., 'a loop')
+         call leading_multipliers(tests, joined(dragged(damped_in_contact(equal_branches(2, 30))), 30), 0.83_dp, 1.0_dp, .true., &
+                                  'a loop, damped to ground and in contact')
       end if
    end subroutine scale_tests
 
@@ -150,6 +154,32 @@ contains
       changed = train
       changed%meshes%damping_acts = 'contact'
    end function damped_in_contact
+
+   !> Every third body is damped to ground, each otherwise.
+   function dragged(train) result(changed)
+      type(train_type), intent(in) :: train
+      type(train_type) :: changed
+      integer :: i
+
+      changed = train
+      do i = 1, size(changed%bodies), 3
+         changed%bodies(i)%damping_to_ground = 0.01_dp*(1 + mod(i, 7))
+      end do
+   end function dragged
+
+   !> The ends of the first two of equal branches, of so many pairs each, are joined by a shaft.
+   function joined(train, pairs) result(changed)
+      type(train_type), intent(in) :: train
+      integer, intent(in) :: pairs
+      type(train_type) :: changed
+      type(shaft_type) :: shaft
+
+      changed = train
+      shaft = shaft_type(stiffness=2e6_dp, damping_ratio=0.01_dp)
+      shaft%between(1) = 'to '//integer_text(pairs)
+      shaft%between(2) = 'to '//integer_text(2*pairs)
+      changed%shafts = [changed%shafts, shaft]
+   end function joined
 
    !> The leading multipliers without the matrix are those of the matrix, each as often as it is there.
    subroutine leading_multipliers(tests, train, frequency_ratio, amplitude, without, name)
