@@ -9,7 +9,7 @@ module arguments
    end type file_name_type
 
    type :: arguments_type
-      !> 'run', 'check', 'audit', 'template', 'reference', 'output-reference', 'version' or 'help'.
+      !> 'run', 'check', 'explain', 'audit', 'template', 'reference', 'output-reference', 'version' or 'help'.
       character(:), allocatable :: action
       type(file_name_type), allocatable :: case_files(:)
       !> As given by --output; '' where it was not.
@@ -30,6 +30,7 @@ module arguments
       '   geartrain CASE.nml --resume             go on with a run that was killed, from FILE.h5.partial'//newline// &
       '   geartrain A.nml B.nml ...               run several cases, as many at a time as there are threads'//newline// &
       '   geartrain --check CASE.nml ...          say what is wrong with cases, compute nothing'//newline// &
+      '   geartrain --explain CASE.nml ...        every number of the train, how it is derived, its source'//newline// &
       '   geartrain --audit CASE.nml ...          check points of its branches, and all special points, by shooting'//newline// &
       '   geartrain --template > CASE.nml         a complete case, every variable explained'//newline// &
       '   geartrain --reference                   the tables of input variables, as Markdown'//newline// &
@@ -67,9 +68,9 @@ contains
             arguments%action = word(3:)
             if (word == '-h') arguments%action = 'help'
             return
-         case ('--check', '--audit')
+         case ('--check', '--explain', '--audit')
             if (arguments%action /= 'run' .and. arguments%action /= word(3:)) &
-               arguments%wrong = '--check and --audit contradict each other'
+               arguments%wrong = '--'//arguments%action//' and '//word//' contradict each other'
             arguments%action = word(3:)
          case ('--resume')
             arguments%resume = .true.

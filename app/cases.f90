@@ -2,15 +2,16 @@
 module cases
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_null_char, c_ptr
    use arguments, only: file_name_type
-   use geartrain, only: case_type, error_type, read_case, results_type, run_case, status_ended_early, status_input
+   use geartrain, only: case_type, error_type, explanation_text, read_case, results_type, run_case, status_ended_early, &
+      status_input, warnings_text
    use geartrain_analyses_analysis, only: analysis_type
    use geartrain_analyses_list, only: analyses, find_analysis
    use geartrain_analyses_response, only: report_branches
    use progress, only: begin_progress, progress_type
-   use terminal, only: complain, hand_over, output_unit, tell_of_interrupts
+   use terminal, only: complain, hand_over, output_unit, say, tell_of_interrupts
    implicit none (type, external)
    private
-   public :: check_cases, run_cases
+   public :: check_cases, explain_cases, run_cases
 
    !> A case file that is to be run.
    type :: job_type
@@ -50,9 +51,49 @@ contains
          else
             write (output_unit, '(a, 2(a, i0), a)') files(i)%name, ': no problems: ', size(case%train%shafts), ' shafts, ', &
                size(case%train%meshes), trim(merge(' mesh  ', ' meshes', size(case%train%meshes) == 1))
+            call warn(files(i)%name, case)
          end if
       end do
    end subroutine check_cases
+
+   !> Tells every number of the trains of the cases; `status` is the largest of their exit statuses.
+   subroutine explain_cases(files, status)
+      type(file_name_type), intent(in) :: files(:)
+      integer, intent(out) :: status
+      type(case_type) :: case
+      type(error_type), allocatable :: error
+      character(:), allocatable :: text
+      integer :: i
+
+      status = 0
+      do i = 1, size(files)
+         call read_case(files(i)%name, case, error)
+         if (allocated(error)) then
+            call complain(error%message)
+            status = max(status, error%status)
+            cycle
+         end if
+         if (size(files) > 1) call say(files(i)%name//new_line('a'))
+         call explanation_text(case%train, text)
+         call say(text)
+      end do
+   end subroutine explain_cases
+
+   !> Tells where formulas of the drawing are used outside their range.
+   subroutine warn(file, case)
+      character(*), intent(in) :: file
+      type(case_type), intent(in) :: case
+      character(:), allocatable :: text
+      integer :: first, next
+
+      call warnings_text(case%train, text)
+      first = 1
+      do while (first <= len(text))
+         next = index(text(first:), new_line('a'))
+         call complain(file//': warning: '//text(first:first + next - 2))
+         first = first + next
+      end do
+   end subroutine warn
 
    !> Runs the cases, one thread a case where there are several; one alone has all threads to itself. A case that fails does not
    !> keep the others from running; `status` is the largest of their exit statuses.
@@ -124,6 +165,7 @@ contains
          jobs(i)%status = status_input
          return
       end if
+      call warn(files(i)%name, jobs(i)%case)
       path = output_path(files(i)%name, output_file, jobs(i)%case)
       jobs(i)%path = path
       if (any([(is_case(path, files(k)%name), k=1, size(files))]) .or. index(path//' ', '.nml ') > 0) then

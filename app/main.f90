@@ -2,7 +2,7 @@
 program main
    use arguments, only: arguments_type, help_text, read_arguments
    use audits, only: audit_cases
-   use cases, only: check_cases, run_cases
+   use cases, only: check_cases, explain_cases, run_cases
    use geartrain, only: status_file, status_input, template_text, version
    use geartrain_input_text, only: reference_text
    use geartrain_run_reference, only: output_reference
@@ -40,6 +40,8 @@ program main
       call say(text)
    case ('check')
       call check_cases(asked%case_files, status)
+   case ('explain')
+      call explain_cases(asked%case_files, status)
    case ('audit')
       call audit_cases(asked%case_files, status)
    case default

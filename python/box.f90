@@ -15,6 +15,7 @@ module geartrain_python_box
    use geartrain_continuation_summary_fields, only: visit_bands, visit_jumps, visit_peaks, visit_ranges
    use geartrain_flow_fields, only: visit_motions
    use geartrain_input_check, only: check_analyses
+   use geartrain_model_explain, only: explain_train, explanation_text, warnings_text
    use geartrain_model_labels, only: mesh_labels
    use geartrain_python_taker, only: taker_type
    use geartrain_run_reference, only: list_results
@@ -184,6 +185,10 @@ contains
          if (allocated(box%message)) text = box%message
       case ('case')
          call case_text(box%case, text)
+      case ('explanation')
+         call explanation_text(box%case%train, text)
+      case ('warnings')
+         call warnings_text(box%case%train, text)
       case ('audit')
          call audit_text(box%audit, text)
       case ('fields')
@@ -230,6 +235,8 @@ contains
             call visit_results(box%results, box%case, fields, summary=.false.)
          case ('listing')
             call list_results(fields)
+         case ('explanation')
+            call explain_train(box%case%train, fields)
          case ('labels')
             if (.not. fields%enter('/labels', '', .true.)) return
             n = size(box%case%train%meshes)

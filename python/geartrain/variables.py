@@ -22,37 +22,61 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "torque_sin": Variable("torque_sin", "reals", "Series", None, False, "Sine amplitudes, likewise; [N m]"),
         "prime_mover_inertia": Variable("prime_mover_inertia", "real", "float", 0.0, False, "Polar moment of inertia at the driving end of a chain; 0 only if the first shaft is rigid; [kg m^2]; >= 0"),
         "load_inertia": Variable("load_inertia", "real", "float", 0.0, False, "Polar moment of inertia at the driven end of a chain; 0 only if the last shaft is rigid; [kg m^2]; >= 0"),
-        "characteristic_length": Variable("characteristic_length", "real", "float", None, True, "Unit in which mesh displacements are reported, b_c; [m]; > 0"),
-        "characteristic_frequency": Variable("characteristic_frequency", "real", "float", None, True, "Unit in which frequencies are reported, omega_c; Lambda is the fundamental mesh frequency over it; [rad/s]; > 0"),
+        "characteristic_length": Variable("characteristic_length", "real", "float", None, False, "Unit in which mesh displacements are reported, b_c; may be left out where every mesh has teeth: 1e-6; [m]; > 0"),
+        "characteristic_frequency": Variable("characteristic_frequency", "real", "float", None, False, "Unit in which frequencies are reported, omega_c; Lambda is the fundamental frequency over it. May be left out where every mesh has teeth: Lambda is then the speed in rpm; [rad/s]; > 0"),
+        "speed_of": Variable("speed_of", "text", "str", "", False, "Name of the body whose revolutions are the speed in rpm; blank: the first body"),
     },
     "body": {
         "name": Variable("name", "text", "str", None, True, "By which shafts and meshes call it"),
-        "inertia": Variable("inertia", "real", "float", None, True, "Polar moment of inertia; 0 only where rigid shafts alone join it with others; [kg m^2]; >= 0"),
+        "inertia": Variable("inertia", "real", "float", None, False, "Polar moment of inertia; 0 only where rigid shafts alone join it with others. May be left out: then by outer_diameter, else that of its gears as discs of their pitch diameters; [kg m^2]; >= 0"),
+        "outer_diameter": Variable("outer_diameter", "reals", "Series", None, False, "Diameters of discs whose inertias are added up; [m]; > 0"),
+        "bore": Variable("bore", "reals", "Series", None, False, "Bores of the discs; none: 0, one: of all; [m]; >= 0"),
+        "width": Variable("width", "reals", "Series", None, False, "Widths of the discs; [m]; > 0"),
+        "density": Variable("density", "reals", "Series", None, False, "Densities of the discs; none: 7850, one: of all; [kg/m^3]; > 0"),
         "torque": Variable("torque", "real", "float", 0.0, False, "Mean torque on it, positive in the sense in which it turns; [N m]"),
         "torque_cos": Variable("torque_cos", "reals", "Series", None, False, "Cosine amplitudes of its torque, orders 1, 2, ... of Lambda; [N m]"),
         "torque_sin": Variable("torque_sin", "reals", "Series", None, False, "Sine amplitudes, likewise; [N m]"),
+        "revolution_torque_cos": Variable("revolution_torque_cos", "reals", "Series", None, False, "Cosine amplitudes of its torque, orders 1, 2, ... of its own revolution; every mesh must have teeth; [N m]"),
+        "revolution_torque_sin": Variable("revolution_torque_sin", "reals", "Series", None, False, "Sine amplitudes, likewise; [N m]"),
         "damping_to_ground": Variable("damping_to_ground", "real", "float", 0.0, False, "Damping of its vibration against the ground; none of its mean motion: a mean drag is a torque; [N m s/rad]; >= 0"),
         "balances": Variable("balances", "logical", "bool", False, False, "Its mean torque balances those of all others; true for exactly one body"),
     },
     "shaft": {
         "between": Variable("between", "names", "Sequence[str]", None, False, "Names of the two bodies that it joins; none in a chain"),
         "rigid": Variable("rigid", "logical", "bool", False, False, "The inertias at the ends of the shaft move as one; it then has neither stiffness nor damping"),
-        "stiffness": Variable("stiffness", "real", "float", None, False, "Torsional stiffness; required unless rigid; [N m/rad]; > 0"),
+        "stiffness": Variable("stiffness", "real", "float", None, False, "Torsional stiffness; or rigid, or by diameter and length; [N m/rad]; > 0"),
+        "diameter": Variable("diameter", "reals", "Series", None, False, "Diameters of sections in series: pi G (D^4 - d^4)/(32 l); [m]; > 0"),
+        "bore": Variable("bore", "reals", "Series", None, False, "Bores of the sections; none: 0, one: of all; [m]; >= 0"),
+        "length": Variable("length", "reals", "Series", None, False, "Lengths of the sections; [m]; > 0"),
+        "shear_modulus": Variable("shear_modulus", "real", "float", 8.0e10, False, "Shear modulus, G; [N/m^2]; > 0"),
         "damping_ratio": Variable("damping_ratio", "real", "float", 0.0, False, "c/(2 sqrt(k m)) with 1/m = 1/I_a + 1/I_b of the inertias at the ends; >= 0"),
         "damping": Variable("damping", "real", "float", None, False, "Damping coefficient, instead of damping_ratio; [N m s/rad]; >= 0"),
     },
     "mesh": {
         "between": Variable("between", "names", "Sequence[str]", None, False, "Names of the bodies that the driving and the driven gear are on; none in a chain"),
-        "driving_radius": Variable("driving_radius", "real", "float", None, True, "Base circle radius of the driving gear; [m]; > 0"),
-        "driven_radius": Variable("driven_radius", "real", "float", None, True, "Base circle radius of the driven gear; [m]; > 0"),
-        "driving_inertia": Variable("driving_inertia", "real", "float", None, False, "In a chain: polar moment of inertia of the driving gear; [kg m^2]; > 0"),
-        "driven_inertia": Variable("driven_inertia", "real", "float", None, False, "In a chain: polar moment of inertia of the driven gear; [kg m^2]; > 0"),
+        "teeth": Variable("teeth", "reals", "Series", None, False, "Numbers of teeth of the driving and the driven gear; >= 3 and <= 100000"),
+        "normal_module": Variable("normal_module", "real", "float", None, False, "Normal module; [m]; > 0"),
+        "pressure_angle": Variable("pressure_angle", "real", "float", 20.0, False, "Normal pressure angle of the basic rack; [degree]; >= 10 and <= 35"),
+        "helix_angle": Variable("helix_angle", "real", "float", 0.0, False, "Helix angle at the reference circle; [degree]; >= 0 and <= 60"),
+        "face_width": Variable("face_width", "real", "float", None, False, "Common face width of the two gears; [m]; > 0"),
+        "profile_shift": Variable("profile_shift", "reals", "Series", None, False, "Profile shift coefficients, positive towards the tips; none: 0; >= -2 and <= 2"),
+        "centre_distance": Variable("centre_distance", "real", "float", None, False, "Distance of the axes; else with the flanks touching without backlash; [m]; > 0"),
+        "tip_diameter": Variable("tip_diameter", "reals", "Series", None, False, "Tip diameters; else by the basic rack, shortened to keep its clearance; [m]; > 0"),
+        "dedendum": Variable("dedendum", "real", "float", 1.25, False, "Dedendum of the basic rack, in modules; >= 1 and <= 2"),
+        "backlash": Variable("backlash", "real", "float", 0.0, False, "Circumferential backlash along the working pitch circles, in the transverse plane; [m]; >= 0"),
+        "bore": Variable("bore", "reals", "Series", None, False, "Bores of the gears, for their inertias; none: 0; [m]; >= 0"),
+        "density": Variable("density", "real", "float", 7850.0, False, "Of the gears, for their inertias; [kg/m^3]; > 0"),
+        "elastic_modulus": Variable("elastic_modulus", "reals", "Series", None, False, "Moduli of elasticity of the gears; none: steel, 2.06e11; [N/m^2]; > 0"),
+        "driving_radius": Variable("driving_radius", "real", "float", None, False, "Base circle radius of the driving gear; or by teeth and normal_module; [m]; > 0"),
+        "driven_radius": Variable("driven_radius", "real", "float", None, False, "Base circle radius of the driven gear; or by teeth and normal_module; [m]; > 0"),
+        "driving_inertia": Variable("driving_inertia", "real", "float", None, False, "In a chain: polar moment of inertia of the driving gear; or as a disc of its pitch diameter; [kg m^2]; > 0"),
+        "driven_inertia": Variable("driven_inertia", "real", "float", None, False, "In a chain: polar moment of inertia of the driven gear; or as a disc of its pitch diameter; [kg m^2]; > 0"),
         "internal": Variable("internal", "logical", "bool", False, False, "An internal gear pair: both gears turn in one sense"),
-        "stiffness": Variable("stiffness", "real", "float", None, False, "Mean mesh stiffness along the line of action; required unless stiffness_table is given; [N/m]; > 0"),
+        "stiffness": Variable("stiffness", "real", "float", None, False, "Mean mesh stiffness along the line of action in the transverse plane; or by stiffness_table, or by ISO 6336-1 where the drawing is given; [N/m]; > 0"),
         "damping_ratio": Variable("damping_ratio", "real", "float", 0.0, False, "c/(2 sqrt(k m)) with m = I_a I_b/(r_a^2 I_b + r_b^2 I_a); >= 0"),
         "damping": Variable("damping", "real", "float", None, False, "Damping coefficient, instead of damping_ratio; [N s/m]; >= 0"),
         "damping_acts": Variable("damping_acts", "text", "Literal['always', 'contact']", "always", False, "At all times, or in contact only: not while the teeth are apart; 'always' or 'contact'"),
-        "half_backlash": Variable("half_backlash", "real", "float", 0.0, False, "Half of the backlash, b; 0: no backlash, a linear mesh; [m]; >= 0"),
+        "half_backlash": Variable("half_backlash", "real", "float", 0.0, False, "Half of the backlash along the line of action in the transverse plane, b; 0: no backlash, a linear mesh, unless `backlash` is given; [m]; >= 0"),
         "stiffness_cos": Variable("stiffness_cos", "reals", "Series", None, False, "Cosine amplitudes, harmonics 1, 2, ... of kappa(t) = 1 + ..., the mesh stiffness over its mean"),
         "stiffness_sin": Variable("stiffness_sin", "reals", "Series", None, False, "Sine amplitudes, likewise"),
         "stiffness_table": Variable("stiffness_table", "reals", "Series", None, False, "Stiffness at equidistant instants of one mesh cycle, 4 values or more, taken as a trigonometric polynomial: gives stiffness and its harmonics; [N/m]; > 0"),
@@ -63,7 +87,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "phase": Variable("phase", "real", "float", 0.0, False, "By which kappa and the transmission error lag, in the mesh cycle; [rad]"),
         "error_cos": Variable("error_cos", "reals", "Series", None, False, "Cosine amplitudes of the static transmission error, harmonics 1, 2, ...; it adds to the mesh displacement; [m]"),
         "error_sin": Variable("error_sin", "reals", "Series", None, False, "Sine amplitudes, likewise; [m]"),
-        "order": Variable("order", "integer", "int", 1, False, "Mesh frequency as a multiple of the fundamental, m_n; >= 1 and <= 10000"),
+        "order": Variable("order", "integer", "int", 0, False, "Mesh frequency as a multiple of the fundamental, m_n; 0: by the teeth where every mesh has them, else 1; >= 1 and <= 10000, or 0"),
     },
     "modes": {},
     "response": {
@@ -126,9 +150,15 @@ class Body(Part, variables=VARIABLES["body"]):
 
     name: str | None = None
     inertia: float | None = None
+    outer_diameter: Series | None = None
+    bore: Series | None = None
+    width: Series | None = None
+    density: Series | None = None
     torque: float | None = None
     torque_cos: Series | None = None
     torque_sin: Series | None = None
+    revolution_torque_cos: Series | None = None
+    revolution_torque_sin: Series | None = None
     damping_to_ground: float | None = None
     balances: bool | None = None
 
@@ -140,6 +170,10 @@ class Shaft(Part, variables=VARIABLES["shaft"]):
     between: Sequence[str] | None = None
     rigid: bool | None = None
     stiffness: float | None = None
+    diameter: Series | None = None
+    bore: Series | None = None
+    length: Series | None = None
+    shear_modulus: float | None = None
     damping_ratio: float | None = None
     damping: float | None = None
 
@@ -149,6 +183,19 @@ class Mesh(Part, variables=VARIABLES["mesh"]):
     """A gear pair."""
 
     between: Sequence[str] | None = None
+    teeth: Series | None = None
+    normal_module: float | None = None
+    pressure_angle: float | None = None
+    helix_angle: float | None = None
+    face_width: float | None = None
+    profile_shift: Series | None = None
+    centre_distance: float | None = None
+    tip_diameter: Series | None = None
+    dedendum: float | None = None
+    backlash: float | None = None
+    bore: Series | None = None
+    density: float | None = None
+    elastic_modulus: Series | None = None
     driving_radius: float | None = None
     driven_radius: float | None = None
     driving_inertia: float | None = None
@@ -184,6 +231,7 @@ class TrainVariables(Part, variables=VARIABLES["train"]):
     load_inertia: float | None = None
     characteristic_length: float | None = None
     characteristic_frequency: float | None = None
+    speed_of: str | None = None
     bodies: Sequence[Body] = ()
     shafts: Sequence[Shaft] = ()
     meshes: Sequence[Mesh] = ()

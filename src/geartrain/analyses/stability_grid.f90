@@ -8,11 +8,13 @@ module geartrain_analyses_stability_grid
    use geartrain_base_fields, only: fields_type, listing, reading
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
+   use geartrain_base_series, only: make_series, series_type
    use geartrain_base_variable, only: row => variable_type, visitor_type
    use geartrain_flow_fields, only: about_frequency, about_mesh
    use geartrain_model_check, only: check_train
+   use geartrain_model_drawing, only: plain_train
    use geartrain_model_limits, only: check_frequency, check_harmonics
-   use geartrain_model_mesh, only: mesh_type, plain_mesh
+   use geartrain_model_mesh, only: mesh_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -141,6 +143,7 @@ contains
       type(stability_map_settings_type), intent(in) :: settings
       !> Collects the problems; nothing is checked if it has a problem of this group.
       class(checker_type), intent(inout) :: checker
+      type(train_type) :: plain
 
       if (checker%problems%in_group('stability_map')) return
       call checker%enter('stability_map', 1)
@@ -161,7 +164,8 @@ contains
       if (settings%parameter == 'input_torque' .and. allocated(train%bodies)) &
          call checker%complain('parameter', "'input_torque'", 'is that of a chain: the bodies of this train have torques')
       if (settings%parameter == 'stiffness_variation' .and. allocated(train%meshes)) then
-         if (.not. largest_variation(train%meshes) > 0 .and. .not. checker%problems%in_group('mesh')) &
+         call plain_train(train, plain)
+         if (.not. largest_variation(plain%meshes) > 0 .and. .not. checker%problems%in_group('mesh')) &
             call checker%complain('parameter', "'"//trim(settings%parameter)//"'", &
                                   'needs a mesh with stiffness_cos or stiffness_sin, which give the shape that is scaled')
       end if
@@ -196,20 +200,19 @@ contains
       !> Value of the parameter, in its unit.
       real(dp), intent(in) :: value
       type(train_type) :: changed
-      type(mesh_type) :: mesh
       real(dp) :: factor
       integer :: j
 
-      changed = train
+      call plain_train(train, changed)
       if (settings%linear) changed%meshes%half_backlash = 0
       select case (settings%parameter)
       case ('stiffness_variation')
-         factor = value/largest_variation(train%meshes)
+         factor = value/largest_variation(changed%meshes)
          do j = 1, size(changed%meshes)
-            call plain_mesh(train%meshes(j), mesh)
-            if (allocated(mesh%stiffness_cos)) mesh%stiffness_cos = factor*mesh%stiffness_cos
-            if (allocated(mesh%stiffness_sin)) mesh%stiffness_sin = factor*mesh%stiffness_sin
-            changed%meshes(j) = mesh
+            associate (mesh => changed%meshes(j))
+               if (allocated(mesh%stiffness_cos)) mesh%stiffness_cos = factor*mesh%stiffness_cos
+               if (allocated(mesh%stiffness_sin)) mesh%stiffness_sin = factor*mesh%stiffness_sin
+            end associate
          end do
       case ('mesh_damping_ratio')
          changed%meshes%damping_ratio = value
@@ -232,30 +235,16 @@ contains
       if (parameter == 'half_backlash') unit = 'm'
    end function unit_of
 
-   !> Largest amplitude of any harmonic of kappa of any mesh.
+   !> Largest amplitude of any harmonic of kappa of any mesh of a plain train.
    pure real(dp) function largest_variation(meshes) result(largest)
       type(mesh_type), intent(in) :: meshes(:)
-      type(mesh_type) :: mesh
-      real(dp) :: cosine, sine
-      integer :: j, h, most
+      type(series_type) :: kappa
+      integer :: j
 
       largest = 0
       do j = 1, size(meshes)
-         call plain_mesh(meshes(j), mesh)
-         most = 0
-         if (allocated(mesh%stiffness_cos)) most = size(mesh%stiffness_cos)
-         if (allocated(mesh%stiffness_sin)) most = max(most, size(mesh%stiffness_sin))
-         do h = 1, most
-            cosine = 0
-            sine = 0
-            if (allocated(mesh%stiffness_cos)) then
-               if (h <= size(mesh%stiffness_cos)) cosine = mesh%stiffness_cos(h)
-            end if
-            if (allocated(mesh%stiffness_sin)) then
-               if (h <= size(mesh%stiffness_sin)) sine = mesh%stiffness_sin(h)
-            end if
-            largest = max(largest, hypot(cosine, sine))
-         end do
+         kappa = make_series(meshes(j)%stiffness_cos, meshes(j)%stiffness_sin, 1.0_dp, 1)
+         largest = maxval([largest, abs(kappa%amplitude)])
       end do
    end function largest_variation
 

@@ -89,6 +89,8 @@ contains
       if (.not. allocated(value)) return
       bad = findloc(variable%allows(value), .false., dim=1)
       if (bad > 0) call self%complain(variable%name, real_text(value(bad)), trim(variable%expectation(value(bad))), bad)
+      if (variable%values > 0 .and. size(value) > 0 .and. size(value) /= variable%values) &
+         call self%complain(variable%name, integer_text(size(value))//' values', 'takes '//integer_text(variable%values))
    end subroutine check_list
 
    subroutine check_names(self, variable, value)
@@ -116,7 +118,13 @@ contains
 
       if (self%problems%reported(self%group, self%index, name)) return
       text = trim(name)
-      if (present(place)) text = text//' harmonic '//integer_text(place)
+      if (present(place)) then
+         if (index(name, '_cos') + index(name, '_sin') > 0) then
+            text = text//' harmonic '//integer_text(place)
+         else
+            text = text//' value '//integer_text(place)
+         end if
+      end if
       call self%problems%add(text//' = '//value//': '//expectation, self%group, self%index, name, place=place)
    end subroutine complain
 

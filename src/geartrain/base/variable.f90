@@ -34,6 +34,9 @@ module geartrain_base_variable
       real(dp) :: automatic = huge(1.0_dp)
       !> Allowed words of a text, separated by blanks; blank: any text.
       character(choices_length) :: choices = ''
+      !> Of a list: number of values, 0: any number; whether all are whole numbers.
+      integer :: values = 0
+      logical :: whole = .false.
       !> Name of a variable that may not be given together with this variable; blank: none.
       character(24) :: excludes = ''
    contains
@@ -148,6 +151,7 @@ contains
       allows = ieee_is_finite(value)
       if (.not. allows) return
       allows = value > self%above .and. value >= self%least .and. value <= self%most .and. abs(value) <= largest
+      if (self%whole) allows = allows .and. abs(value - anint(value)) <= 0
       if (self%automatic < huge(1.0_dp)) allows = allows .or. abs(value - self%automatic) <= 0
    end function allows
 
@@ -236,6 +240,7 @@ contains
          text = 'must be finite'
       else
          text = 'must be '//trim(text)
+         if (self%whole) text = trim(text)//' and whole'
          if (self%unit /= '') text = trim(text)//' '//trim(self%unit)
          if (self%automatic < huge(1.0_dp)) text = trim(text)//' to leave the choice to the program'
       end if

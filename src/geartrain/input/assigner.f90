@@ -137,6 +137,7 @@ contains
             return
          end do
       end associate
+      call self%checker_type%on_list(variable, value)
    end subroutine assign_list
 
    subroutine assign_names(self, variable, value)

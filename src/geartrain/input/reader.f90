@@ -123,7 +123,7 @@ contains
             case ('shaft')
                call visit_shaft(case%train%shafts(n), n, reader)
             case ('mesh')
-               call visit_mesh(case%train%meshes(n), n, .not. allocated(case%train%bodies), reader)
+               call visit_mesh(case%train%meshes(n), n, reader)
             case ('output')
                call visit_output(case%output_file, reader)
             case default

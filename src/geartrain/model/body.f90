@@ -11,12 +11,19 @@ module geartrain_model_body
    type :: body_type
       !> Name by which shafts and meshes refer to the body.
       character(:), allocatable :: name
-      !> Polar moment of inertia [kg m^2]; 0 is allowed where a rigid shaft joins it with others.
-      real(dp) :: inertia = 0
+      !> Polar moment of inertia [kg m^2]; 0 is allowed where a rigid shaft joins it with others; negative: by the drawing.
+      real(dp) :: inertia = -1
+      !> From the drawing: discs whose inertias are added, diameters and widths [m] and densities [kg/m^3]; one bore or density
+      !> holds for all discs.
+      real(dp), allocatable :: outer_diameter(:), bore(:), width(:), density(:)
       !> Mean torque on the body [N m], positive in its sense of rotation; 0 for the body that balances the others.
       real(dp) :: torque = 0
       !> Amplitudes of the torque at the harmonics 1, 2, ... of Lambda [N m], (harmonic).
       real(dp), allocatable :: torque_cos(:), torque_sin(:)
+      !> Amplitudes of the torque at the harmonics 1, 2, ... of the revolution of the body [N m], (harmonic).
+      real(dp), allocatable :: revolution_torque_cos(:), revolution_torque_sin(:)
+      !> Derived: revolution of the body as a multiple of the fundamental, where it has such a torque.
+      integer :: revolution_order = 1
       !> Damping to ground of the vibration of the body [N m s/rad]; none of its mean rotation.
       real(dp) :: damping_to_ground = 0
       !> The mean torque of the body balances the mean torques of all others.

@@ -4,7 +4,9 @@ module geartrain_model_check
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
+   use geartrain_model_check_drawing, only: check_drawing
    use geartrain_model_check_network, only: check_network
+   use geartrain_model_drawing, only: has_geometry, has_sections, has_stiffness, plain_train
    use geartrain_model_limits, only: check_stiffest
    use geartrain_model_mesh, only: has_table, is_given, mesh_type
    use geartrain_model_scales, only: check_scales
@@ -37,14 +39,17 @@ contains
       type(train_type), intent(in) :: train
       !> Gets the problems.
       class(checker_type), intent(inout) :: checker
+      type(train_type) :: plain
       integer :: shafts, meshes, i
 
+      call check_drawing(train, checker)
+      call plain_train(train, plain)
       shafts = 0
       meshes = 0
       if (allocated(train%shafts)) shafts = size(train%shafts)
       if (allocated(train%meshes)) meshes = size(train%meshes)
       if (allocated(train%bodies)) then
-         if (allocated(train%shafts) .and. allocated(train%meshes)) call check_network(train, checker)
+         if (allocated(train%shafts) .and. allocated(train%meshes)) call check_network(plain, checker)
       else if (shafts < 2 .or. meshes /= shafts - 1) then
          call checker%problems%add('the train has '//integer_text(shafts)//' &shaft and '//integer_text(meshes)// &
                                    ' &mesh: a train is shaft, mesh, shaft, ..., shaft, at least 2 shafts and one mesh less &
@@ -57,6 +62,7 @@ contains
       end do
       if (.not. allocated(train%bodies)) then
          call check_names()
+         call check_inertias()
          if (shafts == 0) return
          call checker%enter('train', 1)
          call check_end(train%prime_mover_inertia, 'prime_mover_inertia', 'first', train%shafts(1))
@@ -66,11 +72,11 @@ contains
       do i = 1, meshes
          call checker%enter('mesh', i)
          call check_stiffness(train%meshes(i), checker)
-         call check_back(train%meshes(i), checker)
+         call check_back(train%meshes(i), plain%meshes(i), checker)
          call checker%leave()
       end do
-      call check_stiffest(train, checker)
-      call check_scales(train, checker)
+      call check_stiffest(plain, checker)
+      call check_scales(plain, checker)
 
    contains
 
@@ -92,6 +98,18 @@ contains
          end do
       end subroutine check_names
 
+      !> In a chain every gear has an inertia.
+      subroutine check_inertias()
+         character(*), parameter :: instead = ' or teeth, normal_module and face_width'
+
+         do i = 1, meshes
+            call checker%enter('mesh', i)
+            if (.not. abs(plain%meshes(i)%driving_inertia) > 0) call checker%lacks('driving_inertia', '> 0 kg m^2', instead)
+            if (.not. abs(plain%meshes(i)%driven_inertia) > 0) call checker%lacks('driven_inertia', '> 0 kg m^2', instead)
+            call checker%leave()
+         end do
+      end subroutine check_inertias
+
       !> An elastic shaft with nothing at its end has no equation of motion there.
       subroutine check_end(inertia, name, which, shaft)
          real(dp), intent(in) :: inertia
@@ -109,6 +127,7 @@ contains
    subroutine check_stiffness(mesh, checker)
       type(mesh_type), intent(in) :: mesh
       class(checker_type), intent(inout) :: checker
+      character(*), parameter :: instead = ' or teeth and normal_module'
       logical :: harmonics
 
       harmonics = is_given(mesh%stiffness_cos) .or. is_given(mesh%stiffness_sin)
@@ -121,21 +140,26 @@ contains
                                                            'contradicts stiffness_table: leave out one of the two')
          if (harmonics) call checker%complain('stiffness_table', '...', &
                                               'contradicts stiffness_cos, stiffness_sin: leave out one of the two')
-      else if (.not. mesh%stiffness > 0) then
-         call checker%lacks('stiffness', '> 0 N/m')
+      else if (.not. mesh%stiffness > 0 .and. .not. has_stiffness(mesh)) then
+         call checker%lacks('stiffness', '> 0 N/m', ' or stiffness_table, or teeth, normal_module and face_width')
+      end if
+      if (.not. has_geometry(mesh)) then
+         if (.not. abs(mesh%driving_radius) > 0) call checker%lacks('driving_radius', '> 0 m', instead)
+         if (.not. abs(mesh%driven_radius) > 0) call checker%lacks('driven_radius', '> 0 m', instead)
       end if
       if (mesh%contact_ratio > 0 .and. harmonics) call checker%complain('contact_ratio', real_text(mesh%contact_ratio), &
          'contradicts stiffness_cos, stiffness_sin: leave out one of the two')
    end subroutine check_stiffness
 
    !> A mesh without backlash has no variables of back flanks.
-   subroutine check_back(mesh, checker)
-      type(mesh_type), intent(in) :: mesh
+   subroutine check_back(mesh, plain, checker)
+      !> The mesh as given and in plain numbers.
+      type(mesh_type), intent(in) :: mesh, plain
       class(checker_type), intent(inout) :: checker
       character(*), parameter :: cure = 'contradicts half_backlash = 0, of a mesh that never parts and has no back flanks of its &
          &own: leave out one of the two'
 
-      if (mesh%half_backlash > 0) return
+      if (plain%half_backlash > 0) return
       if (mesh%back_stiffness > 0) call checker%complain('back_stiffness', real_text(mesh%back_stiffness), cure)
       if (abs(mesh%back_phase) > 0) call checker%complain('back_phase', real_text(mesh%back_phase), cure)
    end subroutine check_back
@@ -151,8 +175,9 @@ contains
          if (abs(shaft%damping_ratio) > 0) call checker%complain('damping_ratio', real_text(shaft%damping_ratio), cure)
          if (shaft%damping_given .or. abs(shaft%damping) > 0) &
             call checker%complain('damping', real_text(shaft%damping), cure)
-      else if (.not. shaft%stiffness > 0) then
-         call checker%lacks('stiffness', '> 0 N m/rad', ' or rigid = .true.')
+         if (is_given(shaft%diameter)) call checker%complain('diameter', real_text(shaft%diameter(1)), cure)
+      else if (.not. abs(shaft%stiffness) > 0 .and. .not. has_sections(shaft)) then
+         call checker%lacks('stiffness', '> 0 N m/rad', ' or rigid = .true., or diameter and length')
       end if
    end subroutine check_shaft
 

@@ -7,7 +7,7 @@ module geartrain_model_check_network
    use geartrain_base_numbers, only: integer_text, real_text, text
    use geartrain_mesh_law_law, only: law_type
    use geartrain_model_bodies, only: find_ends
-   use geartrain_model_mesh, only: is_given, mesh_type, plain_mesh, put_law
+   use geartrain_model_mesh, only: is_given, put_law
    use geartrain_model_network, only: build_network, join_rigid, network_type
    use geartrain_model_rest, only: largest_residual, rest_forces
    use geartrain_model_train, only: train_type
@@ -22,7 +22,7 @@ contains
 
    !> Adds every problem of the network; the range of each value is checked elsewhere.
    subroutine check_network(train, checker)
-      !> The train, with bodies, shafts and meshes.
+      !> The plain train, with bodies, shafts and meshes.
       type(train_type), intent(in) :: train
       !> Gets the problems.
       class(checker_type), intent(inout) :: checker
@@ -179,7 +179,13 @@ contains
       do i = 1, size(train%bodies)
          if (.not. needed(i) .or. train%bodies(i)%inertia > 0) cycle
          call checker%enter('body', i)
-         call checker%complain('inertia', real_text(train%bodies(i)%inertia), 'must be > 0 kg m^2 on a mesh or an elastic shaft')
+         if (train%bodies(i)%inertia < 0) then
+            call checker%lacks('inertia', '> 0 kg m^2', ' or outer_diameter and width, or gears with teeth, normal_module and &
+                               &face_width')
+         else
+            call checker%complain('inertia', real_text(train%bodies(i)%inertia), 'must be > 0 kg m^2 on a mesh or an elastic &
+                                  &shaft')
+         end if
          call checker%leave()
       end do
    end subroutine check_inertias
@@ -247,15 +253,13 @@ contains
       type(train_type), intent(in) :: train
       class(checker_type), intent(inout) :: checker
       type(network_type) :: network
-      type(mesh_type) :: plain
       type(law_type) :: law(size(train%meshes))
       real(dp), allocatable :: force(:)
       real(dp) :: residual
       integer :: i
 
       do i = 1, size(law)
-         call plain_mesh(train%meshes(i), plain)
-         call put_law(plain, train%characteristic_length, law(i))
+         call put_law(train%meshes(i), train%characteristic_length, law(i))
       end do
       call build_network(train, network)
       allocate (force(size(network%elements)))

@@ -6,8 +6,7 @@ module geartrain_model_gear_pair
    use geartrain_base_kinds, only: dp, pi
    implicit none (type, external)
    private
-   public :: gear_pair_type, pair_geometry_type, pair_stiffness_type, find_geometry, find_stiffness, involute, involute_angle, &
-             rectangular_wave
+   public :: gear_pair_type, pair_geometry_type, pair_stiffness_type, find_geometry, find_stiffness, light_load, rectangular_wave
 
    !> What the drawing says.
    type :: gear_pair_type
@@ -24,6 +23,8 @@ module geartrain_model_gear_pair
       real(dp) :: centre_distance = 0, tip_diameter(2) = 0
       !> Dedendum of the basic rack over the normal module [1].
       real(dp) :: dedendum = 1.25_dp
+      !> Circumferential backlash along the working pitch circles, in the transverse plane [m]; 0: by the centre distance.
+      real(dp) :: backlash = 0
       !> Modulus of elasticity of the gears [N/m^2].
       real(dp) :: elastic_modulus(2) = 2.06e11_dp
    end type gear_pair_type
@@ -37,13 +38,16 @@ module geartrain_model_gear_pair
       real(dp) :: reference_diameter(2) = 0, base_radius(2) = 0, tip_diameter(2) = 0
       !> In use; with which the flanks would touch without backlash; without profile shift [m].
       real(dp) :: centre_distance = 0, tight_distance = 0, reference_distance = 0
+      !> Circumferential backlash along the working pitch circles by the centre distance alone, for teeth of the thickness that goes
+      !> with the profile shift [m]; negative: the flanks jam. Half of the backlash in use along the transverse line of action [m].
+      real(dp) :: distance_backlash = 0, half_backlash = 0
       !> Transverse contact ratio, overlap ratio, teeth of the virtual spur gears [1].
       real(dp) :: contact_ratio = 0, overlap_ratio = 0, virtual_teeth(2) = 0
       !> Tooth thickness at the tip circles over the normal module [1]; negative: the flanks meet below it.
       real(dp) :: tip_thickness(2) = 0
       !> By how much profile shift is below that at which cutting by a rack undercuts the tooth [1]; positive: undercut.
       real(dp) :: undercut(2) = 0
-      !> Smallest distance of the path of contact from the base circle of either gear, along the line of action [m]; negative: the tip
+      !> Smallest distance of the path of contact from the base circle of a gear, along the line of action [m]; negative: the tip
       !> of the mate meets the flank below the base circle.
       real(dp) :: clear_of_base = 0
    end type pair_geometry_type
@@ -88,9 +92,34 @@ contains
    !> Geometry of a pair whose teeth, module and face width are given. Where flanks cannot meet, `centre_distance` below the sum of
    !> the base radii, the working angle is 0.
    elemental subroutine find_geometry(pair, geometry)
+      !> The drawing. Of an internal pair the gear with more teeth is the internal gear.
+      type(gear_pair_type), intent(in) :: pair
+      !> The geometry.
+      type(pair_geometry_type), intent(out) :: geometry
+      type(gear_pair_type) :: turned
+
+      if (pair%internal .and. pair%teeth(1) > pair%teeth(2)) then
+         turned = pair
+         turned%teeth = pair%teeth([2, 1])
+         turned%profile_shift = pair%profile_shift([2, 1])
+         turned%tip_diameter = pair%tip_diameter([2, 1])
+         call find_ordered(turned, geometry)
+         geometry%reference_diameter = geometry%reference_diameter([2, 1])
+         geometry%base_radius = geometry%base_radius([2, 1])
+         geometry%tip_diameter = geometry%tip_diameter([2, 1])
+         geometry%virtual_teeth = geometry%virtual_teeth([2, 1])
+         geometry%tip_thickness = geometry%tip_thickness([2, 1])
+         geometry%undercut = geometry%undercut([2, 1])
+      else
+         call find_ordered(pair, geometry)
+      end if
+   end subroutine find_geometry
+
+   !> Geometry of a pair whose second gear is the internal gear, if one is.
+   elemental subroutine find_ordered(pair, geometry)
       type(gear_pair_type), intent(in) :: pair
       type(pair_geometry_type), intent(out) :: geometry
-      real(dp) :: z(2), sign_2, sum_z, sum_x, addendum, tip_angle(2), cosine, path(2), line
+      real(dp) :: z(2), sign_2, sum_z, sum_x, addendum, tip_angle(2), cosine, path(2), line, tight_involute
       integer :: i
 
       z = pair%teeth
@@ -106,13 +135,18 @@ contains
          g%base_radius = g%reference_diameter*cos(g%transverse_angle)/2
          g%virtual_teeth = z/(cos(g%base_helix_angle)**2*cos(beta))
          g%reference_distance = abs(sum_z)*g%transverse_module/2
-         g%tight_distance = g%reference_distance*cos(g%transverse_angle) &
-                            /cos(involute_angle(involute(g%transverse_angle) + 2*tan(alpha)*sum_x/sum_z))
+         ! An involute function <= 0 is of no angle: profile shifts so negative leave no tooth.
+         tight_involute = max(tiny(1.0_dp), involute(g%transverse_angle) + 2*tan(alpha)*sum_x/sum_z)
+         g%tight_distance = g%reference_distance*cos(g%transverse_angle)/cos(involute_angle(tight_involute))
          g%centre_distance = pair%centre_distance
          if (.not. g%centre_distance > 0) g%centre_distance = g%tight_distance
          cosine = g%reference_distance*cos(g%transverse_angle)/g%centre_distance
          g%working_angle = 0
          if (cosine < 1) g%working_angle = acos(cosine)
+         g%distance_backlash = 0
+         if (pair%centre_distance > 0) &
+            g%distance_backlash = 2*sign_2*g%centre_distance*(involute(g%working_angle) - tight_involute)
+         g%half_backlash = max(0.0_dp, merge(pair%backlash, g%distance_backlash, pair%backlash > 0))*cos(g%working_angle)/2
          g%overlap_ratio = pair%face_width*sin(beta)/(pi*m)
          ! Tips shortened so that the clearance of the rack stays, ISO 21771 (k <= 0).
          addendum = 1 + min(0.0_dp, sign_2*(g%tight_distance - g%reference_distance)/m - sum_x)
@@ -132,25 +166,31 @@ contains
          g%tip_thickness = g%tip_diameter*cos(beta)/m &
                            *((pi/2 + 2*pair%profile_shift*tan(alpha))/z &
                              + [1.0_dp, sign_2]*(involute(g%transverse_angle) - involute(tip_angle)))
-         ! The straight flank of the cutting rack reaches one module below the reference line; an internal gear is not cut by a rack.
+         ! The straight flank of the cutting rack reaches one module below the reference line; no internal gear is cut by it.
          g%undercut = 1 - pair%profile_shift - z*sin(g%transverse_angle)**2/(2*cos(beta))
          if (pair%internal) g%undercut(2) = -1
       end associate
-   end subroutine find_geometry
+   end subroutine find_ordered
 
    !> ISO 6336-1:2006, section 9.3: valid for x1 >= x2, -0.5 <= x1 + x2 <= 2, helix angles up to 45 degrees (c_gamma_alpha: 30
    !> degrees and contact ratios from 1.2 on), solid gears of one material each.
    elemental subroutine find_stiffness(pair, geometry, line_load, stiffness)
+      !> The drawing.
       type(gear_pair_type), intent(in) :: pair
+      !> Its geometry.
       type(pair_geometry_type), intent(in) :: geometry
       !> Tangential force with its application factor over the face width, F_t K_A/b [N/m]; 0: as for a full load.
       real(dp), intent(in) :: line_load
+      !> Stiffnesses per face width.
       type(pair_stiffness_type), intent(out) :: stiffness
       real(dp) :: q, x1, x2, inverse(2), modulus
+      integer :: order(2)
 
-      x1 = pair%profile_shift(1)
-      x2 = pair%profile_shift(2)
-      inverse = 1/geometry%virtual_teeth
+      ! Index 1 is the pinion.
+      order = merge([1, 2], [2, 1], pair%teeth(1) <= pair%teeth(2))
+      x1 = pair%profile_shift(order(1))
+      x2 = pair%profile_shift(order(2))
+      inverse = 1/geometry%virtual_teeth(order)
       ! An internal gear counts as a rack.
       if (pair%internal) inverse(2) = 0
       ! Equation (84), in mm um/N.
@@ -170,6 +210,7 @@ contains
    !> Amplitude of harmonic h of kappa [1] as tooth pairs come and go, averaged over the face:
    !> 2 sin(h pi (eps_alpha - 1))/(h pi eps_alpha) times sin(h pi eps_beta)/(h pi eps_beta).
    elemental real(dp) function rectangular_wave(h, contact_ratio, overlap_ratio) result(amplitude)
+      !> Harmonic of the mesh frequency, >= 1.
       integer, intent(in) :: h
       !> Transverse contact ratio and overlap ratio [1].
       real(dp), intent(in) :: contact_ratio, overlap_ratio

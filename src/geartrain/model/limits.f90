@@ -7,7 +7,7 @@ module geartrain_model_limits
    use geartrain_base_series, only: series_type
    use geartrain_model_bodies, only: bodies_of, body_count, find_ends
    use geartrain_model_excitation, only: lowest_harmonic
-   use geartrain_model_mesh, only: mean_stiffness
+   use geartrain_model_drawing, only: plain_train
    use geartrain_model_network, only: build_network, join_rigid, network_type, stiffening
    use geartrain_model_system, only: put_excitation, system_type
    use geartrain_model_train, only: train_type
@@ -27,17 +27,19 @@ module geartrain_model_limits
 contains
 
    !> Adds a problem where Lambda is too small or too large, `name = value: must be >= ...`; nothing for a train not `in_order`.
-   subroutine check_frequency(train, name, value, checker)
+   subroutine check_frequency(given, name, value, checker)
       !> The train.
-      type(train_type), intent(in) :: train
+      type(train_type), intent(in) :: given
       !> Name of the variable, for the message.
       character(*), intent(in) :: name
       !> Lambda [1].
       real(dp), intent(in) :: value
       !> Gets the problem.
       class(checker_type), intent(inout) :: checker
+      type(train_type) :: train
       real(dp) :: decades, unit
 
+      call plain_train(given, train)
       if (.not. in_order(train, checker)) return
       ! By logarithms: the ratio itself may overflow.
       decades = log10(own_frequency(train)) - log10(train%characteristic_frequency)
@@ -50,22 +52,25 @@ contains
 
    !> Adds a problem where all harmonics of a source of excitation are higher than the harmonics of a motion; nothing for a train
    !> not `in_order`.
-   subroutine check_harmonics(train, harmonics, subharmonic, most, checker)
+   subroutine check_harmonics(given, harmonics, subharmonic, most, checker)
       !> The train.
-      type(train_type), intent(in) :: train
+      type(train_type), intent(in) :: given
       !> Number of harmonics of Lambda/subharmonic, 0: chosen by the program; sub-harmonic index; most harmonics that the program
       !> chooses.
       integer, intent(in) :: harmonics, subharmonic, most
       !> Gets the problems.
       class(checker_type), intent(inout) :: checker
+      type(train_type) :: train
       type(system_type) :: system
       integer :: j
 
+      call plain_train(given, train)
       if (.not. in_order(train, checker)) return
       call put_excitation(train, system)
       do j = 1, size(system%torque)
          if (allocated(train%bodies)) then
-            call check_source(system%torque(j), 'the fluctuation of the torque of &body '//integer_text(j))
+            call check_source(system%torque(j), 'the fluctuation of the torque of &body '// &
+                              integer_text(system%torque_body(j)))
          else
             call check_source(system%torque(j), 'the fluctuation of the torque')
          end if
@@ -99,7 +104,7 @@ contains
    !> Adds a problem for every element that vibrates or creeps too fast, or vibrates too slowly, compared with the slowest mesh;
    !> nothing for a train not `in_order`.
    subroutine check_stiffest(train, checker)
-      !> The train.
+      !> The plain train.
       type(train_type), intent(in) :: train
       !> Gets the problems.
       class(checker_type), intent(inout) :: checker
@@ -133,10 +138,10 @@ contains
       end do
       do i = 1, size(train%meshes)
          associate (mesh => train%meshes(i))
-            call check_element(frequency(i), 'mesh', 'stiffness', mean_stiffness(mesh), mesh%damping_ratio, mesh%damping_given, &
+            call check_element(frequency(i), 'mesh', 'stiffness', mesh%stiffness, mesh%damping_ratio, mesh%damping_given, &
                                mesh%damping, units)
             if (mesh%back_stiffness > 0) &
-               call check_element(frequency(i)*sqrt(mesh%back_stiffness/mean_stiffness(mesh)), 'mesh', 'back_stiffness', &
+               call check_element(frequency(i)*sqrt(mesh%back_stiffness/mesh%stiffness), 'mesh', 'back_stiffness', &
                                   mesh%back_stiffness, 0.0_dp, .false., 0.0_dp, units)
          end associate
       end do
@@ -170,7 +175,7 @@ contains
 
    !> Whether a train has all values that these limits are computed from, and no problem was found in its groups.
    pure logical function in_order(train, checker)
-      !> The train.
+      !> The plain train.
       type(train_type), intent(in) :: train
       !> Problems found so far.
       class(checker_type), intent(in) :: checker
@@ -179,7 +184,7 @@ contains
       if (.not. in_order) return
       in_order = size(train%meshes) > 0 .and. train%characteristic_frequency > 0
       ! A problem that stands outside of the groups belongs to no group, so the values are checked here as well.
-      if (in_order) in_order = all(mean_stiffness(train%meshes) > 0 .and. train%meshes%driving_radius > 0 .and. &
+      if (in_order) in_order = all(train%meshes%stiffness > 0 .and. train%meshes%driving_radius > 0 .and. &
                                    train%meshes%driven_radius > 0)
       if (in_order .and. .not. allocated(train%bodies)) &
          in_order = size(train%shafts) == size(train%meshes) + 1 .and. all(train%meshes%driving_inertia > 0 .and. &
@@ -190,7 +195,7 @@ contains
 
    !> Frequency of the slowest mesh [rad/s], see `mesh_frequencies`; neither 0 nor infinite.
    pure real(dp) function own_frequency(train)
-      !> A train that is `in_order`.
+      !> A plain train that is `in_order`.
       type(train_type), intent(in) :: train
 
       own_frequency = min(huge(1.0_dp), max(tiny(1.0_dp), minval(mesh_frequencies(train))))
@@ -208,7 +213,7 @@ contains
       call bodies_of(train, inertia, torque, balancing)
       call find_ends(train, shaft_ends, mesh_ends)
       associate (mesh => train%meshes)
-         frequency = sqrt(mean_stiffness(mesh))*hypot(mesh%driving_radius/sqrt(inertia(mesh_ends(1, :))), &
+         frequency = sqrt(mesh%stiffness)*hypot(mesh%driving_radius/sqrt(inertia(mesh_ends(1, :))), &
                                                       mesh%driven_radius/sqrt(inertia(mesh_ends(2, :))))
       end associate
       if (.not. allocated(train%bodies)) return

@@ -6,7 +6,10 @@ module geartrain_model_mesh
    use geartrain_model_body, only: name_length
    implicit none (type, external)
    private
-   public :: mesh_type, has_table, is_given, mean_stiffness, plain_mesh, put_law
+   public :: mesh_type, has_table, is_given, mean_stiffness, most_order, plain_mesh, put_law
+
+   !> Highest mesh frequency over the fundamental [1].
+   integer, parameter :: most_order = 10000
 
    type :: mesh_type
       !> Names of the bodies of the driving and the driven gear; blank in a chain.
@@ -42,8 +45,20 @@ module geartrain_model_mesh
       real(dp) :: phase = 0
       !> Harmonics 1.. of the static transmission error [m], equation (7b), which adds to the mesh displacement.
       real(dp), allocatable :: error_cos(:), error_sin(:)
-      !> Mesh frequency as a multiple of the fundamental, m_n [1].
-      integer :: order = 1
+      !> Mesh frequency as a multiple of the fundamental, m_n [1]; 0: by the teeth where every mesh has them, else 1.
+      integer :: order = 0
+      !> From the drawing, see geartrain_model_gear_pair: numbers of teeth, (2); normal module [m]; normal pressure angle and helix
+      !> angle at the reference circle [degree]; face width [m]; profile shifts [1], (2); centre distance [m], 0: without
+      !> backlash; tip diameters [m], (2); dedendum of the basic rack over the module [1]; backlash along the working pitch circles
+      !> [m]; moduli of elasticity [N/m^2], (2).
+      real(dp), allocatable :: teeth(:), profile_shift(:), tip_diameter(:), elastic_modulus(:)
+      real(dp) :: normal_module = 0, pressure_angle = 20, helix_angle = 0, face_width = 0, centre_distance = 0, dedendum = 1.25_dp
+      real(dp) :: backlash = 0
+      !> Of the gears as discs: bores [m], (2), and density [kg/m^3].
+      real(dp), allocatable :: bore(:)
+      real(dp) :: density = 7850
+      !> Derived: static force [N] below which the stiffness by ISO 6336-1 falls; 0: the stiffness is given.
+      real(dp) :: light_force = 0
    end type mesh_type
 
 contains

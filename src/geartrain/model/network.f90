@@ -6,7 +6,6 @@
 module geartrain_model_network
    use geartrain_base_kinds, only: dp
    use geartrain_model_bodies, only: bodies_of, body_count, find_ends
-   use geartrain_model_mesh, only: mesh_type, plain_mesh
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -56,7 +55,7 @@ contains
 
    !> Makes the network of a train.
    pure subroutine build_network(train, network)
-      !> A train that has passed `check_train`.
+      !> A plain train (geartrain_model_drawing) that has passed `check_train`.
       type(train_type), intent(in) :: train
       !> The network.
       type(network_type), intent(out) :: network
@@ -175,17 +174,17 @@ contains
       !> Of the bodies [kg m^2], (body).
       real(dp), intent(in) :: inertia(:)
       type(element_type), intent(inout) :: element
-      type(mesh_type) :: mesh
 
       element%mesh = i
       element%from = network%node(ends(1))
       element%to = network%node(ends(2))
-      call plain_mesh(train%meshes(i), mesh)
-      element%radius = [mesh%driving_radius, mesh%driven_radius]
-      element%stiffness = mesh%stiffness
-      element%damping = 2*mesh%damping_ratio*sqrt(mesh%stiffness/sum(element%radius**2/inertia(ends)))
-      if (mesh%damping_given) element%damping = mesh%damping
-      element%unknown = mesh%half_backlash > 0 .or. varies(mesh%stiffness_cos) .or. varies(mesh%stiffness_sin)
+      associate (mesh => train%meshes(i))
+         element%radius = [mesh%driving_radius, mesh%driven_radius]
+         element%stiffness = mesh%stiffness
+         element%damping = 2*mesh%damping_ratio*sqrt(mesh%stiffness/sum(element%radius**2/inertia(ends)))
+         if (mesh%damping_given) element%damping = mesh%damping
+         element%unknown = mesh%half_backlash > 0 .or. varies(mesh%stiffness_cos) .or. varies(mesh%stiffness_sin)
+      end associate
 
    contains
 

@@ -5,7 +5,6 @@ module geartrain_model_scales
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text, text
    use geartrain_model_limits, only: in_order, own_frequency
-   use geartrain_model_mesh, only: mean_stiffness
    use geartrain_model_bodies, only: bodies_of, body_count, find_ends
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -29,7 +28,7 @@ contains
    !> Adds a problem where values of a train, each in its range, give together a scale beyond the limits. All by logarithms, which
    !> do not overflow for any values and any number of meshes.
    subroutine check_scales(train, checker)
-      !> The train.
+      !> The plain train.
       type(train_type), intent(in) :: train
       !> Gets the problems.
       class(checker_type), intent(inout) :: checker
@@ -66,6 +65,10 @@ contains
             associate (body => train%bodies(b), gain => maxval(compliance) - radius(b))
                call check_list('body', b, 'torque_cos', body%torque_cos, gain, 'the deflection of a mesh by it')
                call check_list('body', b, 'torque_sin', body%torque_sin, gain, 'the deflection of a mesh by it')
+               call check_list('body', b, 'revolution_torque_cos', body%revolution_torque_cos, gain, &
+                               'the deflection of a mesh by it')
+               call check_list('body', b, 'revolution_torque_sin', body%revolution_torque_sin, gain, &
+                               'the deflection of a mesh by it')
             end associate
          end do
       else
@@ -210,7 +213,7 @@ contains
       force(balancing) = none
       do i = 1, size(compliance)
          associate (mesh => train%meshes(i), ends => mesh_ends(:, i))
-            compliance(i) = radius(ends(1)) - decades(mesh%driving_radius) - decades(mean_stiffness(mesh))
+            compliance(i) = radius(ends(1)) - decades(mesh%driving_radius) - decades(mesh%stiffness)
          end associate
       end do
 

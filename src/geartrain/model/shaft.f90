@@ -11,6 +11,10 @@ module geartrain_model_shaft
       character(name_length) :: between(2) = ''
       !> Torsional stiffness [N m/rad]; not used when rigid.
       real(dp) :: stiffness = 0
+      !> From the drawing: diameters, bores and lengths of the sections in series [m], one bore holds for all; shear modulus
+      !> [N/m^2].
+      real(dp), allocatable :: diameter(:), bore(:), length(:)
+      real(dp) :: shear_modulus = 8e10_dp
       !> Damping ratio [1], c/(2 sqrt(k m_eq)), m_eq = 1/(1/I_a + 1/I_b); or `damping`, whichever is given.
       real(dp) :: damping_ratio = 0
       !> Damping coefficient [N m s/rad], in force when `damping_given`.

@@ -12,7 +12,8 @@ module geartrain_model_system
    use geartrain_mesh_law_law, only: law_type
    use geartrain_model_cut, only: cut_network, cut_type
    use geartrain_model_mean, only: mean_rows, mean_type
-   use geartrain_model_mesh, only: mesh_type, plain_mesh, put_law
+   use geartrain_model_drawing, only: plain_train, reduce_light_loads
+   use geartrain_model_mesh, only: is_given, put_law
    use geartrain_model_network, only: build_network, network_type
    use geartrain_model_rest, only: rest_forces
    use geartrain_model_train, only: train_type
@@ -69,14 +70,17 @@ module geartrain_model_system
 contains
 
    !> Makes the dimensionless system of a train.
-   pure subroutine build_system(train, system)
+   pure subroutine build_system(given, system)
       !> A train that has passed `check_train`.
-      type(train_type), intent(in) :: train
+      type(train_type), intent(in) :: given
       !> The system.
       type(system_type), intent(out) :: system
+      type(train_type) :: train
       real(dp) :: residual
       integer :: i, j, n
 
+      call plain_train(given, train)
+      call reduce_light_loads(train)
       system%interrupt = train%interrupt
       system%characteristic_frequency = train%characteristic_frequency
       system%characteristic_length = train%characteristic_length
@@ -226,21 +230,30 @@ contains
 
    !> Sets the excitation of a system: torques, force laws of the meshes, transmission errors, excitation_order.
    pure subroutine put_excitation(train, system)
-      !> A train that is in order (geartrain_model_limits).
+      !> A plain train (geartrain_model_drawing) that is in order (geartrain_model_limits).
       type(train_type), intent(in) :: train
       !> Gets the excitation and the number of meshes; nothing else is set.
       type(system_type), intent(inout) :: system
-      type(mesh_type) :: mesh
-      integer :: j
+      integer, allocatable :: turning(:)
+      integer :: j, n
 
       system%meshes = size(train%meshes)
       allocate (system%law(system%meshes), system%transmission_error(system%meshes))
       associate (bc => train%characteristic_length)
          if (allocated(train%bodies)) then
-            system%torque_body = [(j, j=1, size(train%bodies))]
-            allocate (system%torque(size(train%bodies)))
-            do j = 1, size(train%bodies)
+            n = size(train%bodies)
+            turning = pack([(j, j=1, n)], [(is_given(train%bodies(j)%revolution_torque_cos) .or. &
+                                            is_given(train%bodies(j)%revolution_torque_sin), j=1, n)])
+            system%torque_body = [(j, j=1, n), turning]
+            allocate (system%torque(n + size(turning)))
+            do j = 1, n
                system%torque(j) = make_series(train%bodies(j)%torque_cos, train%bodies(j)%torque_sin, 1/bc, 1)
+            end do
+            do j = 1, size(turning)
+               associate (body => train%bodies(turning(j)))
+                  system%torque(n + j) = make_series(body%revolution_torque_cos, body%revolution_torque_sin, 1/bc, &
+                                                     body%revolution_order)
+               end associate
             end do
          else
             system%torque_body = [1]
@@ -248,9 +261,10 @@ contains
             system%torque(1) = make_series(train%torque_cos, train%torque_sin, 1/bc, 1)
          end if
          do j = 1, system%meshes
-            call plain_mesh(train%meshes(j), mesh)
-            call put_law(mesh, bc, system%law(j))
-            system%transmission_error(j) = make_series(mesh%error_cos, mesh%error_sin, 1/bc, mesh%order)
+            associate (mesh => train%meshes(j))
+               call put_law(mesh, bc, system%law(j))
+               system%transmission_error(j) = make_series(mesh%error_cos, mesh%error_sin, 1/bc, mesh%order)
+            end associate
          end do
       end associate
       system%excitation_order = common_order(system)

@@ -3,7 +3,7 @@
 module geartrain_model_train
    use geartrain_base_interrupt, only: interrupt_type
    use geartrain_base_kinds, only: dp
-   use geartrain_model_body, only: body_type
+   use geartrain_model_body, only: body_type, name_length
    use geartrain_model_mesh, only: mesh_type
    use geartrain_model_shaft, only: shaft_type
    implicit none (type, external)
@@ -21,8 +21,13 @@ module geartrain_model_train
       real(dp), allocatable :: torque_cos(:), torque_sin(:)
       !> Of a chain: inertias at the two ends [kg m^2]; 0 is allowed on a rigid shaft.
       real(dp) :: prime_mover_inertia = 0, load_inertia = 0
-      !> Unit of mesh displacement, b_c [m], and of frequency, omega_c [rad/s], equation (4).
+      !> Unit of mesh displacement, b_c [m], and of frequency, omega_c [rad/s], equation (4); 0: 1 um, and Lambda is the speed in
+      !> rpm.
       real(dp) :: characteristic_length = 0, characteristic_frequency = 0
+      !> Name of the body whose revolutions are the speed; blank: the first body, the prime mover of a chain.
+      character(name_length) :: speed_of = ''
+      !> Derived: revolutions of this body per period of the fundamental [1]; 0: not known.
+      real(dp) :: speed_ratio = 0
       type(shaft_type), allocatable :: shafts(:)
       type(mesh_type), allocatable :: meshes(:)
       !> When raised, ends work on this train even within a step; not a variable of a case.

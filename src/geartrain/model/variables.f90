@@ -5,7 +5,7 @@ module geartrain_model_variables
    use geartrain_base_kinds, only: dp
    use geartrain_base_variable, only: row => variable_type, visitor_type
    use geartrain_model_body, only: body_type
-   use geartrain_model_mesh, only: has_table, mesh_type
+   use geartrain_model_mesh, only: mesh_type, most_order
    use geartrain_model_shaft, only: shaft_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -22,12 +22,10 @@ contains
       type(train_type), intent(inout) :: train
       !> Reads, checks, sets or lists each variable.
       class(visitor_type), intent(inout) :: visitor
-      logical :: chain
       integer :: i, shafts, meshes
 
       call visit_train(train, visitor)
-      chain = .not. allocated(train%bodies)
-      if (.not. chain) then
+      if (allocated(train%bodies)) then
          do i = 1, size(train%bodies)
             call visit_body(train%bodies(i), i, visitor)
          end do
@@ -38,7 +36,7 @@ contains
       if (allocated(train%meshes)) meshes = size(train%meshes)
       do i = 1, max(shafts, meshes)
          if (i <= shafts) call visit_shaft(train%shafts(i), i, visitor)
-         if (i <= meshes) call visit_mesh(train%meshes(i), i, chain, visitor)
+         if (i <= meshes) call visit_mesh(train%meshes(i), i, visitor)
       end do
    end subroutine visit_model
 
@@ -48,7 +46,8 @@ contains
       type(train_type), intent(inout) :: train
       !> Reads, checks, sets or lists each variable.
       class(visitor_type), intent(inout) :: v
-      logical :: chain
+      logical :: chain, given
+      character(:), allocatable :: word
 
       chain = .not. allocated(train%bodies)
       call v%enter('train', 1)
@@ -64,10 +63,16 @@ contains
       chain = .not. allocated(train%bodies)
       call v%on_real(row('load_inertia', 'kg m^2', 'polar moment of inertia at the driven end of a chain; 0 only if the last &
                          &shaft is rigid', required=chain, least=zero), train%load_inertia, chain)
-      call v%on_real(row('characteristic_length', 'm', 'unit in which mesh displacements are reported, b_c', &
-                         required=.true., above=zero), train%characteristic_length)
+      given = .not. abs(train%characteristic_length) <= 0
+      call v%on_real(row('characteristic_length', 'm', 'unit in which mesh displacements are reported, b_c; may be left out where &
+                         &every mesh has teeth: 1e-6', above=zero), train%characteristic_length, given)
+      given = .not. abs(train%characteristic_frequency) <= 0
       call v%on_real(row('characteristic_frequency', 'rad/s', 'unit in which frequencies are reported, omega_c; Lambda is the &
-                         &fundamental mesh frequency over it', required=.true., above=zero), train%characteristic_frequency)
+                         &fundamental frequency over it. May be left out where every mesh has teeth: Lambda is then the speed &
+                         &in rpm', above=zero), train%characteristic_frequency, given)
+      word = trim(train%speed_of)
+      call v%on_text(row('speed_of', '', 'name of the body whose revolutions are the speed in rpm; blank: the first body'), word)
+      train%speed_of = word
       call v%leave()
    end subroutine visit_train
 
@@ -79,14 +84,24 @@ contains
       integer, intent(in) :: index
       !> Reads, checks, sets or lists each variable.
       class(visitor_type), intent(inout) :: v
+      logical :: given
 
       call v%enter('body', index)
       call v%on_text(row('name', '', 'by which shafts and meshes call it', required=.true.), body%name)
-      call v%on_real(row('inertia', 'kg m^2', 'polar moment of inertia; 0 only where rigid shafts alone join it with others', &
-                         required=.true., least=zero), body%inertia)
+      given = .not. abs(body%inertia + 1) <= 0
+      call v%on_real(row('inertia', 'kg m^2', 'polar moment of inertia; 0 only where rigid shafts alone join it with others. May &
+                         &be left out: then by outer_diameter, else that of its gears as discs of their pitch diameters', &
+                         least=zero), body%inertia, given)
+      call v%on_list(row('outer_diameter', 'm', 'diameters of discs whose inertias are added up', above=zero), body%outer_diameter)
+      call v%on_list(row('bore', 'm', 'bores of the discs; none: 0, one: of all', least=zero), body%bore)
+      call v%on_list(row('width', 'm', 'widths of the discs', above=zero), body%width)
+      call v%on_list(row('density', 'kg/m^3', 'densities of the discs; none: 7850, one: of all', above=zero), body%density)
       call v%on_real(row('torque', 'N m', 'mean torque on it, positive in the sense in which it turns'), body%torque)
       call v%on_list(row('torque_cos', 'N m', 'cosine amplitudes of its torque, orders 1, 2, ... of Lambda'), body%torque_cos)
       call v%on_list(row('torque_sin', 'N m', 'sine amplitudes, likewise'), body%torque_sin)
+      call v%on_list(row('revolution_torque_cos', 'N m', 'cosine amplitudes of its torque, orders 1, 2, ... of its own &
+                         &revolution; every mesh must have teeth'), body%revolution_torque_cos)
+      call v%on_list(row('revolution_torque_sin', 'N m', 'sine amplitudes, likewise'), body%revolution_torque_sin)
       call v%on_real(row('damping_to_ground', 'N m s/rad', 'damping of its vibration against the ground; none of its mean &
                          &motion: a mean drag is a torque', least=zero), body%damping_to_ground)
       call v%on_logical(row('balances', '', 'its mean torque balances those of all others; true for exactly one body'), &
@@ -102,15 +117,20 @@ contains
       integer, intent(in) :: index
       !> Reads, checks, sets or lists each variable.
       class(visitor_type), intent(inout) :: v
-      logical :: elastic, by_ratio
+      logical :: given, by_ratio
 
       call v%enter('shaft', index)
       call v%on_names(row('between', '', 'names of the two bodies that it joins; none in a chain'), shaft%between)
       call v%on_logical(row('rigid', '', 'the inertias at the ends of the shaft move as one; it then has neither stiffness nor &
                             &damping'), shaft%rigid)
-      elastic = .not. shaft%rigid
-      call v%on_real(row('stiffness', 'N m/rad', 'torsional stiffness; required unless rigid', above=zero), &
-                     shaft%stiffness, elastic)
+      ! Where several are given, all are written, so that `check_shaft` finds the contradiction again.
+      given = .not. abs(shaft%stiffness) <= 0
+      call v%on_real(row('stiffness', 'N m/rad', 'torsional stiffness; or rigid, or by diameter and length', above=zero), &
+                     shaft%stiffness, given)
+      call v%on_list(row('diameter', 'm', 'diameters of sections in series: pi G (D^4 - d^4)/(32 l)', above=zero), shaft%diameter)
+      call v%on_list(row('bore', 'm', 'bores of the sections; none: 0, one: of all', least=zero), shaft%bore)
+      call v%on_list(row('length', 'm', 'lengths of the sections', above=zero), shaft%length)
+      call v%on_real(row('shear_modulus', 'N/m^2', 'shear modulus, G', above=zero), shaft%shear_modulus)
       by_ratio = .not. shaft%rigid .and. .not. shaft%damping_given
       call v%on_real(row('damping_ratio', '', 'c/(2 sqrt(k m)) with 1/m = 1/I_a + 1/I_b of the inertias at the ends', &
                          least=zero), shaft%damping_ratio, by_ratio)
@@ -120,36 +140,37 @@ contains
    end subroutine visit_shaft
 
    !> Visits the variables of a group &mesh.
-   subroutine visit_mesh(mesh, index, chain, v)
+   subroutine visit_mesh(mesh, index, v)
       !> The mesh; the visitor may change it.
       type(mesh_type), intent(inout) :: mesh
       !> Number of the mesh in the train.
       integer, intent(in) :: index
-      !> It stands in a chain, which has no bodies.
-      logical, intent(in) :: chain
       !> Reads, checks, sets or lists each variable.
       class(visitor_type), intent(inout) :: v
-      logical :: by_ratio, own_gears, plain, rectangular, own_back
+      logical :: given, by_ratio, own_gears, plain, rectangular, own_back
       character(:), allocatable :: word
 
       call v%enter('mesh', index)
       call v%on_names(row('between', '', 'names of the bodies that the driving and the driven gear are on; none in a chain'), &
                       mesh%between)
-      call v%on_real(row('driving_radius', 'm', 'base circle radius of the driving gear', required=.true., above=zero), &
-                     mesh%driving_radius)
-      call v%on_real(row('driven_radius', 'm', 'base circle radius of the driven gear', required=.true., above=zero), &
-                     mesh%driven_radius)
-      own_gears = chain
-      call v%on_real(row('driving_inertia', 'kg m^2', 'in a chain: polar moment of inertia of the driving gear', required=chain, &
-                         above=zero), mesh%driving_inertia, own_gears)
-      own_gears = chain
-      call v%on_real(row('driven_inertia', 'kg m^2', 'in a chain: polar moment of inertia of the driven gear', required=chain, &
-                         above=zero), mesh%driven_inertia, own_gears)
+      call visit_drawing(mesh, v)
+      given = .not. abs(mesh%driving_radius) <= 0
+      call v%on_real(row('driving_radius', 'm', 'base circle radius of the driving gear; or by teeth and normal_module', &
+                         above=zero), mesh%driving_radius, given)
+      given = .not. abs(mesh%driven_radius) <= 0
+      call v%on_real(row('driven_radius', 'm', 'base circle radius of the driven gear; or by teeth and normal_module', &
+                         above=zero), mesh%driven_radius, given)
+      own_gears = .not. abs(mesh%driving_inertia) <= 0
+      call v%on_real(row('driving_inertia', 'kg m^2', 'in a chain: polar moment of inertia of the driving gear; or as a disc of &
+                         &its pitch diameter', above=zero), mesh%driving_inertia, own_gears)
+      own_gears = .not. abs(mesh%driven_inertia) <= 0
+      call v%on_real(row('driven_inertia', 'kg m^2', 'in a chain: polar moment of inertia of the driven gear; or as a disc of &
+                         &its pitch diameter', above=zero), mesh%driven_inertia, own_gears)
       call v%on_logical(row('internal', '', 'an internal gear pair: both gears turn in one sense'), mesh%internal)
       ! Where both are given, both are written, so that `check_stiffness` finds the contradiction again.
-      plain = .not. has_table(mesh) .or. mesh%stiffness > 0
-      call v%on_real(row('stiffness', 'N/m', 'mean mesh stiffness along the line of action; required unless stiffness_table is &
-                         &given', above=zero), mesh%stiffness, plain)
+      plain = .not. abs(mesh%stiffness) <= 0
+      call v%on_real(row('stiffness', 'N/m', 'mean mesh stiffness along the line of action in the transverse plane; or by &
+                         &stiffness_table, or by ISO 6336-1 where the drawing is given', above=zero), mesh%stiffness, plain)
       by_ratio = .not. mesh%damping_given
       call v%on_real(row('damping_ratio', '', 'c/(2 sqrt(k m)) with m = I_a I_b/(r_a^2 I_b + r_b^2 I_a)', least=zero), &
                      mesh%damping_ratio, by_ratio)
@@ -159,8 +180,8 @@ contains
       call v%on_text(row('damping_acts', '', 'at all times, or in contact only: not while the teeth are apart', &
                          choices='always contact'), word)
       mesh%damping_acts = word
-      call v%on_real(row('half_backlash', 'm', 'half of the backlash, b; 0: no backlash, a linear mesh', least=zero), &
-                     mesh%half_backlash)
+      call v%on_real(row('half_backlash', 'm', 'half of the backlash along the line of action in the transverse plane, b; 0: no &
+                         &backlash, a linear mesh, unless `backlash` is given', least=zero), mesh%half_backlash)
       call v%on_list(row('stiffness_cos', '', 'cosine amplitudes, harmonics 1, 2, ... of kappa(t) = 1 + ..., the mesh stiffness &
                          &over its mean'), mesh%stiffness_cos)
       call v%on_list(row('stiffness_sin', '', 'sine amplitudes, likewise'), mesh%stiffness_sin)
@@ -180,9 +201,42 @@ contains
       call v%on_list(row('error_cos', 'm', 'cosine amplitudes of the static transmission error, harmonics 1, 2, ...; it adds to &
                          &the mesh displacement'), mesh%error_cos)
       call v%on_list(row('error_sin', 'm', 'sine amplitudes, likewise'), mesh%error_sin)
-      call v%on_integer(row('order', '', 'mesh frequency as a multiple of the fundamental, m_n', least=one, &
-                            most=10000*one), mesh%order)
+      call v%on_integer(row('order', '', 'mesh frequency as a multiple of the fundamental, m_n; 0: by the teeth where every mesh &
+                            &has them, else 1', least=one, most=most_order*one, automatic=zero), mesh%order)
       call v%leave()
    end subroutine visit_mesh
+
+   !> Visits the variables of a mesh that are read off a drawing.
+   subroutine visit_drawing(mesh, v)
+      !> The mesh; the visitor may change it.
+      type(mesh_type), intent(inout) :: mesh
+      !> Reads, checks, sets or lists each variable.
+      class(visitor_type), intent(inout) :: v
+      logical :: given
+
+      call v%on_list(row('teeth', '', 'numbers of teeth of the driving and the driven gear', least=3*one, most=1e5*one, values=2, &
+                         whole=.true.), mesh%teeth)
+      given = .not. abs(mesh%normal_module) <= 0
+      call v%on_real(row('normal_module', 'm', 'normal module', above=zero), mesh%normal_module, given)
+      call v%on_real(row('pressure_angle', 'degree', 'normal pressure angle of the basic rack', least=10*one, most=35*one), &
+                     mesh%pressure_angle)
+      call v%on_real(row('helix_angle', 'degree', 'helix angle at the reference circle', least=zero, most=60*one), mesh%helix_angle)
+      given = .not. abs(mesh%face_width) <= 0
+      call v%on_real(row('face_width', 'm', 'common face width of the two gears', above=zero), mesh%face_width, given)
+      call v%on_list(row('profile_shift', '', 'profile shift coefficients, positive towards the tips; none: 0', least=-2*one, &
+                         most=2*one, values=2), mesh%profile_shift)
+      given = .not. abs(mesh%centre_distance) <= 0
+      call v%on_real(row('centre_distance', 'm', 'distance of the axes; else with the flanks touching without backlash', &
+                         above=zero), mesh%centre_distance, given)
+      call v%on_list(row('tip_diameter', 'm', 'tip diameters; else by the basic rack, shortened to keep its clearance', &
+                         above=zero, values=2), mesh%tip_diameter)
+      call v%on_real(row('dedendum', '', 'dedendum of the basic rack, in modules', least=one, most=2*one), mesh%dedendum)
+      call v%on_real(row('backlash', 'm', 'circumferential backlash along the working pitch circles, in the transverse plane', &
+                         least=zero), mesh%backlash)
+      call v%on_list(row('bore', 'm', 'bores of the gears, for their inertias; none: 0', least=zero, values=2), mesh%bore)
+      call v%on_real(row('density', 'kg/m^3', 'of the gears, for their inertias', above=zero), mesh%density)
+      call v%on_list(row('elastic_modulus', 'N/m^2', 'moduli of elasticity of the gears; none: steel, 2.06e11', above=zero, &
+                         values=2), mesh%elastic_modulus)
+   end subroutine visit_drawing
 
 end module geartrain_model_variables

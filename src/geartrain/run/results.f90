@@ -11,8 +11,11 @@ module geartrain_run_results
    use geartrain_base_kinds, only: version
    use geartrain_base_numbers, only: text
    use geartrain_input_text, only: case_text
+   use geartrain_model_drawing, only: plain_train
+   use geartrain_model_explain, only: warnings_text
    use geartrain_model_labels, only: mesh_labels
    use geartrain_model_network, only: state_count
+   use geartrain_model_train, only: train_type
    use geartrain_results_file, only: replace_file
    use geartrain_results_hdf5_reader, only: read_groups
    use geartrain_results_hdf5_writer, only: hdf5_content
@@ -58,7 +61,8 @@ contains
       type(case_type), intent(in) :: case
       !> The fields of the results.
       class(fields_type), intent(inout) :: fields
-      character(:), allocatable :: title, input
+      type(train_type) :: plain
+      character(:), allocatable :: title, input, warnings
       real(kind(case%train%characteristic_length)) :: value
       integer :: number
 
@@ -72,9 +76,13 @@ contains
       call carry_text(fields, row('title', '', '', 'as in `&train`'), title)
       if (fields%way /= listing) call case_text(case, input)
       call carry_text(fields, row('input', '', '', 'the case, all defaults included: written to a file it runs again'), input)
-      value = case%train%characteristic_length
+      call plain_train(case%train, plain)
+      call warnings_text(case%train, warnings)
+      if (fields%has('warnings', warnings /= '')) call carry_text(fields, row('warnings', '', '', 'where a formula of the drawing &
+         &is used outside its range, a line each', only='where there are any', optional=.true.), warnings)
+      value = plain%characteristic_length
       call carry(fields, row('characteristic_length', '', '', 'm'), value)
-      value = case%train%characteristic_frequency
+      value = plain%characteristic_frequency
       call carry(fields, row('characteristic_frequency', '', '', 'rad/s'), value)
    end subroutine visit_root
 

@@ -1,0 +1,212 @@
+!> Checks of what is read off a drawing: lists that belong together, and numbers that contradict one another.
+module geartrain_model_check_drawing
+   use geartrain_base_checker, only: checker_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: integer_text, real_text, text
+   use geartrain_model_body, only: body_type
+   use geartrain_model_drawing, only: has_discs, has_geometry, has_sections, pair_of
+   use geartrain_model_gear_pair, only: find_geometry, pair_geometry_type
+   use geartrain_model_kinematics, only: all_toothed, find_kinematics, kinematics_type
+   use geartrain_model_mesh, only: is_given, mesh_type, most_order
+   use geartrain_model_shaft, only: shaft_type
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: check_drawing
+
+   !> By how much the flanks may overlap, over the module [1]: rounding of a centre distance on a drawing.
+   real(dp), parameter :: rounding = 1e-3_dp
+
+contains
+
+   !> Adds every problem of the drawing.
+   subroutine check_drawing(train, checker)
+      !> The train as given, with any values.
+      type(train_type), intent(in) :: train
+      !> Gets the problems.
+      class(checker_type), intent(inout) :: checker
+      integer :: i
+
+      if (allocated(train%bodies)) then
+         do i = 1, size(train%bodies)
+            call checker%enter('body', i)
+            call check_body(train%bodies(i), checker)
+            call checker%leave()
+         end do
+      end if
+      if (.not. allocated(train%shafts) .or. .not. allocated(train%meshes)) return
+      do i = 1, size(train%shafts)
+         call checker%enter('shaft', i)
+         call check_shaft(train%shafts(i), checker)
+         call checker%leave()
+      end do
+      do i = 1, size(train%meshes)
+         call checker%enter('mesh', i)
+         call check_pair(train%meshes(i), checker)
+         call checker%leave()
+      end do
+      call check_units(train, checker)
+   end subroutine check_drawing
+
+   subroutine check_body(body, checker)
+      type(body_type), intent(in) :: body
+      class(checker_type), intent(inout) :: checker
+
+      if (is_given(body%outer_diameter) .neqv. is_given(body%width)) then
+         call checker%lacks(trim(merge('width         ', 'outer_diameter', is_given(body%outer_diameter))), '> 0 m', &
+                            ': as many as of the other')
+      else if (is_given(body%width) .and. .not. has_discs(body)) then
+         call checker%complain('outer_diameter', integer_text(size(body%outer_diameter))//' values', 'must have as many values as &
+                               &width; bore and density one value or as many, each bore less than its outer_diameter')
+      else if (.not. is_given(body%width) .and. (is_given(body%bore) .or. is_given(body%density))) then
+         call checker%lacks('outer_diameter', '> 0 m', ' and width, to which bore and density belong')
+      end if
+   end subroutine check_body
+
+   subroutine check_shaft(shaft, checker)
+      type(shaft_type), intent(in) :: shaft
+      class(checker_type), intent(inout) :: checker
+
+      if (is_given(shaft%diameter) .neqv. is_given(shaft%length)) then
+         call checker%lacks(trim(merge('length  ', 'diameter', is_given(shaft%diameter))), '> 0 m', ': as many as of the other')
+      else if (is_given(shaft%length) .and. .not. has_sections(shaft)) then
+         call checker%complain('diameter', integer_text(size(shaft%diameter))//' values', 'must have as many values as length; &
+                               &bore one value or as many, each less than its diameter')
+      else if (is_given(shaft%bore) .and. .not. is_given(shaft%diameter)) then
+         call checker%lacks('diameter', '> 0 m', ' and length, to which bore belongs')
+      end if
+   end subroutine check_shaft
+
+   !> A gear pair can be made as it is drawn, and its flanks meet.
+   subroutine check_pair(mesh, checker)
+      type(mesh_type), intent(in) :: mesh
+      class(checker_type), intent(inout) :: checker
+      type(pair_geometry_type) :: geometry
+      integer :: i
+
+      call check_alone()
+      if (mesh%backlash > 0 .and. mesh%half_backlash > 0) call checker%complain('backlash', real_text(mesh%backlash), &
+         'contradicts half_backlash, along the line of action: leave out one of the two')
+      if (.not. has_geometry(mesh)) then
+         if (is_given(mesh%teeth) .and. mesh%internal) then
+            if (size(mesh%teeth) == 2) then
+               if (abs(mesh%teeth(1) - mesh%teeth(2)) <= 0) &
+                  call checker%complain('teeth', integer_text(nint(mesh%teeth(1)))//' twice', 'must differ in an internal pair')
+            end if
+         end if
+         return
+      end if
+      call find_geometry(pair_of(mesh), geometry)
+      associate (g => geometry)
+         do i = 1, 2
+            if (g%tip_diameter(i) <= 2*g%base_radius(i)) then
+               call checker%complain('tip_diameter', text(g%tip_diameter(i)), 'must be > '//text(2*g%base_radius(i))// &
+                                     ' m, the base circle of the gear of '//integer_text(nint(mesh%teeth(i)))//' teeth')
+            else if (g%tip_thickness(i) <= 0) then
+               call checker%complain('tip_diameter', text(g%tip_diameter(i)), 'must be smaller: the flanks of the gear of '// &
+                                     integer_text(nint(mesh%teeth(i)))//' teeth meet below it')
+            end if
+         end do
+         if (.not. g%working_angle > 0) then
+            call checker%complain('centre_distance', real_text(mesh%centre_distance), 'must be larger than that of the base &
+               &circles, '//text(g%reference_distance*cos(g%transverse_angle))//' m')
+         else if (g%distance_backlash*cos(g%working_angle) < -rounding*mesh%normal_module) then
+            call checker%complain('centre_distance', real_text(mesh%centre_distance), 'contradicts teeth and profile_shift: the &
+               &flanks touch without backlash at '//text(g%tight_distance)//' m already')
+         else if (mesh%backlash > 0 .and. mesh%backlash < g%distance_backlash - rounding*mesh%normal_module) then
+            call checker%complain('backlash', real_text(mesh%backlash), 'contradicts centre_distance: teeth and profile_shift &
+                                  &give '//text(g%distance_backlash)//' m there already, thinner teeth more')
+         else if (.not. g%contact_ratio > 1 .and. .not. mesh%contact_ratio > 0) then
+            call checker%complain('teeth', integer_text(nint(mesh%teeth(1)))//', '//integer_text(nint(mesh%teeth(2))), &
+                                  'must give a transverse contact ratio > 1: it is '//text(g%contact_ratio)// &
+                                  ' with tip diameters '//text(g%tip_diameter(1))//' and '//text(g%tip_diameter(2))//' m')
+         end if
+      end associate
+
+   contains
+
+      !> Values that belong to a gear pair with teeth and module have these.
+      subroutine check_alone()
+         logical :: used
+
+         used = is_given(mesh%profile_shift) .or. is_given(mesh%tip_diameter) .or. abs(mesh%centre_distance) > 0 .or. &
+                abs(mesh%backlash) > 0 .or. abs(mesh%normal_module) > 0 .or. abs(mesh%helix_angle) > 0
+         if (used .and. .not. is_given(mesh%teeth)) call checker%lacks('teeth', '', ', to which the rest of the drawing belongs')
+         used = is_given(mesh%profile_shift) .or. is_given(mesh%tip_diameter) .or. abs(mesh%centre_distance) > 0 .or. &
+                abs(mesh%backlash) > 0 .or. abs(mesh%face_width) > 0 .or. abs(mesh%helix_angle) > 0
+         if (used .and. .not. abs(mesh%normal_module) > 0) &
+            call checker%lacks('normal_module', '> 0 m', ', to which the rest of the drawing belongs')
+      end subroutine check_alone
+
+   end subroutine check_pair
+
+   !> Orders agree with the teeth; characteristic values and the speed are known where they are needed.
+   subroutine check_units(train, checker)
+      type(train_type), intent(in) :: train
+      class(checker_type), intent(inout) :: checker
+      type(kinematics_type) :: found
+      logical :: toothed
+      integer :: i
+
+      toothed = all_toothed(train)
+      if (toothed) then
+         call find_kinematics(train, found)
+      end if
+      call checker%enter('train', 1)
+      if (.not. abs(train%characteristic_length) > 0 .and. .not. toothed) &
+         call checker%lacks('characteristic_length', '> 0 m', ': it may be left out where every mesh has teeth')
+      if (.not. abs(train%characteristic_frequency) > 0 .and. .not. toothed) &
+         call checker%lacks('characteristic_frequency', '> 0 rad/s', ': it may be left out where every mesh has teeth')
+      if (train%speed_of /= '') call check_speed()
+      call checker%leave()
+      if (allocated(train%bodies)) then
+         do i = 1, size(train%bodies)
+            if (toothed .or. .not. (is_given(train%bodies(i)%revolution_torque_cos) .or. &
+                                    is_given(train%bodies(i)%revolution_torque_sin))) cycle
+            call checker%enter('body', i)
+            call checker%complain(trim(merge('revolution_torque_cos', 'revolution_torque_sin', &
+                                             is_given(train%bodies(i)%revolution_torque_cos))), '...', &
+                                  'needs teeth of every mesh, which tell how often the body turns')
+            call checker%leave()
+         end do
+      end if
+      if (.not. toothed) return
+      if (.not. found%known) then
+         if (checker%problems%in_group('body') .or. checker%problems%in_group('train') .or. &
+             checker%problems%in_group('mesh')) return
+         if (all(found%rate(1, :) > 0)) call checker%problems%add('the ratios of the teeth make a fundamental whose orders are &
+            &beyond '//integer_text(most_order)//': give order and the radii in place of the teeth', 'train', 1, names_group=.true.)
+         return
+      end if
+      do i = 1, size(train%meshes)
+         call checker%enter('mesh', i)
+         if (train%meshes(i)%order /= 0 .and. train%meshes(i)%order /= found%order(i)) then
+            call checker%complain('order', integer_text(train%meshes(i)%order), 'contradicts the teeth, by which it is '// &
+                                  integer_text(found%order(i)))
+         else if (found%order(i) > most_order) then
+            call checker%complain('teeth', integer_text(nint(train%meshes(i)%teeth(1)))//', '// &
+                                  integer_text(nint(train%meshes(i)%teeth(2))), 'make the mesh frequency the '// &
+                                  integer_text(found%order(i))//'th multiple of the fundamental, at most '// &
+                                  integer_text(most_order)//' is allowed')
+         end if
+         call checker%leave()
+      end do
+
+   contains
+
+      subroutine check_speed()
+         if (.not. allocated(train%bodies)) then
+            call checker%complain('speed_of', "'"//trim(train%speed_of)//"'", 'names a body, but a chain has none by name: the &
+                                  &speed is that of its driving end')
+            return
+         end if
+         do i = 1, size(train%bodies)
+            if (.not. allocated(train%bodies(i)%name)) cycle
+            if (train%bodies(i)%name == train%speed_of) return
+         end do
+         call checker%complain('speed_of', "'"//trim(train%speed_of)//"'", 'is the name of no &body')
+      end subroutine check_speed
+
+   end subroutine check_units
+
+end module geartrain_model_check_drawing

@@ -1,0 +1,408 @@
+!> What a train is in numbers: what is derived from the drawing, each number with its formula and source, and warnings where a
+!> formula is used outside the range that its source gives.
+module geartrain_model_explain
+   use geartrain_base_carry, only: carry, carry_text
+   use geartrain_base_field, only: field_type, text_type
+   use geartrain_base_fields, only: fields_type
+   use geartrain_base_kinds, only: dp, pi
+   use geartrain_base_numbers, only: integer_text, short => text
+   use geartrain_model_bodies, only: find_ends
+   use geartrain_model_drawing, only: gears_of, has_discs, has_geometry, has_sections, has_stiffness, pair_of, plain_train, &
+      reduce_light_loads
+   use geartrain_model_gear_pair, only: find_geometry, find_stiffness, light_load, pair_geometry_type, pair_stiffness_type
+   use geartrain_model_kinematics, only: all_toothed, find_kinematics, kinematics_type
+   use geartrain_model_labels, only: label_length, mesh_labels, shaft_labels
+   use geartrain_model_mesh, only: has_table, is_given, mesh_type
+   use geartrain_model_system, only: build_system, system_type
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: explain_train, explanation_text, warnings_text
+
+   !> Largest line load of ISO 6336-1, method B [N/m].
+   real(dp), parameter :: heavy_load = 1.6e6_dp
+   character(*), parameter :: as_given = 'as given'
+
+   !> What the parts of an explanation share.
+   type :: context_type
+      !> The train as given and in plain numbers, mesh stiffnesses reduced for light loads; its system.
+      type(train_type) :: given, plain
+      type(system_type) :: system
+      !> Factor of the mesh stiffness by a light load [1], (mesh).
+      real(dp), allocatable :: light(:)
+      logical :: toothed = .false.
+      type(kinematics_type) :: kinematics
+   end type context_type
+
+contains
+
+   !> Makes groups of fields: 'train', the name of each body, 'shaft 1', ..., 'mesh 1', ...
+   subroutine explain_train(train, fields)
+      !> A train that has passed `check_train`.
+      type(train_type), intent(in) :: train
+      !> Gets the groups.
+      class(fields_type), intent(inout) :: fields
+      type(context_type) :: context
+      integer :: i
+
+      call prepare(train, context)
+      call explain_whole(context, fields)
+      if (allocated(train%bodies)) then
+         do i = 1, size(train%bodies)
+            call explain_body(context, i, fields)
+         end do
+      end if
+      do i = 1, size(train%shafts)
+         call explain_shaft(context, i, fields)
+      end do
+      do i = 1, size(train%meshes)
+         call explain_mesh(context, i, fields)
+      end do
+   end subroutine explain_train
+
+   subroutine prepare(train, context)
+      type(train_type), intent(in) :: train
+      type(context_type), intent(out) :: context
+
+      context%given = train
+      call plain_train(train, context%plain)
+      call reduce_light_loads(context%plain, context%light)
+      call build_system(train, context%system)
+      context%toothed = all_toothed(train)
+      if (context%toothed) then
+         call find_kinematics(train, context%kinematics)
+      end if
+   end subroutine prepare
+
+   subroutine explain_whole(context, fields)
+      type(context_type), intent(inout) :: context
+      class(fields_type), intent(inout) :: fields
+      character(:), allocatable :: words
+
+      if (.not. fields%enter('train', 'the train as a whole', .true.)) return
+      associate (given => context%given, plain => context%plain)
+         words = source(given%characteristic_length, 'unit of displacement: 1 um where every mesh has teeth')
+         call carry(fields, field_type('characteristic_length', '', 'm', words), plain%characteristic_length)
+         words = source(given%characteristic_frequency, 'unit of frequency: Lambda is the speed in rpm')
+         call carry(fields, field_type('characteristic_frequency', '', 'rad/s', words), plain%characteristic_frequency)
+         if (context%toothed) then
+            call tell_fundamental(context, words)
+            call carry_text(fields, field_type('fundamental', '', '', 'all mesh frequencies are multiples of its frequency; their &
+               &greatest common divisor'), words)
+            call carry(fields, field_type('speed_ratio', '', '1', 'turns of '//trim(speed_name(context))//', whose revolutions are &
+               &the speed, per period of the fundamental'), plain%speed_ratio)
+         end if
+      end associate
+   end subroutine explain_whole
+
+   !> Period of the fundamental in words: 'one turn of wheel 1', or 'the time of 71/23 turns of motor'.
+   subroutine tell_fundamental(context, words)
+      type(context_type), intent(in) :: context
+      character(:), allocatable, intent(out) :: words
+      integer :: i
+
+      associate (k => context%kinematics, bodies => context%given%bodies)
+         if (allocated(context%given%bodies)) then
+            do i = 1, size(bodies)
+               if (k%rate(1, i)*k%fundamental(2) /= k%fundamental(1)*k%rate(2, i)) cycle
+               words = 'one turn of '//bodies(i)%name
+               return
+            end do
+         end if
+         words = 'the time of '//integer_text(int(k%fundamental(2)))
+         if (k%fundamental(1) /= 1) words = words//'/'//integer_text(int(k%fundamental(1)))
+         words = words//' turns of '
+         if (allocated(context%given%bodies)) words = words//bodies(1)%name
+         if (.not. allocated(context%given%bodies)) words = words//'the driving end'
+      end associate
+   end subroutine tell_fundamental
+
+   !> Name of the body whose revolutions are the speed.
+   pure function speed_name(context) result(name)
+      type(context_type), intent(in) :: context
+      character(label_length) :: name
+
+      name = 'the driving end'
+      if (allocated(context%given%bodies)) name = context%given%bodies(max(1, context%kinematics%speed_body))%name
+   end function speed_name
+
+   subroutine explain_body(context, i, fields)
+      type(context_type), intent(inout) :: context
+      integer, intent(in) :: i
+      class(fields_type), intent(inout) :: fields
+      integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
+      character(:), allocatable :: words
+      real(dp) :: turns
+
+      associate (body => context%given%bodies(i), k => context%kinematics)
+         if (.not. fields%enter(body%name, 'body', .true.)) return
+         words = as_given
+         if (body%inertia < 0) then
+            words = 'of its discs, sum of pi rho b (D^4 - d^4)/32'
+            if (.not. has_discs(body)) then
+               call find_ends(context%given, shaft_ends, mesh_ends)
+               words = 'as '//integer_text(size(gears_of(context%given, mesh_ends, i), 2))//' gear(s), each a disc of its pitch &
+                       &diameter, pi rho b (d^4 - bore^4)/32; equal gears in several meshes count once'
+            end if
+         end if
+         call carry(fields, field_type('inertia', '', 'kg m^2', words), context%plain%bodies(i)%inertia)
+         if (.not. context%toothed) return
+         turns = real(k%rate(1, i), dp)/real(k%rate(2, i), dp) &
+                 /(real(k%rate(1, k%speed_body), dp)/real(k%rate(2, k%speed_body), dp))
+         call carry(fields, field_type('turns', '', '1', 'per turn of '//trim(speed_name(context))//', by the teeth'), turns)
+         if (k%revolution_order(i) > 0) &
+            call carry(fields, field_type('revolution_order', '', '1', 'its revolution as a multiple of the fundamental'), &
+                       k%revolution_order(i))
+      end associate
+   end subroutine explain_body
+
+   subroutine explain_shaft(context, i, fields)
+      type(context_type), intent(inout) :: context
+      integer, intent(in) :: i
+      class(fields_type), intent(inout) :: fields
+      character(label_length) :: labels(size(context%given%shafts))
+      character(:), allocatable :: words
+      real(dp) :: torque
+      integer :: n
+
+      labels = shaft_labels(context%given)
+      if (.not. fields%enter('shaft '//integer_text(i), trim(labels(i)), .true.)) return
+      associate (shaft => context%given%shafts(i), system => context%system)
+         if (shaft%rigid) return
+         words = as_given
+         if (.not. abs(shaft%stiffness) > 0 .and. has_sections(shaft)) &
+            words = '1/k = sum of 32 l/(pi G (D^4 - d^4)) over the sections; the inertia of the shaft itself is not counted'
+         call carry(fields, field_type('stiffness', '', 'N m/rad', words), context%plain%shafts(i)%stiffness)
+         n = findloc(system%element_shaft, i, 1)
+         torque = system%static_force(n)*system%stiffness(n)*system%characteristic_length*system%network%elements(n)%radius(1)
+         call carry(fields, field_type('mean_torque', '', 'N m', 'at rest, by the mean torques of the bodies'), torque)
+      end associate
+   end subroutine explain_shaft
+
+   subroutine explain_mesh(context, i, fields)
+      type(context_type), intent(inout) :: context
+      integer, intent(in) :: i
+      class(fields_type), intent(inout) :: fields
+      character(label_length) :: labels(size(context%given%meshes))
+      type(pair_geometry_type) :: geometry
+      type(pair_stiffness_type) :: stiffness
+      character(:), allocatable :: words
+      real(dp), allocatable :: list(:)
+      real(dp) :: force, line_load, angle
+      integer :: n
+
+      labels = mesh_labels(context%given)
+      if (.not. fields%enter('mesh '//integer_text(i), trim(labels(i)), .true.)) return
+      n = context%system%mesh_element(i)
+      associate (system => context%system)
+         force = system%static_force(n)*system%stiffness(n)*system%characteristic_length
+      end associate
+      associate (mesh => context%given%meshes(i), plain => context%plain%meshes(i), g => geometry)
+         list = [plain%driving_radius, plain%driven_radius]
+         words = source(mesh%driving_radius, 'z m_t cos(alpha_t)/2, ISO 21771')
+         call carry(fields, field_type('base_radius', 'gear', 'm', words), list)
+         if (has_geometry(mesh)) then
+            call find_geometry(pair_of(mesh), geometry)
+            list = g%reference_diameter
+            call carry(fields, field_type('reference_diameter', 'gear', 'm', 'z m_n/cos(beta)'), list)
+            list = g%tip_diameter
+            words = 'reference diameter + 2 m_n (1 + x + k), k <= 0 keeps the clearance of the rack, ISO 21771'
+            if (is_given(mesh%tip_diameter)) words = as_given
+            call carry(fields, field_type('tip_diameter', 'gear', 'm', words), list)
+            words = source(mesh%centre_distance, 'inv(alpha_wt) = inv(alpha_t) + 2 tan(alpha_n) (x1 + x2)/(z1 + z2): the flanks &
+               &touch without backlash')
+            call carry(fields, field_type('centre_distance', '', 'm', words), g%centre_distance)
+            angle = g%transverse_angle*180/pi
+            call carry(fields, field_type('transverse_angle', '', 'degree', 'pressure angle in the transverse plane at the &
+               &reference circle, tan(alpha_n)/cos(beta)'), angle)
+            angle = g%working_angle*180/pi
+            call carry(fields, field_type('working_angle', '', 'degree', 'likewise at the working pitch circle'), angle)
+            list = g%virtual_teeth
+            call carry(fields, field_type('virtual_teeth', 'gear', '1', 'z/(cos(beta_b)^2 cos(beta)), ISO 6336-1'), list)
+            call carry(fields, field_type('contact_ratio', '', '1', 'transverse, path of contact over p_et, ISO 21771'), &
+                       g%contact_ratio)
+            call carry(fields, field_type('overlap_ratio', '', '1', 'b sin(beta)/(pi m_n), ISO 21771'), g%overlap_ratio)
+         end if
+         if (has_stiffness(mesh)) then
+            if (mesh%contact_ratio > 0) geometry%contact_ratio = mesh%contact_ratio
+            line_load = abs(force)*cos(g%transverse_angle)/mesh%face_width
+            call find_stiffness(pair_of(mesh), geometry, line_load, stiffness)
+            call carry(fields, field_type('line_load', '', 'N/m', 'tangential force at the reference circle by the mean torque &
+               &over the face width, F_t/b, with K_A = 1'), line_load)
+            words = "c' = c'_th C_M C_R C_B cos(beta) [N/m per m], ISO 6336-1:2006 method B: C_M = 0.8, C_R = 1 (solid), C_B = "// &
+                    short(stiffness%rack_factor)
+            if (stiffness%load_factor < 1) words = words//', times (F_t/b / 100 N/mm)^0.25 = '//short(stiffness%load_factor)// &
+                                                   ' for the light load'
+            call carry(fields, field_type('single_stiffness', '', 'N/m^2', words), stiffness%single)
+            call carry(fields, field_type('mesh_stiffness', '', 'N/m^2', "c_gamma_alpha = c' (0.75 eps_alpha + 0.25) [N/m per m], &
+               &ISO 6336-1:2006"), stiffness%mesh)
+         end if
+         words = as_given
+         if (has_stiffness(mesh)) words = 'c_gamma_alpha b, along the line of action in the transverse plane'
+         if (has_table(mesh)) words = 'mean of stiffness_table'
+         call carry(fields, field_type('stiffness', '', 'N/m', words), plain%stiffness)
+         words = as_given
+         if (has_table(mesh)) words = 'of stiffness_table'
+         if (.not. (is_given(mesh%stiffness_cos) .or. is_given(mesh%stiffness_sin) .or. has_table(mesh))) then
+            words = '2 sin(n pi (eps - 1))/(n pi eps)'
+            if (g%overlap_ratio > 0) &
+               words = words//', averaged over the face: times sin(n pi eps_beta)/(n pi eps_beta), phase of the middle of the face'
+         end if
+         if (is_given(plain%stiffness_cos)) &
+            call carry(fields, field_type('stiffness_cos', 'harmonic', '1', words), context%plain%meshes(i)%stiffness_cos)
+         if (is_given(plain%stiffness_sin)) &
+            call carry(fields, field_type('stiffness_sin', 'harmonic', '1', words), context%plain%meshes(i)%stiffness_sin)
+         words = source(mesh%half_backlash, 'half of backlash cos(alpha_wt): along the line of action in the transverse plane; &
+            &backlash is along the working pitch circles')
+         if (.not. mesh%backlash > 0 .and. g%distance_backlash > 0) words = words//', by the centre distance'
+         call carry(fields, field_type('half_backlash', '', 'm', words), plain%half_backlash)
+         words = as_given
+         if (mesh%order == 0) words = 'mesh frequency as a multiple of the fundamental, by the teeth'
+         call carry(fields, field_type('order', '', '1', words), plain%order)
+         call carry(fields, field_type('mean_force', '', 'N', 'at rest, by the mean torques of the bodies'), force)
+      end associate
+   end subroutine explain_mesh
+
+   !> 'as given' for a value that is, else the formula.
+   pure function source(given, formula) result(words)
+      real(dp), intent(in) :: given
+      character(*), intent(in) :: formula
+      character(merge(len(as_given), len(formula), abs(given) > 0)) :: words
+
+      words = formula
+      if (abs(given) > 0) words = as_given
+   end function source
+
+   !> Writes the groups of `explain_train` and the warnings as text.
+   subroutine explanation_text(train, text)
+      !> A train that has passed `check_train`.
+      type(train_type), intent(in) :: train
+      !> Lines, with a heading for each group.
+      character(:), allocatable, intent(out) :: text
+      type(fields_type) :: fields
+      type(text_type), allocatable :: warnings(:)
+      character(26) :: name
+      character(:), allocatable :: values
+      integer :: i, j, k
+
+      call explain_train(train, fields)
+      text = ''
+      do i = 1, fields%count
+         associate (group => fields%groups(i))
+            text = text//group%path
+            if (group%description /= group%path) text = text//': '//trim(group%description)
+            text = text//new_line('a')
+            do j = 1, group%count
+               associate (field => group%fields(j))
+                  values = ''
+                  if (allocated(field%reals)) then
+                     do k = 1, size(field%reals)
+                        values = values//', '//short(field%reals(k))
+                     end do
+                  else if (allocated(field%integers)) then
+                     values = ', '//integer_text(field%integers(1))
+                  else
+                     values = ', '//field%texts(1)%text
+                  end if
+                  name = field%about%name
+                  text = text//'   '//name//values(3:)
+                  if (field%about%unit /= '1' .and. field%about%unit /= '') text = text//' '//trim(field%about%unit)
+                  text = text//'   ('//trim(field%about%description)//')'//new_line('a')
+               end associate
+            end do
+         end associate
+      end do
+      call find_warnings(train, warnings)
+      do i = 1, size(warnings)
+         text = text//'Warning: '//warnings(i)%text//new_line('a')
+      end do
+   end subroutine explanation_text
+
+   !> The warnings as text, a line each.
+   subroutine warnings_text(train, text)
+      !> A train that has passed `check_train`.
+      type(train_type), intent(in) :: train
+      !> Lines; '' without warnings.
+      character(:), allocatable, intent(out) :: text
+      type(text_type), allocatable :: warnings(:)
+      integer :: i
+
+      call find_warnings(train, warnings)
+      text = ''
+      do i = 1, size(warnings)
+         text = text//warnings(i)%text//new_line('a')
+      end do
+   end subroutine warnings_text
+
+   !> Lists where a formula is used outside the range that its source gives, and where teeth are cut or meet as no involute.
+   subroutine find_warnings(train, warnings)
+      !> A train that has passed `check_train`.
+      type(train_type), intent(in) :: train
+      !> A sentence each.
+      type(text_type), allocatable, intent(out) :: warnings(:)
+      type(context_type) :: context
+      integer :: i
+
+      allocate (warnings(0))
+      if (.not. any([(has_geometry(train%meshes(i)), i=1, size(train%meshes))])) return
+      call prepare(train, context)
+      do i = 1, size(train%meshes)
+         if (has_geometry(train%meshes(i))) call warn_of_mesh(context, i, warnings)
+      end do
+   end subroutine find_warnings
+
+   subroutine warn_of_mesh(context, i, warnings)
+      type(context_type), intent(in) :: context
+      integer, intent(in) :: i
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+      type(pair_geometry_type) :: geometry
+      real(dp) :: shift(2), line_load
+      integer :: k, n
+
+      n = context%system%mesh_element(i)
+      associate (mesh => context%given%meshes(i), g => geometry, system => context%system)
+         call find_geometry(pair_of(mesh), geometry)
+         do k = 1, 2
+            if (g%undercut(k) > 0) call add('the gear of '//integer_text(nint(mesh%teeth(k)))//' teeth is undercut: its profile &
+               &shift is '//short(g%undercut(k))//' below the least without undercut; contact ratio and stiffness hold for whole &
+               &involutes')
+         end do
+         if (g%clear_of_base < 0) call add('the tip of a gear reaches '//short(-g%clear_of_base)//' m beyond the base circle of &
+            &its mate along the line of action: the flanks interfere')
+         if (.not. has_stiffness(mesh)) return
+         shift = 0
+         if (is_given(mesh%profile_shift)) shift = mesh%profile_shift
+         if (mesh%teeth(1) > mesh%teeth(2)) shift = shift([2, 1])
+         if (shift(1) < shift(2)) call add('the stiffness by ISO 6336-1 is for a profile shift of the pinion not below that of the &
+            &wheel, and they are '//short(shift(1))//' and '//short(shift(2)))
+         if (sum(shift) < -0.5_dp .or. sum(shift) > 2) call add('the stiffness by ISO 6336-1 is for profile shifts with a sum from &
+            &-0.5 to 2, and it is '//short(sum(shift)))
+         if (abs(mesh%helix_angle) > 30) call add('the mesh stiffness by ISO 6336-1 is for helix angles up to 30 degrees, and it &
+                                                  &is '//short(mesh%helix_angle))
+         if (g%contact_ratio < 1.2_dp) call add('the mesh stiffness by ISO 6336-1 is for contact ratios from 1.2 on, and it is '// &
+                                                short(g%contact_ratio))
+         line_load = abs(system%static_force(n)*system%stiffness(n)*system%characteristic_length)*cos(g%transverse_angle) &
+                     /mesh%face_width
+         if (line_load > heavy_load) call add('the stiffness by ISO 6336-1 is for line loads up to 1600 N/mm, and it is '// &
+                                              short(line_load/1000)//' N/mm')
+         if (.not. line_load > 0) then
+            call add('it bears no load, for which ISO 6336-1 has no stiffness: that of a full load is taken')
+         else if (line_load < 0.01_dp*light_load) then
+            call add('its line load is '//short(line_load/1000)//' N/mm: the stiffness by ISO 6336-1 for light loads, (load/100 &
+               &N/mm)^0.25 = '//short(context%light(i))//', is far from what was measured')
+         end if
+      end associate
+
+   contains
+
+      subroutine add(sentence)
+         character(*), intent(in) :: sentence
+         type(text_type) :: warning
+
+         warning%text = '&mesh '//integer_text(i)//': '//sentence
+         warnings = [warnings, warning]
+      end subroutine add
+
+   end subroutine warn_of_mesh
+
+end module geartrain_model_explain
