@@ -92,7 +92,7 @@ contains
       case%integration%stop = centre + 0.05_dp
       case%integration%points = 3
       case%integration%max_periods = 100
-      case%attractors%frequency_ratio = centre + 0.02_dp
+      case%attractors%frequency = centre + 0.02_dp
       case%attractors%starts = 3
       case%attractors%max_periods = 100
       case%stability_map%start = centre

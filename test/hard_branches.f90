@@ -40,7 +40,7 @@ contains
       train%meshes%damping_ratio = 0.01_dp
       settings = settings_of(0.2_dp, 2.6_dp, 12)
       once = solve(train, settings)
-      call attractors(train, attractors_settings_type(frequency_ratio=0.85_dp, starts=60), found, error)
+      call attractors(train, attractors_settings_type(frequency=0.85_dp, starts=60), found, error)
       ! Branches of longer periods are there as well, some of them very long.
       found%motions = pack(found%motions, found%motions%period == 1)
       call follow_attractors(train, settings, found, once, branches, error)

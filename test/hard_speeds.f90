@@ -45,7 +45,7 @@ contains
                        motion%stable .and. .not. motion%undecided)
       if (tests%slow_build) return
       call integrate(train, 1e-3_dp, settings, motion, error)
-      call tests%measured('Lambda = 1e-3, integration from rest (16000 periods of ringing in a mesh period)', &
+      call tests%measured('Lambda = 1e-3, integration from rest (16000 periods of ringing in a period of the fundamental)', &
                           'the quasi-static rms in closed form', maxval(abs(motion%rms/expected - 1)) + abs(motion%period - 1), &
                           1e-5_dp)
    end subroutine quasi_static
@@ -72,7 +72,8 @@ contains
       settings%max_periods = 1000
       call integrate(train, 100.0_dp, settings, motion, error)
       if (motion%period /= 1) motion%rms = huge(1.0_dp)
-      call tests%measured('Lambda = 100, integration for 1000 mesh periods, not a tenth of what the slow modes take to decay', &
+      call tests%measured('Lambda = 100, integration for 1000 periods of the fundamental, not a tenth of what the slow modes take &
+         &to decay', &
                           'shooting, relative', maxval(abs(motion%rms/exact%rms - 1)), 1e-9_dp)
    end subroutine fast
 

@@ -136,8 +136,8 @@ contains
       end if
    end function solution
 
-   !> How near the flow from a state comes to a motion within some mesh periods, over how far it was: by nothing but integration.
-   !> Ends where it is near enough.
+   !> How near the flow from a state comes to a motion within some periods of the fundamental, over how far it was: by nothing but
+   !> integration. Ends where it is near enough.
    real(dp) function nearest_approach(system, start, motion, enough, periods) result(nearest)
       type(system_type), intent(in) :: system
       !> (2*elements) at phase 0.

@@ -187,7 +187,8 @@ contains
       character(*), parameter :: rigid = '&shaft rigid=.true. /'//n
 
       call refused(tests, train//'&shaft damping_ratio=0.01 /'//n//mesh//shaft, &
-                   'x.nml:3:1: error: &shaft 1: lacks stiffness (> 0 N m/rad) or rigid = .true.')
+                   'x.nml:3:1: error: &shaft 1: lacks stiffness (> 0 N m/rad) or rigid = .true., or diameter and &
+                   &length')
       call refused(tests, train//'&shaft rigid=.true., stiffness=3.0 /'//n//mesh//shaft, &
                    'x.nml:3:32: error: &shaft 1: stiffness = 3.0: contradicts rigid = .true.: leave out one of the two')
       call refused(tests, train//'&shaft stiffness=3, damping=1.0, damping_ratio=0.1 /'//n//mesh//shaft, &

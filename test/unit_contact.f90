@@ -42,7 +42,7 @@ contains
       complex(dp) :: force, expected
       integer :: q, k, m, side
 
-      call put_law(mesh_type(stiffness=1.0_dp, half_backlash=1.0_dp, stiffness_cos=[0.3_dp, -0.05_dp], &
+      call put_law(mesh_type(order=1, stiffness=1.0_dp, half_backlash=1.0_dp, stiffness_cos=[0.3_dp, -0.05_dp], &
                              stiffness_sin=[-0.1_dp, -0.2_dp]), 1.0_dp, law)
       call law%complete(0.0_dp)
       call contact%setup(law, 1, [1, 2], highest, 0)
@@ -80,7 +80,7 @@ contains
       real(dp), parameter :: depth = 1e-6_dp
       real(dp) :: shift, half_width
 
-      call put_law(mesh_type(stiffness=1.0_dp, half_backlash=1.0_dp), 1.0_dp, law)
+      call put_law(mesh_type(order=1, stiffness=1.0_dp, half_backlash=1.0_dp), 1.0_dp, law)
       call law%complete(0.0_dp)
       call contact%setup(law, 1, [1], 3, 0)
       ! The lowest point lies between two samples of the grid of 32.
@@ -99,7 +99,7 @@ contains
       type(contact_type) :: contact
       type(law_type) :: law
 
-      call put_law(mesh_type(stiffness=1.0_dp, half_backlash=1.0_dp), 1.0_dp, law)
+      call put_law(mesh_type(order=1, stiffness=1.0_dp, half_backlash=1.0_dp), 1.0_dp, law)
       call law%complete(0.0_dp)
       call contact%setup(law, 1, [1], 3, 0)
       call update_contact(contact, [0.0_dp, 50*cos(0.05_dp), 50*sin(0.05_dp)])

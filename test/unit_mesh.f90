@@ -143,7 +143,8 @@ contains
 
       call told('stiffness = 1e8, contact_ratio = 1.5', '')
       call told('stiffness_table = 1e8, 2e8, 1e8, 2e8', '')
-      call told('stiffness_cos = 0.3', 'x.nml:3:1: error: &mesh 1: lacks stiffness (> 0 N/m)')
+      call told('stiffness_cos = 0.3', 'x.nml:3:1: error: &mesh 1: lacks stiffness (> 0 N/m) or &
+                &stiffness_table, or teeth, normal_module and face_width')
       call told('stiffness_table = 1e8, 2e8, 1e8', 'x.nml:4:19: error: &mesh 1: stiffness_table = 3 values: must be at least 4')
       call told('stiffness = 1e8, stiffness_table = 1e8, 2e8, 1e8, 2e8', &
                 'x.nml:4:13: error: &mesh 1: stiffness = 1.0e8: contradicts stiffness_table: leave out one of the two')

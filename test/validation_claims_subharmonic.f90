@@ -98,7 +98,7 @@ contains
       type(error_type), allocatable :: error
       integer :: i, k
 
-      call attractors(paper_train(), attractors_settings_type(frequency_ratio=2.2_dp, starts=32, random_seed=1, &
+      call attractors(paper_train(), attractors_settings_type(frequency=2.2_dp, starts=32, random_seed=1, &
                                                               tolerance=1e-7_dp), &
                       found, error)
       k = findloc(found%motions%period, 3, 1)

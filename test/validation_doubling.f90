@@ -227,7 +227,7 @@ contains
       type(error_type), allocatable :: error
 
       call response(paper_train(), settings_of(1.0_dp, 3.2_dp, 6), once, error)
-      call attractors(paper_train(), attractors_settings_type(frequency_ratio=2.4_dp, starts=40), found, error)
+      call attractors(paper_train(), attractors_settings_type(frequency=2.4_dp, starts=40), found, error)
       call follow_attractors(paper_train(), settings_of(1.0_dp, 3.2_dp, 6), found, once, branches, error)
       call tests%is_true(size(found%motions) == 2 .and. size(branches) == 1, 'two motions at 2.4, one of them on the response')
       if (size(branches) /= 1) return
@@ -237,7 +237,7 @@ contains
       call tests%is_true(size(branches) == 1, 'a second time nothing is new')
    end subroutine island
 
-   !> Shooting over four mesh periods from a point of the branch converges to an orbit that does not repeat after two.
+   !> Shooting over four periods of the fundamental from a point of the branch converges to an orbit that does not repeat after two.
    subroutine period_four_is_genuine(tests, four)
       class(tests_type), intent(inout) :: tests
       type(branch_type), intent(in) :: four

@@ -216,7 +216,7 @@ contains
       i = closest(motions, expected(1))
       call tests%is_true(i > 0, 'period 2 on the branch at 1.92')
       if (i == 0) return
-      call tests%is_true(motions(i)%stable, 'stable over two mesh periods')
+      call tests%is_true(motions(i)%stable, 'stable over two periods of the fundamental')
       ! 24 harmonics of Lambda/2 are 12 of Lambda: about 1e-5.
       call tests%is_close(motions(i)%rms(1), expected(1), 1e-4_dp, 'balance, rms of mesh 1 at 1.92')
       call tests%is_close(motions(i)%rms(2), expected(2), 1e-4_dp, 'balance, rms of mesh 2 at 1.92')

@@ -80,7 +80,7 @@ contains
          call tests%is_text(error%message, '', trim(name)//': message')
          return
       end if
-      ! Of those with laws of their own most rattle without end: a mesh period of that is compared.
+      ! Of those with laws of their own most rattle without end: a period of the fundamental of that is compared.
       call tests%is_true(motion%period > 0 .or. laws, trim(name)//': settles')
       periods = max(1, motion%period)
       call build_system(train, system)

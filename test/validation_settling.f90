@@ -27,8 +27,8 @@ contains
       if (tests%runs('rattle')) call rattle(tests)
    end subroutine settling_tests
 
-   !> Figure 4, k3 = 2e4 N m/rad, at 1.62: disturbances decay by 0.999256 a mesh period, so that averages over hundreds of periods
-   !> have shown growth.
+   !> Figure 4, k3 = 2e4 N m/rad, at 1.62: disturbances decay by 0.999256 a period of the fundamental, so that averages over
+   !> hundreds of periods have shown growth.
    subroutine slow_decay(tests)
       class(tests_type), intent(inout) :: tests
       type(train_type) :: train

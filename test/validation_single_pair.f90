@@ -58,7 +58,7 @@ contains
       type(error_type), allocatable :: error
       integer :: i, threads
 
-      settings%frequency_ratio = 0.8_dp
+      settings%frequency = 0.8_dp
       settings%starts = 40
       settings%random_seed = 1
       threads = omp_get_max_threads()
@@ -82,11 +82,11 @@ contains
       i = closest(found%motions, large*sqrt(2.0_dp))
       call tests%is_close(found%motions(i)%rms(1), large*sqrt(2.0_dp), 3e-9_dp, 'the large motion is an attractor')
 
-      ! Nothing settles within a single mesh period: that is told, not dropped.
+      ! Nothing settles within a single period of the fundamental: that is told, not dropped.
       settings%max_periods = 1
       call attractors(single_pair(0.05_dp, 0.3_dp, 0.4_dp), settings, found, error)
-      call tests%is_true(size(found%motions) == 0 .and. found%complete, 'one mesh period is too short')
-      call tests%is_close(found%unsettled, 1.0_dp, 0.0_dp, 'no start settles in one mesh period')
+      call tests%is_true(size(found%motions) == 0 .and. found%complete, 'one period of the fundamental is too short')
+      call tests%is_close(found%unsettled, 1.0_dp, 0.0_dp, 'no start settles in one period of the fundamental')
       settings%starts = 0
       call attractors(single_pair(0.05_dp, 0.3_dp, 0.4_dp), settings, found, error)
       call tests%is_true(allocated(error), 'no starts: an error')

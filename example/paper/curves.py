@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 _SPACING = 0.05  # Lambda from one mark to the next
 _SAME = 1e-2  # relative difference of rms up to which two motions pass for the same
-_PATIENCE = 20000  # mesh periods: a soft shaft between the gear pairs damps little
+_PATIENCE = 20000  # periods of the fundamental: a soft shaft between the gear pairs damps little
 _STARTS = 100
 _SHAFT_RANGE = np.logspace(3, 9, 241)  # stiffness of the middle shaft in figure 5, N m/rad
 
@@ -32,7 +32,7 @@ class Curve:
         Name of its case file, without ``.nml``.
     label : str
     period : int
-        Of the motions in mesh periods.
+        Of the motions in periods of the fundamental.
     seeds : tuple of float
         Lambdas at which random starts look for further branches than those of the case: islands.
     """

@@ -3,7 +3,7 @@
 Periodic motions of geared shafts with backlash and varying mesh stiffness: harmonic balance with continuation,
 Floquet stability, time integration. Everything is computed by the Fortran library of the same name.
 
-Frequency is Lambda, the fundamental mesh frequency over the train's characteristic frequency; displacement is that of
+Frequency is Lambda, the fundamental frequency over the train's characteristic frequency; displacement is that of
 the meshes, over the characteristic length.
 
 Examples

@@ -20,7 +20,7 @@ VALUES = (
 NUMBERS = ("error_estimate", "share", "lyapunov_exponent", "lyapunov_error")
 _KINDS = ("periodic", "chaotic", "quasi-periodic", "still settling", "undecided", "unbounded")
 _LARGEST = 1e20  # of any number, as in a case file
-_LONGEST = 2**31 - 1  # mesh periods, what Fortran can count; the harmonics must hold them as well
+_LONGEST = 2**31 - 1  # periods of the fundamental, what Fortran can count; the harmonics must hold them as well
 
 
 def check_motion(

@@ -94,7 +94,7 @@ class Branch(Readings):
         traced from ``stop`` where those from ``start`` do not get there, or get there at another motion than the one from rest.
     special_points : list of SpecialPoint
     subharmonic : int
-        Period of the motions in fundamental mesh periods.
+        Period of the motions in periods of the fundamental.
     ended : str
         Why it ended, in words.
     complete, closed : bool

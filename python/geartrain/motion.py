@@ -30,7 +30,7 @@ __all__ = ["Motion", "Sweep", "from_state", "table"]
 
 Array = NDArray[np.float64]
 
-_LONGEST = 16  # mesh periods that stand for one period where none was found
+_LONGEST = 16  # periods of the fundamental that stand for one period where none was found
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,9 +40,9 @@ class Motion:
     Attributes
     ----------
     frequency : float
-        Lambda, the fundamental mesh frequency over the characteristic frequency.
+        Lambda, the fundamental frequency over the characteristic frequency.
     period : int
-        In fundamental mesh periods; 0 where none was found.
+        In periods of the fundamental; 0 where none was found.
     rms : ndarray, (meshes,)
         The paper's: square root of the sum of squared harmonic amplitudes, sqrt(2) times the true AC rms.
     mean, minimum, maximum : ndarray, (meshes,)
@@ -227,7 +227,7 @@ class Motion:
             axes[2].set_xlim(0, visible[-1] + order[0])
         axes[0].set_ylabel(r"displacement $/\, b_c$")
         axes[1].set_ylabel("mesh force, N")
-        axes[1].set_xlabel("time, mesh periods")
+        axes[1].set_xlabel("time, periods of the fundamental")
         axes[2].set_ylabel(r"amplitude $/\, b_c$")
         axes[2].set_xlabel(r"order, multiples of $\Lambda$")
         axes[0].legend()

@@ -48,11 +48,11 @@ class StabilityMap(Table):
         Lambda.
     parameter : ndarray, (rows,)
     motions, stable_motions : ndarray of int, (rows, points)
-        Motions of the mesh period on the branch that each row has, and how many of them are stable. Without a stable one the
-        train does something else, of a longer period or of none.
+        Motions of the period of the fundamental on the branch that each row has, and how many of them are stable. Without a
+        stable one the train does something else, of a longer period or of none.
     multiplier : ndarray of complex, (rows, points)
-        The Floquet multiplier of largest magnitude, over a mesh period, of the motion that has it smallest: near -1 the period
-        doubles, near +1 there is a fold or a resonance at a natural frequency. NaN where there is no motion.
+        The Floquet multiplier of largest magnitude, over a period of the fundamental, of the motion that has it smallest: near
+        -1 the period doubles, near +1 there is a fold or a resonance at a natural frequency. NaN where there is no motion.
     rms : ndarray, (rows, points, meshes), or None
         The largest of the stable motions, over the characteristic length; NaN where there is none. None for a linear map.
     row_done, row_whole : ndarray of bool, (rows,)

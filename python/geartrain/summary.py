@@ -51,8 +51,8 @@ class Jump:
     kind : str
         ``'jump up'`` or ``'jump down'``: to a larger or a smaller amplitude, all meshes together. ``'leaves'``: the branch has no
         other stable motion there.
-    speed : str
-        ``'rising'`` or ``'falling'``: the way in which the sweep goes that jumps here.
+    direction : str
+        ``'rising'`` or ``'falling'``: the way in which the speed of the sweep goes that jumps here.
     cause : str
         Kind of the special point at which the stable motion ends.
     before : ndarray, (meshes,)
@@ -69,7 +69,7 @@ class Jump:
 
     frequency: float
     kind: str
-    speed: str
+    direction: str
     cause: str
     before: NDArray[np.float64]
     after: NDArray[np.float64]
@@ -111,14 +111,14 @@ class Readings:
         Examples
         --------
         >>> for jump in branch.jumps[-4:-2]:
-        ...     print(f"{jump.speed}, {jump.frequency:.4f}: {jump.kind}, {jump.before.round(2)} -> {jump.after.round(2)}")
+        ...     print(f"{jump.direction}, {jump.frequency:.4f}: {jump.kind}, {jump.before.round(2)} -> {jump.after.round(2)}")
         falling, 1.5473: jump down, [0.85 0.17] -> [0.28 0.11]
         rising, 1.6645: jump up, [0.47 0.12] -> [0.73 0.11]
         """
-        names = ("frequency", "kind", "speed", "cause", "rms_before", "rms_after", "candidates", "undecided")
+        names = ("frequency", "kind", "direction", "cause", "rms_before", "rms_after", "candidates", "undecided")
         return [
-            Jump(float(frequency), kind, speed, cause, before, after, int(candidates), bool(undecided))
-            for frequency, kind, speed, cause, before, after, candidates, undecided in self._read_off("jumps").rows(*names)
+            Jump(float(frequency), kind, direction, cause, before, after, int(candidates), bool(undecided))
+            for frequency, kind, direction, cause, before, after, candidates, undecided in self._read_off("jumps").rows(*names)
         ]
 
     @property

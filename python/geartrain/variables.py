@@ -91,10 +91,11 @@ VARIABLES: dict[str, dict[str, Variable]] = {
     },
     "modes": {},
     "response": {
-        "start": Variable("from", "real", "float", None, True, "Lambda at which the branch begins; > 0"),
-        "stop": Variable("to", "real", "float", None, True, "Lambda at which it ends, above or below; > 0"),
+        "start": Variable("from", "real", "float", None, True, "Frequency at which the branch begins; > 0"),
+        "stop": Variable("to", "real", "float", None, True, "Frequency at which it ends, above or below; > 0"),
+        "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Unit of the frequencies of the group: Lambda; rpm, the speed, of a train whose meshes all have teeth; Hz, of the fundamental; 'Lambda', 'rpm' or 'Hz'"),
         "harmonics": Variable("harmonics", "integer", "int", 6, False, "Harmonics R of Lambda/subharmonic; 0: as many as tolerance needs; >= 1 and <= 1000, or 0"),
-        "subharmonic": Variable("subharmonic", "integer", "int", 1, False, "Period of the motion in fundamental mesh periods, eta; >= 1 and <= 1000"),
+        "subharmonic": Variable("subharmonic", "integer", "int", 1, False, "Period of the motion in periods of the fundamental, eta; >= 1 and <= 1000"),
         "stability": Variable("stability", "logical", "bool", True, False, "Floquet multipliers of every point"),
         "amplitude_limit": Variable("amplitude_limit", "real", "float", -1.0, False, "Rms over characteristic length beyond which the branch is followed but not recorded; -1: 12 with backlash, 10000 for a linear train, where it counts as infinite (both times the power of ten nearest to the larger of the gap and the static deflection); > 0, or -1"),
         "coefficients": Variable("coefficients", "text", "Literal['exact', 'sampled']", "exact", False, "Fourier coefficients of the mesh force: exact from the contact events, or sampled (the discrete transform of the paper, whose own error is not in the error estimate); 'exact' or 'sampled'"),
@@ -110,26 +111,29 @@ VARIABLES: dict[str, dict[str, Variable]] = {
     "integration": {
         "start": Variable("from", "real", "float", None, True, "One end of the range of Lambda; > 0"),
         "stop": Variable("to", "real", "float", None, True, "Its other end; > 0"),
+        "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Unit of the frequencies of the group: Lambda; rpm, the speed, of a train whose meshes all have teeth; Hz, of the fundamental; 'Lambda', 'rpm' or 'Hz'"),
         "points": Variable("points", "integer", "int", 121, False, "Frequencies in the range, both ends included; >= 1 and <= 100000"),
         "direction": Variable("direction", "text", "Literal['up', 'down', 'both']", "up", False, "Order in which the frequencies are visited, each starting from the motion before; 'up', 'down' or 'both'"),
         "harmonics": Variable("harmonics", "integer", "int", 0, False, "Harmonics of Lambda that are stored of the motion; 0: 16 of the highest mesh order; >= 1 and <= 20000, or 0"),
-        "max_periods": Variable("max_periods", "integer", "int", 2000, False, "Mesh periods after which an unsettled motion is given up; >= 1"),
+        "max_periods": Variable("max_periods", "integer", "int", 2000, False, "Periods of the fundamental after which an unsettled motion is given up; >= 1"),
         "tolerance": Variable("tolerance", "real", "float", 1.0e-9, False, "Relative change over a period of the motion at which it counts as settled; > 0 and <= 1"),
         "stability": Variable("stability", "logical", "bool", False, False, "Floquet multipliers of every settled motion"),
     },
     "attractors": {
-        "frequency": Variable("frequency", "real", "float", None, True, "Lambda; > 0"),
+        "frequency": Variable("frequency", "real", "float", None, True, "Lambda, or in `unit; > 0"),
+        "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Unit of the frequencies of the group: Lambda; rpm, the speed, of a train whose meshes all have teeth; Hz, of the fundamental; 'Lambda', 'rpm' or 'Hz'"),
         "starts": Variable("starts", "integer", "int", 200, False, "Random starts: mesh displacements and velocities within three times the resting displacement; >= 1 and <= 1.0e6"),
         "random_seed": Variable("random_seed", "integer", "int", 0, False, "The same seed gives the same starts"),
         "follow": Variable("follow", "logical", "bool", False, False, "Each motion found that lies on no branch of the case yet is followed as one, over the range of &response and with its settings"),
         "harmonics": Variable("harmonics", "integer", "int", 0, False, "Harmonics of Lambda that are stored of each motion; 0: 16 of the highest mesh order; >= 1 and <= 20000, or 0"),
-        "max_periods": Variable("max_periods", "integer", "int", 2000, False, "Mesh periods after which an unsettled start is given up; >= 1"),
+        "max_periods": Variable("max_periods", "integer", "int", 2000, False, "Periods of the fundamental after which an unsettled start is given up; >= 1"),
         "tolerance": Variable("tolerance", "real", "float", 1.0e-9, False, "Relative change over a period of the motion at which it counts as settled; > 0 and <= 1"),
         "stability": Variable("stability", "logical", "bool", True, False, "Floquet multipliers of every motion"),
     },
     "stability_map": {
         "start": Variable("from", "real", "float", None, True, "One end of the range of Lambda; > 0"),
         "stop": Variable("to", "real", "float", None, True, "Its other end; > 0"),
+        "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Unit of the frequencies of the group: Lambda; rpm, the speed, of a train whose meshes all have teeth; Hz, of the fundamental; 'Lambda', 'rpm' or 'Hz'"),
         "points": Variable("points", "integer", "int", 200, False, "Frequencies in the range, both ends included; >= 1 and <= 10000"),
         "parameter": Variable("parameter", "text", "Literal['stiffness_variation', 'mesh_damping_ratio', 'input_torque', 'half_backlash']", "stiffness_variation", False, "What varies from row to row. stiffness_variation: largest amplitude of any harmonic of kappa, all scaled alike; input_torque [N m]; mesh_damping_ratio and half_backlash [m]: of every mesh; 'stiffness_variation', 'mesh_damping_ratio', 'input_torque' or 'half_backlash'"),
         "parameter_start": Variable("parameter_from", "real", "float", None, True, "One end of the range of the parameter; >= 0"),
@@ -263,6 +267,7 @@ class ResponseKeywords(TypedDict, total=False):
 
     start: Required[float]
     stop: Required[float]
+    unit: Literal["Lambda", "rpm", "Hz"]
     harmonics: int
     subharmonic: int
     stability: bool
@@ -283,6 +288,7 @@ class IntegrationKeywords(TypedDict, total=False):
 
     start: Required[float]
     stop: Required[float]
+    unit: Literal["Lambda", "rpm", "Hz"]
     points: int
     direction: Literal["up", "down", "both"]
     harmonics: int
@@ -294,6 +300,7 @@ class IntegrationKeywords(TypedDict, total=False):
 class AttractorsKeywords(TypedDict, total=False):
     """Variables of ``&attractors`` that a call takes."""
 
+    unit: Literal["Lambda", "rpm", "Hz"]
     starts: int
     random_seed: int
     harmonics: int
@@ -307,6 +314,7 @@ class StabilityMapKeywords(TypedDict, total=False):
 
     start: Required[float]
     stop: Required[float]
+    unit: Literal["Lambda", "rpm", "Hz"]
     points: int
     parameter: Literal["stiffness_variation", "mesh_damping_ratio", "input_torque", "half_backlash"]
     parameter_start: Required[float]
@@ -319,6 +327,7 @@ class StabilityMapKeywords(TypedDict, total=False):
 class IntegrateKeywords(TypedDict, total=False):
     """Variables of ``&integration`` that a call takes."""
 
+    unit: Literal["Lambda", "rpm", "Hz"]
     harmonics: int
     max_periods: int
     tolerance: float

@@ -305,7 +305,7 @@ def test_messages_have_the_words_of_the_call():
     train = paper_train()
     ends = {"start": 0.5, "stop": 0.5}
     rows = {"parameter_start": 0.1, "parameter_stop": 0.1}
-    slow = "the train vibrates too often in a slower mesh period"
+    slow = "the train vibrates too often in a slower period"
     rigid = gt.Shaft(rigid=True, stiffness=1.0)
     for work, *told in (
         (lambda: train.response(start=-1, stop=2.0), "&response: start = -1.0: must be > 0"),

@@ -44,7 +44,7 @@ def test_a_sub_harmonic_branch_ends_where_it_meets_period_1():
     assert branch.complete and branch.ended.count("met the branch of half its period") == 2
     for frequency in (2.4, 3.0, 3.6):
         rms = np.sort([motion.rms[0] for motion in branch.at(frequency)])
-        assert len(rms) >= 1 and (np.diff(rms) > 1e-6).all()  # each motion once, not again a mesh period later
+        assert len(rms) >= 1 and (np.diff(rms) > 1e-6).all()  # each motion once, not again a period of the fundamental later
 
 
 def test_integration_stays_on_stable_motions(tmp_path):

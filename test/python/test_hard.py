@@ -17,7 +17,7 @@ CASE = ROOT / "namelists" / "fig03.nml"
 def test_chaos_has_an_exponent_and_no_period():
     motion = single_pair(1.0, stiffness_cos=[0.6]).integrate(frequency=1.9, max_periods=1000)
     assert motion.period == 0
-    # 0.0275 over 20000 mesh periods, by a tangent and by the distance of two motions (test/hard_motions.f90).
+    # 0.0275 over 20000 periods of the fundamental, by a tangent and by the distance of two motions (test/hard_motions.f90).
     assert motion.lyapunov_exponent == pytest.approx(0.0275, abs=max(2e-3, motion.lyapunov_error))
     assert motion.kind == "chaotic" and 0 < motion.lyapunov_error < motion.lyapunov_exponent
     again = pickle.loads(pickle.dumps(motion))

@@ -162,7 +162,7 @@ def test_jumps(branch):
     folds = sorted(special.frequency for special in branch.special_points if special.kind == "fold")
     assert [jump.frequency for jump in jumps if jump.cause == "fold"] == folds
     # Claim 41 of docs/claims.md.
-    up = [jump for jump in jumps if jump.kind == "jump up" and jump.speed == "rising"]
+    up = [jump for jump in jumps if jump.kind == "jump up" and jump.direction == "rising"]
     assert [round(jump.frequency, 4) for jump in up] == [0.4621, 0.7923, 1.6645]
     assert {0.4586, 1.5473} <= {round(jump.frequency, 4) for jump in jumps if jump.kind == "jump down"}
     for jump in jumps:

@@ -186,7 +186,7 @@ def test_what_one_reads_off_the_branch(path):
     jumps = xarray.open_dataset(path, group="response/jumps", engine="h5netcdf")
     assert jumps.rms_before.dims == jumps.rms_after.dims == ("jump", "mesh")
     assert set(jumps.kind.values) <= {"jump up", "jump down", "leaves"}
-    assert ("jump up", "rising") in zip(jumps.kind.values, jumps.speed.values)
+    assert ("jump up", "rising") in zip(jumps.kind.values, jumps.direction.values)
     up = (jumps.rms_after > jumps.rms_before).all("mesh")
     np.testing.assert_array_equal(up, jumps.kind == "jump up")
 

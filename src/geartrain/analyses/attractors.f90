@@ -26,6 +26,7 @@ module geartrain_analyses_attractors
    use geartrain_flow_settling, only: settle
    use geartrain_flow_start_state, only: resting_state
    use geartrain_model_check, only: check_train
+   use geartrain_model_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
    use geartrain_model_limits, only: check_frequency, check_harmonics
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
@@ -43,15 +44,17 @@ module geartrain_analyses_attractors
    !> Starts between two calls of the observer, which run in parallel.
    integer, parameter :: batch = 32
 
-   !> The variables of &attractors; `frequency` is `frequency_ratio`.
+   !> The variables of &attractors.
    type :: attractors_settings_type
-      !> Lambda [1].
-      real(dp) :: frequency_ratio = 0
+      !> Frequency, by default Lambda.
+      real(dp) :: frequency = 0
+      !> Unit of the frequency: 'Lambda', 'rpm' or 'Hz'.
+      character(unit_length) :: unit = 'Lambda'
       !> Number of random starts; seed of the random numbers: equal seeds give equal starts.
       integer :: starts = 200, random_seed = 0
       !> Whether a branch is traced, with the settings of &response, through each attractor that lies on no branch of the case.
       logical :: follow = .false.
-      !> Harmonics stored of each motion, 0: chosen; mesh periods after which a start is given up.
+      !> Harmonics stored of each motion, 0: chosen; periods of the fundamental after which a start is given up.
       integer :: harmonics = 0, max_periods = 2000
       !> Relative change over a period at which a motion counts as settled [1].
       real(dp) :: tolerance = 1e-9_dp
@@ -97,7 +100,8 @@ contains
 
       settings => self%settings
       call v%enter('attractors', 1)
-      call v%on_real(row('frequency', '', 'Lambda', required=.true., above=zero), settings%frequency_ratio)
+      call v%on_real(row('frequency', '', 'Lambda, or in `unit`', required=.true., above=zero), settings%frequency)
+      call visit_unit(settings%unit, v)
       call v%on_integer(row('starts', '', 'random starts: mesh displacements and velocities within three times the resting &
                             &displacement', least=one, most=1e6*one), settings%starts)
       call v%on_integer(row('random_seed', '', 'the same seed gives the same starts'), settings%random_seed)
@@ -106,7 +110,8 @@ contains
       call v%on_integer(row('harmonics', '', 'harmonics of Lambda that are stored of each motion; 0: 16 of the highest &
                             &mesh order', &
                             least=one, most=most_harmonics*one, automatic=zero), settings%harmonics)
-      call v%on_integer(row('max_periods', '', 'mesh periods after which an unsettled start is given up', least=one), &
+      call v%on_integer(row('max_periods', '', 'periods of the fundamental after which an unsettled start is given up', &
+         &least=one), &
                         settings%max_periods)
       call v%on_real(row('tolerance', '', 'relative change over a period of the motion at which it counts as settled', &
                          above=zero, most=one), settings%tolerance)
@@ -138,7 +143,8 @@ contains
       associate (settings => self%settings)
          if (checker%problems%in_group('attractors')) return
          call checker%enter('attractors', 1)
-         call check_frequency(train, 'frequency', settings%frequency_ratio, checker)
+         call check_unit(train, settings%unit, checker)
+         call check_frequency(train, 'frequency', settings%frequency, checker, settings%unit)
          if (settings%harmonics > 0) call check_harmonics(train, settings%harmonics, 1, most_harmonics, checker)
          call checker%leave()
       end associate
@@ -147,7 +153,7 @@ contains
    subroutine give_example(self)
       class(attractors_analysis_type), intent(inout) :: self
 
-      self%settings%frequency_ratio = 0.6_dp
+      self%settings%frequency = 0.6_dp
    end subroutine give_example
 
    subroutine run(self, train, error, observer, start)
@@ -200,7 +206,7 @@ contains
       integration%max_periods = settings%max_periods
       integration%tolerance = settings%tolerance
       integration%stability = settings%stability
-      found%frequency_ratio = settings%frequency_ratio
+      found%frequency_ratio = settings%frequency*lambda_per(train, settings%unit)
       found%random_seed = settings%random_seed
       if (.not. allocated(found%motions)) allocate (found%motions(0))
       hits = nint(found%motions%share*found%starts)
@@ -210,7 +216,7 @@ contains
          !$omp parallel do private(state) schedule(dynamic)
          do i = first, last
             state = random_state(system, settings%random_seed, i)
-            call settle(system, settings%frequency_ratio, integration, state, settled(i - first + 1))
+            call settle(system, found%frequency_ratio, integration, state, settled(i - first + 1))
          end do
          !$omp end parallel do
          if (train%interrupt%raised()) exit
@@ -221,7 +227,7 @@ contains
          found%starts = last
          found%motions%share = hits/real(last, dp)
          found%unsettled = (last - sum(hits))/real(last, dp)
-         if (present(observer)) call observer%on_step('attractors', last, settings%frequency_ratio, keep_going)
+         if (present(observer)) call observer%on_step('attractors', last, found%frequency_ratio, keep_going)
          if (.not. keep_going) exit
       end do
       found%complete = found%starts == settings%starts
@@ -335,7 +341,7 @@ contains
       end do
    end subroutine follow_attractors
 
-   !> Whether a motion, shifted by any number of mesh periods, lies on a branch, or lies above the amplitude limit.
+   !> Whether a motion, shifted by any number of periods of the fundamental, lies on a branch, or lies above the amplitude limit.
    logical function on_a_branch(train, settings, motion, branch, branches)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings

@@ -13,6 +13,7 @@ module geartrain_analyses_dependencies
    use geartrain_continuation_contact_edges, only: locate_contact_edges
    use geartrain_continuation_refinement, only: refine_branch
    use geartrain_continuation_variables, only: settings_for
+   use geartrain_model_frequency_unit, only: lambda_per
    implicit none (type, external)
    private
    public :: asks_refinement, check_agreement, follow_branches, keep_branches, locate_edges, refine_branches, take_known
@@ -25,7 +26,7 @@ contains
       type(case_type), intent(in) :: case
       !> Collects the problems.
       class(checker_type), intent(inout) :: checker
-      real(dp) :: low, high
+      real(dp) :: low, high, at, factor
 
       if (.not. allocated(case%attractors)) return
       if (.not. case%attractors%follow .or. checker%problems%in_group('response')) return
@@ -35,9 +36,10 @@ contains
       else
          low = min(case%response%start, case%response%stop)
          high = max(case%response%start, case%response%stop)
-         if (case%attractors%frequency_ratio < low .or. case%attractors%frequency_ratio > high) &
-            call checker%complain('frequency', real_text(case%attractors%frequency_ratio), &
-                                  'must lie in the range of &response, '// &
+         at = case%attractors%frequency*lambda_per(case%train, case%attractors%unit)
+         factor = lambda_per(case%train, case%response%unit)
+         if (at < low*factor .or. at > high*factor) &
+            call checker%complain('frequency', real_text(case%attractors%frequency), 'must lie in the range of &response, '// &
                                   real_text(low)//' to '//real_text(high)//', where follow = .true.')
       end if
       call checker%leave()

@@ -19,6 +19,7 @@ module geartrain_analyses_integration
    use geartrain_flow_settling, only: is_leaving, settle
    use geartrain_flow_start_state, only: resting_state, state_of
    use geartrain_model_check, only: check_train
+   use geartrain_model_frequency_unit, only: check_unit, lambda_per, visit_unit
    use geartrain_model_limits, only: check_frequency, check_harmonics
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
@@ -71,6 +72,7 @@ contains
       call v%on_real(row('from', '', 'one end of the range of Lambda (start in a call)', required=.true., above=zero), &
                      settings%start)
       call v%on_real(row('to', '', 'its other end (stop in a call)', required=.true., above=zero), settings%stop)
+      call visit_unit(settings%unit, v)
       call v%on_integer(row('points', '', 'frequencies in the range, both ends included', least=one, most=1e5*one), settings%points)
       word = trim(settings%direction)
       call v%on_text(row('direction', '', 'order in which the frequencies are visited, each starting from the motion before', &
@@ -79,7 +81,8 @@ contains
       call v%on_integer(row('harmonics', '', 'harmonics of Lambda that are stored of the motion; 0: 16 of the highest &
                             &mesh order', &
                             least=one, most=most_harmonics*one, automatic=zero), settings%harmonics)
-      call v%on_integer(row('max_periods', '', 'mesh periods after which an unsettled motion is given up', least=one), &
+      call v%on_integer(row('max_periods', '', 'periods of the fundamental after which an unsettled motion is given up', &
+         &least=one), &
                         settings%max_periods)
       call v%on_real(row('tolerance', '', 'relative change over a period of the motion at which it counts as settled', &
                          above=zero, most=one), settings%tolerance)
@@ -113,8 +116,9 @@ contains
          call checker%enter('integration', 1)
          if (abs(settings%start - settings%stop) <= 0 .and. settings%points /= 1) &
             call checker%complain('points', integer_text(settings%points), 'must be 1 where "from" and "to" are equal')
-         call check_frequency(train, 'from', settings%start, checker)
-         call check_frequency(train, 'to', settings%stop, checker)
+         call check_unit(train, settings%unit, checker)
+         call check_frequency(train, 'from', settings%start, checker, settings%unit)
+         call check_frequency(train, 'to', settings%stop, checker, settings%unit)
          if (settings%harmonics > 0) call check_harmonics(train, settings%harmonics, 1, most_harmonics, checker)
          call checker%leave()
       end associate
@@ -180,8 +184,8 @@ contains
       call build_system(train, system)
       allocate (state(system%states))
       state = resting_state(system)
-      low = min(settings%start, settings%stop)
-      high = max(settings%start, settings%stop)
+      low = min(settings%start, settings%stop)*lambda_per(train, settings%unit)
+      high = max(settings%start, settings%stop)*lambda_per(train, settings%unit)
       n = settings%points
       if (.not. resumed) then
          allocate (result%motions(total), result%direction(total), stat=status)
@@ -239,7 +243,8 @@ contains
       real(dp), intent(in) :: frequency_ratio
       !> Settings, of which the range, `points` and `direction` are not used.
       type(integration_settings_type), intent(in) :: settings
-      !> The motion; period 0: no period was found within max_periods, and the figures are those of the last 16 mesh periods.
+      !> The motion; period 0: no period was found within max_periods, and the figures are those of the last 16 periods of the
+      !> fundamental.
       type(motion_type), intent(out) :: motion
       type(error_type), allocatable, intent(out) :: error
       !> Motion to start from, with a state or coefficients; absent: at rest under the mean load.
@@ -308,6 +313,7 @@ contains
       call checker%problems%raise('', error)
       if (allocated(error)) return
       single = settings
+      single%unit = 'Lambda'
       single%start = frequency_ratio
       single%stop = frequency_ratio
       single%points = 1

@@ -1,6 +1,6 @@
 !> The analysis &modes: natural frequencies, damping ratios and mode shapes of the mean system.
 module geartrain_analyses_modes
-   use geartrain_analyses_analysis, only: analysis_type, group_row_type
+   use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_carry, only: carry
    use geartrain_base_error, only: error_type
@@ -9,6 +9,8 @@ module geartrain_analyses_modes
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: visitor_type
+   use geartrain_model_drawing, only: plain_train
+   use geartrain_model_frequency_unit, only: hertz_per_lambda
    use geartrain_model_modes, only: modes_type, natural_modes
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -96,9 +98,31 @@ contains
       type(train_type), intent(in) :: train
       integer, intent(in) :: unit
       real(dp), intent(in) :: seconds
+      type(train_type) :: plain
 
-      write (unit, '(a)') 'Natural frequencies, Lambda'
-      write (unit, '(4x, 6f12.4)') self%result%natural_frequency
+      call plain_train(train, plain)
+      call list('Natural frequencies, Lambda', self%result%natural_frequency, 4)
+      call list('Natural frequencies, Hz', self%result%natural_frequency*hertz_per_lambda(plain), 2)
+
+   contains
+
+      subroutine list(heading, values, decimals)
+         character(*), intent(in) :: heading
+         real(dp), intent(in) :: values(:)
+         integer, intent(in) :: decimals
+         character(:), allocatable :: line
+         integer :: i
+
+         write (unit, '(a)') heading
+         line = '  '
+         do i = 1, size(values)
+            line = line//'  '//fixed(values(i), decimals)
+            if (len(line) < 80 .and. i < size(values)) cycle
+            write (unit, '(a)') line
+            line = '  '
+         end do
+      end subroutine list
+
    end subroutine report
 
 end module geartrain_analyses_modes

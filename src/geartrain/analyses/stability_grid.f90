@@ -13,6 +13,7 @@ module geartrain_analyses_stability_grid
    use geartrain_flow_fields, only: about_frequency, about_mesh
    use geartrain_model_check, only: check_train
    use geartrain_model_drawing, only: plain_train
+   use geartrain_model_frequency_unit, only: check_unit, unit_length, visit_unit
    use geartrain_model_limits, only: check_frequency, check_harmonics
    use geartrain_model_mesh, only: mesh_type
    use geartrain_model_train, only: train_type
@@ -31,8 +32,10 @@ module geartrain_analyses_stability_grid
    !> The variables of &stability_map; from, to, parameter_from and parameter_to are `start`, `stop`, `parameter_start` and
    !> `parameter_stop`.
    type :: stability_map_settings_type
-      !> Ends of the range of Lambda [1].
+      !> Ends of the range, by default of Lambda.
       real(dp) :: start = 0, stop = 0
+      !> Unit of these frequencies: 'Lambda', 'rpm' or 'Hz'.
+      character(unit_length) :: unit = 'Lambda'
       !> Number of frequencies in the range, both ends included.
       integer :: points = 200
       !> Parameter that varies from row to row: 'stiffness_variation', 'mesh_damping_ratio', 'input_torque' or 'half_backlash'.
@@ -67,7 +70,7 @@ module geartrain_analyses_stability_grid
       logical :: linear = .false.
       !> Lambda [1], (point); values of the parameter in its unit, (row).
       real(dp), allocatable :: frequency_ratio(:), parameter(:)
-      !> Numbers of motions of the mesh period and of stable motions among them, (point, row).
+      !> Numbers of motions of the period of the fundamental and of stable motions among them, (point, row).
       integer, allocatable :: motions(:, :), stable_motions(:, :)
       !> Floquet multiplier of largest magnitude of the motion for which this magnitude is smallest, (point, row); NaN: no motion.
       complex(dp), allocatable :: multiplier(:, :)
@@ -99,6 +102,7 @@ contains
       call v%on_real(row('from', '', 'one end of the range of Lambda (start in a call)', required=.true., above=zero), &
                      settings%start)
       call v%on_real(row('to', '', 'its other end (stop in a call)', required=.true., above=zero), settings%stop)
+      call visit_unit(settings%unit, v)
       call v%on_integer(row('points', '', 'frequencies in the range, both ends included', least=one, most=most_points), &
                         settings%points)
       word = trim(settings%parameter)
@@ -155,8 +159,9 @@ contains
       if (abs(settings%parameter_start - settings%parameter_stop) <= 0 .neqv. settings%parameter_points == 1) &
          call checker%complain('parameter_points', integer_text(settings%parameter_points), &
                                'must be 1 where "parameter_from" and "parameter_to" are equal, and only there')
-      call check_frequency(train, 'from', settings%start, checker)
-      call check_frequency(train, 'to', settings%stop, checker)
+      call check_unit(train, settings%unit, checker)
+      call check_frequency(train, 'from', settings%start, checker, settings%unit)
+      call check_frequency(train, 'to', settings%stop, checker, settings%unit)
       if (.not. settings%linear) call check_harmonics(train, settings%harmonics, 1, most_harmonics, checker)
       if (settings%linear .and. (settings%parameter == 'input_torque' .or. settings%parameter == 'half_backlash')) &
          call checker%complain('parameter', "'"//trim(settings%parameter)//"'", &
@@ -328,12 +333,14 @@ contains
       call carry(fields, field('row_done', 'parameter', '1', '1 = the row is computed; rows that are not are left out'), map%done)
       call carry(fields, field('row_whole', 'parameter', '1', '1 = the branch of the row got through the range; 0 = not: motions &
                              &may be missing'), map%whole)
-      call carry(fields, field('motions', grid, '1', 'motions of the mesh period on the branch of the row', least=0), map%motions)
+      call carry(fields, field('motions', grid, '1', 'motions of the period of the fundamental on the branch of the row', &
+         &least=0), map%motions)
       call carry(fields, field('stable_motions', grid, '1', 'how many of them are stable; 0: the train does something else, of a &
                              &longer period or of none', least=0), map%stable_motions)
       if (allocated(map%multiplier)) radius = abs(map%multiplier)
       if (fields%way /= reading) call carry(fields, field('spectral_radius', grid, '1', 'largest magnitude of a Floquet multiplier &
-         &over a mesh period, of the motion that has it smallest: below 1 there is a stable motion; NaN: no motion'), radius)
+         &over a period of the fundamental, of the motion that has it smallest: below 1 there is a stable motion; NaN: no &
+            &motion'), radius)
       call carry(fields, field('multiplier', grid//' complex', '1', 'that multiplier: near +1 there is a fold or a resonance at a &
                              &natural frequency, near -1 the period doubles'), map%multiplier)
       if (.not. fields%has('rms', allocated(map%rms))) then

@@ -26,6 +26,7 @@ module geartrain_analyses_stability_map
    use geartrain_floquet_monodromy, only: monodromy_type
    use geartrain_floquet_multipliers, only: is_stable
    use geartrain_model_check, only: check_train
+   use geartrain_model_frequency_unit, only: lambda_per
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -214,7 +215,7 @@ contains
          end if
          allocate (map%done(rows), map%whole(rows), source=.false.)
       end associate
-      map%frequency_ratio = spaced(settings%start, settings%stop, settings%points)
+      map%frequency_ratio = spaced(settings%start, settings%stop, settings%points)*lambda_per(train, settings%unit)
       map%parameter = spaced(settings%parameter_start, settings%parameter_stop, settings%parameter_points)
    end subroutine make_room
 
@@ -305,6 +306,7 @@ contains
 
       branch_settings%start = settings%start
       branch_settings%stop = settings%stop
+      branch_settings%unit = settings%unit
       branch_settings%harmonics = settings%harmonics
       branch_settings%stability = .false.
       call response(train, branch_settings, branch, error)

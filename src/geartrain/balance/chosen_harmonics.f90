@@ -15,7 +15,7 @@ contains
    pure integer function first_harmonics(system, subharmonic)
       !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
-      !> Sub-harmonic index, period over mesh period.
+      !> Sub-harmonic index, period over period of the fundamental.
       integer, intent(in) :: subharmonic
 
       first_harmonics = at_least(begin, system, subharmonic)
@@ -25,7 +25,7 @@ contains
    pure integer function fewest_harmonics(system, subharmonic)
       !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
-      !> Sub-harmonic index, period over mesh period.
+      !> Sub-harmonic index, period over period of the fundamental.
       integer, intent(in) :: subharmonic
 
       fewest_harmonics = at_least(fewest, system, subharmonic)
@@ -35,7 +35,7 @@ contains
    pure integer function most_harmonics(system, subharmonic)
       !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
-      !> Sub-harmonic index, period over mesh period.
+      !> Sub-harmonic index, period over period of the fundamental.
       integer, intent(in) :: subharmonic
 
       most_harmonics = max(most*apart(system, subharmonic), fewest_harmonics(system, subharmonic))

@@ -39,7 +39,7 @@ contains
       class(force_reader_type), intent(inout) :: self
       !> The train.
       type(system_type), intent(in) :: system
-      !> Period of the motions [mesh periods]; samples a period.
+      !> Period of the motions [periods of the fundamental]; samples a period.
       integer, intent(in) :: eta, samples
       integer :: j, q, s
 

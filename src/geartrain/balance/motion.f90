@@ -9,7 +9,7 @@ module geartrain_balance_motion
    type :: motion_type
       !> Lambda [1].
       real(dp) :: frequency_ratio = 0
-      !> Period in fundamental mesh periods (the sub-harmonic index eta); 0: no period found.
+      !> Period in periods of the fundamental (the sub-harmonic index eta); 0: no period found.
       integer :: period = 1
       !> Mesh displacement over characteristic length, (1 + 2*harmonics, mesh): mean, cos 1, sin 1, cos 2, ...
       !> of the fundamental frequency Lambda/period, equation (7d).

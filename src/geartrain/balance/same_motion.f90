@@ -18,7 +18,7 @@ module geartrain_balance_same_motion
 
 contains
 
-   !> Compares rms, mean and maximum, which a shift of a motion by some mesh periods does not change.
+   !> Compares rms, mean and maximum, which a shift of a motion by some periods of the fundamental does not change.
    pure logical function same_figures(one, other, uncertainty) result(same)
       !> Motions with figures.
       type(motion_type), intent(in) :: one, other

@@ -20,7 +20,7 @@ module geartrain_base_observer
          !> Name of the analysis: 'response', 'branch' (a further branch), 'integration', 'attractors', 'stability map',
          !> 'refinement', 'audit', or 'settling' (of one motion).
          character(*), intent(in) :: analysis
-         !> Points, starts, rows of the map or mesh periods done so far.
+         !> Points, starts, rows of the map or periods of the fundamental done so far.
          integer, intent(in) :: done
          !> Lambda [1] of the latest point; in a stability map the parameter of the latest row.
          real(dp), intent(in) :: frequency_ratio

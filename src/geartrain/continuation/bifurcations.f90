@@ -25,7 +25,7 @@ module geartrain_continuation_bifurcations
    !> A solution point at which two branches cross, or at which a period-doubled branch begins or ends.
    type :: meeting_type
       type(solution_point_type) :: solution
-      !> Period of the balance that `solution` solves [mesh periods].
+      !> Period of the balance that `solution` solves [periods of the fundamental].
       integer :: period = 0
       !> Two branches of equal period cross; else a period-doubled branch begins or ends.
       logical :: crossing = .false.
@@ -83,7 +83,7 @@ contains
       type(branch_type), intent(in) :: parent
       !> `parent` in words.
       character(*), intent(in) :: name
-      !> Number of `parent`, 0 for the response; period of the response [mesh periods].
+      !> Number of `parent`, 0 for the response; period of the response [periods of the fundamental].
       integer, intent(in) :: number, period
       type(branch_type), allocatable, intent(inout), target :: branches(:)
       !> Meetings known so far.
@@ -110,7 +110,7 @@ contains
             if (doubles .and. parent%subharmonic >= period*times) cycle
             if (.not. doubles .and. .not. (special%kind == 'branch point' .and. settings%branch_points)) cycle
             call find_critical(train, settings, parent, i, solution, found, taken=taken, again=again)
-            ! A branch may pass a branch point twice, the second time shifted by some mesh periods.
+            ! A branch may pass a branch point twice, the second time shifted by some periods of the fundamental.
             if (again .and. .not. (found .or. doubles)) cycle
             if (found) then
                taken = [taken, solution]

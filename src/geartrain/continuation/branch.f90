@@ -8,6 +8,7 @@ module geartrain_continuation_branch
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_flow_fields, only: about_coefficients, about_frequency, about_maximum, about_mean, about_mesh, about_minimum, &
       about_multipliers, about_rms, about_stable, about_true_ac_rms, about_undecided, carry_loads, coefficient_axis, on_stability
+   use geartrain_model_frequency_unit, only: unit_length
    implicit none (type, external)
    private
    public :: arrange_points, branch_type, contact_edge_type, response_settings_type, special_point_type, trace_state_type, &
@@ -15,11 +16,13 @@ module geartrain_continuation_branch
 
    !> The variables of &response; from and to are `start` and `stop`.
    type :: response_settings_type
-      !> Lambda at the first and at the last end of the range [1].
+      !> First and last end of the range, by default of Lambda.
       real(dp) :: start = 0, stop = 0
+      !> Unit of these frequencies: 'Lambda', 'rpm' or 'Hz'.
+      character(unit_length) :: unit = 'Lambda'
       !> Harmonics of Lambda/subharmonic; 0 lets the program choose for `tolerance`.
       integer :: harmonics = 6
-      !> Period of the motions in fundamental mesh periods.
+      !> Period of the motions in periods of the fundamental.
       integer :: subharmonic = 1
       !> Whether Floquet multipliers are computed at each point.
       logical :: stability = .true.
@@ -96,7 +99,7 @@ module geartrain_continuation_branch
    !> A branch of periodic motions; arrays over the points may be longer than `points`.
    type :: branch_type
       !> Numbers of points, meshes, multipliers of a point (of a train of many states the leading multipliers) and harmonics in use;
-      !> period of the motions in fundamental mesh periods.
+      !> period of the motions in periods of the fundamental.
       integer :: points = 0, meshes = 0, states = 0, harmonics = 0, subharmonic = 1
       !> Lambda, (point).
       real(dp), allocatable :: frequency_ratio(:)

@@ -35,7 +35,7 @@ contains
                              &one'), branch%closed)
       call carry(fields, row('harmonics', '', '', 'harmonics in use; where the program chose them, the most that any point has', &
                              least=0), branch%harmonics)
-      call carry(fields, row('subharmonic', '', '', 'period in fundamental mesh periods', least=1), branch%subharmonic)
+      call carry(fields, row('subharmonic', '', '', 'period in periods of the fundamental', least=1), branch%subharmonic)
       call visit_points(branch, fields)
       call visit_special_points(branch, home//'/special_points', fields)
       call visit_trace(branch, home//'/trace', fields)

@@ -42,7 +42,7 @@ contains
       integer, intent(out) :: enough
       !> The observer or an interrupt ended the search before a motion was found.
       logical, intent(out) :: stopped
-      !> Is told of the mesh periods of time integration, and may cancel.
+      !> Is told of the periods of the fundamental of time integration, and may cancel.
       class(observer_type), intent(inout), optional :: observer
       type(motion_type) :: motion
       type(integration_settings_type) :: integration

@@ -37,7 +37,7 @@ module geartrain_continuation_orbit_corrector
    type :: orbit_corrector_type
       !> The train, its orders divided by `times`.
       type(system_type) :: system
-      !> Period of the branch [mesh periods].
+      !> Period of the branch [periods of the fundamental].
       integer :: period = 1
       !> Number of repetitions of a motion within the period: an orbit is one repetition, at `times` the Lambda of the branch.
       integer :: times = 1
@@ -82,7 +82,7 @@ contains
       class(orbit_corrector_type), intent(inout) :: self
       !> The train.
       type(system_type), intent(in) :: system
-      !> Period of the branch [mesh periods].
+      !> Period of the branch [periods of the fundamental].
       integer, intent(in) :: period
       integer :: parts
 

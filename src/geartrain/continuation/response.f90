@@ -75,7 +75,7 @@ contains
             call tracer%recorder%setup(tracer%corrector%balance, settings%stability, branch)
             allocate (branch%trace)
          end if
-         call trace_from_both_ends(train, tracer, settings%start, settings%stop, branch, observer)
+         call trace_from_both_ends(train, tracer, tracer%settings%start, tracer%settings%stop, branch, observer)
          deallocate (branch%trace)
       end if
       call tracer%tell_missed(branch)

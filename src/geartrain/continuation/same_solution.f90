@@ -1,4 +1,4 @@
-!> Whether two bifurcation points are equal, up to a shift by some mesh periods.
+!> Whether two bifurcation points are equal, up to a shift by some periods of the fundamental.
 module geartrain_continuation_same_solution
    use geartrain_base_kinds, only: dp, pi
    use geartrain_continuation_corrector, only: solution_point_type
@@ -15,11 +15,11 @@ module geartrain_continuation_same_solution
 
 contains
 
-   !> Whether `one`, shifted by some number of mesh periods, is `other`. Their harmonics may differ.
+   !> Whether `one`, shifted by some number of periods of the fundamental, is `other`. Their harmonics may differ.
    pure logical function same_solution(one, other, period, units, by_direction)
       !> Solution points to compare.
       type(solution_point_type), intent(in) :: one, other
-      !> Period of the balance that both points solve [mesh periods].
+      !> Period of the balance that both points solve [periods of the fundamental].
       integer, intent(in) :: period
       !> Units of the branch.
       type(units_type), intent(in) :: units

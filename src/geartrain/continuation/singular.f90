@@ -69,7 +69,7 @@ contains
 
    end subroutine setup
 
-   !> Period of the critical points, in mesh periods.
+   !> Period of the critical points, in periods of the fundamental.
    pure integer function period(self)
       class(singular_type), intent(in) :: self
 

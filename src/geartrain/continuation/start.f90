@@ -7,6 +7,7 @@ module geartrain_continuation_start
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_tracer, only: tracer_type
    use geartrain_continuation_units, only: largest_unit, units_of
+   use geartrain_model_frequency_unit, only: lambda_per
    use geartrain_model_modes, only: natural_frequencies
    use geartrain_model_system, only: build_system
    use geartrain_model_train, only: train_type
@@ -26,10 +27,15 @@ contains
       type(train_type), intent(in) :: train
       !> Settings to trace with.
       type(response_settings_type), intent(in) :: settings
-      !> Becomes ready to solve; its recorder is set up separately.
+      !> Becomes ready to solve, its settings in Lambda; its recorder is set up separately.
       type(tracer_type), intent(inout) :: tracer
 
       tracer%settings = settings
+      associate (factor => lambda_per(train, settings%unit))
+         tracer%settings%start = settings%start*factor
+         tracer%settings%stop = settings%stop*factor
+         tracer%settings%unit = 'Lambda'
+      end associate
       call build_system(train, tracer%system)
       tracer%corrector%units = units_of(tracer%system)
       if (settings%amplitude_limit > 0) then

@@ -66,7 +66,7 @@ contains
    pure logical function loses_odd(here, next, subharmonic, units)
       !> Solution points at the beginning and the end of a step.
       type(solution_point_type), intent(in) :: here, next
-      !> Sub-harmonic index, period over mesh period.
+      !> Sub-harmonic index, period over period of the fundamental.
       integer, intent(in) :: subharmonic
       !> Units of the metric of the branch.
       type(units_type), intent(in) :: units
@@ -85,7 +85,7 @@ contains
    pure logical function passes_half_period(here, next, subharmonic)
       !> Neighbouring solution points.
       type(solution_point_type), intent(in) :: here, next
-      !> Sub-harmonic index, period over mesh period.
+      !> Sub-harmonic index, period over period of the fundamental.
       integer, intent(in) :: subharmonic
       !> Share of the motion below which odd harmonics are rounding [1]: a motion of half the period has none.
       real(dp), parameter :: none = 1e-7_dp

@@ -99,7 +99,7 @@ contains
       n = size(found)
       if (.not. fields%enter(home//'/jumps', 'where a sweep in speed jumps: the stable motion that it follows ends there; only &
                              &with `stability`', n > 0)) return
-      call fields%describe('coordinates', 'frequency kind speed')
+      call fields%describe('coordinates', 'frequency kind direction')
       call fields%index_axis('jump', n, 'jump, by frequency')
       call fields%begin_list('jump')
       do i = 1, n
@@ -112,13 +112,14 @@ contains
    subroutine visit_jump(jump, fields)
       type(jump_type), intent(inout) :: jump
       class(fields_type), intent(inout) :: fields
-      character(7) :: speed
+      character(7) :: direction
 
-      speed = merge('rising ', 'falling', jump%rising)
+      direction = merge('rising ', 'falling', jump%rising)
       call carry(fields, row('frequency', '', '1', about_frequency), jump%frequency_ratio)
       call carry(fields, row('kind', '', '', 'jump up, jump down: to a larger or smaller amplitude, all meshes together; leaves: &
                              &the branch has no other stable motion there'), jump%kind)
-      call carry(fields, row('speed', '', '', 'rising or falling: the way in which the sweep goes that jumps here'), speed)
+      call carry(fields, row('direction', '', '', 'rising or falling: the way of the speed in the sweep that jumps here'), &
+                 direction)
       call carry(fields, row('cause', '', '', 'the special point at which the stable motion ends'), jump%cause)
       call carry(fields, row('rms_before', 'mesh', '1', about_rms), jump%before)
       call carry(fields, row('rms_after', 'mesh', '1', about_rms//'; of the stable motion of the branch with the nearest rms; NaN &

@@ -118,7 +118,7 @@ contains
       call tracer%record(solution, switched)
       if (times == 2) then
          began = solution
-         call trace_through(tracer, solution, settings%stop, switched, outcome, switched%ended, observer, began)
+         call trace_through(tracer, solution, tracer%settings%stop, switched, outcome, switched%ended, observer, began)
          switched%complete = followed_out(outcome)
       else
          call trace_both_ways(tracer, solution, other, switched, 'the branch point', observer, between=critical%frequency_ratio)

@@ -6,6 +6,7 @@ module geartrain_continuation_variables
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_base_variable, only: row => variable_type, visitor_type
    use geartrain_continuation_branch, only: response_settings_type
+   use geartrain_model_frequency_unit, only: check_unit, visit_unit
    use geartrain_model_limits, only: check_frequency, check_harmonics
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -26,13 +27,15 @@ contains
       character(:), allocatable :: word
 
       call v%enter('response', 1)
-      call v%on_real(row('from', '', 'Lambda at which the branch begins (start in a call)', required=.true., above=zero), &
+      call v%on_real(row('from', '', 'frequency at which the branch begins (start in a call)', required=.true., above=zero), &
                      settings%start)
-      call v%on_real(row('to', '', 'Lambda at which it ends, above or below (stop in a call)', required=.true., above=zero), &
+      call v%on_real(row('to', '', 'frequency at which it ends, above or below (stop in a call)', required=.true., above=zero), &
                      settings%stop)
+      call visit_unit(settings%unit, v)
       call v%on_integer(row('harmonics', '', 'harmonics R of Lambda/subharmonic; 0: as many as tolerance needs', least=one, &
                             most=most_harmonics*one, automatic=zero), settings%harmonics)
-      call v%on_integer(row('subharmonic', '', 'period of the motion in fundamental mesh periods, eta', least=one, most=1000*one), &
+      call v%on_integer(row('subharmonic', '', 'period of the motion in periods of the fundamental, eta', least=one, &
+         &most=1000*one), &
                         settings%subharmonic)
       call v%on_logical(row('stability', '', 'Floquet multipliers of every point'), settings%stability)
       call v%on_real(row('amplitude_limit', '', 'rms over characteristic length beyond which the branch is followed but not &
@@ -103,10 +106,11 @@ contains
       end if
       if (settings%harmonics > 0 .and. settings%harmonics < settings%subharmonic) then
          call checker%complain('harmonics', integer_text(settings%harmonics), 'must be >= subharmonic = '// &
-                               integer_text(settings%subharmonic)//': the mesh frequency itself would be left out')
+                               integer_text(settings%subharmonic)//': the fundamental itself would be left out')
       end if
-      call check_frequency(train, 'from', settings%start, checker)
-      call check_frequency(train, 'to', settings%stop, checker)
+      call check_unit(train, settings%unit, checker)
+      call check_frequency(train, 'from', settings%start, checker, settings%unit)
+      call check_frequency(train, 'to', settings%stop, checker, settings%unit)
       call check_harmonics(train, settings%harmonics, settings%subharmonic, most_harmonics, checker)
       if (settings%samples > 0) then
          if (settings%harmonics == 0) then
@@ -136,11 +140,11 @@ contains
       fewest_samples = 8*harmonics + 2
    end function fewest_samples
 
-   !> Settings for motions of another period, with as many harmonics and samples a mesh period.
+   !> Settings for motions of another period, with as many harmonics and samples a period of the fundamental.
    pure function settings_for(settings, period) result(other)
       !> Settings to start from.
       type(response_settings_type), intent(in) :: settings
-      !> The other period in fundamental mesh periods.
+      !> The other period in periods of the fundamental.
       integer, intent(in) :: period
       type(response_settings_type) :: other
 

@@ -11,7 +11,7 @@ contains
    pure integer function harmonics_told(coefficients, period)
       !> Coefficients of the balance [1], (1 + 2*harmonics, mesh).
       real(dp), intent(in) :: coefficients(:, :)
-      !> Period in mesh periods.
+      !> Period in periods of the fundamental.
       integer, intent(in) :: period
 
       harmonics_told = max(255, 2*((size(coefficients, 1) - 1)/2)/period)

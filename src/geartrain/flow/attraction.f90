@@ -27,7 +27,7 @@ module geartrain_flow_attraction
    integer, parameter :: octaves = 10
 
    type :: attraction_type
-      !> Period of the orbit [mesh periods]; 0: no orbit is known.
+      !> Period of the orbit [periods of the fundamental]; 0: no orbit is known.
       integer :: period = 0
       !> State of the orbit at phase 0 [1], (state).
       real(dp), allocatable :: state(:)
@@ -70,7 +70,7 @@ contains
       type(system_type), intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
-      !> Period of the orbit [mesh periods].
+      !> Period of the orbit [periods of the fundamental].
       integer, intent(in) :: period
       !> State of the orbit at phase 0 [1], (state); monodromy matrix [1], (state, state).
       real(dp), intent(in) :: state(:), monodromy(:, :)

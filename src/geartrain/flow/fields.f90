@@ -14,7 +14,7 @@ module geartrain_flow_fields
       about_rms, about_stable, about_true_ac_rms, about_undecided, on_stability
 
    !> Descriptions that several groups of fields share.
-   character(*), parameter :: about_frequency = 'Lambda: fundamental mesh frequency [rad/s] / characteristic_frequency'
+   character(*), parameter :: about_frequency = 'Lambda: fundamental frequency [rad/s] / characteristic_frequency'
    character(*), parameter :: about_mesh = 'mesh, in the order of the train'
    character(*), parameter :: about_rms = 'mesh displacement / characteristic_length, the rms of Al-shyyab and Kahraman &
       &(2007): square root of the sum of squared harmonic amplitudes, mean left out; sqrt(2) times the true AC rms'
@@ -104,8 +104,8 @@ contains
       real(dp) :: exponent
 
       call carry(fields, row('frequency', '', '1', about_frequency), motion%frequency_ratio)
-      call carry(fields, row('period', '', '1', 'period of the motion in fundamental mesh periods, 1 to 16; 0 = none found, the &
-                             &figures are then of the last 16 mesh periods', least=0), motion%period)
+      call carry(fields, row('period', '', '1', 'period of the motion in periods of the fundamental, 1 to 16; 0 = none found, the &
+                             &figures are then of the last 16 periods of the fundamental', least=0), motion%period)
       call carry(fields, row('kind', '', '', 'periodic; where no period was found chaotic, quasi-periodic, still settling (or of &
                              &a longer period than 16), undecided, or unbounded (given up, without figures)'), motion%kind)
       call carry(fields, row('rms', 'mesh', '1', about_rms, optional=.true.), motion%rms)

@@ -126,7 +126,7 @@ contains
       end do
    end subroutine start
 
-   !> Flies over a mesh period from phase 0; less far where the interrupt is raised.
+   !> Flies over a period of the fundamental from phase 0; less far where the interrupt is raised.
    subroutine pass_period(self, frequency_ratio)
       class(flow_type), intent(inout) :: self
       !> Lambda [1].

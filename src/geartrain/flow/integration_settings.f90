@@ -1,13 +1,16 @@
 !> The variables of &integration, which every settling uses.
 module geartrain_flow_integration_settings
    use geartrain_base_kinds, only: dp
+   use geartrain_model_frequency_unit, only: unit_length
    implicit none (type, external)
    private
    public :: integration_settings_type
 
    type :: integration_settings_type
-      !> Range of Lambda [1], `from` and `to` in a case file; number of frequencies.
+      !> Range, `from` and `to` in a case file, by default of Lambda; number of frequencies.
       real(dp) :: start = 0, stop = 0
+      !> Unit of these frequencies: 'Lambda', 'rpm' or 'Hz'.
+      character(unit_length) :: unit = 'Lambda'
       integer :: points = 121
       !> Order in which the frequencies are visited: 'up', 'down' or 'both'.
       character(16) :: direction = 'up'

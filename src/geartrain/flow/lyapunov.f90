@@ -12,10 +12,11 @@ module geartrain_flow_lyapunov
 
    !> Share of the periods that is not averaged: the tangent turns to the direction that grows fastest.
    real(dp), parameter :: turning = 0.2_dp
-   !> Length of the first average: time [1], and fewest mesh periods.
+   !> Length of the first average: time [1], and fewest periods of the fundamental.
    real(dp), parameter :: average_over = 3000
    integer, parameter :: fewest = 200
-   !> Uncertainty times mesh period [1]: largest that tells a quasi-periodic motion; smallest that is worth a longer average.
+   !> Uncertainty times period of the fundamental [1]: largest that tells a quasi-periodic motion; smallest that is worth a longer
+   !> average.
    real(dp), parameter :: largest_neutral = 2e-3_dp, precise = 1e-4_dp
    !> Blocks whose averages give the uncertainty; Student's t at 95 % for blocks - 1 degrees of freedom.
    integer, parameter :: blocks = 6
@@ -37,8 +38,8 @@ contains
       if (exponent < -error) kind = 'still settling'
    end function kind_of
 
-   !> Averages over 3000 units of time or 200 mesh periods, whichever is longer, then over twice the time, and so on, until the sign
-   !> of the exponent is known, or the exponent is known to be about 0.
+   !> Averages over 3000 units of time or 200 periods of the fundamental, whichever is longer, then over twice the time, and so on,
+   !> until the sign of the exponent is known, or the exponent is known to be about 0.
    subroutine find_exponent(system, frequency_ratio, state, most, exponent, error, observer)
       !> The train.
       type(system_type), intent(in) :: system
@@ -46,13 +47,13 @@ contains
       real(dp), intent(in) :: frequency_ratio
       !> State at phase 0 [1], (state).
       real(dp), intent(in) :: state(:)
-      !> Most mesh periods.
+      !> Most periods of the fundamental.
       integer, intent(in) :: most
       !> Exponent per unit of time [1]; not allocated where the observer or an interrupt ended the flow, or the state ran away.
       real(dp), allocatable, intent(out) :: exponent
       !> Uncertainty of the exponent at 95 %, per unit of time [1].
       real(dp), intent(out) :: error
-      !> Called after each mesh period, as 'settling'.
+      !> Called after each period of the fundamental, as 'settling'.
       class(observer_type), intent(inout), optional :: observer
       integer :: first
 
@@ -60,29 +61,30 @@ contains
       call average(system, frequency_ratio, state, min(first, most), most, exponent, error, observer)
    end subroutine find_exponent
 
-   !> Averages over a given number of mesh periods.
+   !> Averages over a given number of periods of the fundamental.
    subroutine largest_exponent(system, frequency_ratio, state, periods, exponent, error, observer)
       !> The train.
       type(system_type), intent(in) :: system
       !> Lambda [1]; state at phase 0 [1], (state).
       real(dp), intent(in) :: frequency_ratio, state(:)
-      !> Number of mesh periods.
+      !> Number of periods of the fundamental.
       integer, intent(in) :: periods
       !> See `find_exponent`.
       real(dp), allocatable, intent(out) :: exponent
       !> Uncertainty of the exponent at 95 %, per unit of time [1].
       real(dp), intent(out) :: error
-      !> Called after each mesh period, as 'settling'.
+      !> Called after each period of the fundamental, as 'settling'.
       class(observer_type), intent(inout), optional :: observer
 
       call average(system, frequency_ratio, state, periods, periods, exponent, error, observer)
    end subroutine largest_exponent
 
-   !> Carries a tangent along with the flow and scales the tangent to unit energy after each mesh period (Benettin's method).
+   !> Carries a tangent along with the flow and scales the tangent to unit energy after each period of the fundamental (Benettin's
+   !> method).
    subroutine average(system, frequency_ratio, state, least, most, exponent, error, observer)
       type(system_type), intent(in) :: system
       real(dp), intent(in) :: frequency_ratio, state(:)
-      !> Mesh periods after which the average may end; mesh periods after which it ends.
+      !> Mesh periods after which the average may end; periods of the fundamental after which it ends.
       integer, intent(in) :: least, most
       real(dp), allocatable, intent(out) :: exponent
       real(dp), intent(out) :: error
@@ -126,7 +128,7 @@ contains
    !> Mean rate of growth and its uncertainty at 95 %, from the means of six blocks. The weights of the means, with all derivatives,
    !> are 0 at the ends, so that oscillations average out.
    pure subroutine exponent_of(growth, exponent, error)
-      !> Rate of growth over each mesh period [1].
+      !> Rate of growth over each period of the fundamental [1].
       real(dp), intent(in) :: growth(:)
       real(dp), intent(out) :: exponent, error
       real(dp) :: part(blocks)

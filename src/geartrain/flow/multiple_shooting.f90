@@ -21,7 +21,7 @@ module geartrain_flow_multiple_shooting
    real(dp), parameter :: closed = 1e-12_dp
    !> Largest relative change of Lambda by the correction of a step along the branch.
    real(dp), parameter :: farthest = 0.3_dp
-   !> Most sections of a mesh period; most elements of the matrices of all sections.
+   !> Most sections of a period of the fundamental; most elements of the matrices of all sections.
    integer, parameter :: usual_parts = 8
    real(dp), parameter :: largest = 2e7_dp
 
@@ -35,11 +35,11 @@ contains
       has_converged = length < converged .or. (length > 0.5_dp*before .and. (length < 100*converged .or. gap < closed))
    end function has_converged
 
-   !> Number of sections of a mesh period, which the memory for their matrices limits.
+   !> Number of sections of a period of the fundamental, which the memory for their matrices limits.
    pure integer function most_parts(system, period)
       !> The train.
       type(system_type), intent(in) :: system
-      !> Period of the orbit [mesh periods].
+      !> Period of the orbit [periods of the fundamental].
       integer, intent(in) :: period
 
       most_parts = max(1, min(usual_parts, int(largest/(real(system%states, dp)**2*period))))

@@ -16,8 +16,8 @@ module geartrain_flow_orbit
    !> Order of the Taylor series and relative error of a step, for states and shooting.
    integer, parameter :: flow_order = 20
    real(dp), parameter :: flow_tolerance = 1e-15_dp
-   !> Least samples of a mesh period, of a period of the fastest mesh, of a period of the highest stored harmonic. The coefficients
-   !> of a motion with contact events fall as k^-4, so aliasing is near 1e-12.
+   !> Least samples of a period of the fundamental, of a period of the fastest mesh, of a period of the highest stored harmonic. The
+   !> coefficients of a motion with contact events fall as k^-4, so aliasing is near 1e-12.
    integer, parameter :: samples_per_period = 1024, samples_per_tooth = 256, samples_per_harmonic = 4
    !> Harmonics that are stored by default: of the frequency of the fastest mesh, and of the highest excited harmonic.
    integer, parameter :: harmonics_per_tooth = 16, harmonics_per_source = 2
@@ -30,7 +30,7 @@ contains
       type(system_type), intent(in) :: system
       !> Lambda [1]; state at phase 0 [1], (state).
       real(dp), intent(in) :: frequency_ratio, state(:)
-      !> Number of mesh periods.
+      !> Number of periods of the fundamental.
       integer, intent(in) :: period
       !> State after the period [1], (state); monodromy matrix [1], (state, state).
       real(dp), intent(out) :: final(:), monodromy(:, :)
@@ -72,7 +72,7 @@ contains
       type(system_type), intent(in) :: system
       !> Lambda [1]; state at phase 0 [1], (state).
       real(dp), intent(in) :: frequency_ratio, state(:)
-      !> Period of the orbit [mesh periods].
+      !> Period of the orbit [periods of the fundamental].
       integer, intent(in) :: period
       !> Mesh displacements over characteristic length [1], (samples, mesh); 0 where an interrupt ended the flow.
       real(dp), intent(out) :: displacement(:, :)

@@ -21,7 +21,7 @@ module geartrain_flow_orbit_search
    type :: orbit_search_type
       !> Lambda [1].
       real(dp), private :: frequency_ratio = 1
-      !> Longest period [mesh periods]; harmonics of Lambda in the coefficients of an orbit.
+      !> Longest period [periods of the fundamental]; harmonics of Lambda in the coefficients of an orbit.
       integer, private :: longest = 1, harmonics = 1
       !> Mesh periods so far; number of the next try from the present section: tries 2*n - 1 and 2*n are for period n.
       integer, private :: periods = 0, trial = 1
@@ -44,7 +44,7 @@ contains
       type(system_type), intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
-      !> Periods [mesh periods] of the orbits are divisors of `longest`; harmonics of Lambda in their coefficients.
+      !> Periods [periods of the fundamental] of the orbits are divisors of `longest`; harmonics of Lambda in their coefficients.
       integer, intent(in) :: longest, harmonics
 
       self%frequency_ratio = frequency_ratio
@@ -70,7 +70,7 @@ contains
       logical, intent(out) :: found
       !> The observer or an interrupt ended the search.
       logical, intent(out) :: stopped
-      !> Called after each mesh period, as 'settling'.
+      !> Called after each period of the fundamental, as 'settling'.
       class(observer_type), intent(inout), optional :: observer
       real(dp) :: state(size(self%flow%x, 2)), monodromy(size(self%flow%x, 2), size(self%flow%x, 2)), length
       logical :: keep_going

@@ -18,7 +18,7 @@ module geartrain_flow_sections
    real(dp), parameter :: difference = 1e-7_dp
 
    type :: sections_type
-      !> Period of the orbit [mesh periods]; sections of the period.
+      !> Period of the orbit [periods of the fundamental]; sections of the period.
       integer :: period = 1, sections = 1
       !> Lambda is variable.
       logical, private :: moves = .false.
@@ -44,7 +44,7 @@ contains
       class(sections_type), intent(inout) :: self
       !> The train.
       type(system_type), intent(in) :: system
-      !> Period of the orbit [mesh periods]; sections of a mesh period.
+      !> Period of the orbit [periods of the fundamental]; sections of a period of the fundamental.
       integer, intent(in) :: period, parts
       !> Whether Lambda is variable: `drift` is computed.
       logical, intent(in) :: moves
@@ -151,7 +151,7 @@ contains
       state = flow%x(1, :)
    end subroutine carry
 
-   !> Advances all columns of a flow over section k; a mesh period has `parts` sections.
+   !> Advances all columns of a flow over section k; a period of the fundamental has `parts` sections.
    subroutine fly_section(flow, k, parts, frequency_ratio)
       type(flow_type), intent(inout) :: flow
       integer, intent(in) :: k, parts

@@ -1,7 +1,8 @@
-!> Finds the steady motion of 1 to 16 mesh periods that the flow from a state settles on, if there is such a motion.
+!> Finds the steady motion of 1 to 16 periods of the fundamental that the flow from a state settles on, if there is such a motion.
 !>
-!> The flow is integrated mesh period by mesh period. Slow modes would need thousands of mesh periods; therefore Newton's method is
-!> tried now and then from the state reached, and the flow is followed until it is clear that it goes to the attracting orbit found.
+!> The flow is integrated period of the fundamental by period of the fundamental. Slow modes would need thousands of periods of the
+!> fundamental; therefore Newton's method is tried now and then from the state reached, and the flow is followed until it is clear
+!> that it goes to the attracting orbit found.
 module geartrain_flow_settling
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp, pi
@@ -19,7 +20,7 @@ module geartrain_flow_settling
    private
    public :: is_leaving, most_states, settle
 
-   !> Longest period that is found [mesh periods].
+   !> Longest period that is found [periods of the fundamental].
    integer, parameter :: longest_period = 16
    !> Least relative difference between sections that certainly is no slow convergence.
    real(dp), parameter :: clearly_different = 1e-5_dp
@@ -34,7 +35,7 @@ module geartrain_flow_settling
    integer, parameter :: first_try = 4
    !> Most Newton steps of a try; most tries with periods other than 1 from a section.
    integer, parameter :: most_steps = 7, most_others = 2
-   !> Work of the tries over work of the flow, at most, beyond a first allowance [mesh periods].
+   !> Work of the tries over work of the flow, at most, beyond a first allowance [periods of the fundamental].
    real(dp), parameter :: share = 0.3_dp, allowance = 12
    !> Number of tangents that cost as much as a state without tangents.
    real(dp), parameter :: states_a_state = 6
@@ -49,13 +50,13 @@ module geartrain_flow_settling
    type :: search_type
       !> The attracting orbit found, if any.
       type(attraction_type) :: orbit
-      !> Mesh periods at which the orbit was found; mesh periods at which Newton's method is tried next.
+      !> Mesh periods at which the orbit was found; periods of the fundamental at which Newton's method is tried next.
       integer :: found_at = 0, next = first_try
       !> Mesh periods before which repeated sections do not count: they are near an orbit that repels.
       integer :: repels_until = 0
       !> The latest try found an orbit that repels.
       logical :: repels = .false.
-      !> Work of the tries [mesh periods].
+      !> Work of the tries [periods of the fundamental].
       real(dp) :: spent = 0
    contains
       procedure, private :: look
@@ -65,7 +66,7 @@ module geartrain_flow_settling
 
 contains
 
-   !> Integrates mesh period by mesh period until it is known which motion the flow settles on.
+   !> Integrates period of the fundamental by period of the fundamental until it is known which motion the flow settles on.
    subroutine settle(system, frequency_ratio, settings, state, motion, observer, stopped)
       !> The train.
       type(system_type), intent(in) :: system
@@ -197,7 +198,7 @@ contains
       period = 0
    end subroutine find_period
 
-   !> Follows the flow towards the known orbit, or searches for an orbit, after `k` mesh periods.
+   !> Follows the flow towards the known orbit, or searches for an orbit, after `k` periods of the fundamental.
    subroutine look(self, system, frequency_ratio, section, k, tolerance, repeated, settled)
       class(search_type), intent(inout) :: self
       type(system_type), intent(in) :: system
@@ -209,7 +210,7 @@ contains
       integer, intent(in) :: k
       !> Relative change over a period at which a motion counts as settled.
       real(dp), intent(in) :: tolerance
-      !> Period after which the sections repeat themselves to the tolerance [mesh periods]; 0: none.
+      !> Period after which the sections repeat themselves to the tolerance [periods of the fundamental]; 0: none.
       integer, intent(in) :: repeated
       !> The flow goes to the orbit, or repeats itself where neither an attracting nor a repelling orbit is known.
       logical, intent(out) :: settled
@@ -240,8 +241,8 @@ contains
       call self%attempt_others(system, frequency_ratio, section, k, tolerance, settled)
    end subroutine look
 
-   !> Tries Newton's method from the newest section for an orbit of `period` mesh periods; the older sections tell whether the flow
-   !> goes to this orbit.
+   !> Tries Newton's method from the newest section for an orbit of `period` periods of the fundamental; the older sections tell
+   !> whether the flow goes to this orbit.
    subroutine attempt(self, system, frequency_ratio, section, k, period, tolerance, settled)
       class(search_type), intent(inout) :: self
       type(system_type), intent(in) :: system
@@ -358,14 +359,14 @@ contains
       rate_of = log(max(abs(multipliers(1)), tiny(1.0_dp)))*frequency_ratio/(2*pi*period)
    end function rate_of
 
-   !> Work of the flow of a state and its tangents [mesh periods of a state alone].
+   !> Work of the flow of a state and its tangents [periods of the fundamental of a state alone].
    pure real(dp) function work(periods, states)
       integer, intent(in) :: periods, states
 
       work = periods*(1 + states/states_a_state)
    end function work
 
-   !> Shortest period of an orbit that repeats itself after `period` mesh periods.
+   !> Shortest period of an orbit that repeats itself after `period` periods of the fundamental.
    integer function shortest_period(system, frequency_ratio, period, state) result(n)
       type(system_type), intent(in) :: system
       real(dp), intent(in) :: frequency_ratio, state(:)

@@ -123,7 +123,7 @@ contains
       type(system_type), intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
-      !> Period of the orbit [mesh periods]; most Newton steps.
+      !> Period of the orbit [periods of the fundamental]; most Newton steps.
       integer, intent(in) :: period, most
       !> State at phase 0 [1], (state): a guess, then the orbit; where no orbit is found the result of the last step.
       real(dp), intent(inout) :: state(:)

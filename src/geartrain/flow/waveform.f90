@@ -12,7 +12,8 @@ module geartrain_flow_waveform
 
 contains
 
-   !> Samples a period of a motion (16 mesh periods where no period was found) at equidistant instants, the first at phase 0.
+   !> Samples a period of a motion (16 periods of the fundamental where no period was found) at equidistant instants, the first at
+   !> phase 0.
    subroutine waveform(train, motion, samples, time, displacement, force)
       !> The train, which has been checked.
       type(train_type), intent(in) :: train

@@ -6,6 +6,7 @@ module geartrain_model_limits
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_base_series, only: series_type
    use geartrain_model_bodies, only: bodies_of, body_count, find_ends
+   use geartrain_model_frequency_unit, only: lambda_per
    use geartrain_model_excitation, only: lowest_harmonic
    use geartrain_model_drawing, only: plain_train
    use geartrain_model_network, only: build_network, join_rigid, network_type, stiffening
@@ -15,8 +16,8 @@ module geartrain_model_limits
    private
    public :: check_frequency, check_harmonics, check_stiffest, in_order, own_frequency
 
-   !> Smallest mesh frequency over the frequency of the slowest mesh [1]: below this limit a mesh period takes more than about 1e5
-   !> steps of the flow.
+   !> Smallest mesh frequency over the frequency of the slowest mesh [1]: below this limit a period of the fundamental takes more
+   !> than about 1e5 steps of the flow.
    real(dp), parameter :: slowest = 1e-4_dp
    !> Largest mesh frequency over the frequency of the slowest mesh [1]: beyond this limit only the mean of a motion is left.
    real(dp), parameter :: fastest = 1e6_dp
@@ -27,27 +28,32 @@ module geartrain_model_limits
 contains
 
    !> Adds a problem where Lambda is too small or too large, `name = value: must be >= ...`; nothing for a train not `in_order`.
-   subroutine check_frequency(given, name, value, checker)
+   subroutine check_frequency(given, name, value, checker, unit)
       !> The train.
       type(train_type), intent(in) :: given
       !> Name of the variable, for the message.
       character(*), intent(in) :: name
-      !> Lambda [1].
+      !> Frequency in `unit`.
       real(dp), intent(in) :: value
       !> Gets the problem.
       class(checker_type), intent(inout) :: checker
+      !> 'Lambda', 'rpm' or 'Hz'; absent: Lambda.
+      character(*), intent(in), optional :: unit
       type(train_type) :: train
-      real(dp) :: decades, unit
+      real(dp) :: decades, own, factor
 
       call plain_train(given, train)
       if (.not. in_order(train, checker)) return
       ! By logarithms: the ratio itself may overflow.
       decades = log10(own_frequency(train)) - log10(train%characteristic_frequency)
-      unit = 10.0_dp**nint(max(-300.0_dp, min(300.0_dp, decades)))
-      if (.not. value >= slowest*unit) call checker%complain(name, real_text(value), 'must be >= '//real_text(slowest*unit)// &
-         ': the train vibrates too often in a slower mesh period')
-      if (.not. value <= fastest*unit) call checker%complain(name, real_text(value), 'must be <= '//real_text(fastest*unit)// &
-         ': the train does not follow a faster mesh frequency')
+      factor = 1
+      if (present(unit)) factor = lambda_per(given, unit)
+      if (.not. factor > 0) return
+      own = 10.0_dp**nint(max(-300.0_dp, min(300.0_dp, decades)))/factor
+      if (.not. value >= slowest*own) call checker%complain(name, real_text(value), 'must be >= '//real_text(slowest*own)// &
+         ': the train vibrates too often in a slower period')
+      if (.not. value <= fastest*own) call checker%complain(name, real_text(value), 'must be <= '//real_text(fastest*own)// &
+         ': the train does not follow a faster frequency')
    end subroutine check_frequency
 
    !> Adds a problem where all harmonics of a source of excitation are higher than the harmonics of a motion; nothing for a train

@@ -6,13 +6,14 @@ module geartrain_run_results
    use geartrain_analyses_response, only: visit_whole_branch
    use geartrain_base_carry, only: carry, carry_text
    use geartrain_base_error, only: error_type, fatal, status_file
-   use geartrain_base_field, only: row => field_type
+   use geartrain_base_field, only: kind_real, row => field_type
    use geartrain_base_fields, only: fields_type, listing, reading
-   use geartrain_base_kinds, only: version
+   use geartrain_base_kinds, only: dp, version
    use geartrain_base_numbers, only: text
    use geartrain_input_text, only: case_text
    use geartrain_model_drawing, only: plain_train
    use geartrain_model_explain, only: warnings_text
+   use geartrain_model_frequency_unit, only: hertz_per_lambda, speed_per_lambda
    use geartrain_model_labels, only: mesh_labels
    use geartrain_model_network, only: state_count
    use geartrain_model_train, only: train_type
@@ -24,8 +25,10 @@ module geartrain_run_results
    private
    public :: open_results, take_results, visit_results, visit_root, write_results
 
-   !> Raised when a name or a shape in the file changes its meaning. 2: a file is sealed and holds all that reading needs.
-   integer, parameter :: format_version = 2
+   !> Raised when a name or a shape in the file changes its meaning. 2: a file is sealed and holds all that reading needs. 3:
+   !> `speed` is in rpm, where format 2 had the way of a sweep in /jumps, which is not read.
+   integer, parameter :: format_version = 3
+   character(*), parameter :: about_speed = 'speed of the first body, or of `speed_of`'
 
 contains
 
@@ -107,7 +110,8 @@ contains
       call carry_text(fields, row('program_version'), written_by)
       call carry_text(fields, row('input'), input)
       wrong = ''
-      if (allocated(fields%wrong) .or. number /= format_version) wrong = 'it was written by another version of geartrain'
+      if (allocated(fields%wrong) .or. number < 2 .or. number > format_version) &
+         wrong = 'it was written by another version of geartrain'
    end subroutine open_results
 
    !> Takes the results of a case from the groups read.
@@ -127,15 +131,10 @@ contains
       if (allocated(fields%wrong)) wrong = fields%wrong
    end subroutine take_results
 
-   !> Visits the groups of all results, in the order of the file.
-   subroutine visit_results(results, case, fields, summary)
-      !> The results; set by reading.
+   subroutine visit_whole_results(results, case, fields, summary)
       type(results_type), intent(inout), target :: results
-      !> The case of the results.
       type(case_type), intent(in), target :: case
-      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
-      !> Whether the figures of branches (peaks, jumps, ...) are computed and visited as well.
       logical, intent(in) :: summary
       class(analysis_type), allocatable :: analysis
       integer :: i, n
@@ -172,6 +171,79 @@ contains
          if (fields%way == reading) is_found = fields%find_group('/'//trim(analyses(number)%name)) > 0
       end function is_found
 
+   end subroutine visit_whole_results
+
+   !> Adds the speed [rpm], of a train whose meshes all have teeth, and the frequency of the fundamental [Hz] to every dataset and
+   !> attribute of Lambda. They are not read.
+   subroutine add_speeds(train, fields)
+      type(train_type), intent(in) :: train
+      class(fields_type), intent(inout) :: fields
+      type(train_type) :: plain
+      integer :: i, j, count
+
+      call plain_train(train, plain)
+      do i = 1, fields%count
+         ! Fields are added behind.
+         count = fields%groups(i)%count
+         do j = 1, count
+            select case (fields%groups(i)%fields(j)%about%name)
+            case ('frequency')
+               call add_field(i, j, 'speed', 'rpm', about_speed, speed_per_lambda(plain))
+               call add_field(i, j, 'fundamental_frequency', 'Hz', 'frequency of the fundamental', hertz_per_lambda(plain))
+            case ('from', 'to')
+               call add_field(i, j, 'speed_'//trim(fields%groups(i)%fields(j)%about%name), 'rpm', about_speed, &
+                              speed_per_lambda(plain))
+            case ('natural_frequency')
+               call add_field(i, j, 'natural_frequency_hertz', 'Hz', 'undamped natural frequency', hertz_per_lambda(plain))
+            end select
+         end do
+      end do
+
+   contains
+
+      subroutine add_field(group, source, name, unit, description, factor)
+         !> Numbers of the group and of the field with Lambda.
+         integer, intent(in) :: group, source
+         character(*), intent(in) :: name, unit, description
+         !> Value at Lambda = 1; 0: not known.
+         real(dp), intent(in) :: factor
+         character(40) :: only
+         type(row) :: about
+         real(dp), allocatable :: values(:)
+         integer, allocatable :: extents(:)
+         integer :: place
+
+         if (.not. allocated(fields%groups(group)%fields(source)%reals)) return
+         if (.not. factor > 0 .and. fields%way /= listing) return
+         only = ''
+         if (unit == 'rpm') only = 'of a train whose meshes all have teeth'
+         about = row(name, fields%groups(group)%fields(source)%about%dimensions, unit, description, only=only)
+         values = factor*fields%groups(group)%fields(source)%reals
+         extents = fields%groups(group)%fields(source)%extents
+         associate (here => fields%groups(group))
+            call here%add(about, kind_real, extents)
+            call move_alloc(values, here%fields(here%count)%reals)
+            if (fields%way == listing .or. about%dimensions == '' .or. about%dimensions == 'frequency') return
+            place = here%place('coordinates', .true., 0)
+            if (place > 0) here%fields(place)%texts(1)%text = here%fields(place)%texts(1)%text//' '//name
+         end associate
+      end subroutine add_field
+
+   end subroutine add_speeds
+
+   !> Visits the groups of all results, in the order of the file, and adds speeds where the fields are to be shown.
+   subroutine visit_results(results, case, fields, summary)
+      !> The results; set by reading.
+      type(results_type), intent(inout), target :: results
+      !> The case of the results.
+      type(case_type), intent(in), target :: case
+      !> The fields of the results.
+      class(fields_type), intent(inout) :: fields
+      !> Whether the figures of branches (peaks, jumps, ...) are computed and visited as well.
+      logical, intent(in) :: summary
+
+      call visit_whole_results(results, case, fields, summary)
+      if (fields%derives()) call add_speeds(case%train, fields)
    end subroutine visit_results
 
 end module geartrain_run_results
