@@ -31,9 +31,9 @@ subroutine copy_text(handle, bytes, text)
    text = transfer(box%text, text)
 end subroutine copy_text
 
-! Makes the box show fields: 'results', 'labels' (of the meshes), 'explanation' (of the train), 'motions' (those on their own), 'audit', what is read off its
-! response ('peaks', 'jumps', 'bands', 'separation', 'back collision'), or 'listing': all that there can be in a results file,
-! without values.
+! Makes the box show fields: 'results', 'labels' (of the meshes), 'explanation' (of the train), 'motions' (those on their own),
+! 'audit', what is read off its response ('peaks', 'jumps', 'bands', 'separation', 'back collision'), or 'listing': all that there
+! can be in a results file, without values.
 subroutine show_fields(handle, what)
    use geartrain_python_box, only: box_of, show
    implicit none

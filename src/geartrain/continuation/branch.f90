@@ -7,7 +7,8 @@ module geartrain_continuation_branch
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_flow_fields, only: about_coefficients, about_frequency, about_maximum, about_mean, about_mesh, about_minimum, &
-      about_multipliers, about_rms, about_stable, about_true_ac_rms, about_undecided, carry_loads, coefficient_axis, on_stability
+      about_multipliers, about_rms, about_shaft, about_stable, about_true_ac_rms, about_undecided, carry_loads, carry_torques, &
+      coefficient_axis, on_stability
    use geartrain_model_frequency_unit, only: unit_length
    implicit none (type, external)
    private
@@ -24,6 +25,8 @@ module geartrain_continuation_branch
       integer :: harmonics = 6
       !> Period of the motions in periods of the fundamental.
       integer :: subharmonic = 1
+      !> Whether the torque of every shaft is computed at each point.
+      logical :: shaft_torque = .true.
       !> Whether Floquet multipliers are computed at each point.
       logical :: stability = .true.
       !> Largest rms over characteristic length; negative: 12 with backlash, none for a linear train.
@@ -98,9 +101,9 @@ module geartrain_continuation_branch
 
    !> A branch of periodic motions; arrays over the points may be longer than `points`.
    type :: branch_type
-      !> Numbers of points, meshes, multipliers of a point (of a train of many states the leading multipliers) and harmonics in use;
-      !> period of the motions in periods of the fundamental.
-      integer :: points = 0, meshes = 0, states = 0, harmonics = 0, subharmonic = 1
+      !> Numbers of points, meshes, shafts, multipliers of a point (of a train of many states the leading multipliers) and harmonics
+      !> in use; period of the motions in periods of the fundamental.
+      integer :: points = 0, meshes = 0, shafts = 0, states = 0, harmonics = 0, subharmonic = 1
       !> Lambda, (point).
       real(dp), allocatable :: frequency_ratio(:)
       !> (1 + 2*harmonics, mesh, point), see motion_type.
@@ -109,6 +112,8 @@ module geartrain_continuation_branch
       real(dp), allocatable :: rms(:, :), mean(:, :), minimum(:, :), maximum(:, :)
       !> Mesh forces, (mesh, point).
       type(mesh_load_type), allocatable :: mesh_load(:, :)
+      !> Torque of each shaft over the period [N m], (shaft, point); NaN where nothing determines it. Allocated where asked for.
+      real(dp), allocatable :: shaft_torque_mean(:, :), shaft_torque_minimum(:, :), shaft_torque_maximum(:, :)
       !> Half backlash over characteristic length, (mesh).
       real(dp), allocatable :: half_backlash(:)
       !> Floquet multipliers, (state, point); not allocated: stability was not asked for.
@@ -200,6 +205,11 @@ contains
       call carry(fields, row('minimum', 'point mesh', '1', about_minimum, optional=none), branch%minimum)
       call carry(fields, row('maximum', 'point mesh', '1', about_maximum, optional=none), branch%maximum)
       call carry_loads(fields, branch%mesh_load, branch%points)
+      if (fields%has('shaft_torque_mean', allocated(branch%shaft_torque_mean))) then
+         call fields%index_axis('shaft', branch%shafts, about_shaft)
+         call carry_torques(fields, branch%shaft_torque_mean, branch%shaft_torque_minimum, &
+                            branch%shaft_torque_maximum)
+      end if
       call carry(fields, row('coefficients', 'point mesh coefficient', '1', about_coefficients, optional=none), &
                  branch%coefficients)
       call carry(fields, row('error_estimate', 'point', '1', 'estimated relative error of the waveform, against the motion at the &

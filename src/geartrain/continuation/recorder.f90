@@ -3,6 +3,7 @@ module geartrain_continuation_recorder
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_error_estimate, only: error_estimate_type
    use geartrain_balance_mesh_load, only: force_reader_type
+   use geartrain_balance_shaft_torque, only: find_shaft_torques
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: arrange_points, branch_type
    use geartrain_continuation_corrector, only: solution_point_type
@@ -15,8 +16,8 @@ module geartrain_continuation_recorder
    public :: recorder_type
 
    type :: recorder_type
-      !> Stability is assessed.
-      logical :: stability = .false.
+      !> Stability is assessed; torques of shafts are computed.
+      logical :: stability = .false., shaft_torque = .false.
       !> Work space; the monodromy matrix of the latest point.
       type(monodromy_type) :: monodromy
       !> Multipliers of the latest point, (branch%states).
@@ -33,7 +34,7 @@ module geartrain_continuation_recorder
 contains
 
    !> Prepares for the points of a balance.
-   subroutine setup(self, balance, stability, branch)
+   subroutine setup(self, balance, stability, branch, shaft_torque)
       class(recorder_type), intent(inout) :: self
       !> The balance; more harmonics may follow.
       type(balance_type), intent(in) :: balance
@@ -41,10 +42,15 @@ contains
       logical, intent(in) :: stability
       !> A new branch; then a branch without points.
       type(branch_type), intent(inout), target :: branch
+      !> Torques of shafts are wanted; absent: they are not.
+      logical, intent(in), optional :: shaft_torque
 
       self%stability = stability
+      self%shaft_torque = .false.
+      if (present(shaft_torque)) self%shaft_torque = shaft_torque
       branch%points = 0
       branch%meshes = balance%system%meshes
+      branch%shafts = balance%system%torque_paths%shafts
       branch%half_backlash = balance%system%half_backlash
       branch%subharmonic = balance%eta
       branch%harmonics = balance%highest
@@ -54,6 +60,7 @@ contains
          branch%states = self%monodromy%given
          allocate (self%multipliers(branch%states), branch%stable(0))
       end if
+      if (self%shaft_torque) allocate (branch%shaft_torque_mean(0, 0))
       call arrange_points(branch, [integer ::], 16, balance%highest)
    end subroutine setup
 
@@ -112,6 +119,9 @@ contains
             call balance%contact(j)%shares(load%separation, load%back_contact)
          end associate
       end do
+      if (self%shaft_torque) call find_shaft_torques(balance, solution%frequency_ratio, self%transform, &
+                                                     branch%shaft_torque_mean(:, n), branch%shaft_torque_minimum(:, n), &
+                                                     branch%shaft_torque_maximum(:, n))
       if (self%stability) then
          call self%monodromy%integrate(balance, solution%frequency_ratio)
          call self%monodromy%multipliers(self%multipliers)

@@ -114,6 +114,11 @@ contains
       branch%minimum(:, i) = motion%minimum
       branch%maximum(:, i) = motion%maximum
       branch%mesh_load(:, i) = motion%mesh_load
+      if (allocated(branch%shaft_torque_mean)) then
+         branch%shaft_torque_mean(:, i) = motion%shaft_torque_mean
+         branch%shaft_torque_minimum(:, i) = motion%shaft_torque_minimum
+         branch%shaft_torque_maximum(:, i) = motion%shaft_torque_maximum
+      end if
       branch%error_estimate(i) = motion%error_estimate
       branch%estimate_doubtful(i) = .false.
       if (.not. allocated(branch%stable)) return

@@ -45,7 +45,7 @@ contains
          return
       end if
       call begin_trace(train, settings, tracer)
-      call tracer%recorder%setup(tracer%corrector%balance, settings%stability, found)
+      call tracer%recorder%setup(tracer%corrector%balance, settings%stability, found, settings%shaft_torque)
       call record_crossings(tracer, branch, frequency_ratio, found)
       call gather(found, settings, motions)
    end subroutine solutions_at
@@ -178,6 +178,11 @@ contains
             motion%minimum = found%minimum(:, i)
             motion%maximum = found%maximum(:, i)
             motion%mesh_load = found%mesh_load(:, i)
+            if (allocated(found%shaft_torque_mean)) then
+               motion%shaft_torque_mean = found%shaft_torque_mean(:, i)
+               motion%shaft_torque_minimum = found%shaft_torque_minimum(:, i)
+               motion%shaft_torque_maximum = found%shaft_torque_maximum(:, i)
+            end if
             motion%error_estimate = found%error_estimate(i)
             if (.not. settings%stability) cycle
             motion%multipliers = found%multipliers(:, i)

@@ -97,7 +97,7 @@ contains
          call begin_trace(train, settings_for(settings, times*settings%subharmonic), tracer)
          tracer%analysis = 'branch'
          if (settings%harmonics == 0) call tracer%prepare(times*harmonics_at(branch, special))
-         call tracer%recorder%setup(tracer%corrector%balance, settings%stability, switched)
+         call tracer%recorder%setup(tracer%corrector%balance, settings%stability, switched, settings%shaft_torque)
          if (.not. found) then
             switched%ended = 'the balance has no '//trim(kind)//' of its own near Lambda = '//text(at) &
                              //' (more harmonics place it more exactly)'

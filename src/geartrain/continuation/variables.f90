@@ -38,6 +38,8 @@ contains
          &most=1000*one), &
                         settings%subharmonic)
       call v%on_logical(row('stability', '', 'Floquet multipliers of every point'), settings%stability)
+      call v%on_logical(row('shaft_torque', '', 'mean and extremes of the torque of every shaft at every point'), &
+                        settings%shaft_torque)
       call v%on_real(row('amplitude_limit', '', 'rms over characteristic length beyond which the branch is followed but not &
                          &recorded; -1: 12 with backlash, 10000 for a linear train, where it counts as infinite (both times the &
                          &power of ten nearest to the larger of the gap and the static deflection)', above=zero, automatic=-one), &

@@ -11,11 +11,11 @@ module geartrain_flow_fields
    private
    public :: carry_loads, coefficient_axis, visit_motions
    public :: about_coefficients, about_frequency, about_maximum, about_mean, about_mesh, about_minimum, about_multipliers, &
-      about_rms, about_stable, about_true_ac_rms, about_undecided, on_stability
+      about_rms, about_shaft, about_stable, about_true_ac_rms, about_undecided, carry_torques, on_stability
 
    !> Descriptions that several groups of fields share.
    character(*), parameter :: about_frequency = 'Lambda: fundamental frequency [rad/s] / characteristic_frequency'
-   character(*), parameter :: about_mesh = 'mesh, in the order of the train'
+   character(*), parameter :: about_mesh = 'mesh, in the order of the train', about_shaft = 'shaft, in the order of the train'
    character(*), parameter :: about_rms = 'mesh displacement / characteristic_length, the rms of Al-shyyab and Kahraman &
       &(2007): square root of the sum of squared harmonic amplitudes, mean left out; sqrt(2) times the true AC rms'
    character(*), parameter :: about_true_ac_rms = 'mesh displacement / characteristic_length, root mean square over time &
@@ -41,6 +41,18 @@ module geartrain_flow_fields
       row('back_contact_fraction', 'mesh', '1', 'share of the period with the back flanks in contact, p < -half_backlash; &
           &0 without backlash; under a negative torque these bear the load', optional=.true.)]
 
+   character(*), parameter :: of_torque = ' torque of a shaft over the period, positive where its first body drives the &
+      &second; NaN where rigid shafts side by side leave it undetermined'
+   type(row), parameter :: torques(3) = [ &
+      row('shaft_torque_mean', 'shaft', 'N m', 'mean'//of_torque, 'with `shaft_torque`', optional=.true.), &
+      row('shaft_torque_minimum', 'shaft', 'N m', 'smallest'//of_torque, 'with `shaft_torque`', optional=.true.), &
+      row('shaft_torque_maximum', 'shaft', 'N m', 'largest'//of_torque, 'with `shaft_torque`', optional=.true.)]
+
+   !> Carries the fields of the torques of shafts.
+   interface carry_torques
+      module procedure :: carry_torques_1, carry_torques_2
+   end interface carry_torques
+
    !> Carries the fields of the loads on meshes.
    interface carry_loads
       module procedure :: carry_loads_1, carry_loads_2
@@ -57,10 +69,11 @@ contains
       !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
       type(motion_type), allocatable :: none(:)
-      integer :: i, n, meshes, terms, coordinates, states
+      integer :: i, n, meshes, shafts, terms, coordinates, states
 
       n = fields%length_of(along)
       meshes = max(0, fields%length_of('mesh'))
+      shafts = 0
       terms = 0
       coordinates = 0
       states = 0
@@ -72,12 +85,14 @@ contains
                meshes = size(motions(i)%coefficients, 2)
                terms = max(terms, size(motions(i)%coefficients, 1))
             end if
+            if (allocated(motions(i)%shaft_torque_mean)) shafts = size(motions(i)%shaft_torque_mean)
             if (allocated(motions(i)%state)) coordinates = max(coordinates, size(motions(i)%state))
             if (allocated(motions(i)%multipliers)) states = max(states, size(motions(i)%multipliers))
          end do
          call coefficient_axis(terms, 'period', fields)
       end if
       call fields%index_axis('mesh', meshes, about_mesh)
+      if (fields%has('shaft_torque_mean', shafts > 0)) call fields%index_axis('shaft', shafts, about_shaft)
       if (fields%has('initial_state', coordinates > 0)) call fields%index_axis('coordinate', coordinates, &
          'coordinate of the state: the displacement of every elastic element, then the velocities; with damping to ground that of &
          &a body last')
@@ -115,6 +130,8 @@ contains
       call carry(fields, row('minimum', 'mesh', '1', about_minimum, optional=.true.), motion%minimum)
       call carry(fields, row('maximum', 'mesh', '1', about_maximum, optional=.true.), motion%maximum)
       call carry_loads(fields, motion%mesh_load)
+      if (fields%length_of('shaft') >= 0) call carry_torques(fields, motion%shaft_torque_mean, motion%shaft_torque_minimum, &
+                                                             motion%shaft_torque_maximum)
       call carry(fields, row('coefficients', 'mesh coefficient', '1', about_coefficients//'; where no period was found, of &
                              &Lambda/16', optional=.true.), motion%coefficients)
       if (fields%has('error_estimate', motion%error_estimate >= 0)) &
@@ -169,6 +186,33 @@ contains
       if (terms > 0) labels(1) = 'mean'
       call fields%text_axis('coefficient', labels, 'order of the coefficient in multiples of Lambda/'//period)
    end subroutine coefficient_axis
+
+   !> Torques of the shafts of a motion.
+   subroutine carry_torques_1(fields, mean, minimum, maximum)
+      !> Lists, writes or reads each field.
+      class(fields_type), intent(inout) :: fields
+      !> Torques [N m], (shaft); not allocated: none.
+      real(dp), allocatable, intent(inout) :: mean(:), minimum(:), maximum(:)
+
+      call carry(fields, torques(1), mean)
+      call carry(fields, torques(2), minimum)
+      call carry(fields, torques(3), maximum)
+   end subroutine carry_torques_1
+
+   !> Torques of the shafts at each point of a branch.
+   subroutine carry_torques_2(fields, mean, minimum, maximum)
+      !> Lists, writes or reads each field.
+      class(fields_type), intent(inout) :: fields
+      !> Torques [N m], (shaft, point); not allocated: none.
+      real(dp), allocatable, intent(inout) :: mean(:, :), minimum(:, :), maximum(:, :)
+      type(row) :: about(3)
+
+      about = torques
+      about%dimensions = 'point shaft'
+      call carry(fields, about(1), mean)
+      call carry(fields, about(2), minimum)
+      call carry(fields, about(3), maximum)
+   end subroutine carry_torques_2
 
    !> Loads on the meshes of a motion.
    subroutine carry_loads_1(fields, load)

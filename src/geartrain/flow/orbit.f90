@@ -5,6 +5,7 @@ module geartrain_flow_orbit
    use geartrain_base_kinds, only: dp, pi
    use geartrain_flow_floating, only: is_floating
    use geartrain_flow_flow, only: flow_type
+   use geartrain_flow_shaft_torque, only: add_torques, linear_forces
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: transform_length
    use geartrain_model_excitation, only: excited_harmonics, reach_of_sources
@@ -67,7 +68,7 @@ contains
    end subroutine begin_tangents
 
    !> Samples a period of an orbit at equidistant instants, the first at phase 0.
-   subroutine sample_orbit(system, frequency_ratio, period, state, displacement, force, share, largest)
+   subroutine sample_orbit(system, frequency_ratio, period, state, displacement, force, share, largest, torque)
       !> The train.
       type(system_type), intent(in) :: system
       !> Lambda [1]; state at phase 0 [1], (state).
@@ -82,7 +83,10 @@ contains
       real(dp), intent(out), optional :: share(-1:, :)
       !> Largest force and largest opposite force on either side of events [1], (2, mesh); 0 for a mesh without events.
       real(dp), intent(out), optional :: largest(:, :)
+      !> Torques of the shafts [N m], (samples, shaft); `force` must be present too.
+      real(dp), intent(out), optional :: torque(:, :)
       type(flow_type) :: flow
+      real(dp), allocatable :: phi(:, :)
       real(dp) :: spacing, mesh_period, begun, spent(-1:1, system%meshes), velocity(size(displacement, 1), system%meshes)
       integer :: i, j, q, contact(system%meshes)
 
@@ -96,6 +100,7 @@ contains
       end do
       spent = 0
       if (present(largest)) largest = 0
+      if (present(torque)) allocate (phi(size(displacement, 1), system%elements), source=0.0_dp)
       q = 2
       do i = 1, period
          call flow%start(frequency_ratio, 0.0_dp)
@@ -119,6 +124,7 @@ contains
                      displacement(q, j) = flow%displacement(j, t - begun)
                      velocity(q, j) = flow%velocity(j, t - begun)
                   end do
+                  if (present(torque)) call linear_forces(flow, t - begun, phi(q, :))
                end associate
                q = q + 1
             end do
@@ -134,6 +140,11 @@ contains
          force(:, j) = [(system%law(j)%force(frequency_ratio*spacing*(q - 1), displacement(q, j), velocity(q, j)), q=1, &
                          size(force, 1))]
       end do
+      if (.not. present(torque)) return
+      ! The first instant is that after the period.
+      if (size(phi, 1) > 0) call linear_forces(flow, flow%length, phi(1, :))
+      phi(:, system%mesh_element) = force
+      call add_torques(system, frequency_ratio*spacing, phi, torque)
 
    contains
 
@@ -167,10 +178,10 @@ contains
       type(system_type), intent(in) :: system
       !> Number of harmonics of Lambda in the coefficients, which are those of Lambda/period; 0: `stored_harmonics`.
       integer, intent(in) :: wanted
-      !> Given: frequency_ratio, period, state. Set: coefficients, rms of all harmonics, mean, extremes, mesh_load, floating.
+      !> Given: frequency_ratio, period, state. Set: all figures.
       type(motion_type), intent(inout) :: motion
       type(transform_type) :: transform
-      real(dp), allocatable :: p(:, :), force(:, :)
+      real(dp), allocatable :: p(:, :), force(:, :), torque(:, :)
       real(dp) :: share(-1:1, system%meshes), largest(2, system%meshes)
       integer :: harmonics, j, k, q
 
@@ -178,8 +189,11 @@ contains
       if (wanted == 0) harmonics = stored_harmonics(system)
       q = motion%period*transform_length(max(samples_per_period, samples_per_tooth*reach_of_sources(system), &
                                              samples_per_harmonic*harmonics))
-      allocate (p(q, system%meshes), force(q, system%meshes))
-      call sample_orbit(system, motion%frequency_ratio, motion%period, motion%state, p, force, share, largest)
+      allocate (p(q, system%meshes), force(q, system%meshes), torque(q, system%torque_paths%shafts))
+      call sample_orbit(system, motion%frequency_ratio, motion%period, motion%state, p, force, share, largest, torque)
+      motion%shaft_torque_mean = sum(torque, 1)/q
+      motion%shaft_torque_minimum = [(-peak(-torque(:, j)), j=1, size(torque, 2))]
+      motion%shaft_torque_maximum = [(peak(torque(:, j)), j=1, size(torque, 2))]
       call transform%plan(q)
       if (allocated(motion%coefficients)) deallocate (motion%coefficients)
       allocate (motion%coefficients(1 + 2*harmonics*motion%period, system%meshes))

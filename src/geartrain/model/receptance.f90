@@ -8,7 +8,7 @@ module geartrain_model_receptance
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: receptance_type, find_receptance, linear_displacements
+   public :: receptance_type, amplitude_at, find_receptance, linear_displacements
 
    type :: receptance_type
       !> H [1] and dH/dLambda [1], (entry of the graph of the unknowns); excitation a [1] and da/dLambda [1], (unknown).
@@ -199,7 +199,9 @@ contains
 
    !> Complex amplitude of a series at a harmonic of Lambda/eta; 0 where the series does not have the harmonic.
    pure complex(dp) function amplitude_at(series, harmonic, eta)
+      !> The series.
       type(series_type), intent(in) :: series
+      !> Harmonic of Lambda/eta; sub-harmonic index.
       integer, intent(in) :: harmonic, eta
       integer :: h
 

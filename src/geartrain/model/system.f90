@@ -16,6 +16,7 @@ module geartrain_model_system
    use geartrain_model_mesh, only: is_given, put_law
    use geartrain_model_network, only: build_network, network_type
    use geartrain_model_rest, only: rest_forces
+   use geartrain_model_torque_paths, only: find_torque_paths, torque_paths_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -59,6 +60,8 @@ module geartrain_model_system
       type(network_type) :: network
       type(cut_type) :: cut
       type(mean_type) :: mean
+      !> How the torque of each shaft follows from forces and torques.
+      type(torque_paths_type) :: torque_paths
       !> omega_c [rad/s] and b_c [m].
       real(dp) :: characteristic_frequency = 0, characteristic_length = 0
       !> Greatest common divisor of the excited harmonics of Lambda: a motion of period 1 has only multiples of it.
@@ -110,6 +113,7 @@ contains
       system%static_force = system%static_force/(system%stiffness*system%characteristic_length)
       system%loop_offset = matmul(system%network%loop, merge(system%static_force(:system%coordinates), 0.0_dp, &
                                                              system%element_shaft(:system%coordinates) > 0))
+      call find_torque_paths(train, system%network, system%torque_body, system%torque_paths)
       call cut_network(system%network, system%cut)
       call mean_rows(system%network, system%cut, system%static_force, system%mean)
       do n = 1, size(system%cut%part)

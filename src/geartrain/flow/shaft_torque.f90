@@ -1,0 +1,68 @@
+!> Torques of shafts along the flow.
+module geartrain_flow_shaft_torque
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_series, only: wave_value
+   use geartrain_flow_flow, only: flow_type
+   use geartrain_model_system, only: system_type
+   implicit none (type, external)
+   private
+   public :: add_torques, linear_forces
+
+contains
+
+   !> Sets the forces of shafts and of damping to ground within the latest step; those of meshes stay.
+   pure subroutine linear_forces(flow, tau, phi)
+      !> The flow after a step.
+      type(flow_type), intent(in) :: flow
+      !> Time since the beginning of the step, 0 to `length` [1].
+      real(dp), intent(in) :: tau
+      !> Forces over k b_c [1], (element).
+      real(dp), intent(inout) :: phi(:)
+      real(dp) :: p, v
+      integer :: k, n
+
+      associate (system => flow%system)
+         do n = 1, system%elements
+            if (system%element_mesh(n) > 0) cycle
+            p = flow%p(1, n, flow%order)
+            v = flow%v(1, n, flow%order)
+            do k = flow%order - 1, 0, -1
+               p = p*tau + flow%p(1, n, k)
+               v = v*tau + flow%v(1, n, k)
+            end do
+            phi(n) = system%static_force(n) + system%spring(n)*p + system%damping(n)*v
+         end do
+      end associate
+   end subroutine linear_forces
+
+   !> Adds up the torques of shafts at equidistant instants from time 0 on.
+   pure subroutine add_torques(system, spacing, phi, torque)
+      !> The train.
+      type(system_type), intent(in) :: system
+      !> Phase of the fundamental between two instants [rad].
+      real(dp), intent(in) :: spacing
+      !> Forces of the elements over k b_c [1], (samples, element).
+      real(dp), intent(in) :: phi(:, :)
+      !> Torques [N m], (samples, shaft); NaN where nothing determines it.
+      real(dp), intent(out) :: torque(:, :)
+      integer :: i, q, s
+
+      associate (paths => system%torque_paths, length => system%characteristic_length)
+         do s = 1, paths%shafts
+            torque(:, s) = paths%constant(s)
+            do i = paths%first(s), paths%first(s + 1) - 1
+               torque(:, s) = torque(:, s) + (paths%gain(i)*system%stiffness(paths%element(i))*length)*phi(:, paths%element(i))
+            end do
+            do i = paths%torque_first(s), paths%torque_first(s + 1) - 1
+               associate (series => system%torque(paths%torque(i)))
+                  torque(:, s) = torque(:, s) + paths%torque_gain(i)*length &
+                                 *[(wave_value(series%amplitude, series%order*spacing*(q - 1)), q=1, size(torque, 1))]
+               end associate
+            end do
+            if (.not. paths%known(s)) torque(:, s) = ieee_value(1.0_dp, ieee_quiet_nan)
+         end do
+      end associate
+   end subroutine add_torques
+
+end module geartrain_flow_shaft_torque

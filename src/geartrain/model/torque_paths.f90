@@ -1,0 +1,144 @@
+!> The torque of each shaft as a sum over the forces of elements and the torques on bodies. An elastic shaft bears its own force
+!> times its radius. A rigid shaft joins two sides of one node with the inertias I_1 and I_2; its torque is what side 1 hands over:
+!> S_1 - I_1/(I_1 + I_2) (S_1 + S_2), S the sum of the torques on the bodies of a side.
+module geartrain_model_torque_paths
+   use geartrain_base_kinds, only: dp
+   use geartrain_model_bodies, only: bodies_of, body_count, find_ends
+   use geartrain_model_network, only: network_type
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: torque_paths_type, find_torque_paths
+
+   type :: torque_paths_type
+      !> Number of shafts.
+      integer :: shafts = 0
+      !> .false.: a rigid shaft beside other rigid shafts between the same bodies, whose torque nothing determines, (shaft).
+      logical, allocatable :: known(:)
+      !> Mean torque of the bodies [N m], (shaft): 0 for an elastic shaft.
+      real(dp), allocatable :: constant(:)
+      !> Elements and gains of shaft s stand at first(s):first(s + 1) - 1: numbers of the elements; torque per force of the
+      !> element [m].
+      integer, allocatable :: first(:), element(:)
+      real(dp), allocatable :: gain(:)
+      !> Likewise of the fluctuating torques of the system: torque_first, numbers of the torques, gains [1].
+      integer, allocatable :: torque_first(:), torque(:)
+      real(dp), allocatable :: torque_gain(:)
+   end type torque_paths_type
+
+contains
+
+   !> Finds the paths; a torque is positive where the first body of the shaft drives the second.
+   pure subroutine find_torque_paths(train, network, torque_body, paths)
+      !> The plain train.
+      type(train_type), intent(in) :: train
+      !> Its network.
+      type(network_type), intent(in) :: network
+      !> Body of each fluctuating torque, (torque).
+      integer, intent(in) :: torque_body(:)
+      !> The paths.
+      type(torque_paths_type), intent(out) :: paths
+      integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :), element_of(:)
+      real(dp), dimension(body_count(train)) :: inertia, torque, weight
+      integer :: balancing, s, n
+
+      call bodies_of(train, inertia, torque, balancing)
+      ! The mean torque that balances the others, in the balance of power.
+      torque(balancing) = 0
+      torque(balancing) = -network%radius(network%node(balancing))*sum(torque/network%radius(network%node))
+      call find_ends(train, shaft_ends, mesh_ends)
+      paths%shafts = size(train%shafts)
+      allocate (element_of(paths%shafts), source=0)
+      do n = 1, size(network%elements)
+         if (network%elements(n)%shaft > 0) element_of(network%elements(n)%shaft) = n
+      end do
+      allocate (paths%known(paths%shafts), source=.true.)
+      allocate (paths%constant(paths%shafts), source=0.0_dp)
+      allocate (paths%first(paths%shafts + 1), paths%torque_first(paths%shafts + 1))
+      allocate (paths%element(0), paths%gain(0), paths%torque(0), paths%torque_gain(0))
+      do s = 1, paths%shafts
+         paths%first(s) = size(paths%element) + 1
+         paths%torque_first(s) = size(paths%torque) + 1
+         if (element_of(s) > 0) then
+            paths%element = [paths%element, element_of(s)]
+            paths%gain = [paths%gain, network%elements(element_of(s))%radius(1)]
+         else
+            call find_weights(train, network, shaft_ends, s, inertia, weight, paths%known(s))
+            paths%constant(s) = sum(weight*torque)
+            if (paths%known(s)) call add_rigid(train, network, shaft_ends, mesh_ends, torque_body, weight, paths)
+         end if
+      end do
+      paths%first(paths%shafts + 1) = size(paths%element) + 1
+      paths%torque_first(paths%shafts + 1) = size(paths%torque) + 1
+
+   end subroutine find_torque_paths
+
+   !> Adds what acts on the bodies of the node of a rigid shaft.
+   pure subroutine add_rigid(train, network, shaft_ends, mesh_ends, torque_body, weight, paths)
+      type(train_type), intent(in) :: train
+      type(network_type), intent(in) :: network
+      !> Bodies that each shaft and each mesh joins, (2, shaft) and (2, mesh); body of each fluctuating torque.
+      integer, intent(in) :: shaft_ends(:, :), mesh_ends(:, :), torque_body(:)
+      !> See `find_weights`, (body).
+      real(dp), intent(in) :: weight(:)
+      type(torque_paths_type), intent(inout) :: paths
+      real(dp) :: gain(size(network%elements))
+      integer :: k
+
+      do k = 1, size(gain)
+         associate (element => network%elements(k))
+            if (element%grounded) then
+               ! The damping of a node is that of its bodies.
+               gain(k) = -element%radius(1)*sum(weight*train%bodies%damping_to_ground, network%node == element%from) &
+                         /network%damping(element%from)
+            else if (element%mesh > 0) then
+               gain(k) = dot_product([-1, 1]*element%radius, weight(mesh_ends(:, element%mesh)))
+            else
+               gain(k) = dot_product([-1, 1]*element%radius, weight(shaft_ends(:, element%shaft)))
+            end if
+         end associate
+      end do
+      paths%element = [paths%element, pack([(k, k=1, size(gain))], abs(gain) > 0)]
+      paths%gain = [paths%gain, pack(gain, abs(gain) > 0)]
+      do k = 1, size(torque_body)
+         if (.not. abs(weight(torque_body(k))) > 0) cycle
+         paths%torque = [paths%torque, k]
+         paths%torque_gain = [paths%torque_gain, weight(torque_body(k))]
+      end do
+   end subroutine add_rigid
+
+   !> Weight of the torque on each body in the torque of a rigid shaft, (body): 1 on the side of its first body, less the share of
+   !> the inertia of this side in the inertia of the node.
+   pure subroutine find_weights(train, network, shaft_ends, shaft, inertia, weight, known)
+      type(train_type), intent(in) :: train
+      type(network_type), intent(in) :: network
+      !> Bodies that each shaft joins, (2, shaft); number of the rigid shaft.
+      integer, intent(in) :: shaft_ends(:, :), shaft
+      !> Of the bodies [kg m^2], (body).
+      real(dp), intent(in) :: inertia(:)
+      real(dp), intent(out) :: weight(:)
+      logical, intent(out) :: known
+      logical :: side(size(inertia)), here(size(inertia)), changed
+      integer :: i
+
+      here = network%node == network%node(shaft_ends(1, shaft))
+      side = .false.
+      side(shaft_ends(1, shaft)) = .true.
+      changed = .true.
+      do while (changed)
+         changed = .false.
+         do i = 1, size(train%shafts)
+            if (i == shaft .or. .not. train%shafts(i)%rigid) cycle
+            associate (ends => shaft_ends(:, i))
+               if (side(ends(1)) .eqv. side(ends(2))) cycle
+               side(ends) = .true.
+               changed = .true.
+            end associate
+         end do
+      end do
+      known = .not. side(shaft_ends(2, shaft))
+      weight = 0
+      where (here) weight = merge(1.0_dp, 0.0_dp, side) - sum(inertia, side)/sum(inertia, here)
+   end subroutine find_weights
+
+end module geartrain_model_torque_paths
