@@ -20,12 +20,14 @@ program main
    use unit_eigenvalues, only: eigenvalues_tests
    use unit_elimination, only: elimination_tests
    use unit_flow, only: flow_tests
+   use unit_drawing, only: drawing_tests
    use unit_mesh, only: mesh_tests
    use unit_network, only: network_checks
    use unit_results, only: results_tests
    use unit_results_run, only: results_run_tests
    use unit_robust, only: robust_tests
    use unit_scale, only: scale_tests
+   use validation_shaft_torque, only: shaft_torque_tests
    use validation_audit, only: audit_tests
    use validation_bifurcations, only: bifurcations_tests
    use validation_claims_excitation, only: claims_excitation_tests
@@ -61,12 +63,14 @@ program main
                    suite_type('unit_eigenvalues', eigenvalues_tests), &
                    suite_type('unit_elimination', elimination_tests), &
                    suite_type('unit_flow', flow_tests), &
+                   suite_type('unit_drawing', drawing_tests), &
                    suite_type('unit_mesh', mesh_tests), &
                    suite_type('unit_network', network_checks), &
                    suite_type('unit_results', results_tests), &
                    suite_type('unit_robust', robust_tests), &
                    suite_type('unit_scale', scale_tests), &
                    suite_type('unit_results_run', results_run_tests), &
+                   suite_type('validation_shaft_torque', shaft_torque_tests), &
                    suite_type('validation_paper_train', paper_train_tests), &
                    suite_type('validation_network', network_tests), &
                    suite_type('validation_ground', ground_tests), &

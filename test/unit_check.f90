@@ -92,7 +92,7 @@ contains
                    //new_line('a')//'&mesh 1: stiffness = 1.0e-300: must be > 0 N/m, of a magnitude from 1.0e-20 to 1.0e20')
       case = paper_case()
       case%train%characteristic_frequency = 1e-4_dp
-      call refused(tests, case%train, '&train: characteristic_frequency = 0.0001: must be within a factor of 1e7 of the &
+      call refused(tests, case%train, '&train: characteristic_frequency = 1.0e-6: must be within a factor of 1e9 of the &
                    &frequency of the slowest mesh, 18420.279531 rad/s by its stiffness, radii and inertias')
       case = paper_case()
       case%train%input_torque = 1e20_dp

@@ -125,18 +125,19 @@ subroutine do_work(handle, what, values, n, progress, status)
    status = close_with(box, error)
 end subroutine do_work
 
-! One period of the box's first motion; force in N.
-subroutine sample_waveform(handle, samples, meshes, time, displacement, force)
+! One period of the box's first motion; force in N, torque in N m.
+subroutine sample_waveform(handle, samples, meshes, shafts, time, displacement, force, torque)
    use geartrain, only: waveform
    use geartrain_python_box, only: box_type, box_of
    implicit none
    integer(8), intent(in) :: handle
-   integer, intent(in) :: samples, meshes
-   double precision, intent(out) :: time(samples), displacement(samples, meshes), force(samples, meshes)
+   integer, intent(in) :: samples, meshes, shafts
+   double precision, intent(out) :: time(samples), displacement(samples, meshes), force(samples, meshes), &
+                                   torque(samples, shafts)
    type(box_type), pointer :: box
 
    box => box_of(handle)
-   call waveform(box%case%train, box%motions(1), samples, time, displacement, force)
+   call waveform(box%case%train, box%motions(1), samples, time, displacement, force, torque)
 end subroutine sample_waveform
 
 ! Everything that the case asks for; `path` is where the results go, '' nowhere; `checkpoint` the file to go on from, '' none.

@@ -134,8 +134,13 @@ class Motion:
         """Mesh force in N over one period, damping included, (samples, meshes)."""
         return self._period[2]
 
+    @property
+    def shaft_torque(self) -> Array:
+        """Torque of the shafts in N m over one period, positive where the first body of a shaft drives, (samples, shafts)."""
+        return self._period[3]
+
     @cached_property
-    def _period(self) -> tuple[Array, Array, Array]:
+    def _period(self) -> tuple[Array, Array, Array, Array]:
         check_motion(self)
         harmonics = (self.coefficients.shape[-1] - 1) // 2
         return self._sample(max(256 * max(self.period or 1, 1), 16 * harmonics))
@@ -161,8 +166,10 @@ class Motion:
     def _sample(self, samples: int) -> tuple[Array, Array, Array]:
         """Time, displacement and mesh force."""
         with self._box() as box:
-            time, displacement, force = fortran.sample_waveform(box.handle, samples, len(self.rms))
-            return time, displacement, force
+            time, displacement, force, torque = fortran.sample_waveform(
+                box.handle, samples, len(self.rms), len(self.train.shafts)
+            )
+            return time, displacement, force, torque
 
     def spectrum(self) -> tuple[Array, Array]:
         """Amplitudes of the harmonics of the mesh displacement, those of ``coefficients``; the mean is left out.

@@ -67,6 +67,7 @@ module geartrain_flow_flow
       procedure :: displacement
       procedure :: velocity
       procedure :: mesh_now
+      procedure :: element_now
       procedure, private :: expand
       procedure, private :: expand_loops
       procedure, private :: step_length
@@ -291,18 +292,30 @@ contains
       end associate
    end subroutine expand_loops
 
-   !> Displacement and velocity of a mesh at the present time.
+   !> Displacement and velocity of a mesh at present.
    pure subroutine mesh_now(self, mesh, p, v)
       class(flow_type), intent(in) :: self
       !> Number of the mesh.
       integer, intent(in) :: mesh
       !> Displacement over b_c and velocity [1].
       real(dp), intent(out) :: p, v
+
+      call self%element_now(self%system%mesh_element(mesh), p, v)
+   end subroutine mesh_now
+
+   !> Displacement and velocity of an element at present; of a shaft relative to rest.
+   pure subroutine element_now(self, n, p, v)
+      class(flow_type), intent(in) :: self
+      !> Number of the element.
+      integer, intent(in) :: n
+      !> Displacement over b_c, 0 for the damping to ground that is a coordinate, and velocity [1].
+      real(dp), intent(out) :: p, v
       real(dp), allocatable :: loop(:, :)
 
-      associate (n => self%system%mesh_element(mesh), e => self%system%coordinates, d => self%system%displacements)
-         if (n <= d) then
-            p = self%x(1, n)
+      associate (e => self%system%coordinates, d => self%system%displacements)
+         if (n <= e) then
+            p = 0
+            if (n <= d) p = self%x(1, n)
             v = self%x(1, d + n)
          else
             allocate (loop(0:1, self%system%elements - e))
@@ -311,7 +324,7 @@ contains
             v = dot_product(self%system%network%loop(n - e, :), self%x(1, d + 1:)) + loop(1, n - e)
          end if
       end associate
-   end subroutine mesh_now
+   end subroutine element_now
 
    !> Computes the Taylor coefficients of the accelerations by torques and transmission errors.
    subroutine expand_excitation(self)

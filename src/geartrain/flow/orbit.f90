@@ -5,7 +5,7 @@ module geartrain_flow_orbit
    use geartrain_base_kinds, only: dp, pi
    use geartrain_flow_floating, only: is_floating
    use geartrain_flow_flow, only: flow_type
-   use geartrain_flow_shaft_torque, only: add_torques, linear_forces
+   use geartrain_flow_shaft_torque, only: add_torques, forces_now, linear_forces
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: transform_length
    use geartrain_model_excitation, only: excited_harmonics, reach_of_sources
@@ -98,9 +98,12 @@ contains
       do j = 1, system%meshes
          call flow%mesh_now(j, displacement(1, j), velocity(1, j))
       end do
+      if (present(torque)) then
+         allocate (phi(size(displacement, 1), system%elements), source=0.0_dp)
+         call forces_now(flow, phi(1, :))
+      end if
       spent = 0
       if (present(largest)) largest = 0
-      if (present(torque)) allocate (phi(size(displacement, 1), system%elements), source=0.0_dp)
       q = 2
       do i = 1, period
          call flow%start(frequency_ratio, 0.0_dp)
@@ -141,8 +144,6 @@ contains
                          size(force, 1))]
       end do
       if (.not. present(torque)) return
-      ! The first instant is that after the period.
-      if (size(phi, 1) > 0) call linear_forces(flow, flow%length, phi(1, :))
       phi(:, system%mesh_element) = force
       call add_torques(system, frequency_ratio*spacing, phi, torque)
 

@@ -7,7 +7,7 @@ module geartrain_flow_shaft_torque
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: add_torques, linear_forces
+   public :: add_torques, forces_now, linear_forces
 
 contains
 
@@ -35,6 +35,24 @@ contains
          end do
       end associate
    end subroutine linear_forces
+
+   !> Sets the forces of shafts and of damping to ground at the present time; those of meshes stay.
+   pure subroutine forces_now(flow, phi)
+      !> The flow, started.
+      type(flow_type), intent(in) :: flow
+      !> Forces over k b_c [1], (element).
+      real(dp), intent(inout) :: phi(:)
+      real(dp) :: p, v
+      integer :: n
+
+      associate (system => flow%system)
+         do n = 1, system%elements
+            if (system%element_mesh(n) > 0) cycle
+            call flow%element_now(n, p, v)
+            phi(n) = system%static_force(n) + system%spring(n)*p + system%damping(n)*v
+         end do
+      end associate
+   end subroutine forces_now
 
    !> Adds up the torques of shafts at equidistant instants from time 0 on.
    pure subroutine add_torques(system, spacing, phi, torque)

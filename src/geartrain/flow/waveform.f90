@@ -2,7 +2,10 @@
 module geartrain_flow_waveform
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp, pi
-   use geartrain_flow_orbit, only: sample_orbit
+   use geartrain_flow_flow, only: flow_type
+   use geartrain_flow_orbit, only: flow_order, flow_tolerance, sample_orbit
+   use geartrain_flow_shaft_torque, only: add_torques, forces_now
+   use geartrain_flow_start_state, only: states_of
    use geartrain_linalg_trigonometric, only: evaluate
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
@@ -14,7 +17,7 @@ contains
 
    !> Samples a period of a motion (16 periods of the fundamental where no period was found) at equidistant instants, the first at
    !> phase 0.
-   subroutine waveform(train, motion, samples, time, displacement, force)
+   subroutine waveform(train, motion, samples, time, displacement, force, torque)
       !> The train, which has been checked.
       type(train_type), intent(in) :: train
       !> The motion: integrated where it has a state, else summed from its coefficients.
@@ -25,6 +28,8 @@ contains
       real(dp), intent(out) :: time(:), displacement(:, :)
       !> Mesh force [N], damping included, (samples, mesh).
       real(dp), intent(out), optional :: force(:, :)
+      !> Torque of the shafts [N m], (samples, shaft).
+      real(dp), intent(out), optional :: torque(:, :)
       type(system_type) :: system
       real(dp) :: phi(samples, size(displacement, 2))
       integer :: period, q, j
@@ -33,9 +38,10 @@ contains
       period = merge(motion%period, 16, motion%period > 0)
       time = [(2*pi*period/motion%frequency_ratio*(q - 1)/samples, q=1, samples)]
       if (allocated(motion%state)) then
-         call sample_orbit(system, motion%frequency_ratio, period, motion%state, displacement, phi)
+         call sample_orbit(system, motion%frequency_ratio, period, motion%state, displacement, phi, torque=torque)
       else
          call sum_series(system, motion, period, displacement, phi)
+         if (present(torque)) call find_torques(system, motion, time, phi, torque)
       end if
       if (.not. present(force)) return
       do j = 1, system%meshes
@@ -64,5 +70,27 @@ contains
          end do
       end do
    end subroutine sum_series
+
+   !> Torques of the shafts from the coefficients: the states along the period give the forces of the shafts.
+   subroutine find_torques(system, motion, time, phi, torque)
+      type(system_type), intent(in) :: system
+      type(motion_type), intent(in) :: motion
+      !> Instants [1]; mesh forces over k b_c [1], (samples, mesh).
+      real(dp), intent(in) :: time(:), phi(:, :)
+      real(dp), intent(out) :: torque(:, :)
+      real(dp) :: states(system%states, size(time)), force(size(time), system%elements)
+      type(flow_type) :: flow
+      integer :: q
+
+      call states_of(system, motion, states)
+      call flow%setup(system, 1, flow_order, flow_tolerance)
+      do q = 1, size(time)
+         flow%x(1, :) = states(:, q)
+         call flow%start(motion%frequency_ratio, time(q))
+         call forces_now(flow, force(q, :))
+      end do
+      force(:, system%mesh_element) = phi
+      call add_torques(system, 2*pi*motion%period/size(time), force, torque)
+   end subroutine find_torques
 
 end module geartrain_flow_waveform

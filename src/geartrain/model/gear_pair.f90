@@ -161,7 +161,7 @@ contains
             path(i) = g%base_radius(i)*tan(tip_angle(i))
          end do
          line = g%centre_distance*sin(g%working_angle)
-         g%contact_ratio = (path(1) + sign_2*(path(2) - line*sign_2))/(pi*g%transverse_module*cos(g%transverse_angle))
+         g%contact_ratio = (path(1) + sign_2*(path(2) - line))/(pi*g%transverse_module*cos(g%transverse_angle))
          g%clear_of_base = merge(path(2) - line, min(line - path(1), line - path(2)), pair%internal)
          g%tip_thickness = g%tip_diameter*cos(beta)/m &
                            *((pi/2 + 2*pair%profile_shift*tan(alpha))/z &

@@ -6,7 +6,7 @@ module geartrain_model_mesh
    use geartrain_model_body, only: name_length
    implicit none (type, external)
    private
-   public :: mesh_type, has_table, is_given, mean_stiffness, most_order, plain_mesh, put_law
+   public :: mesh_type, has_table, is_given, most_order, plain_mesh, put_law
 
    !> Highest mesh frequency over the fundamental [1].
    integer, parameter :: most_order = 10000
@@ -79,15 +79,6 @@ contains
       is_given = .false.
       if (allocated(list)) is_given = size(list) > 0
    end function is_given
-
-   !> Mean stiffness of a mesh [N/m], as given or of the table.
-   elemental real(dp) function mean_stiffness(mesh)
-      !> The mesh as given.
-      type(mesh_type), intent(in) :: mesh
-
-      mean_stiffness = mesh%stiffness
-      if (has_table(mesh)) mean_stiffness = sum(mesh%stiffness_table)/size(mesh%stiffness_table)
-   end function mean_stiffness
 
    !> Replaces table, contact ratio and phase of a mesh by mean stiffness and harmonics of an equal force.
    pure subroutine plain_mesh(mesh, plain)

@@ -13,7 +13,7 @@ module geartrain_model_scales
 
    !> Largest ratio between the characteristic frequency and the frequency of the slowest mesh [decades]: a step of the flow has the
    !> powers of this ratio up to 20.
-   real(dp), parameter :: off_unit = 7
+   real(dp), parameter :: off_unit = 9
    !> Largest ratio between the largest displacement and the characteristic length [decades]: its square does not overflow.
    real(dp), parameter :: most_lengths = 20
    !> Ratio of two displacements beyond which the smaller displacement is lost in the rounding of the larger [decades].
@@ -44,7 +44,7 @@ contains
       call checker%enter('train', 1)
       if (abs(log10(own) - log10(train%characteristic_frequency)) > off_unit) &
          call checker%complain('characteristic_frequency', real_text(train%characteristic_frequency), 'must be within a factor of &
-            &1e7 of the frequency of the slowest mesh, '//text(own)//' rad/s by its stiffness, radii and inertias')
+            &1e9 of the frequency of the slowest mesh, '//text(own)//' rad/s by its stiffness, radii and inertias')
       call checker%leave()
       unit = decades(train%characteristic_length)
       largest = none
