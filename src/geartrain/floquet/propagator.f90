@@ -124,12 +124,13 @@ contains
    subroutine get(self, transposed)
       class(propagator_type), intent(in) :: self
       real(dp), intent(out) :: transposed(:, :)
-      integer :: i, n
+      integer :: first, last, n
 
       associate (m => self%coordinates)
-         do n = 1, self%states
-            do i = 1, self%states
-               transposed(i, n) = self%x(mod(i - 1, self%width) + 1, n, (i - 1)/self%width + 1)
+         do first = 1, self%states, self%width
+            last = min(first + self%width - 1, self%states)
+            do n = 1, self%states
+               transposed(first:last, n) = self%x(:last - first + 1, n, first/self%width + 1)
             end do
          end do
          transposed(:m, m + 1:) = transposed(:m, m + 1:)*self%band
@@ -240,7 +241,7 @@ contains
          do i = 1, size(law%amplitude, 1)
             rate = i*law%order*self%frequency_ratio
             series = self%kappa%index_of(rate*h/2)
-            phase = law%amplitude(i, region)*exp(cmplx(0, rate*(time + h/2), dp))
+            phase = law%amplitude(i, region)*cmplx(cos(rate*(time + h/2)), sin(rate*(time + h/2)), dp)
             power = 1
             last = max(last, self%kappa%degree(series))
             do l = 0, self%kappa%degree(series)

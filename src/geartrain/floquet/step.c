@@ -27,9 +27,11 @@ INLINE void find_psi(const int vectors, int all, double spring, double damper, i
 {
    for (int i = 0; i < vectors; i++)
       psi[i] = spring * load(p + 4 * i);
-   for (int l = 0; l < terms; l++)
+   const double *restrict q = p;
+#pragma GCC unroll 2
+   for (int l = 0; l < terms; l++, q -= all)
       for (int i = 0; i < vectors; i++)
-         psi[i] += factor[l] * load(p - l * all + 4 * i);
+         psi[i] += factor[l] * load(q + 4 * i);
    for (int i = 0; i < vectors; i++)
       psi[i] += damper * load(p + all + 4 * i);
 }
@@ -40,10 +42,11 @@ INLINE void add_up(const int vectors, int degree, int all, int given, const doub
 {
    four here[3] = {{0}}, next[3] = {{0}};
 
-   for (int k = 0; k <= degree; k++)
+#pragma GCC unroll 2
+   for (int k = 0; k <= degree; k++, p += all)
       for (int i = 0; i < vectors; i++) {
-         here[i] += weight[k] * load(p + k * all + 4 * i);
-         next[i] += weight[k] * load(p + (k + 1) * all + 4 * i);
+         here[i] += weight[k] * load(p + 4 * i);
+         next[i] += weight[k] * load(p + all + 4 * i);
       }
    for (int i = 0; i < vectors; i++) {
       store(x + 4 * i, here[i]);
