@@ -2,19 +2,22 @@
 !> `latest`, hand the products to `extend`, ask `ritz` now and then. An eigenvalue is found as often as it is there, up to `block`
 !> times.
 module geartrain_linalg_arnoldi
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
    use geartrain_base_kinds, only: dp
-   use geartrain_linalg_lapack, only: dgehrd, dgemm, dhsein, dhseqr, dormhr
+   use geartrain_linalg_lapack, only: dgehrd, dhsein, dhseqr, dormhr
    implicit none (type, external)
    private
    public :: arnoldi_type
 
    !> What orthogonalisation may leave of a product before the space counts as exhausted.
    real(dp), parameter :: nothing = 1e-13_dp
+   !> Vectors that are made orthogonal to the others together.
+   integer, parameter :: pair = 2
 
    type :: arnoldi_type
       !> Dimension of the space whose products are known.
       integer :: dimension = 0
-      !> Vectors that are multiplied at a time.
+      !> Vectors that are multiplied at a time, an even number.
       integer :: block = 0
       integer, private :: n = 0
       !> Orthonormal basis, (n, most + block); products of the basis in it, (most + block, most).
@@ -23,11 +26,23 @@ module geartrain_linalg_arnoldi
       real(dp), allocatable, private :: vector(:, :)
    contains
       procedure :: begin
+      procedure :: begin_with
       procedure :: latest
       procedure :: extend
       procedure :: ritz
       procedure :: leading_vector
    end type arnoldi_type
+
+   !> In project_out.c, where its arguments are described.
+   interface
+      pure subroutine project_out(n, m, basis, pair, factor, again) bind(c, name='geartrain_project_out')
+         import :: c_double, c_int
+         implicit none (type, external)
+         integer(c_int), value :: n, m
+         real(c_double), intent(in) :: basis(n, *)
+         real(c_double), intent(inout) :: pair(n, *), factor(m, *), again(m, *)
+      end subroutine project_out
+   end interface
 
 contains
 
@@ -54,6 +69,17 @@ contains
       end do
       call orthonormalise(self, 0, independent)
    end subroutine begin
+
+   !> Begins with other vectors, as products of the matrix with those that it began with.
+   subroutine begin_with(self, vectors)
+      class(arnoldi_type), intent(inout) :: self
+      !> Independent vectors, (n, block).
+      real(dp), intent(in) :: vectors(:, :)
+      logical :: independent
+
+      self%basis(:, :self%block) = vectors
+      call orthonormalise(self, 0, independent)
+   end subroutine begin_with
 
    !> The vectors whose products are wanted, (n, block).
    pure subroutine latest(self, vectors)
@@ -82,17 +108,17 @@ contains
       class(arnoldi_type), intent(inout) :: self
       integer, intent(in) :: m
       logical, intent(out) :: independent
-      real(dp) :: factors(m + self%block, self%block), length, before
+      real(dp) :: factors(m, pair), again(m, pair), length, before
       integer :: i, j, k, turn
 
       independent = .true.
       associate (v => self%basis, h => self%projected, block => self%block)
-         do turn = 1, 2
-            if (m == 0) exit
-            call dgemm('T', 'N', m, block, self%n, 1.0_dp, v, self%n, v(:, m + 1:), self%n, 0.0_dp, factors, m + block)
-            call dgemm('N', 'N', self%n, block, m, -1.0_dp, v, self%n, factors, m + block, 1.0_dp, v(:, m + 1:), self%n)
-            h(:m, m - block + 1:m) = h(:m, m - block + 1:m) + factors(:m, :)
-         end do
+         if (m > 0) then
+            do k = m + 1, m + block, pair
+               call project_out(self%n, m, v, v(:, k:k + 1), factors, again)
+               h(:m, k - block:k - block + 1) = factors
+            end do
+         end if
          do k = m + 1, m + block
             before = norm2(v(:, k))
             do turn = 1, 2
