@@ -67,11 +67,13 @@ contains
       class(motion_contacts_type), intent(in) :: motion
       !> Lambda [1]; time over which vectors are carried [1].
       real(dp), intent(in) :: frequency_ratio, period
-      !> Contact events in order of time [1], and the mesh and the contact after each, (event).
+      !> Contact events in order of time [1], (event).
       real(dp), intent(in) :: instant(:)
+      !> Mesh of each event, and region of its law after the event, (event).
       integer, intent(in) :: mesh(:), contact(:)
       !> Largest magnitude first, (leading).
       complex(dp), intent(out) :: values(:)
+      !> The values are the leading multipliers.
       logical, intent(out) :: success
       integer :: i
 

@@ -77,6 +77,7 @@ contains
 
    subroutine setup(self, system, all_of_them)
       class(monodromy_type), intent(inout) :: self
+      !> The train.
       type(system_type), intent(in) :: system
       !> All multipliers, however many states there are.
       logical, intent(in), optional :: all_of_them
@@ -108,7 +109,9 @@ contains
    !> Monodromy matrix over the period 2 pi eta/Lambda of a motion, or its leading multipliers alone.
    subroutine integrate(self, motion, frequency_ratio, shift)
       class(monodromy_type), intent(inout) :: self
+      !> Contacts of the motion over its period.
       class(motion_contacts_type), intent(in) :: motion
+      !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
       !> What each contact event is moved by [rad], (event, unknown mesh).
       real(dp), intent(in), optional :: shift(:, :)
@@ -320,9 +323,10 @@ contains
       self%piece_start = time
    end subroutine close_piece
 
-   !> The multipliers, largest magnitude first, (given); NaN where the latest `integrate` was interrupted.
+   !> The multipliers, largest magnitude first; NaN where the latest `integrate` was interrupted.
    subroutine multipliers(self, values)
       class(monodromy_type), intent(inout) :: self
+      !> Multipliers [1], (given).
       complex(dp), intent(out) :: values(:)
       complex(dp) :: all_of_them(size(self%kept))
       real(dp), allocatable :: matrix(:, :)

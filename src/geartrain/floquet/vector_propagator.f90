@@ -65,6 +65,7 @@ contains
 
    subroutine setup(self, system)
       class(vector_propagator_type), intent(inout) :: self
+      !> The train.
       type(system_type), intent(in) :: system
 
       call self%put_system(system)
@@ -177,6 +178,7 @@ contains
    !> Begins at `frequency_ratio`; steps are shortened by `refinement`.
    subroutine start(self, frequency_ratio, refinement)
       class(vector_propagator_type), intent(inout) :: self
+      !> Lambda [1]; steps are shorter by this factor [1].
       real(dp), intent(in) :: frequency_ratio, refinement
 
       call self%put_frequency(frequency_ratio, refinement)
@@ -228,7 +230,9 @@ contains
    !> From one time to another along constant contacts (mesh), 0 for separation; less far where it is interrupted.
    subroutine advance(self, from, to, contact)
       class(vector_propagator_type), intent(inout) :: self
+      !> Times [1].
       real(dp), intent(in) :: from, to
+      !> Region of its law in which each mesh is, 0 for separation, (mesh).
       integer, intent(in) :: contact(:)
       real(dp) :: h
       integer :: i, j, steps
@@ -260,6 +264,7 @@ contains
    !> change by its column of W times its displacement.
    subroutine pass_wall(self, mesh, from, to)
       class(vector_propagator_type), intent(inout) :: self
+      !> The mesh; regions of its law before and after the event.
       integer, intent(in) :: mesh, from, to
       real(dp) :: change(pair, size(self%x, 4))
       integer :: i, k, m

@@ -46,9 +46,10 @@ module geartrain_linalg_arnoldi
 
 contains
 
-   !> For a matrix of n rows and a space of at most `most` dimensions, a multiple of `block`.
+   !> Begins a space with the same vectors every time.
    subroutine begin(self, n, most, block)
       class(arnoldi_type), intent(inout) :: self
+      !> Rows of the matrix; most dimensions, a multiple of `block`; vectors that are multiplied at a time, an even number.
       integer, intent(in) :: n, most, block
       integer :: i, k
       logical :: independent
@@ -81,18 +82,21 @@ contains
       call orthonormalise(self, 0, independent)
    end subroutine begin_with
 
-   !> The vectors whose products are wanted, (n, block).
+   !> The vectors whose products are wanted.
    pure subroutine latest(self, vectors)
       class(arnoldi_type), intent(in) :: self
+      !> Orthonormal vectors, (n, block).
       real(dp), intent(out) :: vectors(:, :)
 
       vectors = self%basis(:, self%dimension + 1:self%dimension + self%block)
    end subroutine latest
 
-   !> Takes the products of the latest vectors, (n, block). Not independent: the space cannot be extended.
+   !> Takes the products of the latest vectors. Not independent: the space cannot be extended.
    subroutine extend(self, products, independent)
       class(arnoldi_type), intent(inout) :: self
+      !> Products of the matrix with the vectors of `latest`, (n, block).
       real(dp), intent(in) :: products(:, :)
+      !> The products do not lie in the space.
       logical, intent(out) :: independent
       integer :: m
 
@@ -143,8 +147,9 @@ contains
    !> Of all eigenvectors of the projection only those are found, by inverse iteration.
    subroutine ritz(self, values, residuals)
       class(arnoldi_type), intent(inout) :: self
+      !> Eigenvalues, as many as are wanted, (value).
       complex(dp), intent(out) :: values(:)
-      !> Huge where there are not so many values yet, or LAPACK fails.
+      !> Residual of each value, (value); huge where there are not so many values yet, or LAPACK fails.
       real(dp), intent(out) :: residuals(:)
       real(dp), dimension(self%dimension, self%dimension) :: h, copy
       real(dp) :: vectors(self%dimension, size(values) + 1), work((self%dimension + 40)*self%dimension), empty(1, 1), length
@@ -199,9 +204,10 @@ contains
       end associate
    end subroutine ritz
 
-   !> Real and imaginary part of the eigenvector of the first value of the latest `ritz` (or of its conjugate), (n, 2).
+   !> Real and imaginary part of the eigenvector of the first value of the latest `ritz` (or of its conjugate).
    subroutine leading_vector(self, vector)
       class(arnoldi_type), intent(in) :: self
+      !> Real and imaginary part of a unit vector, (n, part).
       real(dp), intent(out) :: vector(:, :)
 
       vector = matmul(self%basis(:, :self%dimension), self%vector)
