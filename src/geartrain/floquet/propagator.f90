@@ -62,6 +62,7 @@ contains
 
    subroutine setup(self, system)
       class(propagator_type), intent(inout) :: self
+      !> The train.
       type(system_type), intent(in) :: system
       integer :: blocks, i, k, most
 
@@ -99,6 +100,7 @@ contains
    !> Begins with the identity at `frequency_ratio`; steps are shortened by `refinement`.
    subroutine start(self, frequency_ratio, refinement)
       class(propagator_type), intent(inout) :: self
+      !> Lambda [1]; steps are shorter by this factor [1].
       real(dp), intent(in) :: frequency_ratio, refinement
       integer :: n
 
@@ -123,6 +125,7 @@ contains
    !> The columns as the transpose of a matrix (state, state), velocities in plain units.
    subroutine get(self, transposed)
       class(propagator_type), intent(in) :: self
+      !> Transpose of the matrix, (state, state).
       real(dp), intent(out) :: transposed(:, :)
       integer :: first, last, n
 
@@ -141,7 +144,9 @@ contains
    !> From one time to another along constant contacts (mesh), 0 for separation; less far where it is interrupted.
    subroutine advance(self, from, to, contact)
       class(propagator_type), intent(inout) :: self
+      !> Times [1].
       real(dp), intent(in) :: from, to
+      !> Region of its law in which each mesh is, 0 for separation, (mesh).
       integer, intent(in) :: contact(:)
       real(dp) :: h
       integer :: i, j, n, steps
@@ -170,6 +175,7 @@ contains
    !> Takes the columns past an event of a mesh that goes from one region of its law to another.
    subroutine pass_wall(self, mesh, from, to, sheared)
       class(propagator_type), intent(inout) :: self
+      !> The mesh; regions of its law before and after the event.
       integer, intent(in) :: mesh, from, to
       !> Becomes true where that changes them.
       logical, intent(inout) :: sheared
@@ -188,6 +194,7 @@ contains
    !> By how much less than on all drive flanks the determinant decays with the given contacts (mesh) [1].
    pure real(dp) function spared(self, contact)
       class(propagator_type), intent(in) :: self
+      !> Region of its law in which each mesh is, 0 for separation, (mesh).
       integer, intent(in) :: contact(:)
       integer :: j
 
