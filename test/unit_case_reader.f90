@@ -118,7 +118,7 @@ contains
                      'harmonics = 3000000000: must be a whole number below 2147483648')
       call one_value(tests, 'subharmonic = 0', 0, 'subharmonic = 0: must be >= 1 and <= 1000')
       call refused(tests, good//'&response from=0.2, to=2.6, subharmonic=7 /', 'x.nml:7:1: error: &response: harmonics = 6: &
-                   &must be >= subharmonic = 7: the mesh frequency itself would be left out')
+                   &must be >= subharmonic = 7: the fundamental itself would be left out')
       call one_value(tests, 'tolerance = 0.0', 0, 'tolerance = 0.0: must be > 0 and <= 1')
       call one_value(tests, 'step = NaN', 0, 'step = NaN: must be a finite number')
       call one_value(tests, 'step = -Inf', 0, 'step = -Inf: must be a finite number')

@@ -59,7 +59,7 @@ contains
       call tests%is_true(.not. allocated(error), 'is written')
       call h5fopen_f(path, h5f_acc_rdonly_f, file, status)
       call tests%is_true(status == 0, 'opens')
-      call tests%is_true(integer_attribute(file, '/', 'format_version') == 2, 'format_version is 2')
+      call tests%is_true(integer_attribute(file, '/', 'format_version') == 3, 'format_version is 3')
       call tests%is_true(.not. exists(file, '/modes'), 'no modes asked for, no /modes')
       call tests%is_true(.not. exists(file, '/response'), 'no response asked for, no /response')
       call tests%is_true(.not. exists(file, '/integration'), 'no integration asked for, no /integration')

@@ -67,11 +67,10 @@ contains
       call integrate(train, 0.6_dp, integration_settings_type(), without, error)
       call tests%is_true(.not. allocated(error), 'a rigid shaft')
       if (allocated(error)) return
-      print *, without%shaft_torque_maximum, without%shaft_torque_minimum
       extrapolated = 2*stiffer%shaft_torque_maximum - stiff%shaft_torque_maximum
       call tests%is_close(maxval(abs(without%shaft_torque_maximum/extrapolated - 1)), 0.0_dp, 1e-3_dp, &
                           'largest torques in the limit of a stiff shaft')
-      call tests%is_true(maxval(abs(without%shaft_torque_maximum/stiffer%shaft_torque_mean)) > 1.05_dp, 'which vibrate')
+      call tests%is_true(maxval(abs(without%shaft_torque_maximum/stiffer%shaft_torque_mean)) > 1.02_dp, 'which vibrate')
       call tests%is_close(maxval(abs(without%shaft_torque_mean - stiffer%shaft_torque_mean)), 0.0_dp, 1e-6_dp, 'mean torques')
    end subroutine rigid
 

@@ -97,6 +97,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "harmonics": Variable("harmonics", "integer", "int", 6, False, "Harmonics R of Lambda/subharmonic; 0: as many as tolerance needs; >= 1 and <= 1000, or 0"),
         "subharmonic": Variable("subharmonic", "integer", "int", 1, False, "Period of the motion in periods of the fundamental, eta; >= 1 and <= 1000"),
         "stability": Variable("stability", "logical", "bool", True, False, "Floquet multipliers of every point"),
+        "shaft_torque": Variable("shaft_torque", "logical", "bool", True, False, "Mean and extremes of the torque of every shaft at every point"),
         "amplitude_limit": Variable("amplitude_limit", "real", "float", -1.0, False, "Rms over characteristic length beyond which the branch is followed but not recorded; -1: 12 with backlash, 10000 for a linear train, where it counts as infinite (both times the power of ten nearest to the larger of the gap and the static deflection); > 0, or -1"),
         "coefficients": Variable("coefficients", "text", "Literal['exact', 'sampled']", "exact", False, "Fourier coefficients of the mesh force: exact from the contact events, or sampled (the discrete transform of the paper, whose own error is not in the error estimate); 'exact' or 'sampled'"),
         "samples": Variable("samples", "integer", "int", 0, False, "Points a period for sampled coefficients; 0: chosen by the program; >= 1 and <= 1.048576e6, or 0"),
@@ -271,6 +272,7 @@ class ResponseKeywords(TypedDict, total=False):
     harmonics: int
     subharmonic: int
     stability: bool
+    shaft_torque: bool
     amplitude_limit: float
     coefficients: Literal["exact", "sampled"]
     samples: int

@@ -70,6 +70,7 @@ contains
       class(fields_type), intent(inout) :: fields
       type(motion_type), allocatable :: none(:)
       integer :: i, n, meshes, shafts, terms, coordinates, states
+      logical :: torques_there
 
       n = fields%length_of(along)
       meshes = max(0, fields%length_of('mesh'))
@@ -92,7 +93,8 @@ contains
          call coefficient_axis(terms, 'period', fields)
       end if
       call fields%index_axis('mesh', meshes, about_mesh)
-      if (fields%has('shaft_torque_mean', shafts > 0)) call fields%index_axis('shaft', shafts, about_shaft)
+      torques_there = fields%has('shaft_torque_mean', shafts > 0)
+      if (torques_there) call fields%index_axis('shaft', shafts, about_shaft)
       if (fields%has('initial_state', coordinates > 0)) call fields%index_axis('coordinate', coordinates, &
          'coordinate of the state: the displacement of every elastic element, then the velocities; with damping to ground that of &
          &a body last')
@@ -102,18 +104,20 @@ contains
       if (fields%way == listing) then
          allocate (none(1))
          call fields%visit_item(1)
-         call visit_motion(none(1), fields)
+         call visit_motion(none(1), .true., fields)
       else
          do i = 1, n
             call fields%visit_item(i)
-            call visit_motion(motions(i), fields)
+            call visit_motion(motions(i), torques_there, fields)
          end do
       end if
       call fields%end_list()
    end subroutine visit_motions
 
-   subroutine visit_motion(motion, fields)
+   subroutine visit_motion(motion, torques_there, fields)
       type(motion_type), intent(inout) :: motion
+      !> Whether a motion of the list has torques of shafts.
+      logical, intent(in) :: torques_there
       class(fields_type), intent(inout) :: fields
       real(dp), allocatable :: ac(:)
       real(dp) :: exponent
@@ -130,7 +134,7 @@ contains
       call carry(fields, row('minimum', 'mesh', '1', about_minimum, optional=.true.), motion%minimum)
       call carry(fields, row('maximum', 'mesh', '1', about_maximum, optional=.true.), motion%maximum)
       call carry_loads(fields, motion%mesh_load)
-      if (fields%length_of('shaft') >= 0) call carry_torques(fields, motion%shaft_torque_mean, motion%shaft_torque_minimum, &
+      if (torques_there) call carry_torques(fields, motion%shaft_torque_mean, motion%shaft_torque_minimum, &
                                                              motion%shaft_torque_maximum)
       call carry(fields, row('coefficients', 'mesh coefficient', '1', about_coefficients//'; where no period was found, of &
                              &Lambda/16', optional=.true.), motion%coefficients)
