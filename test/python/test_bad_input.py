@@ -140,12 +140,12 @@ def test_every_number_beyond_all_scales(table, tmp_path, extreme):
             continue
         path.write_text(case_text(table, variable, f"{variable.name} = {extreme}"))
         if variable.kind == "reals" and abs(extreme) < 1:
-            if variable.group != "body" and variable.name != "stiffness_table":  # one body, one value: too few
+            if variable.group != "body" and variable.name.endswith(("_cos", "_sin")):  # one body is too few
                 gt.read_case(path)
             continue
         with pytest.raises(gt.InputError) as caught:
             gt.read_case(path)
-        told = rf"&{variable.group}.*: {variable.name}( harmonic 1)? = {re.escape(str(extreme))}: must .*of a magnitude from"
+        told = rf"&{variable.group}.*: {variable.name}( harmonic 1| value 1)? = {re.escape(str(extreme))}: must .*of a magnitude from"
         assert re.search(told, str(caught.value)), caught.value
         count += 1
     assert count > 25
@@ -271,7 +271,7 @@ def test_every_keyword_given_wrongly(table):
             with pytest.raises(gt.InputError) as caught:
                 call(variable.group, variable.name, value)
             keyword = WORDS.get(variable.name, variable.name)
-            assert re.search(rf"^&{variable.group}[ 0-9]*: {keyword}( harmonic \d+)? = .*must ", str(caught.value), re.MULTILINE)
+            assert re.search(rf"^&{variable.group}[ 0-9]*: {keyword}( harmonic \d+| value \d+)? = .*must ", str(caught.value), re.MULTILINE)
             assert not re.search(r"\b(from|to) = |\b(from|to)\b\"|\.(true|false)\.", str(caught.value))
         with pytest.raises(TypeError):
             call(variable.group, variable.name + "q", 1)
@@ -289,7 +289,7 @@ def test_all_problems_of_a_call_in_one_go():
         "&shaft 1: stiffness = 'stiff': must be a number", "&shaft 2: stiffness = -1.0: must be > 0",
         "&shaft 3: rigid = 'yes': must be True or False", "&mesh 1: driving_radius = [0.05]: must be a number",
         "&mesh 1: order = 1.5: must be a whole number", "&mesh 1: driven_radius = -0.1: must be > 0",
-        "&mesh 1: stiffness = nan: must be a finite number", "&mesh 1: lacks driving_inertia",
+        "&mesh 1: stiffness = nan: must be a finite number",
         "&shaft 3: follows &shaft 2: a &mesh must",
     ):
         assert sum(line.startswith(begin) for line in told) == 1, (begin, told)

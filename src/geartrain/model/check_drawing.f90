@@ -196,15 +196,15 @@ contains
 
       subroutine check_speed()
          if (.not. allocated(train%bodies)) then
-            call checker%complain('speed_of', "'"//trim(train%speed_of)//"'", 'names a body, but a chain has none by name: the &
-                                  &speed is that of its driving end')
+            call checker%complain('speed_of', "'"//trim(train%speed_of)//"'", 'names a body, but a chain has none by name: leave &
+                                  &out speed_of, the speed is that of the driving end')
             return
          end if
          do i = 1, size(train%bodies)
             if (.not. allocated(train%bodies(i)%name)) cycle
             if (train%bodies(i)%name == train%speed_of) return
          end do
-         call checker%complain('speed_of', "'"//trim(train%speed_of)//"'", 'is the name of no &body')
+         call checker%complain('speed_of', "'"//trim(train%speed_of)//"'", 'must be the name of a &body')
       end subroutine check_speed
 
    end subroutine check_units
