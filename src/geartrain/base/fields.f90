@@ -17,6 +17,12 @@ module geartrain_base_fields
    !> arranging: no fields, each array gets the expected lengths of its dimensions and its last index the order `order`.
    integer, parameter :: writing = 0, reading = 1, listing = 2, arranging = 3
 
+   !> Labels of the places of a dimension.
+   type :: labels_type
+      character(24) :: name = ''
+      type(text_type), allocatable :: labels(:)
+   end type labels_type
+
    type, extends(groups_type) :: fields_type
       !> One of writing, reading, listing, arranging.
       integer :: way = writing
@@ -30,9 +36,8 @@ module geartrain_base_fields
       integer, private :: next = 0
       !> Lengths of the dimensions of the present group; expected lengths in all groups.
       type(lengths_type), private :: lengths, expected
-      !> Dimension whose places have labels beside their numbers, and the labels, see `expect`.
-      character(24), private :: labelled = ''
-      type(text_type), allocatable, private :: labels(:)
+      !> The dimensions whose places have labels beside their numbers, see `expect`.
+      type(labels_type), private :: labelled(2)
       !> Dimension of the list that is visited item by item; '': no list.
       character(24) :: along = ''
       !> Number of items of the list; number of the present item.
@@ -65,18 +70,20 @@ contains
       character(*), intent(in) :: name
       !> Number of places of the dimension.
       integer, intent(in) :: length
-      !> Labels that stand beside the numbers of the places wherever the dimension has an axis, (length); for one dimension only.
+      !> Labels that stand beside the numbers of the places wherever the dimension has an axis, (length); for two dimensions at
+      !> most.
       character(*), intent(in), optional :: labels(:)
-      integer :: i
+      integer :: i, n
 
       call self%expected%set(name, length)
       call self%lengths%set(name, length)
       if (.not. present(labels)) return
-      self%labelled = name
-      if (allocated(self%labels)) deallocate (self%labels)
-      allocate (self%labels(length))
+      n = findloc(self%labelled%name == name .or. self%labelled%name == '', .true., 1)
+      self%labelled(n)%name = name
+      if (allocated(self%labelled(n)%labels)) deallocate (self%labelled(n)%labels)
+      allocate (self%labelled(n)%labels(length))
       do i = 1, length
-         self%labels(i)%text = trim(labels(i))
+         self%labelled(n)%labels(i)%text = trim(labels(i))
       end do
    end subroutine expect
 
@@ -156,24 +163,27 @@ contains
          group%fields(group%count)%axis = .true.
          if (self%way == writing) group%fields(group%count)%integers = [(i, i=1, length)]
       end associate
-      if (self%labelled == name) call self%add_labels(length)
+      place = findloc(self%labelled%name, name, 1)
+      if (place > 0) call self%add_labels(self%labelled(place), length)
    end subroutine index_axis
 
    !> Adds the labels of an axis to the group as a coordinate, which is not read.
-   subroutine add_labels(self, length)
+   subroutine add_labels(self, labelled, length)
       class(fields_type), intent(inout) :: self
+      !> The dimension and its labels.
+      type(labels_type), intent(in) :: labelled
       !> Number of places; other than expected where the group has nothing yet.
       integer, intent(in) :: length
       character(:), allocatable :: name
       integer :: place
 
-      if (length /= size(self%labels)) return
-      name = trim(self%labelled)//'_label'
+      if (length /= size(labelled%labels)) return
+      name = trim(labelled%name)//'_label'
       associate (group => self%groups(self%here))
-         call group%add(field_type(name, self%labelled, '', 'names of the two bodies that the '//trim(self%labelled)// &
-                                   ' joins, such as `pinion - wheel`; in a chain `'//trim(self%labelled)//' 1`, ...'), &
+         call group%add(field_type(name, labelled%name, '', 'names of the two bodies that the '//trim(labelled%name)// &
+                                   ' joins, such as `pinion - wheel`; in a chain `'//trim(labelled%name)//' 1`, ...'), &
                         kind_text, [length])
-         group%fields(group%count)%texts = self%labels
+         group%fields(group%count)%texts = labelled%labels
          place = group%place('coordinates', .true., 0)
          if (place == 0) then
             call self%describe('coordinates', name)

@@ -11,7 +11,7 @@ module geartrain_run_results
    use geartrain_base_kinds, only: version
    use geartrain_base_numbers, only: text
    use geartrain_input_text, only: case_text
-   use geartrain_model_labels, only: mesh_labels
+   use geartrain_model_labels, only: mesh_labels, shaft_labels
    use geartrain_model_network, only: state_count
    use geartrain_results_file, only: replace_file
    use geartrain_results_hdf5_reader, only: read_groups
@@ -114,6 +114,7 @@ contains
       character(:), allocatable, intent(out) :: wrong
 
       fields%way = reading
+      fields%here = 0
       wrong = ''
       call visit_results(results, case, fields, summary=.false.)
       if (allocated(fields%wrong)) wrong = fields%wrong
@@ -133,6 +134,7 @@ contains
       integer :: i, n
 
       call fields%expect('mesh', size(case%train%meshes), mesh_labels(case%train))
+      call fields%expect('shaft', size(case%train%shafts), shaft_labels(case%train))
       call fields%expect('coordinate', state_count(case%train))
       do i = 1, size(analyses)
          call find_analysis(i, case, results, analysis)
