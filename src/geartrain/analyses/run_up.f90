@@ -20,6 +20,7 @@ module geartrain_analyses_run_up
    use geartrain_flow_start_state, only: resting_state, state_of
    use geartrain_model_check, only: check_train
    use geartrain_model_frequency_unit, only: frequency_ratio_of, unit_choices
+   use geartrain_model_labels, only: label_length, mesh_labels, shaft_labels
    use geartrain_model_limits, only: check_frequency
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
@@ -29,7 +30,7 @@ module geartrain_analyses_run_up
 
    type(group_row_type), parameter :: run_up_row = group_row_type('run_up', &
       'Asks for the motion while Lambda goes linearly in time from one value to another, a run-up or a coast-down.', &
-      steps='periods')
+      steps='periods', set_aside=.true.)
 
    real(dp), parameter :: zero = 0, one = 1
 
@@ -289,8 +290,8 @@ contains
          if (fields%way /= reading .or. allocated(fields%wrong)) return
          result%windows = n
          if (allocated(result%time)) result%samples = size(result%time)
-         call fields%check(allocated(result%state) .or. allocated(result%ended) .and. n == 0, 'state')
-         call fields%check(allocated(result%time) .eqv. n > 0, 'time')
+         call fields%check(allocated(result%state) .or. n == 0, 'state')
+         call fields%check(result%samples > 0 .eqv. n > 0, 'time')
       end associate
    end subroutine visit_fields
 
@@ -299,23 +300,34 @@ contains
       type(train_type), intent(in) :: train
       integer, intent(in) :: unit
       real(dp), intent(in) :: seconds
+      character(label_length) :: meshes(size(train%meshes)), shafts(size(train%shafts))
       integer :: i, n
 
+      meshes = mesh_labels(train)
+      shafts = shaft_labels(train)
       associate (result => self%result)
          n = result%windows
          write (unit, '(2(a, i0), 3a)') 'Run-up: ', n, ' fundamental mesh periods, ', result%samples, ' samples, in ', &
             fixed(seconds, 2), ' s'
          do i = 1, merge(size(train%meshes), 0, n > 0)
-            write (unit, '(a, i0, 5a)') '    force of mesh ', i, ' from ', real_text(minval(result%force_minimum(i, :n))), ' to ', &
-               real_text(maxval(result%force_maximum(i, :n))), ' N'
+            call tell('force of '//trim(meshes(i)), result%force_minimum(i, :n), result%force_maximum(i, :n), 'N')
          end do
          do i = 1, merge(size(train%shafts), 0, n > 0)
             if (train%shafts(i)%rigid) cycle
-            write (unit, '(a, i0, 5a)') '    torque of shaft ', i, ' from ', real_text(minval(result%torque_minimum(i, :n))), &
-               ' to ', real_text(maxval(result%torque_maximum(i, :n))), ' N m'
+            call tell('torque of '//trim(shafts(i)), result%torque_minimum(i, :n), result%torque_maximum(i, :n), 'N m')
          end do
          if (allocated(result%ended)) write (unit, '(2a)') '    ended: ', result%ended
       end associate
+
+   contains
+
+      subroutine tell(what, low, high, of)
+         character(*), intent(in) :: what, of
+         real(dp), intent(in) :: low(:), high(:)
+
+         write (unit, '(8a)') '    ', what, ' from ', real_text(minval(low)), ' to ', real_text(maxval(high)), ' ', of
+      end subroutine tell
+
    end subroutine report
 
 end module geartrain_analyses_run_up
