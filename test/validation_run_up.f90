@@ -26,27 +26,30 @@ contains
       if (tests%runs('without_bound')) call without_bound(tests)
    end subroutine run_up_tests
 
-   !> The windows of a ramp: each takes the phase 2 pi, by the phase as a function of time.
+   !> The windows of a ramp: each takes its share of the phase 2 pi, by the phase as a function of time.
    subroutine windows(tests)
       class(tests_type), intent(inout) :: tests
       type(ramp_type) :: ramp
-      real(dp) :: phase
+      real(dp) :: phase, origin, first, begin, end
       integer :: i, n
 
-      do i = 1, 2
-         ramp = make_ramp(merge(0.2_dp, 2.6_dp, i == 1), merge(2.6_dp, 0.2_dp, i == 1), 1e4_dp)
-         call tests%is_true(ramp%windows == ceiling(1.4e4_dp/(2*pi)), 'number of windows')
+      do i = 1, 4
+         ramp = make_ramp(merge(0.2_dp, 2.6_dp, mod(i, 2) == 1), merge(2.6_dp, 0.2_dp, mod(i, 2) == 1), 1e4_dp, (i + 1)/2)
+         call tests%is_true(ramp%windows == ceiling(1.4e4_dp/(2*pi)*ramp%parts), 'number of windows')
          do n = 1, ramp%windows, 100
-            associate (t => ramp%begin_of(n), speed => ramp%speed_of(n), length => ramp%length_of(n))
+            call ramp%place(n, origin, first, begin, end)
+            call tests%is_close(origin + begin, ramp%begin_of(n), 1e-11_dp, 'a window in its period')
+            associate (t => ramp%begin_of(n), speed => ramp%speed_of(n), length => end - begin)
                phase = ramp%start*t + ramp%acceleration*t**2/2
-               call tests%is_close(phase, 2*pi*(n - 1), 1e-9_dp, 'phase at the beginning of a window')
+               call tests%is_close(phase, 2*pi*(n - 1)/ramp%parts, 1e-9_dp, 'phase at the beginning of a window')
                call tests%is_close(speed, ramp%start + ramp%acceleration*t, 1e-13_dp, 'speed there')
-               call tests%is_close(speed*length + ramp%acceleration*length**2/2, 2*pi, 1e-13_dp, 'phase over a window')
+               call tests%is_close(speed*length + ramp%acceleration*length**2/2, 2*pi/ramp%parts, 1e-13_dp, 'phase over a window')
             end associate
          end do
          associate (w => ramp%windows)
-            call tests%is_close(ramp%begin_of(w) + ramp%length_of(w), 1e4_dp, 1e-9_dp, 'the last window ends with the ramp')
-            call tests%is_true(ramp%length_of(w) < 2*pi/0.2_dp, 'and is cut short')
+            call ramp%place(w, origin, first, begin, end)
+            call tests%is_close(origin + end, 1e4_dp, 1e-9_dp, 'the last window ends with the ramp')
+            call tests%is_true(first*end + ramp%acceleration*end**2/2 <= 2*pi, 'and is cut short')
          end associate
       end do
    end subroutine windows

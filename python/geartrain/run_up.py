@@ -59,7 +59,7 @@ class RunUp(Table):
     shaft_torque : ndarray, (samples, shafts)
         [N m], damping and static torque included; NaN for a rigid shaft.
     window_time : ndarray, (windows,)
-        Middle of each window [s]; a window is a period of the fundamental mesh frequency.
+        Middle of each window [s]; a window is a tooth period of the slowest mesh.
     mesh_force_minimum, mesh_force_maximum : ndarray, (windows, meshes)
         Extremes over each window [N], between samples as well.
     shaft_torque_minimum, shaft_torque_maximum : ndarray, (windows, shafts)
@@ -130,9 +130,9 @@ class RunUp(Table):
         attribute, frequency_label = _one_of("unit", unit, _UNITS)
         frequency: Array = getattr(self, attribute)
         if what == "displacement":
-            # The first sample of each window.
+            # The first sample of each window, by the phase.
             turns = self.time * (self.fundamental_frequency[0] + self.fundamental_frequency) / 2
-            first = np.unique(np.floor(turns), return_index=True)[1]
+            first = np.unique(np.floor(turns * (len(self.window_time) / turns[-1])), return_index=True)[1]
             low, high = np.minimum.reduceat(self.displacement, first), np.maximum.reduceat(self.displacement, first)
             frequency = frequency[first]
         else:

@@ -217,7 +217,7 @@ def test_case_file_executable_and_python_agree(executable, tmp_path, train, ramp
     case.write_text(train.namelist(run_up=RAMP))
     assert "&run_up" in case.read_text()
     done = run(executable, case, "--output", tmp_path / "a.h5")
-    assert done.returncode == 0 and "Run-up: 252 fundamental mesh periods" in done.stdout, done
+    assert done.returncode == 0 and "Run-up: 252 tooth periods" in done.stdout, done
     read = gt.read_case(case)
     assert read.run_up["duration"] == 0.2
     results = read.run()

@@ -96,6 +96,7 @@ contains
       logical, intent(in) :: seeded
       class(checker_type), intent(inout) :: checker
       real(dp) :: start, stop, period, samples
+      integer :: windows
 
       associate (settings => self%settings)
          if (checker%problems%in_group('run_up') .or. checker%problems%in_group('train')) return
@@ -109,12 +110,16 @@ contains
          if (.not. settings%duration >= period*(1 - 1e-9_dp)) &
             call checker%complain('duration', real_text(settings%duration), 'must be >= '//real_text(period)// &
                                   ' s: a run-up takes one mean fundamental mesh period at least')
-         samples = max(1, settings%samples)*settings%duration/period*2*max(start, stop)/(start + stop)
-         if (.not. samples <= most_samples) then
-            if (settings%samples > 1) call checker%complain('samples', integer_text(settings%samples), 'must be fewer: the run-up &
-               &has '//text(anint(samples))//' samples, and '//integer_text(most_samples)//' at most')
-            if (settings%samples <= 1) call checker%complain('duration', real_text(settings%duration), 'must be shorter: the &
-               &run-up has '//text(anint(samples))//' fundamental mesh periods, and '//integer_text(most_samples)//' at most')
+         windows = 1
+         if (allocated(train%meshes)) windows = max(1, minval([most_samples, train%meshes%order]))
+         samples = settings%samples*settings%duration/period*2*max(start, stop)/(start + stop)
+         if (.not. windows*settings%duration/period <= most_samples) then
+            call checker%complain('duration', real_text(settings%duration), 'must be shorter: the run-up has '// &
+               text(anint(windows*settings%duration/period))//' tooth periods of the slowest mesh, and '// &
+               integer_text(most_samples)//' at most')
+         else if (.not. samples <= most_samples) then
+            call checker%complain('samples', integer_text(settings%samples), 'must be fewer: the run-up has '// &
+               text(anint(samples))//' samples, and '//integer_text(most_samples)//' at most')
          end if
          call checker%leave()
       end associate
@@ -160,7 +165,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Motion to settle from, with a state or coefficients; absent: at rest under the mean load.
       type(motion_type), intent(in), optional :: start
-      !> Told of 'run up' after each fundamental mesh period and of 'settling' before; may end the run-up.
+      !> Told of 'run up' after each period of the slowest mesh and of 'settling' before; may end the run-up.
       class(observer_type), intent(inout), optional :: observer
       type(run_up_settings_type), target :: copy
       type(run_up_analysis_type) :: analysis
@@ -181,7 +186,7 @@ contains
       call build_system(train, system)
       ramp = make_ramp(frequency_ratio_of(train, settings%start, settings%unit), &
                        frequency_ratio_of(train, settings%stop, settings%unit), &
-                       settings%duration*train%characteristic_frequency)
+                       settings%duration*train%characteristic_frequency, minval(train%meshes%order))
       samples = settings%samples
       if (samples == 0) samples = automatic_samples(system, ramp)
       call make_room(system, ramp, samples, size(train%shafts), result, error)
@@ -266,7 +271,7 @@ contains
          if (allocated(result%state)) n = size(result%state)
          call fields%index_axis('coordinate', n, 'displacement of each elastic element of the tree, then velocities')
          n = result%windows
-         call fields%index_axis('window', n, 'fundamental mesh period, from the beginning of the ramp')
+         call fields%index_axis('window', n, 'period of the slowest mesh, from the beginning of the ramp')
          if (allocated(fields%wrong)) return
          call carry(fields, field('frequency', 'time', '1', about_frequency), result%frequency_ratio)
          call carry(fields, field('fundamental_frequency', 'time', 'Hz', 'fundamental mesh frequency'), &
@@ -307,7 +312,7 @@ contains
       shafts = shaft_labels(train)
       associate (result => self%result)
          n = result%windows
-         write (unit, '(2(a, i0), 3a)') 'Run-up: ', n, ' fundamental mesh periods, ', result%samples, ' samples, in ', &
+         write (unit, '(2(a, i0), 3a)') 'Run-up: ', n, ' tooth periods of the slowest mesh, ', result%samples, ' samples, in ', &
             fixed(seconds, 2), ' s'
          do i = 1, merge(size(train%meshes), 0, n > 0)
             call tell('force of '//trim(meshes(i)), result%force_minimum(i, :n), result%force_maximum(i, :n), 'N')

@@ -1,5 +1,6 @@
-!> A linear ramp of Lambda in time, window by window: a window is a period of the fundamental mesh frequency, its phase from 2 pi k
-!> to 2 pi (k + 1). So phases stay small, and the phase after any number of windows is exact to rounding.
+!> A linear ramp of Lambda in time, window by window: a window is a period of the slowest mesh. Times count from the beginning of
+!> the fundamental mesh period, where the phase is 0. So phases stay small, and the phase after any number of windows is exact to
+!> rounding.
 module geartrain_flow_ramp
    use geartrain_base_kinds, only: dp, pi
    implicit none (type, external)
@@ -9,28 +10,32 @@ module geartrain_flow_ramp
    type :: ramp_type
       !> Lambda at time 0 and at the end [1]; time from end to end [1]; rate of change of Lambda [1].
       real(dp) :: start = 1, stop = 1, duration = 0, acceleration = 0
-      !> Number of windows; the last window may be cut short by the end of the ramp.
-      integer :: windows = 0
+      !> Number of windows of a fundamental mesh period; number of all windows, the last of which may be cut short by the end of the
+      !> ramp.
+      integer :: parts = 1, windows = 0
    contains
       procedure :: speed_of
       procedure :: begin_of
-      procedure :: length_of
+      procedure :: place
    end type ramp_type
 
 contains
 
    !> Makes a ramp.
-   pure type(ramp_type) function make_ramp(start, stop, duration) result(ramp)
+   pure type(ramp_type) function make_ramp(start, stop, duration, parts) result(ramp)
       !> Lambda at time 0 and at the end [1].
       real(dp), intent(in) :: start, stop
       !> Time from end to end times characteristic frequency [1].
       real(dp), intent(in) :: duration
+      !> Number of windows of a fundamental mesh period.
+      integer, intent(in) :: parts
 
       ramp%start = start
       ramp%stop = stop
       ramp%duration = duration
       ramp%acceleration = (stop - start)/duration
-      ramp%windows = ceiling((start + stop)/2*duration/(2*pi)*(1 - 1e-12_dp))
+      ramp%parts = parts
+      ramp%windows = ceiling((start + stop)/2*duration/(2*pi)*parts*(1 - 1e-12_dp))
    end function make_ramp
 
    !> Lambda at the beginning of a window [1].
@@ -39,7 +44,7 @@ contains
       !> Number of the window, from 1.
       integer, intent(in) :: window
 
-      speed = sqrt(self%start**2 + 4*pi*(window - 1)*self%acceleration)
+      speed = sqrt(self%start**2 + 4*pi*((window - 1)/real(self%parts, dp))*self%acceleration)
    end function speed_of
 
    !> Time at which a window begins [1].
@@ -48,20 +53,30 @@ contains
       !> Number of the window, from 1.
       integer, intent(in) :: window
 
-      time = 4*pi*(window - 1)/(self%start + self%speed_of(window))
+      time = 4*pi*((window - 1)/real(self%parts, dp))/(self%start + self%speed_of(window))
    end function begin_of
 
-   !> Time that a window takes [1].
-   pure real(dp) function length_of(self, window) result(time)
+   !> Beginning and end of a window, counted from the beginning of the fundamental mesh period in which it lies. The end of a window
+   !> is the beginning of the next to the last bit.
+   pure subroutine place(self, window, origin, speed, begin, end)
       class(ramp_type), intent(in) :: self
       !> Number of the window, from 1.
       integer, intent(in) :: window
+      !> Time at which the fundamental mesh period begins [1]; Lambda there [1].
+      real(dp), intent(out) :: origin, speed
+      !> Times since then at which the window begins and ends [1].
+      real(dp), intent(out) :: begin, end
+      integer :: part
 
+      part = mod(window - 1, self%parts)
+      origin = self%begin_of(window - part)
+      speed = self%speed_of(window - part)
+      begin = 4*pi*(part/real(self%parts, dp))/(speed + self%speed_of(window))
       if (window < self%windows) then
-         time = 4*pi/(self%speed_of(window) + self%speed_of(window + 1))
+         end = 4*pi*((part + 1)/real(self%parts, dp))/(speed + self%speed_of(window + 1))
       else
-         time = self%duration - self%begin_of(window)
+         end = self%duration - origin
       end if
-   end function length_of
+   end subroutine place
 
 end module geartrain_flow_ramp

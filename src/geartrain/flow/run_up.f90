@@ -28,7 +28,7 @@ module geartrain_flow_run_up
 
    !> A run-up as far as it is computed; the arrays have room for the whole run-up.
    type :: run_up_type
-      !> Numbers of equidistant samples and of windows that are done; a window is a fundamental mesh period.
+      !> Numbers of equidistant samples and of windows that are done (geartrain_flow_ramp).
       integer :: samples = 0, windows = 0
       !> Period of the steady motion with which the run-up begins [mesh periods]; 0: no steady motion was found.
       integer :: start_period = 0
@@ -158,7 +158,7 @@ contains
          end if
          result%windows = window
          result%state = flow%x(1, :)
-         reached = ramp%start + ramp%acceleration*(ramp%begin_of(window) + ramp%length_of(window))
+         reached = merge(ramp%speed_of(window + 1), ramp%stop, window < ramp%windows)
          if (present(observer)) call observer%on_step('run up', window, reached, keep_going)
       end do
       result%complete = result%windows == ramp%windows
@@ -178,24 +178,24 @@ contains
       type(ramp_type), intent(in) :: ramp
       integer, intent(in) :: window
       type(run_up_type), intent(inout) :: result
-      real(dp) :: force(0:flow%order, flow%system%meshes), torque(0:flow%order, size(result%shaft_torque, 1)), begin, length, begun
+      real(dp) :: force(0:flow%order, flow%system%meshes), torque(0:flow%order, size(result%shaft_torque, 1)), origin, speed, &
+         begun, end
       integer :: contact(flow%system%meshes), i, n
 
-      begin = ramp%begin_of(window)
-      length = ramp%length_of(window)
+      call ramp%place(window, origin, speed, begun, end)
       associate (w => window, system => flow%system)
-         result%window_time(w) = (begin + length/2)/system%characteristic_frequency
+         result%window_time(w) = (origin + (begun + end)/2)/system%characteristic_frequency
          result%force_minimum(:, w) = huge(1.0_dp)
          result%force_maximum(:, w) = -huge(1.0_dp)
          result%torque_minimum(:, w) = huge(1.0_dp)
          result%torque_maximum(:, w) = -huge(1.0_dp)
-         torque = ieee_value(begin, ieee_quiet_nan)
-         call flow%start(ramp%speed_of(w), 0.0_dp, ramp%acceleration)
-         do while (flow%time < length)
+         torque = ieee_value(origin, ieee_quiet_nan)
+         call flow%start(speed, begun, ramp%acceleration)
+         do while (flow%time < end)
             if (system%interrupt%raised()) return
             begun = flow%time
             contact = flow%contact
-            call flow%step(length)
+            call flow%step(end)
             if (flow%x(1, 1) >= huge(1.0_dp)) return
             do i = 1, system%meshes
                call force_series(flow, i, contact(i), force(:, i))
@@ -208,7 +208,7 @@ contains
                torque(0, i) = torque(0, i) + static_torque(system, n)
                call include(torque(:, i), flow%length, result%torque_minimum(i, w), result%torque_maximum(i, w))
             end do
-            call sample(flow, ramp, begin, begun, force, torque, result)
+            call sample(flow, ramp, origin, begun, force, torque, result)
          end do
          where (result%torque_minimum(:, w) > result%torque_maximum(:, w))
             result%torque_minimum(:, w) = torque(0, :)
@@ -218,11 +218,12 @@ contains
    end subroutine pass_window
 
    !> Records the samples within the latest step.
-   subroutine sample(flow, ramp, begin, begun, force, torque, result)
+   subroutine sample(flow, ramp, origin, begun, force, torque, result)
       type(flow_type), intent(in) :: flow
       type(ramp_type), intent(in) :: ramp
-      !> Time since the beginning of the ramp at which the window begins; time since then at which the step begins [1].
-      real(dp), intent(in) :: begin, begun
+      !> Time since the beginning of the ramp at which the fundamental mesh period begins; time since then at which the step begins
+      !> [1].
+      real(dp), intent(in) :: origin, begun
       !> Taylor coefficients of mesh forces [N], (0:order, mesh), and torques of shafts [N m], (0:order, shaft).
       real(dp), intent(in) :: force(0:, :), torque(0:, :)
       type(run_up_type), intent(inout) :: result
@@ -232,8 +233,8 @@ contains
       associate (q => result%samples, n => size(result%time))
          do while (q < n)
             time = ramp%duration*(real(q, dp)/(n - 1))
-            tau = time - begin - begun
-            if (time - begin > flow%time) exit
+            tau = time - origin - begun
+            if (time - origin > flow%time) exit
             q = q + 1
             result%time(q) = time/flow%system%characteristic_frequency
             result%frequency_ratio(q) = ramp%start + ramp%acceleration*time
