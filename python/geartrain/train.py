@@ -325,8 +325,8 @@ class Train(Description):
         >>> run_up = train.run_up(start=0.4, stop=1.2, duration=0.5)
         >>> run_up.ended
         'reached Lambda = 1.2'
-        >>> run_up.mesh_force_maximum.max(axis=0).round(-2)
-        array([ 7000., 24900.])
+        >>> run_up.mesh_force_maximum.max(axis=0).round(-3)
+        array([ 7000., 25000.])
         """
         asked = self._ask(run_up=settings)
 
