@@ -7,6 +7,7 @@ module geartrain
    use geartrain_analyses_dependencies, only: locate_edges
    use geartrain_analyses_integration, only: integrate, sweep, sweep_type
    use geartrain_analyses_list, only: case_type, results_type
+   use geartrain_analyses_run_up, only: run_up, run_up_settings_type
    use geartrain_analyses_stability_grid, only: stability_map_settings_type, stability_map_type
    use geartrain_analyses_stability_map, only: stability_map
    use geartrain_balance_mesh_load, only: mesh_load_type
@@ -26,6 +27,7 @@ module geartrain
    use geartrain_continuation_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
    use geartrain_continuation_switching, only: period_doubled
    use geartrain_flow_integration_settings, only: integration_settings_type
+   use geartrain_flow_run_up, only: run_up_type
    use geartrain_flow_shooting, only: refine
    use geartrain_flow_waveform, only: waveform
    use geartrain_input_reader, only: read_case, read_case_text

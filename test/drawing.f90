@@ -11,7 +11,7 @@ module drawing
    public :: draw_case
 
    !> Kinds of cases that are tried in turn; the responses twice.
-   integer, parameter :: kinds = 6
+   integer, parameter :: kinds = 7
 
    !> Counts the variables that it is led over, and gives those of the chosen numbers a value.
    type, extends(visitor_type) :: drawer_type
@@ -100,6 +100,10 @@ contains
       case%stability_map%points = 4
       case%stability_map%parameter_points = 2
       case%stability_map%linear = generator%one_of(2) == 1
+      case%run_up%start = centre
+      case%run_up%stop = centre + 0.05_dp
+      case%run_up%duration = 100/case%train%characteristic_frequency
+      if (kind /= 6) deallocate (case%run_up)
       select case (kind)
       case (0, 1)
          deallocate (case%integration, case%attractors, case%stability_map)
@@ -109,6 +113,8 @@ contains
          deallocate (case%response, case%integration, case%stability_map)
       case (4)
          deallocate (case%response, case%integration, case%attractors)
+      case (6)
+         deallocate (case%response, case%integration, case%attractors, case%stability_map)
       case default
          deallocate (case%integration, case%stability_map)
          case%attractors%follow = .true.

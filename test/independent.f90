@@ -5,7 +5,7 @@ module independent
    use geartrain_base_kinds, only: pi
    implicit none (type, external)
    private
-   public :: machine_type, build_machine, fly, displacements
+   public :: machine_type, build_machine, contacts, displacements, fly, joint_forces
 
    type :: joint_type
       integer :: a = 0, b = 0
@@ -21,8 +21,8 @@ module independent
    type :: machine_type
       real(dp), allocatable :: inertia(:), torque(:), fluctuation(:), drag(:)
       type(joint_type), allocatable :: joint(:)
-      !> Fundamental mesh frequency [rad/s]; a step.
-      real(dp) :: omega = 0, step = 0
+      !> Fundamental mesh frequency at time 0 and its rate of change [rad/s, rad/s^2]; a step.
+      real(dp) :: omega = 0, acceleration = 0, step = 0
    end type machine_type
 
    !> Substeps of the midpoint rule that are extrapolated.
@@ -143,7 +143,7 @@ contains
       type(machine_type), intent(in) :: machine
       real(dp), intent(in) :: t, y(:)
       real(dp), intent(out) :: p(:), v(:)
-      real(dp) :: rate
+      real(dp) :: phase, rate
       integer :: i, k, n
 
       n = size(machine%inertia)
@@ -152,48 +152,72 @@ contains
             p(i) = joint%ra*y(joint%a) - joint%rb*y(joint%b)
             v(i) = joint%ra*y(n + joint%a) - joint%rb*y(n + joint%b)
             do k = 1, size(joint%error, 2)
-               rate = k*joint%order*machine%omega
-               p(i) = p(i) + joint%error(1, k)*cos(rate*t) + joint%error(2, k)*sin(rate*t)
-               v(i) = v(i) + rate*(joint%error(2, k)*cos(rate*t) - joint%error(1, k)*sin(rate*t))
+               phase = k*joint%order*phase_of(machine, t)
+               rate = k*joint%order*(machine%omega + machine%acceleration*t)
+               p(i) = p(i) + joint%error(1, k)*cos(phase) + joint%error(2, k)*sin(phase)
+               v(i) = v(i) + rate*(joint%error(2, k)*cos(phase) - joint%error(1, k)*sin(phase))
             end do
          end associate
       end do
    end subroutine displacements
+
+   !> Phase of the fundamental mesh cycle [rad].
+   pure real(dp) function phase_of(machine, t)
+      type(machine_type), intent(in) :: machine
+      real(dp), intent(in) :: t
+
+      phase_of = machine%omega*t + machine%acceleration*t**2/2
+   end function phase_of
 
    !> Derivative of the state with given contacts.
    pure function slope_of(machine, contact, t, y) result(slope)
       type(machine_type), intent(in) :: machine
       integer, intent(in) :: contact(:)
       real(dp), intent(in) :: t, y(:)
-      real(dp) :: slope(size(y)), p(size(contact)), v(size(contact)), force, kappa, phase
-      integer :: i, k, n
+      real(dp) :: slope(size(y)), force(size(contact))
+      integer :: i, n
 
       n = size(machine%inertia)
-      call displacements(machine, t, y, p, v)
+      force = joint_forces(machine, contact, t, y)
       slope(:n) = y(n + 1:)
-      slope(n + 1:) = machine%torque + machine%fluctuation*cos(machine%omega*t) - machine%drag*y(n + 1:)
+      slope(n + 1:) = machine%torque + machine%fluctuation*cos(phase_of(machine, t)) - machine%drag*y(n + 1:)
+      do i = 1, size(contact)
+         associate (joint => machine%joint(i))
+            slope(n + joint%a) = slope(n + joint%a) - joint%ra*force(i)
+            slope(n + joint%b) = slope(n + joint%b) + joint%rb*force(i)
+         end associate
+      end do
+      slope(n + 1:) = slope(n + 1:)/machine%inertia
+   end function slope_of
+
+   !> Force of each mesh [N], torque of each shaft [N m].
+   pure function joint_forces(machine, contact, t, y) result(force)
+      type(machine_type), intent(in) :: machine
+      integer, intent(in) :: contact(:)
+      real(dp), intent(in) :: t, y(:)
+      real(dp) :: force(size(contact)), p(size(contact)), v(size(contact)), kappa, phase
+      integer :: i, k
+
+      call displacements(machine, t, y, p, v)
       do i = 1, size(contact)
          associate (joint => machine%joint(i))
             kappa = 1
-            phase = joint%order*machine%omega*t
+            phase = joint%order*phase_of(machine, t)
             if (contact(i) < 0) phase = phase - joint%back_phase
             do k = 1, size(joint%kappa, 2)
                kappa = kappa + joint%kappa(1, k)*cos(k*phase) + joint%kappa(2, k)*sin(k*phase)
             end do
             select case (contact(i))
             case (1)
-               force = joint%stiffness*kappa*(p(i) - joint%gap) + joint%damping*v(i)
+               force(i) = joint%stiffness*kappa*(p(i) - joint%gap) + joint%damping*v(i)
             case (0)
-               force = joint%damping_apart*v(i)
+               force(i) = joint%damping_apart*v(i)
             case (-1)
-               force = joint%back_stiffness*kappa*(p(i) + joint%gap) + joint%damping*v(i)
+               force(i) = joint%back_stiffness*kappa*(p(i) + joint%gap) + joint%damping*v(i)
             end select
-            slope(n + joint%a) = slope(n + joint%a) - joint%ra*force
-            slope(n + joint%b) = slope(n + joint%b) + joint%rb*force
          end associate
       end do
-      slope(n + 1:) = slope(n + 1:)/machine%inertia
-   end function slope_of
+   end function joint_forces
 
    !> One extrapolated step.
    pure function stepped(machine, contact, t, h, y) result(end_)

@@ -47,6 +47,7 @@ program main
    use validation_paper_train, only: paper_train_tests
    use validation_random_networks, only: random_networks_tests
    use validation_refinement, only: refinement_tests
+   use validation_run_up, only: run_up_tests
    use validation_settling, only: settling_tests
    use validation_single_pair, only: single_pair_tests
    use validation_stability_map, only: stability_map_tests
@@ -92,6 +93,7 @@ program main
                    suite_type('validation_claims_subharmonic', claims_subharmonic_tests), &
                    suite_type('validation_stability_map', stability_map_tests), &
                    suite_type('validation_refinement', refinement_tests), &
+                   suite_type('validation_run_up', run_up_tests), &
                    suite_type('validation_settling', settling_tests), &
                    suite_type('validation_audit', audit_tests), &
                    suite_type('hard_figures', figures_cases), &

@@ -44,6 +44,7 @@ contains
       if (tests%runs('nowhere_to_write')) call nowhere_to_write(tests)
       if (tests%runs('checkpoints')) call checkpoints(tests)
       if (tests%runs('map_resumed')) call map_resumed(tests)
+      if (tests%runs('ramp_resumed')) call ramp_resumed(tests)
       call remove(path)
       call remove(path//'.partial')
    end subroutine results_run_tests
@@ -208,6 +209,39 @@ contains
       call tests%is_true(.not. any(abs(results%stability_map%multiplier - whole%stability_map%multiplier) > 0), 'the same bits')
       call tests%is_true(.not. there(path//'.partial'), 'the checkpoint gone on with is removed')
    end subroutine map_resumed
+
+   !> A run-up under way goes on at the window at which it stopped, to the same bits.
+   subroutine ramp_resumed(tests)
+      class(tests_type), intent(inout) :: tests
+      type(case_type), target :: case
+      type(results_type), target :: results
+      type(results_type) :: whole
+      type(error_type), allocatable :: error
+      type(counter_type) :: counter, told
+
+      call read_pair(tests, '&run_up from = 0.5, to = 1.5, duration = 400.0 /', case)
+      call run_case(case, '', whole, error)
+      told%no_at = 20
+      told%case => case
+      told%results => results
+      call run_case(case, '', results, error, told)
+      associate (ramp => results%run_up)
+         call tests%is_true(ramp%samples > 0 .and. ramp%windows < whole%run_up%windows .and. .not. ramp%complete, 'cancelled')
+         call tests%is_true(index(ramp%ended, 'cancelled at Lambda = ') == 1, 'says so')
+      end associate
+      call run_case(case, path, results, error, counter, path//'.partial')
+      call tests%is_true(.not. allocated(error), 'no error')
+      if (allocated(error)) return
+      call tests%is_true(counter%steps < whole%run_up%windows .and. counter%steps > 0, 'only what is missing is computed')
+      associate (ramp => results%run_up, other => whole%run_up)
+         call tests%is_true(ramp%complete .and. ramp%samples == other%samples .and. ramp%start_period == 1, 'all is there')
+         call tests%is_true(.not. any(abs(ramp%displacement - other%displacement) > 0) .and. &
+                            .not. any(abs(ramp%mesh_force - other%mesh_force) > 0) .and. &
+                            .not. any(abs(ramp%time - other%time) > 0) .and. &
+                            .not. any(abs(ramp%force_maximum - other%force_maximum) > 0), 'the same bits')
+      end associate
+      call tests%is_true(.not. there(path//'.partial'), 'the checkpoint gone on with is removed')
+   end subroutine ramp_resumed
 
    !> The single pair with these analyses.
    subroutine read_pair(tests, analyses, case)

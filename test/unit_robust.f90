@@ -3,8 +3,8 @@ module unit_robust
    use, intrinsic :: iso_fortran_env, only: int64, int8
    use fixtures, only: rattling_pair, settings_of
    use geartrain, only: attractors, attractors_type, branch_type, case_type, dp, error_type, interrupt_by, observer_type, &
-      read_case_text, response, results_type, run_case, stability_map, stability_map_type, status_file, status_input, sweep, &
-      sweep_type
+      read_case_text, response, results_type, run_case, run_up, run_up_type, stability_map, stability_map_type, &
+      status_file, status_input, sweep, sweep_type
    use geartrain_base_checksum, only: crc64
    use geartrain_base_field, only: values_type
    use geartrain_base_fields, only: fields_type
@@ -32,7 +32,8 @@ module unit_robust
       '&shaft rigid = .true. /'//newline
    character(*), parameter :: analyses = '&response from = 0.4, to = 1.2, period_doublings = 1 /'//newline// &
       '&integration from = 0.4, to = 0.5, points = 3 /'//newline//'&attractors frequency = 0.6, starts = 4 /'//newline// &
-      '&stability_map from = 0.4, to = 0.5, points = 3, parameter_from = 0.1, parameter_to = 0.2, parameter_points = 3 /'//newline
+      '&stability_map from = 0.4, to = 0.5, points = 3, parameter_from = 0.1, parameter_to = 0.2, parameter_points = 3 /'// &
+      newline//'&run_up from = 0.4, to = 0.5, duration = 200.0, samples = 8 /'//newline
 
 contains
 
@@ -199,6 +200,7 @@ contains
       type(sweep_type) :: motions
       type(stability_map_type) :: map
       type(attractors_type) :: found
+      type(run_up_type) :: ramp
       type(error_type), allocatable :: error
       integer(int64), target :: flag
 
@@ -214,6 +216,8 @@ contains
       call tests%is_true(size(found%motions) == 0 .and. found%starts == 0 .and. .not. found%complete, 'a search')
       call stability_map(case%train, case%stability_map, map, error)
       call tests%is_true(size(map%parameter) == 0 .and. .not. map%complete, 'a map')
+      call run_up(case%train, case%run_up, ramp, error)
+      call tests%is_true(ramp%samples == 0 .and. .not. ramp%complete .and. allocated(ramp%ended), 'a run-up')
       call run_case(case, '', results, error)
       call tests%is_true(allocated(error) .and. .not. allocated(results%integration), 'a run goes on with nothing more')
       flag = 0

@@ -2,12 +2,14 @@
 module validation_random_networks
    use, intrinsic :: iso_fortran_env, only: int64
    use fixtures, only: body, uniform
-   use geartrain, only: dp, error_type, integrate, integration_settings_type, mesh_type, motion_type, shaft_type, train_type
+   use geartrain, only: dp, error_type, integrate, integration_settings_type, mesh_type, motion_type, run_up, &
+      run_up_settings_type, run_up_type, shaft_type, train_type
    use geartrain_base_kinds, only: pi
    use geartrain_flow_orbit, only: propagate
+   use geartrain_flow_start_state, only: resting_state
    use geartrain_linalg_lapack, only: dgeev
    use geartrain_model_system, only: build_system, system_type
-   use independent, only: build_machine, displacements, fly, machine_type
+   use independent, only: build_machine, contacts, displacements, fly, joint_forces, machine_type
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -20,6 +22,7 @@ contains
 
       if (tests%runs('another_code')) call random_networks(tests)
       if (tests%runs('damping_to_ground')) call dragged_networks(tests)
+      if (tests%runs('run_ups')) call run_ups(tests)
    end subroutine random_networks_tests
 
    !> Random trees and loops of up to 12 meshes: their settled motions close in the other code over a period, with the rms and
@@ -46,6 +49,80 @@ contains
       call one_network(tests, 5, 1, 2, dragged=2, laws=.true.)
       call one_network(tests, 8, 2, 4, dragged=1, laws=.true.)
    end subroutine dragged_networks
+
+   !> Ramps of the speed, up and down, from rest: without backlash; with backlash, laws, loops and damping to ground.
+   subroutine run_ups(tests)
+      class(tests_type), intent(inout) :: tests
+
+      call one_run_up(tests, 4, 0, 1, dragged=0, laws=.false., linear=.true., to=1.6_dp)
+      call one_run_up(tests, 8, 2, 4, dragged=2, laws=.false., linear=.true., to=0.3_dp)
+      call one_run_up(tests, 6, 0, 3, dragged=0, laws=.false., linear=.false., to=1.6_dp)
+      call one_run_up(tests, 8, 2, 4, dragged=1, laws=.true., linear=.false., to=1.6_dp)
+      call one_run_up(tests, 5, 1, 2, dragged=2, laws=.true., linear=.false., to=0.3_dp)
+   end subroutine run_ups
+
+   !> Displacements, mesh forces and shaft torques at every sample as the other code has them, extremes of the windows.
+   subroutine one_run_up(tests, bodies, loops, seed, dragged, laws, linear, to)
+      class(tests_type), intent(inout) :: tests
+      integer, intent(in) :: bodies, loops, seed, dragged
+      logical, intent(in) :: laws, linear
+      !> Lambda at the end.
+      real(dp), intent(in) :: to
+      real(dp), parameter :: from = 0.8_dp
+      type(train_type) :: train
+      type(system_type) :: system
+      type(machine_type) :: machine
+      type(run_up_type) :: found
+      type(error_type), allocatable :: error
+      type(motion_type) :: start
+      real(dp), allocatable :: y(:), p(:), v(:), force(:), worst(:), displacement(:, :), mesh_force(:, :), torque(:, :)
+      real(dp) :: duration
+      character(60) :: name
+      integer, allocatable :: contact(:)
+      integer :: i, n
+
+      write (name, '(3(a, i0))') 'run-up of ', bodies, ' bodies, loops: ', loops, ', drags: ', dragged
+      if (laws) name = trim(name)//', laws'
+      call random_network(bodies, loops, seed, train)
+      if (laws) call draw_laws(seed, train)
+      if (linear) train%meshes%half_backlash = 0
+      train%bodies(bodies - dragged + 1:)%damping_to_ground = [(0.3_dp*i, i=1, dragged)]
+      call build_system(train, system)
+      duration = 6.4_dp*2*pi/(0.5_dp*(from + to)*train%characteristic_frequency)
+      start%state = resting_state(system)
+      start%state(system%states) = start%state(system%states) + maxval(abs(start%state))
+      call run_up(train, run_up_settings_type(from, to, duration=duration, samples=256, max_periods=0), found, error, start)
+      call tests%is_true(.not. allocated(error), trim(name)//': runs')
+      if (allocated(error)) return
+      call tests%is_true(found%complete .and. found%windows == 7, trim(name)//': all of it')
+      call build_machine(train, from, machine)
+      machine%acceleration = (to - from)*train%characteristic_frequency/duration
+      allocate (p(size(machine%joint)), v(size(machine%joint)))
+      n = size(found%time)
+      allocate (displacement(size(train%meshes), n), mesh_force(size(train%meshes), n), torque(size(train%shafts), n))
+      y = bodies_of_state(train, system, machine, start%state)
+      do i = 1, n
+         if (i > 1) call fly(machine, found%time(i - 1), found%time(i), y)
+         call displacements(machine, found%time(i), y, p, v)
+         contact = contacts(machine, p)
+         force = joint_forces(machine, contact, found%time(i), y)
+         displacement(:, i) = p(size(train%shafts) + 1:)/train%characteristic_length
+         mesh_force(:, i) = force(size(train%shafts) + 1:)
+         torque(:, i) = force(:size(train%shafts))
+      end do
+      call tests%is_true(linear .or. any(abs(displacement)*train%characteristic_length < spread(train%meshes%half_backlash, 2, &
+                                                                                                n)), trim(name)//': teeth separate')
+      worst = [maxval(abs(found%displacement - displacement))/maxval(abs(displacement)), &
+               maxval(abs(found%mesh_force - mesh_force))/maxval(abs(mesh_force)), &
+               maxval([0.0_dp, abs(found%shaft_torque - torque)/maxval(abs(torque))])]
+      call tests%is_close(worst(1), 0.0_dp, 1e-8_dp, trim(name)//': displacements')
+      call tests%is_close(worst(2), 0.0_dp, 1e-7_dp, trim(name)//': mesh forces')
+      call tests%is_close(worst(3), 0.0_dp, 1e-8_dp, trim(name)//': shaft torques')
+      ! The samples reach an extreme that is not at a jump of the force to the square of their distance.
+      call tests%is_close(maxval(found%force_maximum)/maxval(mesh_force), 1.0_dp, 1e-3_dp, trim(name)//': largest force')
+      call tests%is_true(all(maxval(found%torque_maximum, 2) >= maxval(found%shaft_torque, 2)) .and. &
+                         all(minval(found%force_minimum, 2) <= minval(found%mesh_force, 2)), trim(name)//': extremes')
+   end subroutine one_run_up
 
    subroutine one_network(tests, bodies, loops, seed, dragged, laws)
       class(tests_type), intent(inout) :: tests

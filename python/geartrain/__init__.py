@@ -39,6 +39,7 @@ from .case import Case, Results, read_case, read_results
 from .errors import InputError, Interrupted, SolverError
 from .modes import Modes
 from .motion import Motion, Sweep
+from .run_up import RunUp
 from .stability_map import StabilityMap
 from .summary import Jump, Peak
 from .train import Train
@@ -58,6 +59,7 @@ __all__ = [
     "Motion",
     "Peak",
     "Results",
+    "RunUp",
     "Shaft",
     "SolverError",
     "SpecialPoint",

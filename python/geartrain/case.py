@@ -19,6 +19,7 @@ from .attractors import Attractors
 from .branch import Branch
 from .modes import Modes
 from .motion import Sweep
+from .run_up import RunUp
 from .stability_map import StabilityMap
 from .train import Train
 from .variables import ANALYSES, PARTS
@@ -37,6 +38,7 @@ class Results:
     integration : Sweep or None
     attractors : Attractors or None
     stability_map : StabilityMap or None
+    run_up : RunUp or None
     branches : list of Branch
         Further branches: those of ``response.branches``, then those of ``attractors.branches``.
     ended : str
@@ -52,6 +54,7 @@ class Results:
     integration: Sweep | None
     attractors: Attractors | None = None
     stability_map: StabilityMap | None = None
+    run_up: RunUp | None = None
     branches: list[Branch] = field(default_factory=list)
     ended: str = ""
     text: str = field(default="", repr=False)
@@ -94,9 +97,9 @@ class Case:
     train : Train
     modes : bool
         Whether they are wanted.
-    response, integration, attractors, stability_map : mapping or None
-        The group's variables, as keywords of `Train.response`, `Train.sweep`, `Train.attractors` and `Train.stability_map`; None
-        where it is absent.
+    response, integration, attractors, stability_map, run_up : mapping or None
+        The group's variables, as keywords of `Train.response`, `Train.sweep`, `Train.attractors`, `Train.stability_map` and
+        `Train.run_up`; None where it is absent.
     output : str or None
         The output file named in ``&output``.
     text : str
@@ -111,6 +114,7 @@ class Case:
     integration: Mapping[str, Any] | None
     attractors: Mapping[str, Any] | None
     stability_map: Mapping[str, Any] | None
+    run_up: Mapping[str, Any] | None
     output: str | None
     text: str = field(repr=False)
     others: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
@@ -162,6 +166,7 @@ class Case:
             integration=Sweep._from(box, self.train) if INTEGRATION in box.results() else None,
             attractors=Attractors._from(box, self.train, branches[len(bifurcated):]) if ATTRACTORS in box.results() else None,
             stability_map=StabilityMap._from(box),
+            run_up=RunUp._from(box),
             branches=branches,
             ended=ended,
             text=self.text,
@@ -184,6 +189,7 @@ class Case:
             integration=one.get("integration"),
             attractors=one.get("attractors"),
             stability_map=one.get("stability_map"),
+            run_up=one.get("run_up"),
             output=one.get("output", {}).get("file"),
             text=text,
             others={name: one[name] for name in _others(cls) if name in one},

@@ -373,19 +373,19 @@ def table(
     return dataset(path, {**as_columns(motions), "mesh_label": labels, **columns}, dict(attributes or {}), coordinates)
 
 
-def from_state(state: ArrayLike, meshes: int, states: int) -> Motion:
-    """A motion of which only the state is known; ``states`` is how many values it must have."""
+def from_state(state: ArrayLike, meshes: int, states: int, what: str = "start") -> Motion:
+    """A motion of which only the state is known; ``states`` is how many values it must have, ``what`` what messages call it."""
     if not isinstance(state, np.ndarray):
         # A list without end, or of such lists, is not to be looked through.
-        _check_length(state, states)
+        _check_length(state, states, what)
         if isinstance(state, Sequence) and any(isinstance(item, Sized) and not np.isscalar(item) for item in state):
-            raise InputError(f"start = {shown(state)}: must be a gt.Motion or a list of numbers, and has lists in it")
+            raise InputError(f"{what} = {shown(state)}: must be a gt.Motion or a list of numbers, and has lists in it")
     try:
         values = np.array(state, float)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"start = {shown(state)}: must be a gt.Motion or a list of numbers") from None
+        raise InputError(f"{what} = {shown(state)}: must be a gt.Motion or a list of numbers") from None
     if values.ndim != 1 or not np.isfinite(values).all():
-        raise InputError(f"start: must be a gt.Motion or finite numbers of shape (2*elements,), is {values.shape}")
+        raise InputError(f"{what}: must be a gt.Motion or finite numbers of shape (2*elements,), is {values.shape}")
     nothing = np.zeros(meshes)
     return Motion(
         frequency=0.0,
@@ -403,11 +403,11 @@ def from_state(state: ArrayLike, meshes: int, states: int) -> Motion:
     )
 
 
-def _check_length(state: Any, states: int) -> None:
+def _check_length(state: Any, states: int, what: str) -> None:
     if not isinstance(state, Sized) or isinstance(state, (str, bytes)):
         return
     try:
         number = len(state)
     except (OverflowError, TypeError):  # a range of more items than Python counts; an array of no dimension
-        raise InputError(f"start = {shown(state)}: must be a gt.Motion or a list of {states} numbers") from None
-    check_states(number, states, "start")
+        raise InputError(f"{what} = {shown(state)}: must be a gt.Motion or a list of {states} numbers") from None
+    check_states(number, states, what)

@@ -17,6 +17,7 @@ from .description import Description
 from .errors import InputError, SolverError, shown
 from .modes import Modes
 from .motion import Motion, Sweep, from_state
+from .run_up import RunUp
 from .stability_map import StabilityMap
 from .variables import (
     VARIABLES,
@@ -24,6 +25,7 @@ from .variables import (
     IntegrateKeywords,
     IntegrationKeywords,
     ResponseKeywords,
+    RunUpKeywords,
     StabilityMapKeywords,
 )
 
@@ -178,10 +180,7 @@ class Train(Description):
 
         def work(progress: NDArray[np.float64]) -> Motion:
             with asked as box:
-                if isinstance(start, Motion):
-                    put_motions(box, start, what="start")
-                elif start is not None:
-                    put_motions(box, from_state(start, *box.sizes()), what="start", only_state=True)
+                self._put_start(box, start, "start")
                 box.check(box.work("integrate", progress, frequency))
                 return Motion(train=self, **motions_of(box)[0])
 
@@ -298,6 +297,58 @@ class Train(Description):
         """
         bar = settings["parameter_points"], "rows", settings["parameter"]
         return self._found("stability_map", settings, StabilityMap._from, *bar)
+
+    @takes(VARIABLES["run_up"], RunUpKeywords)
+    def run_up(self, *, seed: Motion | ArrayLike | None = None, **settings: Unpack[RunUpKeywords]) -> RunUp:
+        """Integrate while the speed goes linearly in time from one value to another, up or down.
+
+        Parameters
+        ----------
+        **settings
+            The variables of ``&run_up``.
+        seed : Motion or array_like, optional
+            What to settle from at ``start``: a motion, or a state as `Motion.state`; at rest unless told. With
+            ``max_periods=0`` the ramp begins with it as it is.
+
+        Returns
+        -------
+        RunUp
+
+        Raises
+        ------
+        InputError
+        Interrupted
+            On Ctrl-C, with the samples so far.
+
+        Examples
+        --------
+        >>> run_up = train.run_up(start=0.4, stop=1.2, duration=0.5)
+        >>> run_up.ended
+        'reached Lambda = 1.2'
+        >>> run_up.mesh_force_maximum.max(axis=0).round(-3)
+        array([ 7000., 25000.])
+        """
+        asked = self._ask(run_up=settings)
+
+        def work(progress: NDArray[np.float64]) -> RunUp:
+            with asked as box:
+                self._put_start(box, seed, "seed")
+                status = box.run("run_up", progress)
+                found = RunUp._from(box)
+                box.check(status, whole=found is None)
+                if found is None:
+                    raise SolverError("nothing found")
+                return found
+
+        return watched(work, "run up", unit="periods")
+
+    @staticmethod
+    def _put_start(box: Box, start: Motion | ArrayLike | None, what: str) -> None:
+        """Put a motion, or a state of one, to start from; ``what`` is what messages call it."""
+        if isinstance(start, Motion):
+            put_motions(box, start, what=what)
+        elif start is not None:
+            put_motions(box, from_state(start, *box.sizes(), what), what=what, only_state=True)
 
     def _found(
         self, name: str, settings: Mapping[str, Any], take: Callable[[Box], Result | None], *bar: Any, **more: Any

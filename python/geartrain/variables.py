@@ -143,6 +143,14 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "linear": Variable("linear", "logical", "bool", False, False, "The train without backlash, all teeth in contact: where its parametric resonances are; else the motions on the branch of every row"),
         "harmonics": Variable("harmonics", "integer", "int", 6, False, "Harmonics R of Lambda of the motions; not used by a linear map; >= 1 and <= 1000"),
     },
+    "run_up": {
+        "start": Variable("from", "real", "float", None, True, "Frequency at the beginning, in the `unit`; > 0"),
+        "stop": Variable("to", "real", "float", None, True, "Frequency at the end, above or below that at the beginning; > 0"),
+        "duration": Variable("duration", "real", "float", None, True, "Time from the beginning to the end, in which the frequency changes linearly; [s]; > 0"),
+        "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Unit of the frequencies of the group: Lambda; rpm, the speed, of a train whose meshes all have teeth; Hz, of the fundamental; 'Lambda', 'rpm' or 'Hz'"),
+        "samples": Variable("samples", "integer", "int", 0, False, "Equidistant samples of a period of the fundamental at the higher frequency; 0: 32 of the fastest mesh, more where harmonics of the excitation or vibrations of a mesh are faster; >= 1 and <= 1.0e8, or 0"),
+        "max_periods": Variable("max_periods", "integer", "int", 2000, False, "Periods of the fundamental after which the search for the steady motion at the beginning is given up, and the run-up begins with the state reached; 0: it begins at rest, or with the motion given in a call; >= 0"),
+    },
     "output": {
         "file": Variable("file", "text", "str", "", False, "Name of the HDF5 file, relative to the working directory; empty: the name of the case file with .h5, in the working directory"),
     },
@@ -250,7 +258,7 @@ PARTS: dict[str, tuple[str, type[Part]]] = {
 }
 
 #: Analyses that a case may ask for, in their order.
-ANALYSES = ("modes", "response", "integration", "attractors", "stability_map")
+ANALYSES = ("modes", "response", "integration", "attractors", "stability_map", "run_up")
 
 
 class Analyses(TypedDict, total=False):
@@ -261,6 +269,7 @@ class Analyses(TypedDict, total=False):
     integration: Mapping[str, Any] | None
     attractors: Mapping[str, Any] | None
     stability_map: Mapping[str, Any] | None
+    run_up: Mapping[str, Any] | None
 
 
 class ResponseKeywords(TypedDict, total=False):
@@ -324,6 +333,17 @@ class StabilityMapKeywords(TypedDict, total=False):
     parameter_points: int
     linear: bool
     harmonics: int
+
+
+class RunUpKeywords(TypedDict, total=False):
+    """Variables of ``&run_up`` that a call takes."""
+
+    start: Required[float]
+    stop: Required[float]
+    duration: Required[float]
+    unit: Literal["Lambda", "rpm", "Hz"]
+    samples: int
+    max_periods: int
 
 
 class IntegrateKeywords(TypedDict, total=False):

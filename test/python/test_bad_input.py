@@ -29,6 +29,7 @@ GIVEN = {
     "integration": {"from": "0.2", "to": "2.6"},
     "attractors": {"frequency": "0.6"},
     "stability_map": {"from": "0.2", "to": "2.6", "parameter_from": "0.01", "parameter_to": "0.1"},
+    "run_up": {"from": "0.2", "to": "2.6", "duration": "0.1"},
     "output": {},
 }
 WORDS = {"from": "start", "to": "stop", "parameter_from": "parameter_start", "parameter_to": "parameter_stop"}
@@ -206,7 +207,7 @@ def test_every_group_given_wrongly(table, tmp_path):
 def test_all_problems_in_one_go_and_no_output_touched(table, executable, tmp_path):
     """One wrong value for each variable of a group, in all groups: as many messages, sorted by line."""
     lines = []
-    for group in ("train", "shaft", "mesh", "shaft", "response", "integration", "attractors", "stability_map", "output"):
+    for group in ("train", "shaft", "mesh", "shaft", "response", "integration", "attractors", "stability_map", "run_up", "output"):
         lines.append(f"&{group}")
         for variable in table:
             if variable.group == group:
@@ -247,6 +248,8 @@ def call(group, name, value):
     if group == "stability_map":
         given = {"start": 0.2, "stop": 0.3, "points": 2, "parameter_start": 0.01, "parameter_stop": 0.1, "parameter_points": 2}
         return train.stability_map(**{**given, name: value})
+    if group == "run_up":
+        return train.run_up(**{"start": 0.2, "stop": 0.3, "duration": 0.1, name: value})
     return train.attractors(**{"frequency": 0.6, "starts": 1, name: value})
 
 

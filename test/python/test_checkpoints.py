@@ -22,6 +22,7 @@ CASES = {
         "&stability_map from = 0.4, to = 1.6, points = 40, parameter_from = 0.01, parameter_to = 0.1,\n"
         "   parameter_points = 400 /\n"
     ),
+    "run_up": "&run_up from = 0.2, to = 2.6, duration = 40.0, samples = 1 /\n",
 }
 FLIPS = 1000
 
@@ -49,7 +50,10 @@ def holds(file, kind):
         return "branch_1" in file and len(file["branch_1/point"])
     if kind == "refinement":
         return "correction" in file["response"]
-    place = {"tolerance": "response/point", "attractors": "attractors/motion", "map": "stability_map/row_done"}
+    place = {
+        "tolerance": "response/point", "attractors": "attractors/motion", "map": "stability_map/row_done",
+        "run_up": "run_up/window",
+    }
     name = place.get(kind, f"{kind}/point")
     return name in file and len(file[name]) > 0
 
@@ -115,6 +119,7 @@ def test_the_same_bits_from_a_whole_one(executable, tmp_path):
             "&stability_map from = 0.4, to = 1.6, points = 40, parameter_from = 0.01, parameter_to = 0.1,\n"
             "   parameter_points = 200 /\n"
         ),
+        "run_up": "&run_up from = 0.2, to = 2.6, duration = 20.0, samples = 1 /\n",
     }.items():
         case = write_case(tmp_path, analyses, f"{kind}.nml")
         whole, output = tmp_path / f"{kind}-whole.h5", tmp_path / f"{kind}.h5"

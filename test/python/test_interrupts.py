@@ -47,6 +47,8 @@ HUGE = "points=10000, parameter_points=10000"
     (300, "attractors(frequency=0.9)", (0.2, 2.0)),
     (300, "sweep(start=0.5, stop=1.0)", (1.0,)),
     (300, "integrate(0.9)", (1.0,)),
+    (300, "run_up(start=0.5, stop=1.0, duration=0.5)", (1.0,)),
+    (2, "run_up(start=0.5, stop=1.0, duration=100.0, samples=1)", (0.2, 2.0)),
     (2, MAP.format(HUGE), (0.2, 2.0)),
     (2, MAP.format(HUGE + ", linear=True"), (0.2, 2.0)),
     (60, MAP.format("linear=True"), (0.2, 2.0)),

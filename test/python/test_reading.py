@@ -17,6 +17,7 @@ ANALYSES = (
     "&integration from = 0.5, to = 0.7, points = 3, direction = 'both' /\n"
     "&attractors frequency = 2.4, starts = 8, follow = .true. /\n"
     "&stability_map from = 0.4, to = 1.6, points = 5, parameter_from = 0.01, parameter_to = 0.1, parameter_points = 3 /\n"
+    "&run_up from = 0.4, to = 0.9, duration = 0.1 /\n"
 )
 
 
@@ -95,6 +96,7 @@ def test_datasets_are_those_of_the_file(path, results):
     groups = {
         "modes": results.modes, "response": results.response, "branch_1": results.branches[0],
         "integration": results.integration, "attractors": results.attractors, "stability_map": results.stability_map,
+        "run_up": results.run_up,
     }
     for name, result in groups.items():
         stored = xarray.open_dataset(path, group=name, engine="h5netcdf")
@@ -129,6 +131,7 @@ def test_meshes_are_named_by_their_bodies(executable, tmp_path):
         "&modes /\n&response from = 0.6, to = 4.2, harmonics = 4, period_doublings = 1 /\n"
         "&integration from = 0.5, to = 0.6, points = 2 /\n&attractors frequency = 0.9, starts = 4 /\n"
         "&stability_map from = 0.4, to = 0.6, points = 2, parameter_from = 0.1, parameter_to = 0.2, parameter_points = 2 /\n"
+        "&run_up from = 0.4, to = 0.6, duration = 200.0 /\n"
     ), encoding="utf-8")
     done = run(executable, tmp_path / "case.nml", "--output", tmp_path / "case.h5", encoding="utf-8")
     assert done.returncode == 0, done.stdout + done.stderr
@@ -141,6 +144,8 @@ def test_meshes_are_named_by_their_bodies(executable, tmp_path):
             assert list(opened.coords["mesh_label"].values) == OF_TWO_PAIRS and opened.mesh_label.dims == ("mesh",), name
             by_name = opened.swap_dims(mesh="mesh_label").rms.sel(mesh_label=OF_TWO_PAIRS[1])
             np.testing.assert_array_equal(by_name, opened.rms.sel(mesh=2))
+    assert results.run_up.mesh_label == tuple(OF_TWO_PAIRS) and results.run_up.shaft_label == ("Großrad - Last",)
+    assert "    force of Ritzel - Großrad (2) from" in done.stdout and "    torque of Großrad - Last from" in done.stdout
     motion = results.integration[0]
     assert list(motion.to_dataset().mesh_label.values) == list(motion.train.mesh_labels) == OF_TWO_PAIRS
     for ax in (results.response.plot(), motion.plot()[0]):

@@ -11,7 +11,7 @@ from geartrain.variables import VARIABLES
 
 CALLS = {
     "response": gt.Train.response, "integration": gt.Train.sweep, "attractors": gt.Train.attractors,
-    "stability_map": gt.Train.stability_map, "shaft": gt.Shaft, "mesh": gt.Mesh, "train": gt.Train,
+    "stability_map": gt.Train.stability_map, "run_up": gt.Train.run_up, "shaft": gt.Shaft, "mesh": gt.Mesh, "train": gt.Train,
 }
 ENDS = {"start": 0.2, "stop": 0.3}
 
@@ -30,7 +30,10 @@ def test_every_variable_is_a_keyword_and_explained(group):
 
 def test_defaults_are_the_programs(train, tmp_path):
     rows = {"parameter_start": 0.1, "parameter_stop": 0.2}
-    given = {"response": ENDS, "integration": ENDS, "attractors": {"frequency": 0.6}, "stability_map": {**ENDS, **rows}}
+    given = {
+        "response": ENDS, "integration": ENDS, "attractors": {"frequency": 0.6}, "stability_map": {**ENDS, **rows},
+        "run_up": {**ENDS, "duration": 0.1},
+    }
     path = tmp_path / "case.nml"
     path.write_text(train.namelist(**given))
     case = gt.read_case(path)

@@ -21,7 +21,7 @@ module geartrain_analyses_analysis
       character(200) :: description = ''
       !> What the observer of the analysis counts.
       character(8) :: steps = 'points'
-      !> Whether the template has the group as comments, because the analysis takes long.
+      !> Whether the template has the group as comments, because the analysis takes long or writes much.
       logical :: set_aside = .false.
    end type group_row_type
 

@@ -25,7 +25,8 @@ module geartrain_analyses_integration
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: check_integration, integrate, integration_analysis_type, integration_row, most_harmonics, sweep, sweep_type
+   public :: check_integration, check_start, integrate, integration_analysis_type, integration_row, most_harmonics, sweep, &
+      sweep_type
 
    type(group_row_type), parameter :: integration_row = group_row_type('integration', &
       'Asks for the steady motions that time integration settles on, over frequency.')
@@ -322,7 +323,9 @@ contains
 
    !> Whether a motion to start from has a state or coefficients of the right size.
    subroutine check_start(system, start, error)
+      !> The train.
       type(system_type), intent(in) :: system
+      !> The motion.
       type(motion_type), intent(in) :: start
       type(error_type), allocatable, intent(inout) :: error
 

@@ -6,10 +6,12 @@ module geartrain_analyses_list
    use geartrain_analyses_integration, only: integration_analysis_type, integration_row, sweep_type
    use geartrain_analyses_modes, only: modes_analysis_type, modes_row
    use geartrain_analyses_response, only: response_analysis_type, response_row
+   use geartrain_analyses_run_up, only: run_up_analysis_type, run_up_row, run_up_settings_type
    use geartrain_analyses_stability_grid, only: stability_map_settings_type, stability_map_type
    use geartrain_analyses_stability_map, only: stability_map_analysis_type, stability_map_row
    use geartrain_continuation_branch, only: branch_type, response_settings_type
    use geartrain_flow_integration_settings, only: integration_settings_type
+   use geartrain_flow_run_up, only: run_up_type
    use geartrain_model_modes, only: modes_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -17,7 +19,8 @@ module geartrain_analyses_list
    public :: analyses, case_type, find_analysis, leave_out, number_of, results_type
 
    !> The analyses in the order in which they stand in a case file, run and are written.
-   type(group_row_type), parameter :: analyses(*) = [modes_row, response_row, integration_row, attractors_row, stability_map_row]
+   type(group_row_type), parameter :: analyses(*) = [modes_row, response_row, integration_row, attractors_row, stability_map_row, &
+                                                   run_up_row]
 
    !> A case: a train and the analyses that one namelist file asks for.
    type :: case_type
@@ -30,6 +33,7 @@ module geartrain_analyses_list
       type(integration_settings_type), allocatable :: integration
       type(attractors_settings_type), allocatable :: attractors
       type(stability_map_settings_type), allocatable :: stability_map
+      type(run_up_settings_type), allocatable :: run_up
       !> Name of the results file as given in &output; empty: name of the case with .h5.
       character(:), allocatable :: output_file
    end type case_type
@@ -42,6 +46,7 @@ module geartrain_analyses_list
       type(sweep_type), allocatable :: integration
       type(attractors_type), allocatable :: attractors
       type(stability_map_type), allocatable :: stability_map
+      type(run_up_type), allocatable :: run_up
       !> Further branches, each with its origin: branches that bifurcate from the response, then branches through attractors.
       type(branch_type), allocatable :: branches(:)
    end type results_type
@@ -68,6 +73,7 @@ contains
       type(integration_analysis_type) :: integration
       type(attractors_analysis_type) :: attractors
       type(stability_map_analysis_type) :: stability_map
+      type(run_up_analysis_type) :: run_up
 
       asks = .false.
       if (present(ask)) asks = ask
@@ -113,6 +119,14 @@ contains
          if (stability_map%asked) stability_map%settings => case%stability_map
          if (stability_map%begun) stability_map%result => results%stability_map
          allocate (analysis, source=stability_map)
+      case ('run_up')
+         if (asks .and. .not. allocated(case%run_up)) allocate (case%run_up)
+         if (begins .and. .not. allocated(results%run_up)) allocate (results%run_up)
+         run_up%asked = allocated(case%run_up)
+         run_up%begun = allocated(results%run_up)
+         if (run_up%asked) run_up%settings => case%run_up
+         if (run_up%begun) run_up%result => results%run_up
+         allocate (analysis, source=run_up)
       end select
    end subroutine find_analysis
 
@@ -134,6 +148,7 @@ contains
             if (name == 'integration') call move_alloc(nothing%integration, case%integration)
             if (name == 'attractors') call move_alloc(nothing%attractors, case%attractors)
             if (name == 'stability_map') call move_alloc(nothing%stability_map, case%stability_map)
+            if (name == 'run_up') call move_alloc(nothing%run_up, case%run_up)
          end if
          if (present(results)) then
             if (name == 'modes') call move_alloc(none%modes, results%modes)
@@ -141,6 +156,7 @@ contains
             if (name == 'integration') call move_alloc(none%integration, results%integration)
             if (name == 'attractors') call move_alloc(none%attractors, results%attractors)
             if (name == 'stability_map') call move_alloc(none%stability_map, results%stability_map)
+            if (name == 'run_up') call move_alloc(none%run_up, results%run_up)
          end if
       end associate
    end subroutine leave_out

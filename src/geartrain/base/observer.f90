@@ -18,7 +18,7 @@ module geartrain_base_observer
          implicit none (type, external)
          class(observer_type), intent(inout) :: self
          !> Name of the analysis: 'response', 'branch' (a further branch), 'integration', 'attractors', 'stability map',
-         !> 'refinement', 'audit', or 'settling' (of one motion).
+         !> 'run up', 'refinement', 'audit', or 'settling' (of one motion).
          character(*), intent(in) :: analysis
          !> Points, starts, rows of the map or periods of the fundamental done so far.
          integer, intent(in) :: done

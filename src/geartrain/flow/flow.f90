@@ -10,7 +10,7 @@
 module geartrain_flow_flow
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_series, only: series_type
-   use geartrain_flow_taylor, only: add_waves, last_term, recur, sum_series
+   use geartrain_flow_taylor, only: add_waves, last_term, recur, series_value, sum_series
    use geartrain_linalg_first_root, only: first_root
    use geartrain_model_system, only: shear, system_type
    implicit none (type, external)
@@ -23,8 +23,8 @@ module geartrain_flow_flow
    type :: flow_type
       !> The train.
       type(system_type) :: system
-      !> Lambda [1].
-      real(dp) :: frequency_ratio = 1
+      !> Lambda at time 0 [1]; its rate of change [1], 0 at constant speed.
+      real(dp) :: frequency_ratio = 1, acceleration = 0
       !> Number of columns of `x`: the state, then tangents to the flow.
       integer :: columns = 1
       !> Time times characteristic frequency [1]; state and tangents [1], (column, state).
@@ -45,9 +45,11 @@ module geartrain_flow_flow
       !> Order of the Taylor series; relative error of a step [1].
       integer :: order = 20
       real(dp) :: tolerance = 1e-15_dp
-      !> Work space of `recur`: forces, (column, element); Taylor coefficients of kappa, (0:order, mesh), and of the acceleration by
-      !> excitation, (0:order, element).
-      real(dp), allocatable, private :: phi(:, :), kappa(:, :), excitation(:, :)
+      !> Taylor coefficients of kappa over the latest step where kappa varies in the contact of the mesh [1], (0:order, mesh).
+      real(dp), allocatable :: kappa(:, :)
+      !> Work space of `recur`: forces, (column, element); Taylor coefficients of the acceleration by excitation, (0:order,
+      !> element).
+      real(dp), allocatable, private :: phi(:, :), excitation(:, :)
       !> Taylor coefficients of the displacements of the elements that close loops where the coordinates are 0 [1], (0:order + 1,
       !> loop).
       real(dp), allocatable, private :: loop(:, :)
@@ -106,14 +108,18 @@ contains
    end subroutine setup
 
    !> Begins a flight from the state and tangents `x`, which the caller has set; finds the contacts of the state.
-   subroutine start(self, frequency_ratio, time)
+   subroutine start(self, frequency_ratio, time, acceleration)
       class(flow_type), intent(inout) :: self
-      !> Lambda [1]; time, 0 at phase 0 [1].
+      !> Lambda at time 0 [1]; time, 0 at phase 0 [1].
       real(dp), intent(in) :: frequency_ratio, time
+      !> Rate of change of Lambda [1]; absent: 0.
+      real(dp), intent(in), optional :: acceleration
       real(dp) :: p, v
       integer :: j
 
       self%frequency_ratio = frequency_ratio
+      self%acceleration = 0
+      if (present(acceleration)) self%acceleration = acceleration
       self%time = time
       self%length = 0
       self%reach = 0
@@ -246,7 +252,7 @@ contains
                spring(n) = 0
                self%kappa(:, j) = 0
                self%kappa(0, j) = law%stiffness(s)
-               call add_waves(law%amplitude(:, s), law%order*self%frequency_ratio, self%time, self%kappa(:, j))
+               call add_series(self, law%order, law%amplitude(:, s), self%kappa(:, j))
             end associate
             terms(j) = last_term(self%kappa(:, j), reach, 0.01_dp*self%tolerance)
          end do
@@ -255,6 +261,16 @@ contains
                     origin, self%excitation, self%loop, self%phi, self%p, self%v)
       end associate
    end subroutine expand
+
+   !> Adds the Taylor coefficients of a series at the present time.
+   pure subroutine add_series(self, order, amplitude, coefficient)
+      class(flow_type), intent(in) :: self
+      integer, intent(in) :: order
+      complex(dp), intent(in) :: amplitude(:)
+      real(dp), intent(inout) :: coefficient(0:)
+
+      call add_waves(amplitude, order*self%frequency_ratio, order*self%acceleration, self%time, coefficient)
+   end subroutine add_series
 
    !> Computes the Taylor coefficients of the displacements of the elements that close loops, where the coordinates are 0,
    !> (0:highest, loop).
@@ -272,7 +288,7 @@ contains
             if (size(system%transmission_error(j)%amplitude) == 0) cycle
             error = 0
             associate (series => system%transmission_error(j))
-               call add_waves(series%amplitude, series%order*self%frequency_ratio, self%time, error)
+               call add_series(self, series%order, series%amplitude, error)
             end associate
             associate (n => system%mesh_element(j))
                do i = 1, size(coefficient, 2)
@@ -329,28 +345,28 @@ contains
    !> Computes the Taylor coefficients of the accelerations by torques and transmission errors.
    subroutine expand_excitation(self)
       class(flow_type), intent(inout) :: self
-      type(series_type) :: second
-      real(dp) :: torque(0:self%order)
-      integer :: j, h, n
+      real(dp) :: torque(0:self%order), error(0:self%order + 2)
+      integer :: j, k, n
 
       self%excitation = 0
       associate (system => self%system)
          do j = 1, size(system%torque)
             if (size(system%torque(j)%amplitude) == 0) cycle
             torque = 0
-            call add_waves(system%torque(j)%amplitude, system%torque(j)%order*self%frequency_ratio, self%time, torque)
+            call add_series(self, system%torque(j)%order, system%torque(j)%amplitude, torque)
             do n = 1, system%elements
                self%excitation(:, n) = self%excitation(:, n) + system%torque_gain(n, j)*torque
             end do
          end do
          do j = 1, system%meshes
             if (size(system%transmission_error(j)%amplitude) == 0) cycle
-            second = system%transmission_error(j)
-            do h = 1, size(second%amplitude)
-               second%amplitude(h) = -(h*second%order*self%frequency_ratio)**2*second%amplitude(h)
-            end do
-            call add_waves(second%amplitude, second%order*self%frequency_ratio, self%time, &
-                           self%excitation(:, system%mesh_element(j)))
+            error = 0
+            associate (series => system%transmission_error(j))
+               call add_series(self, series%order, series%amplitude, error)
+            end associate
+            associate (second => self%excitation(:, system%mesh_element(j)))
+               second = second + [(k*(k - 1)*error(k), k=2, self%order + 2)]
+            end associate
          end do
       end associate
    end subroutine expand_excitation
@@ -424,13 +440,8 @@ contains
       integer, intent(in) :: mesh
       !> Time since the beginning of the step, 0 to `length` [1].
       real(dp), intent(in) :: tau
-      integer :: k, n
 
-      n = self%system%mesh_element(mesh)
-      displacement = self%p(1, n, self%order)
-      do k = self%order - 1, 0, -1
-         displacement = displacement*tau + self%p(1, n, k)
-      end do
+      displacement = series_value(self%p(1, self%system%mesh_element(mesh), :), tau)
    end function displacement
 
    !> Velocity of a mesh within the latest step [1].
@@ -440,13 +451,8 @@ contains
       integer, intent(in) :: mesh
       !> Time since the beginning of the step, 0 to `length` [1].
       real(dp), intent(in) :: tau
-      integer :: k, n
 
-      n = self%system%mesh_element(mesh)
-      velocity = self%v(1, n, self%order)
-      do k = self%order - 1, 0, -1
-         velocity = velocity*tau + self%v(1, n, k)
-      end do
+      velocity = series_value(self%v(1, self%system%mesh_element(mesh), :), tau)
    end function velocity
 
 end module geartrain_flow_flow

@@ -18,7 +18,7 @@ module geartrain_flow_settling
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: is_leaving, most_states, settle
+   public :: is_leaving, most_states, settle, unbounded
 
    !> Longest period that is found [periods of the fundamental].
    integer, parameter :: longest_period = 16

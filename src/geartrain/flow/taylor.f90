@@ -4,7 +4,7 @@ module geartrain_flow_taylor
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: add_waves, last_term, recur, sum_series
+   public :: add_waves, last_term, recur, series_value, sum_series
 
 contains
 
@@ -112,28 +112,51 @@ contains
       end do
    end subroutine sum_series
 
-   !> Adds the Taylor coefficients at `time` of the sum over h of Re(amplitude(h) exp(i h frequency_ratio t)).
-   pure subroutine add_waves(amplitude, frequency_ratio, time, coefficient)
+   !> Adds the Taylor coefficients at `time` of the sum over h of Re(amplitude(h) exp(i h phi)) with the phase phi = frequency_ratio
+   !> t + acceleration t**2/2. The recurrence follows from y' = i h (frequency_ratio + acceleration t) y.
+   pure subroutine add_waves(amplitude, frequency_ratio, acceleration, time, coefficient)
       !> Complex amplitudes, (harmonic).
       complex(dp), intent(in) :: amplitude(:)
-      !> Frequency of the first harmonic [1]; time of the expansion [1].
-      real(dp), intent(in) :: frequency_ratio, time
+      !> Frequency of the first harmonic at time 0 [1] and its rate of change [1]; time of the expansion [1].
+      real(dp), intent(in) :: frequency_ratio, acceleration, time
       !> Taylor coefficients, (0:order).
       real(dp), intent(inout) :: coefficient(0:)
-      complex(dp) :: term
+      complex(dp) :: term, before, next
       real(dp) :: rate
       integer :: h, k
 
       do h = 1, size(amplitude)
-         rate = h*frequency_ratio
-         term = amplitude(h)*exp(cmplx(0, rate*time, dp))
+         term = amplitude(h)*exp(cmplx(0, h*(frequency_ratio + acceleration/2*time)*time, dp))
+         rate = h*(frequency_ratio + acceleration*time)
          coefficient(0) = coefficient(0) + term%re
-         do k = 1, ubound(coefficient, 1)
-            term = cmplx(-term%im, term%re, dp)*(rate/k)
-            coefficient(k) = coefficient(k) + term%re
-         end do
+         if (abs(acceleration) > 0) then
+            before = 0
+            do k = 1, ubound(coefficient, 1)
+               next = rate*term + h*acceleration*before
+               before = term
+               term = cmplx(-next%im, next%re, dp)/k
+               coefficient(k) = coefficient(k) + term%re
+            end do
+         else
+            do k = 1, ubound(coefficient, 1)
+               term = cmplx(-term%im, term%re, dp)*(rate/k)
+               coefficient(k) = coefficient(k) + term%re
+            end do
+         end if
       end do
    end subroutine add_waves
+
+   !> Value of a Taylor series by Horner's rule.
+   pure real(dp) function series_value(coefficient, time)
+      !> Taylor coefficients, (0:order); time since the expansion [1].
+      real(dp), intent(in) :: coefficient(0:), time
+      integer :: k
+
+      series_value = coefficient(ubound(coefficient, 1))
+      do k = ubound(coefficient, 1) - 1, 0, -1
+         series_value = series_value*time + coefficient(k)
+      end do
+   end function series_value
 
    !> Index of the last coefficient that counts within a time `reach`: the last two terms are larger than the tolerance.
    pure integer function last_term(coefficient, reach, tolerance)

@@ -4,7 +4,7 @@ module geartrain_linalg_first_root
    use geartrain_linalg_bracket, only: newton_in_bracket
    implicit none (type, external)
    private
-   public :: first_root
+   public :: first_root, polynomial, root_between
 
    !> Parts of the interval at whose ends signs of value and slope are compared; a step of the flow spans about one oscillation.
    integer, parameter :: subdivisions = 8
@@ -34,15 +34,15 @@ contains
          b = i*span
          call polynomial(f, b, fb, db)
          if (fb < 0) then
-            call bracketed(f, a, b, .false., root)
+            call root_between(f, a, b, .false., root)
             hit = .true.
             return
          end if
          if (da < 0 .and. db > 0 .and. min(fa, fb) < span*max(-da, db)) then
-            call bracketed(f, a, b, .true., t)
+            call root_between(f, a, b, .true., t)
             call polynomial(f, t, ft, dt)
             if (ft < 0) then
-               call bracketed(f, a, t, .false., root)
+               call root_between(f, a, t, .false., root)
                hit = .true.
                return
             end if
@@ -54,9 +54,12 @@ contains
    end subroutine first_root
 
    !> Root in [left, right] of f, which falls through zero in between, or of the slope of f, which rises through zero.
-   pure subroutine bracketed(f, left, right, of_slope, root)
+   pure subroutine root_between(f, left, right, of_slope, root)
+      !> Coefficients of the powers, (0:degree); the bracket.
       real(dp), intent(in) :: f(0:), left, right
+      !> Whether the root is that of the slope.
       logical, intent(in) :: of_slope
+      !> The root.
       real(dp), intent(out) :: root
       real(dp) :: a, b, value, slope, curvature, new
       integer :: i
@@ -74,11 +77,13 @@ contains
          if (abs(new - root) <= 1e-16_dp + 2e-16_dp*abs(root)) exit
          root = new
       end do
-   end subroutine bracketed
+   end subroutine root_between
 
    !> Value, slope and curvature of a polynomial by Horner's rule.
    pure subroutine polynomial(f, t, value, slope, curvature)
+      !> Coefficients of the powers, (0:degree); argument.
       real(dp), intent(in) :: f(0:), t
+      !> Value and derivatives.
       real(dp), intent(out) :: value, slope
       real(dp), intent(out), optional :: curvature
       real(dp) :: second

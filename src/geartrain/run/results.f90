@@ -126,6 +126,7 @@ contains
       character(:), allocatable, intent(out) :: wrong
 
       fields%way = reading
+      fields%here = 0
       wrong = ''
       call visit_results(results, case, fields, summary=.false.)
       if (allocated(fields%wrong)) wrong = fields%wrong

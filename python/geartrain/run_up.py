@@ -1,0 +1,261 @@
+"""Motions while the speed goes linearly in time from one value to another."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._dataset import dataset
+from ._extras import extra
+from ._table import Table
+from .errors import InputError, shown
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from xarray import Dataset
+
+__all__ = ["RunUp"]
+
+Array = NDArray[np.float64]
+
+#: What is drawn: its dimension beside time, and the label of its axis.
+_KINDS = {
+    "mesh_force": ("mesh", "mesh force  [N]"),
+    "shaft_torque": ("shaft", "shaft torque  [N m]"),
+    "displacement": ("mesh", "mesh displacement / characteristic length"),
+}
+#: Units of the frequency: the attribute and the label of the axis.
+_UNITS = {
+    "Lambda": ("frequency", r"fundamental frequency  $\Lambda$"),
+    "Hz": ("fundamental_frequency", "fundamental frequency  [Hz]"),
+}
+#: Most rows of a waterfall; neighbouring lines of a spectrum share a row.
+_ROWS = 600
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RunUp(Table):
+    """The motion of a train while Lambda goes linearly in time from one value to another.
+
+    The ramp is kinematic: the given torques hold the train in balance at every instant, and what accelerates the inertias as the
+    speed rises is not part of the forces.
+
+    Attributes
+    ----------
+    time : ndarray, (samples,)
+        [s], equidistant.
+    frequency : ndarray, (samples,)
+        Lambda.
+    fundamental_frequency : ndarray, (samples,)
+        Fundamental mesh frequency [Hz].
+    displacement : ndarray, (samples, meshes)
+        Over the characteristic length.
+    mesh_force : ndarray, (samples, meshes)
+        [N], damping included.
+    shaft_torque : ndarray, (samples, shafts)
+        [N m], damping and static torque included; NaN for a rigid shaft.
+    window_time : ndarray, (windows,)
+        Middle of each window [s]; a window is a tooth period of the slowest mesh.
+    mesh_force_minimum, mesh_force_maximum : ndarray, (windows, meshes)
+        Extremes over each window [N], between samples as well.
+    shaft_torque_minimum, shaft_torque_maximum : ndarray, (windows, shafts)
+        Likewise [N m].
+    state : ndarray
+        At the end of the last window, as `Motion.state`.
+    start_period : int
+        Period of the steady motion with which it begins; 0 where it begins with a state of no steady motion.
+    ended : str
+        Why it ended, in words.
+    complete : bool
+        Whether it reached the end of the ramp.
+    mesh_label, shaft_label : tuple of str
+        Of each mesh and of each shaft.
+    """
+
+    path = "/run_up"
+
+    time: Array
+    frequency: Array
+    fundamental_frequency: Array
+    displacement: Array
+    mesh_force: Array
+    shaft_torque: Array
+    window_time: Array
+    mesh_force_minimum: Array
+    mesh_force_maximum: Array
+    shaft_torque_minimum: Array
+    shaft_torque_maximum: Array
+    state: Array
+    start_period: int
+    ended: str
+    complete: bool
+    mesh_label: tuple[str, ...]
+    shaft_label: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return f"<RunUp over {self.time[-1]:.6g} s, {len(self.time)} samples: {self.ended}>"
+
+    def to_dataset(self) -> Dataset:
+        """The run-up as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
+        attributes, arrays = self._columns()
+        return dataset(self.path, arrays, attributes, ("frequency", "fundamental_frequency", "window_time"))
+
+    def plot(self, what: str = "mesh_force", ax: Axes | None = None, *, unit: str = "Lambda", **style: Any) -> Axes:
+        """Draw the range that each force, torque or displacement goes through in each window, over the frequency.
+
+        Parameters
+        ----------
+        what : {'mesh_force', 'shaft_torque', 'displacement'}
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure unless told.
+        unit : {'Lambda', 'Hz'}
+            Of the frequency.
+        **style
+            For matplotlib's ``fill_between``.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Examples
+        --------
+        >>> run_up = train.run_up(start=0.4, stop=0.8, duration=0.2)
+        >>> run_up.plot().figure.savefig("run_up.png")  # doctest: +SKIP
+        """
+        along, label = _one_of("what", what, _KINDS)
+        attribute, frequency_label = _one_of("unit", unit, _UNITS)
+        frequency: Array = getattr(self, attribute)
+        if what == "displacement":
+            # The first sample of each window, by the phase.
+            turns = self.time * (self.fundamental_frequency[0] + self.fundamental_frequency) / 2
+            first = np.unique(np.floor(turns * (len(self.window_time) / turns[-1])), return_index=True)[1]
+            low, high = np.minimum.reduceat(self.displacement, first), np.maximum.reduceat(self.displacement, first)
+            frequency = frequency[first]
+        else:
+            low, high = getattr(self, f"{what}_minimum"), getattr(self, f"{what}_maximum")
+            frequency = np.interp(self.window_time, self.time, frequency)
+        if ax is None:
+            ax = extra("matplotlib.pyplot").subplots()[1]
+        for place, name in enumerate(getattr(self, f"{along}_label")):
+            if not np.isnan(low[:, place]).any():
+                ax.fill_between(frequency, low[:, place], high[:, place], **{"alpha": 0.7, "lw": 1.0, "label": name, **style})
+        ax.set_xlim(frequency[0], frequency[-1] if frequency[-1] != frequency[0] else None)
+        ax.set_xlabel(frequency_label)
+        ax.set_ylabel(label)
+        ax.legend()
+        return ax
+
+    def spectra(self, what: str = "mesh_force", number: int = 1, pictures: int = 200) -> tuple[Array, Array, Array]:
+        """Amplitude spectra of overlapping stretches of the ramp, each weighted by a Hann window, its mean left out.
+
+        Parameters
+        ----------
+        what : {'mesh_force', 'shaft_torque', 'displacement'}
+        number : int
+            Of the mesh or of the shaft, from 1.
+        pictures : int
+            Number of stretches. Each is as long as a tooth mesh takes to change its frequency by about two lines of the spectrum.
+
+        Returns
+        -------
+        time : ndarray, (pictures,)
+            Middle of each stretch [s].
+        frequency : ndarray, (lines,)
+            [Hz]
+        amplitude : ndarray, (pictures, lines)
+            In the unit of what it is of.
+        """
+        along, _ = _one_of("what", what, _KINDS)
+        labels = getattr(self, f"{along}_label")
+        if isinstance(number, bool) or number not in range(1, len(labels) + 1):
+            raise InputError(f"number = {shown(number)}: must be 1 to {len(labels)}, the number of a {along}")
+        values: Array = getattr(self, what)[:, number - 1]
+        samples, rate = len(values), (len(values) - 1) / self.time[-1]
+        # The samples are 32 of a period of the fastest mesh, unless asked otherwise.
+        order = max(1.0, rate / (32 * self.fundamental_frequency.max()))
+        drift = order * abs(self.fundamental_frequency[-1] - self.fundamental_frequency[0]) / self.time[-1]
+        length = int(min(samples, max(64, 2 * rate / np.sqrt(max(drift, (16 / self.time[-1]) ** 2)))))
+        weight = np.hanning(length)
+        first = np.unique(np.linspace(0, samples - length, pictures).astype(int))
+        amplitude = np.array([
+            np.abs(np.fft.rfft((stretch - stretch.mean()) * weight))
+            for stretch in (values[place:place + length] for place in first)
+        ]) * (2 / weight.sum())
+        return self.time[first] + (length - 1) / (2 * rate), np.fft.rfftfreq(length, 1 / rate), amplitude
+
+    def waterfall(
+        self, what: str = "mesh_force", number: int = 1, ax: Axes | None = None, *, unit: str = "Lambda",
+        orders: Iterable[float] = (), highest: float | None = None, **style: Any,
+    ) -> Axes:
+        """Draw the `spectra`: amplitude as colour over the speed and the frequency.
+
+        Parameters
+        ----------
+        what : {'mesh_force', 'shaft_torque', 'displacement'}
+        number : int
+            Of the mesh or of the shaft, from 1.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure unless told.
+        unit : {'Lambda', 'Hz'}
+            Of the fundamental frequency, along which the spectra stand.
+        orders : iterable of float
+            Multiples of the fundamental frequency to draw as lines.
+        highest : float, optional
+            Highest frequency drawn [Hz]; an eighth of the sampling rate unless told.
+        **style
+            For matplotlib's ``pcolormesh``.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Examples
+        --------
+        >>> run_up = train.run_up(start=0.4, stop=0.8, duration=0.2)
+        >>> ax = run_up.waterfall(number=2, orders=[1, 2, 3], highest=6000.0)
+        >>> ax.get_ylabel()
+        'frequency  [Hz]'
+        """
+        time, lines, amplitude = self.spectra(what, number)
+        along, _ = _one_of("what", what, _KINDS)
+        attribute, frequency_label = _one_of("unit", unit, _UNITS)
+        if ax is None:
+            ax = extra("matplotlib.pyplot").subplots()[1]
+        if highest is None:
+            highest = float(lines[-1]) / 4
+        count = max(2, int(np.searchsorted(lines, highest, side="right")))
+        group = np.arange(0, count, -(-count // _ROWS))
+        shares = np.maximum.reduceat(amplitude[:, :count], group, axis=1)
+        largest = shares.max() or 1.0
+        speed = np.interp(time, self.time, getattr(self, attribute))
+        across = speed if np.ptp(speed) > 0 else time
+        image = ax.pcolormesh(
+            across, lines[group], 20 * np.log10(np.maximum(shares, 1e-5 * largest) / largest).T,
+            **{"shading": "nearest", "rasterized": True, "vmin": -80.0, "vmax": 0.0, **style},
+        )
+        ax.figure.colorbar(image, ax=ax, label="amplitude  [dB of the largest]")
+        fundamental = np.interp(time, self.time, self.fundamental_frequency)
+        for order in orders:
+            ax.plot(across, order * fundamental, color="white", lw=0.7, ls=":", alpha=0.7)
+            inside = np.flatnonzero(order * fundamental <= highest)
+            if len(inside):
+                end = inside[np.argmax(fundamental[inside])]
+                ax.annotate(f"{order:g}", (across[end], order * fundamental[end]), color="white", ha="right", va="top", fontsize=8)
+        ax.set_ylim(0, highest)
+        ax.set_xlim(across[0], across[-1])
+        ax.grid(visible=False)
+        ax.set_xlabel(frequency_label if across is speed else "time  [s]")
+        ax.set_ylabel("frequency  [Hz]")
+        ax.set_title(f"{what.replace('_', ' ')}, {getattr(self, f'{along}_label')[number - 1]}")
+        return ax
+
+
+def _one_of(name: str, value: str, table: dict[str, tuple[str, str]]) -> tuple[str, str]:
+    """The row of a table by its name."""
+    if value not in table:
+        raise InputError(f"{name} = {shown(value)}: must be {', '.join(map(repr, table))}")
+    return table[value]

@@ -1,0 +1,341 @@
+!> The analysis &run_up: Lambda goes linearly in time from one value to another, from the steady motion at the first value on.
+module geartrain_analyses_run_up
+   use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
+   use geartrain_analyses_integration, only: check_start
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_base_carry, only: carry, carry_text
+   use geartrain_base_checker, only: checker_type
+   use geartrain_base_error, only: error_type, fatal, status_ended_early
+   use geartrain_base_field, only: field => field_type
+   use geartrain_base_fields, only: fields_type, listing, reading
+   use geartrain_base_kinds, only: dp, pi
+   use geartrain_base_numbers, only: integer_text, real_text, text
+   use geartrain_base_observer, only: observer_type
+   use geartrain_base_variable, only: row => variable_type, visitor_type
+   use geartrain_flow_fields, only: about_frequency, about_mesh
+   use geartrain_flow_integration_settings, only: integration_settings_type
+   use geartrain_flow_ramp, only: make_ramp, ramp_type
+   use geartrain_flow_run_up, only: automatic_samples, follow_ramp, make_room, most_samples, run_up_type
+   use geartrain_flow_settling, only: settle
+   use geartrain_flow_start_state, only: resting_state, state_of
+   use geartrain_model_check, only: check_train
+   use geartrain_model_drawing, only: plain_train
+   use geartrain_model_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
+   use geartrain_model_labels, only: label_length, mesh_labels, shaft_labels
+   use geartrain_model_limits, only: check_frequency
+   use geartrain_model_system, only: build_system, system_type
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: run_up, run_up_analysis_type, run_up_row, run_up_settings_type
+
+   type(group_row_type), parameter :: run_up_row = group_row_type('run_up', &
+      'Asks for the motion while Lambda goes linearly in time from one value to another, a run-up or a coast-down.', &
+      steps='periods', set_aside=.true.)
+
+   real(dp), parameter :: zero = 0, one = 1
+
+   !> The variables of &run_up.
+   type :: run_up_settings_type
+      !> Frequency at the beginning and at the end [unit], `from` and `to` in a case file.
+      real(dp) :: start = 0, stop = 0
+      !> Unit of these frequencies: 'Lambda', 'rpm' or 'Hz'.
+      character(unit_length) :: unit = 'Lambda'
+      !> Time from the beginning to the end [s].
+      real(dp) :: duration = 0
+      !> Samples of a period of the fundamental at the higher frequency; 0: see `automatic_samples`.
+      integer :: samples = 0
+      !> Mesh periods after which the search for the steady motion at `start` is given up; 0: no search.
+      integer :: max_periods = 2000
+   end type run_up_settings_type
+
+   type, extends(analysis_type) :: run_up_analysis_type
+      type(run_up_settings_type), pointer :: settings => null()
+      type(run_up_type), pointer :: result => null()
+   contains
+      procedure :: visit_variables
+      procedure :: check
+      procedure :: give_example
+      procedure :: run
+      procedure :: tell_end
+      procedure :: visit_fields
+      procedure :: report
+   end type run_up_analysis_type
+
+contains
+
+   subroutine visit_variables(self, v)
+      class(run_up_analysis_type), intent(inout) :: self
+      class(visitor_type), intent(inout) :: v
+      type(run_up_settings_type), pointer :: settings
+
+      settings => self%settings
+      call v%enter('run_up', 1)
+      call v%on_real(row('from', '', 'frequency at the beginning, in the `unit` (start in a call)', required=.true., above=zero), &
+                     settings%start)
+      call v%on_real(row('to', '', 'frequency at the end, above or below that at the beginning (stop in a call)', required=.true., &
+                         above=zero), settings%stop)
+      call v%on_real(row('duration', 's', 'time from the beginning to the end, in which the frequency changes linearly', &
+                         required=.true., above=zero), settings%duration)
+      call visit_unit(settings%unit, v)
+      call v%on_integer(row('samples', '', 'equidistant samples of a period of the fundamental at the higher frequency; 0: 32 of &
+         &the &
+                            &fastest mesh, more where harmonics of the excitation or vibrations of a mesh are faster', &
+                            least=one, most=most_samples*one, automatic=zero), settings%samples)
+      call v%on_integer(row('max_periods', '', 'periods of the fundamental after which the search for the steady motion at the &
+         &beginning is &
+                            &given up, and the run-up begins with the state reached; 0: it begins at rest, or with the motion &
+                            &given in a call', least=zero), settings%max_periods)
+      call v%leave()
+   end subroutine visit_variables
+
+   subroutine check(self, train, seeded, checker)
+      class(run_up_analysis_type), intent(in) :: self
+      type(train_type), intent(in) :: train
+      logical, intent(in) :: seeded
+      class(checker_type), intent(inout) :: checker
+      type(train_type) :: plain
+      real(dp) :: start, stop, period, samples, factor
+      integer :: windows
+
+      associate (settings => self%settings)
+         if (checker%problems%in_group('run_up') .or. checker%problems%in_group('train')) return
+         call checker%enter('run_up', 1)
+         call plain_train(train, plain)
+         factor = lambda_per(train, settings%unit)
+         start = factor*settings%start
+         stop = factor*settings%stop
+         call check_unit(train, settings%unit, checker)
+         call check_frequency(train, 'from', settings%start, checker, settings%unit)
+         call check_frequency(train, 'to', settings%stop, checker, settings%unit)
+         if (checker%problems%in_group('run_up')) return
+         ! A mean period of the fundamental [s].
+         period = 2*pi/((start + stop)/2*plain%characteristic_frequency)
+         if (.not. settings%duration >= period*(1 - 1e-9_dp)) &
+            call checker%complain('duration', real_text(settings%duration), 'must be >= '//real_text(period)// &
+                                  ' s: a run-up takes one mean period of the fundamental at least')
+         windows = 1
+         if (allocated(plain%meshes)) windows = max(1, minval([most_samples, plain%meshes%order]))
+         samples = settings%samples*settings%duration/period*2*max(start, stop)/(start + stop)
+         if (.not. windows*settings%duration/period <= most_samples) then
+            call checker%complain('duration', real_text(settings%duration), 'must be shorter: the run-up has '// &
+               text(anint(windows*settings%duration/period))//' tooth periods of the slowest mesh, and '// &
+               integer_text(most_samples)//' at most')
+         else if (.not. samples <= most_samples) then
+            call checker%complain('samples', integer_text(settings%samples), 'must be fewer: the run-up has '// &
+               text(anint(samples))//' samples, and '//integer_text(most_samples)//' at most')
+         end if
+         call checker%leave()
+      end associate
+   end subroutine check
+
+   subroutine give_example(self)
+      class(run_up_analysis_type), intent(inout) :: self
+
+      self%settings%start = 0.2_dp
+      self%settings%stop = 2.6_dp
+      self%settings%duration = 2
+   end subroutine give_example
+
+   subroutine run(self, train, error, observer, start)
+      class(run_up_analysis_type), intent(inout) :: self
+      type(train_type), intent(in) :: train
+      type(error_type), allocatable, intent(out) :: error
+      class(observer_type), intent(inout) :: observer
+      type(motion_type), intent(in), optional :: start
+
+      if (.not. allocated(self%result%ended)) call run_up(train, self%settings, self%result, error, start, observer)
+   end subroutine run
+
+   subroutine tell_end(self, complete, ended)
+      class(run_up_analysis_type), intent(in) :: self
+      logical, intent(out) :: complete
+      character(:), allocatable, intent(out) :: ended
+
+      complete = self%result%complete
+      ended = ''
+      if (allocated(self%result%ended)) ended = self%result%ended
+   end subroutine tell_end
+
+   !> Follows the motion of a train while Lambda goes linearly in time from one value to another.
+   subroutine run_up(train, settings, result, error, start, observer)
+      !> The train as described.
+      type(train_type), intent(in) :: train
+      !> Ramp and samples.
+      type(run_up_settings_type), intent(in) :: settings
+      !> The run-up. A run-up under way, with a state but without `ended` as in a checkpoint of the same case, is taken up. A
+      !> target: an observer may read the samples so far through a pointer.
+      type(run_up_type), intent(inout), target :: result
+      type(error_type), allocatable, intent(out) :: error
+      !> Motion to settle from, with a state or coefficients; absent: at rest under the mean load.
+      type(motion_type), intent(in), optional :: start
+      !> Told of 'run up' after each period of the slowest mesh and of 'settling' before; may end the run-up.
+      class(observer_type), intent(inout), optional :: observer
+      type(run_up_settings_type), target :: copy
+      type(run_up_analysis_type) :: analysis
+      type(run_up_type) :: empty
+      type(system_type) :: system
+      type(ramp_type) :: ramp
+      character(:), allocatable :: note
+      logical :: stopped
+      integer :: samples
+
+      if (allocated(result%ended) .or. .not. allocated(result%state)) result = empty
+      call check_train(train, error)
+      if (allocated(error)) return
+      copy = settings
+      analysis%settings => copy
+      call analysis%check_alone(train, error)
+      if (allocated(error)) return
+      call build_system(train, system)
+      associate (factor => lambda_per(train, settings%unit))
+         ramp = make_ramp(factor*settings%start, factor*settings%stop, settings%duration*system%characteristic_frequency, &
+                          minval(system%law%order))
+      end associate
+      samples = settings%samples
+      if (samples == 0) samples = automatic_samples(system, ramp)
+      call make_room(system, ramp, samples, size(train%shafts), result, error)
+      if (allocated(error)) return
+      if (.not. allocated(result%state)) then
+         call find_start(system, settings, ramp%start, result, error, stopped, start, observer)
+         if (allocated(error)) return
+         if (stopped) then
+            result%ended = 'cancelled before the motion at Lambda = '//text(ramp%start)//' was steady'
+            return
+         end if
+      end if
+      call follow_ramp(system, ramp, result, observer)
+      if (result%start_period > 0) return
+      note = '; no steady motion was found at Lambda = '//text(ramp%start)//': the run-up begins with the state after ' &
+             //text(settings%max_periods)//' periods of the fundamental'
+      if (settings%max_periods > 0) result%ended = result%ended//note
+   end subroutine run_up
+
+   !> Finds the state with which the run-up begins.
+   subroutine find_start(system, settings, frequency_ratio, result, error, stopped, start, observer)
+      type(system_type), intent(in) :: system
+      type(run_up_settings_type), intent(in) :: settings
+      real(dp), intent(in) :: frequency_ratio
+      !> Gets state and start_period.
+      type(run_up_type), intent(inout) :: result
+      type(error_type), allocatable, intent(inout) :: error
+      logical, intent(out) :: stopped
+      type(motion_type), intent(in), optional :: start
+      class(observer_type), intent(inout), optional :: observer
+      type(integration_settings_type) :: settling
+      type(motion_type) :: motion
+      real(dp) :: state(system%states)
+
+      stopped = .false.
+      state = resting_state(system)
+      if (present(start)) then
+         call check_start(system, start, error)
+         if (allocated(error)) return
+         call state_of(system, start, state)
+      end if
+      if (settings%max_periods > 0) then
+         settling%max_periods = settings%max_periods
+         call settle(system, frequency_ratio, settling, state, motion, observer, stopped)
+         if (stopped) return
+         if (.not. allocated(motion%coefficients)) then
+            call fatal(error, 'run up: the motion grows without bound at Lambda = '//text(frequency_ratio)//', where the run-up &
+                       &begins', status_ended_early)
+            return
+         end if
+         result%start_period = motion%period
+      end if
+      result%state = state
+   end subroutine find_start
+
+   subroutine visit_fields(self, train, fields, summary)
+      class(run_up_analysis_type), intent(inout) :: self
+      type(train_type), intent(in) :: train
+      class(fields_type), intent(inout) :: fields
+      logical, intent(in) :: summary
+      real(dp), allocatable :: time(:)
+      integer :: n
+
+      associate (result => self%result)
+         if (.not. fields%enter('/run_up', 'motion while Lambda goes linearly in time from one value to another', .true.)) return
+         if (result%samples > 0) call fields%describe('coordinates', 'frequency window_time')
+         call carry_text(fields, field('ended', '', '', 'why it ended, in words, and whether it began with a steady motion'), &
+                         result%ended, 'not yet: these are the samples so far')
+         call carry(fields, field('complete', '', '', '1: the end of the ramp was reached'), result%complete)
+         call carry(fields, field('start_period', '', '', 'period of the steady motion with which it begins [fundamental mesh &
+                                  &periods]; 0: the state with which it begins is of no steady motion', least=0), &
+                    result%start_period)
+         ! The axis `time` is as long as the samples that are done, and all arrays along it are cut to this length.
+         if (allocated(result%time)) time = result%time(:result%samples)
+         call carry(fields, field('time', 'time', 's', 'equidistant, from the beginning of the ramp'), time)
+         if (fields%way == reading) call move_alloc(time, result%time)
+         n = merge(size(train%meshes), 0, result%samples > 0)
+         call fields%index_axis('mesh', n, about_mesh)
+         n = merge(size(train%shafts), 0, result%samples > 0)
+         call fields%index_axis('shaft', n, 'shaft, in the order of the train')
+         n = 0
+         if (allocated(result%state)) n = size(result%state)
+         call fields%index_axis('coordinate', n, 'displacement of each elastic element of the tree, then velocities')
+         n = result%windows
+         call fields%index_axis('window', n, 'period of the slowest mesh, from the beginning of the ramp')
+         if (allocated(fields%wrong)) return
+         call carry(fields, field('frequency', 'time', '1', about_frequency), result%frequency_ratio)
+         call carry(fields, field('displacement', 'time mesh', '1', 'mesh displacement / characteristic_length'), &
+                    result%displacement)
+         call carry(fields, field('mesh_force', 'time mesh', 'N', 'mesh force, damping included'), result%mesh_force)
+         call carry(fields, field('shaft_torque', 'time shaft', 'N m', 'torque of the shaft, damping and static torque included; &
+                                  &NaN for a rigid shaft'), result%shaft_torque)
+         call carry(fields, field('window_time', 'window', 's', 'middle of the window'), result%window_time)
+         call carry(fields, field('mesh_force_minimum', 'window mesh', 'N', &
+                                  'smallest mesh force over the window, between samples as well'), result%force_minimum)
+         call carry(fields, field('mesh_force_maximum', 'window mesh', 'N', 'largest mesh force over the window, likewise'), &
+                    result%force_maximum)
+         call carry(fields, field('shaft_torque_minimum', 'window shaft', 'N m', 'smallest torque over the window, likewise'), &
+                    result%torque_minimum)
+         call carry(fields, field('shaft_torque_maximum', 'window shaft', 'N m', 'largest torque over the window, likewise'), &
+                    result%torque_maximum)
+         call carry(fields, field('state', 'coordinate', '1', 'at the end of the last window: displacements / &
+                                  &characteristic_length, then velocities over time times characteristic_frequency'), result%state)
+         if (fields%way /= reading .or. allocated(fields%wrong)) return
+         result%windows = n
+         if (allocated(result%time)) result%samples = size(result%time)
+         call fields%check(allocated(result%state) .or. n == 0, 'state')
+         call fields%check(result%samples > 0 .eqv. n > 0, 'time')
+      end associate
+   end subroutine visit_fields
+
+   subroutine report(self, train, unit, seconds)
+      class(run_up_analysis_type), intent(in) :: self
+      type(train_type), intent(in) :: train
+      integer, intent(in) :: unit
+      real(dp), intent(in) :: seconds
+      character(label_length) :: meshes(size(train%meshes)), shafts(size(train%shafts))
+      integer :: i, n
+
+      meshes = mesh_labels(train)
+      shafts = shaft_labels(train)
+      associate (result => self%result)
+         n = result%windows
+         write (unit, '(2(a, i0), 3a)') 'Run-up: ', n, ' tooth periods of the slowest mesh, ', result%samples, ' samples, in ', &
+            fixed(seconds, 2), ' s'
+         do i = 1, merge(size(train%meshes), 0, n > 0)
+            call tell('force of '//trim(meshes(i)), result%force_minimum(i, :n), result%force_maximum(i, :n), 'N')
+         end do
+         do i = 1, merge(size(train%shafts), 0, n > 0)
+            if (train%shafts(i)%rigid) cycle
+            call tell('torque of '//trim(shafts(i)), result%torque_minimum(i, :n), result%torque_maximum(i, :n), 'N m')
+         end do
+         if (allocated(result%ended)) write (unit, '(2a)') '    ended: ', result%ended
+      end associate
+
+   contains
+
+      subroutine tell(what, low, high, of)
+         character(*), intent(in) :: what, of
+         real(dp), intent(in) :: low(:), high(:)
+
+         write (unit, '(8a)') '    ', what, ' from ', real_text(minval(low)), ' to ', real_text(maxval(high)), ' ', of
+      end subroutine tell
+
+   end subroutine report
+
+end module geartrain_analyses_run_up
