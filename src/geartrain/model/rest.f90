@@ -120,7 +120,8 @@ contains
       ! An unloaded mesh may stand anywhere in its gap.
       misfit = abs(matmul(taken, force*compliance + sign(gap, force)*merge(1, 0, abs(force) > 0))) &
                - matmul(abs(taken), merge(0.0_dp, gap, abs(force) > 0))
-      residual = max(0.0_dp, maxval(misfit/magnitude))
+      ! A path without backlash that bears nothing has no magnitude.
+      residual = max(0.0_dp, maxval(misfit/max(magnitude, tiny(unit))))
 
    contains
 
