@@ -333,7 +333,7 @@ contains
          character(*), intent(in) :: what, of
          real(dp), intent(in) :: low(:), high(:)
 
-         write (unit, '(8a)') '    ', what, ' from ', real_text(minval(low)), ' to ', real_text(maxval(high)), ' ', of
+         write (unit, '(8a)') '    ', what, ' from ', text(minval(low)), ' to ', text(maxval(high)), ' ', of
       end subroutine tell
 
    end subroutine report

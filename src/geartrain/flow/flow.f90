@@ -68,7 +68,6 @@ module geartrain_flow_flow
       procedure :: pass_period
       procedure :: displacement
       procedure :: velocity
-      procedure :: mesh_now
       procedure :: element_now
       procedure, private :: expand
       procedure, private :: expand_loops
@@ -128,7 +127,7 @@ contains
       self%events = 0
       self%slowest_event = huge(1.0_dp)
       do j = 1, self%system%meshes
-         call self%mesh_now(j, p, v)
+         call self%element_now(self%system%mesh_element(j), p, v)
          self%contact(j) = self%system%law(j)%region_at(p, v)
       end do
    end subroutine start
@@ -209,7 +208,7 @@ contains
          self%contact(mesh) = merge(wall + 1, wall, before == wall)
          if (law%jumps .and. self%columns > 1) call shear(self%system, n, law%damping(self%contact(mesh)) - law%damping(before), &
                                                           self%x(2:, :e), self%x(2:, e + 1:))
-         call self%mesh_now(mesh, p, v)
+         call self%element_now(self%system%mesh_element(mesh), p, v)
          self%slowest_event = min(self%slowest_event, abs(v))
       end associate
       self%events = self%events + 1
@@ -307,17 +306,6 @@ contains
          end do
       end associate
    end subroutine expand_loops
-
-   !> Displacement and velocity of a mesh at present.
-   pure subroutine mesh_now(self, mesh, p, v)
-      class(flow_type), intent(in) :: self
-      !> Number of the mesh.
-      integer, intent(in) :: mesh
-      !> Displacement over b_c and velocity [1].
-      real(dp), intent(out) :: p, v
-
-      call self%element_now(self%system%mesh_element(mesh), p, v)
-   end subroutine mesh_now
 
    !> Displacement and velocity of an element at present; of a shaft relative to rest.
    pure subroutine element_now(self, n, p, v)

@@ -96,7 +96,7 @@ contains
       spacing = period*mesh_period/size(displacement, 1)
       call flow%start(frequency_ratio, 0.0_dp)
       do j = 1, system%meshes
-         call flow%mesh_now(j, displacement(1, j), velocity(1, j))
+         call flow%element_now(system%mesh_element(j), displacement(1, j), velocity(1, j))
       end do
       if (present(torque)) then
          allocate (phi(size(displacement, 1), system%elements), source=0.0_dp)
@@ -154,7 +154,7 @@ contains
          integer, intent(in) :: region
          real(dp) :: p, v, phi
 
-         call flow%mesh_now(j, p, v)
+         call flow%element_now(system%mesh_element(j), p, v)
          associate (law => system%law(j))
             phi = law%damping(region)*v
             if (law%stiffness(region) > 0) &

@@ -4,6 +4,7 @@ module geartrain_flow_shaft_torque
    use geartrain_base_kinds, only: dp
    use geartrain_base_series, only: wave_value
    use geartrain_flow_flow, only: flow_type
+   use geartrain_flow_taylor, only: series_value
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
@@ -20,17 +21,13 @@ contains
       !> Forces over k b_c [1], (element).
       real(dp), intent(inout) :: phi(:)
       real(dp) :: p, v
-      integer :: k, n
+      integer :: n
 
       associate (system => flow%system)
          do n = 1, system%elements
             if (system%element_mesh(n) > 0) cycle
-            p = flow%p(1, n, flow%order)
-            v = flow%v(1, n, flow%order)
-            do k = flow%order - 1, 0, -1
-               p = p*tau + flow%p(1, n, k)
-               v = v*tau + flow%v(1, n, k)
-            end do
+            p = series_value(flow%p(1, n, :), tau)
+            v = series_value(flow%v(1, n, :), tau)
             phi(n) = system%static_force(n) + system%spring(n)*p + system%damping(n)*v
          end do
       end associate
