@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from numbers import Real
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._draw import new_axes
 from ._motion_table import motions_of, put_motions
+from ._units import Unit, lambda_of, units_of
 from ._variable import takes
 from ._watch import watched
 from .attractors import Attractors
 from .branch import Branch
+from .campbell import Campbell
 from .description import Description
 from .errors import InputError, SolverError, shown
 from .modes import Modes
 from .motion import Motion, Sweep, from_state
+from .schematic import draw_schematic, figure_size
 from .stability_map import StabilityMap
 from .variables import (
     VARIABLES,
@@ -28,6 +33,7 @@ from .variables import (
 )
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from typing_extensions import Unpack
 
     from ._box import Box
@@ -83,7 +89,7 @@ class Train(Description):
 
     def modes(self) -> Modes:
         """Natural frequencies, damping ratios and mode shapes of the mean system."""
-        return self._found("modes", {}, Modes._from, in_parts=False)
+        return self._found("modes", {}, lambda box: Modes._from(box, self), in_parts=False)
 
     @takes(VARIABLES["response"], ResponseKeywords)
     def response(self, *, seed: Motion | None = None, **settings: Unpack[ResponseKeywords]) -> Branch:
@@ -152,7 +158,7 @@ class Train(Description):
         Parameters
         ----------
         frequency : float
-            Lambda.
+            Lambda, or in ``unit``.
         start : Motion or array_like, optional
             Where to start: a motion, or displacement and then velocity of every elastic element, (2*elements,), as `Motion.state`.
         **settings
@@ -175,6 +181,7 @@ class Train(Description):
         (2, array([0.456399, 0.549464]))
         """
         asked = self._ask_at(frequency, settings)
+        at = lambda_of(self, frequency, settings["unit"])
 
         def work(progress: NDArray[np.float64]) -> Motion:
             with asked as box:
@@ -182,7 +189,7 @@ class Train(Description):
                     put_motions(box, start, what="start")
                 elif start is not None:
                     put_motions(box, from_state(start, *box.sizes()), what="start", only_state=True)
-                box.check(box.work("integrate", progress, frequency))
+                box.check(box.work("integrate", progress, at))
                 return Motion(train=self, **motions_of(box)[0])
 
         return watched(work, "integration")
@@ -231,7 +238,7 @@ class Train(Description):
         Parameters
         ----------
         frequency : float
-            Lambda.
+            Lambda, or in ``unit``.
         **settings
             Variables of ``&attractors``.
         follow : Branch, optional
@@ -297,7 +304,54 @@ class Train(Description):
         array([1.78, 2.04])
         """
         bar = settings["parameter_points"], "rows", settings["parameter"]
-        return self._found("stability_map", settings, StabilityMap._from, *bar)
+        return self._found("stability_map", settings, lambda box: StabilityMap._from(box, self), *bar)
+
+    def campbell(self, *, start: float, stop: float, unit: Unit | None = None) -> Campbell:
+        """Natural frequencies of the mean train, the orders that excite them, and the speeds where they meet.
+
+        Parameters
+        ----------
+        start, stop : float
+            Range of the frequency.
+        unit : {'Lambda', 'rpm', 'Hz'}, optional
+            Of the range; unless told rpm where Lambda is the speed in rpm, else Lambda.
+
+        Returns
+        -------
+        Campbell
+            Printed it is a table of the crossings.
+
+        Examples
+        --------
+        >>> diagram = train.campbell(start=0.2, stop=2.6)
+        >>> [(crossing.mode, round(crossing.frequency, 3)) for crossing in diagram.crossings]
+        [(1, 0.957), (2, 1.866)]
+        """
+        in_unit = units_of(self, unit).unit
+        for name, value in (("start", start), ("stop", stop)):
+            if isinstance(value, bool) or not isinstance(value, Real) or not 0 < value < float("inf"):
+                raise InputError(f"{name} = {shown(value)}: must be a number > 0")
+        return Campbell.of(self, self.natural_frequencies(), lambda_of(self, start, in_unit), lambda_of(self, stop, in_unit))
+
+    def plot(self, ax: Axes | None = None, *, speed: float | None = None) -> Axes:
+        """Draw the train: bodies as discs, larger with their base radii and dashed without a gear; shafts as lines, meshes dotted.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure unless told.
+        speed : float, optional
+            In rpm, of the body that tells the speed: the speed of every body is told then, else its turns per turn of that body.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Examples
+        --------
+        >>> train.plot().figure.savefig("train.png")  # doctest: +SKIP
+        """
+        return draw_schematic(self, new_axes(ax, figsize=figure_size(self)), speed=speed)
 
     def _found(
         self, name: str, settings: Mapping[str, Any], take: Callable[[Box], Result | None], *bar: Any, **more: Any

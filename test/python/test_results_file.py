@@ -47,7 +47,7 @@ def path(executable, tmp_path_factory):
 
 def test_root_tells_what_it_is(path):
     with h5py.File(path) as file:
-        assert file.attrs["format_version"] == 2
+        assert file.attrs["format_version"] == 3
         assert file.attrs["title"] == "Zahnräder, ein Paar"
         assert "damping_ratio = 0.05" in file.attrs["input"]
         assert "max_points" in file.attrs["input"], "defaults are included"

@@ -67,7 +67,7 @@ contains
    end subroutine begin_tangents
 
    !> Samples a period of an orbit at equidistant instants, the first at phase 0.
-   subroutine sample_orbit(system, frequency_ratio, period, state, displacement, force, share, largest)
+   subroutine sample_orbit(system, frequency_ratio, period, state, displacement, force, share, largest, rate)
       !> The train.
       type(system_type), intent(in) :: system
       !> Lambda [1]; state at phase 0 [1], (state).
@@ -82,6 +82,8 @@ contains
       real(dp), intent(out), optional :: share(-1:, :)
       !> Largest force and largest opposite force on either side of events [1], (2, mesh); 0 for a mesh without events.
       real(dp), intent(out), optional :: largest(:, :)
+      !> Mesh velocities, displacement derived by time [1], (samples, mesh).
+      real(dp), intent(out), optional :: rate(:, :)
       type(flow_type) :: flow
       real(dp) :: spacing, mesh_period, begun, spent(-1:1, system%meshes), velocity(size(displacement, 1), system%meshes)
       integer :: i, j, q, contact(system%meshes)
@@ -129,6 +131,7 @@ contains
          velocity = 0
       end if
       if (present(share)) share = spent/(period*mesh_period)
+      if (present(rate)) rate = velocity
       if (.not. present(force)) return
       do j = 1, system%meshes
          force(:, j) = [(system%law(j)%force(frequency_ratio*spacing*(q - 1), displacement(q, j), velocity(q, j)), q=1, &
