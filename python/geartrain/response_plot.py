@@ -157,18 +157,20 @@ class Curves(Readings):
         ax.plot([], [], color="0.35", linewidth=0.9, linestyle="-" if columns is not None else ":", label="jump")
 
     def _mark_ranges(self, ax: Axes, units: Units, columns: Sequence[int], colors: Sequence[Any]) -> None:
-        """A strip for each mesh above the axes: light where its teeth separate, dark where its back flanks collide."""
+        """Strips above the axes, a row for each mesh that has any: light where teeth separate, dark where back flanks collide."""
         known = self.stable is not None
-        for row, column in enumerate(columns):
-            color = colors[row] if len(colors) == len(columns) else f"C{column}"
+        row, named = 0, set[str]()
+        for place, column in enumerate(columns):
+            color = colors[place] if len(colors) == len(columns) else f"C{column}"
+            apart, behind = self.separation_ranges(column + 1, known), self.back_collision_ranges(column + 1, known)
             bottom = 1.012 + 0.026 * row
-            strips = (self.separation_ranges(column + 1, known), 0.35, "teeth separate"), (
-                self.back_collision_ranges(column + 1, known), 1.0, "back flanks collide")
-            for ends, alpha, name in strips:
+            row += bool(len(apart) or len(behind))
+            for ends, alpha, name in ((apart, 0.35, "teeth separate"), (behind, 1.0, "back flanks collide")):
                 for low, high in units.per_lambda * ends:
                     ax.axvspan(low, high, bottom, bottom + 0.02, color=color, alpha=alpha, linewidth=0, clip_on=False)
-                if not row:
-                    ax.fill_between([], [], color="0.3", alpha=alpha, linewidth=0, label=name)
+                    if name not in named:
+                        named.add(name)
+                        ax.fill_between([], [], color="0.3", alpha=alpha, linewidth=0, label=name)
 
 
 def plot_visits(

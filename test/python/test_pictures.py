@@ -1,5 +1,7 @@
 """Pictures: what is drawn are the results, on axes in their units; and what only pictures need."""
 
+from dataclasses import replace
+
 import matplotlib as mpl
 import numpy as np
 import pytest
@@ -70,6 +72,27 @@ def test_jumps_and_ranges_of_a_response(branch):
     assert len(plain.patches) == 0 and ax.get_xlim() == pytest.approx(plain.get_xlim())
     legend = [text.get_text() for text in ax.get_legend().get_texts()]
     assert legend == ["mesh 2", "jump", "teeth separate", "back flanks collide"]
+
+
+def test_the_torque_of_the_shafts_over_speed(branch, monkeypatch):
+    """Smallest and largest in one colour, of shafts that are not rigid."""
+    from geartrain import response_plot
+    from geartrain._box import Group, described
+
+    fields = {name: (("point", "shaft"), "N m", "") for name in ("shaft_torque_minimum", "shaft_torque_maximum")}
+    listed = {**described(), "/response": Group(about={**described()["/response"].about, **fields})}
+    monkeypatch.setattr(response_plot, "described", lambda: listed)
+    torque = np.array([100.0, np.nan, 300.0]) + 50 * branch.rms[:, :1]
+    turned = replace(branch, others={**branch.others, **dict(zip(fields, (torque, 2 * torque), strict=True))})
+    ax = turned.plot(quantity="shaft_torque")
+    assert ax.get_ylabel() == "shaft torque  [N m]"
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["shaft 1", "shaft 3"]
+    for color, column in (("C0", 0), ("C1", 2)):
+        drawn = {y for line in ax.lines if mpl.colors.same_color(line.get_color(), color) for y in line.get_ydata()}
+        assert drawn == {*torque[:, column], *(2 * torque[:, column])}
+    assert len(turned.plot(quantity="shaft_torque", shaft=3).lines) == len(ax.lines) // 2
+    with pytest.raises(gt.InputError, match="shaft = 4: must be 1 to 3"):
+        turned.plot(quantity="shaft_torque", shaft=4)
 
 
 def test_a_sweep_in_rpm(drawn):
