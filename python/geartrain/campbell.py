@@ -20,6 +20,7 @@ __all__ = ["Campbell", "Crossing", "Order", "exciting_orders"]
 
 Array = NDArray[np.float64]
 
+_MANY = 5  # names in a legend
 _LEAST = 1e-12  # of an amplitude: below it is the rounding of one that is zero
 
 
@@ -208,8 +209,9 @@ def exciting_orders(train: Description) -> tuple[Order, ...]:
 
 
 def _source(order: Order) -> str:
-    """What excites, without the harmonic."""
-    return ", ".join(name.split(" x ")[-1] for name in order.name.split(", "))
+    """What excites, without the harmonic; of many the first and the last."""
+    names = [name.split(" x ")[-1] for name in order.name.split(", ")]
+    return ", ".join(names) if len(names) < _MANY else f"{names[0]}, ..., {names[-1]}"
 
 
 def _labels(natural: Array, top: float) -> list[str]:

@@ -206,6 +206,8 @@ class Motion(Pictures):
             raise SolverError(f"the motion at Lambda = {self.frequency:g} has no period and no state to go on from")
         samples = samples or self._samples()
         own = self.period or periods
+        if max(own, periods) * samples >= 2**31:
+            raise InputError(f"periods = {periods}: of {samples} samples each, must be below {2**31 // samples}")
         time, displacement, force, velocity = watched(
             lambda progress: self._sample(own * samples, 0 if self.period else periods, progress), "trajectory", in_parts=False
         )

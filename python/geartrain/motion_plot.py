@@ -114,9 +114,7 @@ class Pictures:
         axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, frameon=False)
         return axes
 
-    def phase_plane(
-        self, mesh: int = 1, ax: Axes | None = None, *, periods: int | None = None, unit: Unit | None = None, **style: Any
-    ) -> Axes:
+    def phase_plane(self, mesh: int = 1, ax: Axes | None = None, *, periods: int | None = None, **style: Any) -> Axes:
         """Draw the velocity of a mesh over its displacement; grey where the teeth are apart.
 
         Parameters
@@ -127,13 +125,11 @@ class Pictures:
             Where to draw; a new figure unless told.
         periods : int, optional
             Periods of the fundamental; unless told a period of the motion, or 100 where it has none.
-        unit : {'Lambda', 'rpm', 'Hz'}, optional
-            Not used, as in all pictures without a frequency.
         **style
             For the line of matplotlib's ``plot``.
         """
         fine = 4 * self._samples()
-        ax, path, units = self._plane(mesh, ax, periods or self.period or _PLANE, unit, fine)
+        ax, path, units = self._plane(mesh, ax, periods or self.period or _PLANE, fine)
         displacement, velocity = path.displacement[:, mesh - 1], path.velocity[:, mesh - 1] * units.velocity_factor
         ends = [0] if self.period else []
         ax.plot(
@@ -142,9 +138,7 @@ class Pictures:
         )
         return self._with_gap(ax, mesh)
 
-    def poincare_section(
-        self, mesh: int = 1, ax: Axes | None = None, *, periods: int | None = None, unit: Unit | None = None, **style: Any
-    ) -> Axes:
+    def poincare_section(self, mesh: int = 1, ax: Axes | None = None, *, periods: int | None = None, **style: Any) -> Axes:
         """Draw the velocity of a mesh over its displacement once in each period of the fundamental, at phase 0.
 
         As many points as periods of a periodic motion, a closed curve of a quasi-periodic and a cloud of a chaotic one.
@@ -157,12 +151,10 @@ class Pictures:
             Where to draw; a new figure unless told.
         periods : int, optional
             Periods of the fundamental; unless told a period of the motion, or 1000 where it has none.
-        unit : {'Lambda', 'rpm', 'Hz'}, optional
-            Not used, as in all pictures without a frequency.
         **style
             For the points of matplotlib's ``plot``.
         """
-        ax, path, units = self._plane(mesh, ax, periods or self.period or _SECTION, unit, 1)
+        ax, path, units = self._plane(mesh, ax, periods or self.period or _SECTION, 1)
         displacement, velocity = path.section
         ax.plot(
             displacement[:, mesh - 1], velocity[:, mesh - 1] * units.velocity_factor,
@@ -170,9 +162,9 @@ class Pictures:
         )
         return self._with_gap(ax, mesh)
 
-    def _plane(self, mesh: int, ax: Axes | None, periods: int, unit: Unit | None, samples: int) -> tuple[Axes, Trajectory, Units]:
+    def _plane(self, mesh: int, ax: Axes | None, periods: int, samples: int) -> tuple[Axes, Trajectory, Units]:
         """Axes of displacement and velocity."""
-        units = units_of(self.train, unit)
+        units = units_of(self.train, None)
         self._chosen(mesh)
         path = self.trajectory(periods, samples=samples)
         ax = new_axes(ax)

@@ -18,6 +18,8 @@ __all__ = ["Joint", "draw_schematic", "figure_size", "joints_of", "places_of"]
 
 Array = NDArray[np.float64]
 
+_LONGEST = 10  # columns of bodies in a row
+
 
 @dataclass(frozen=True)
 class Joint:
@@ -122,7 +124,7 @@ def draw_schematic(
         turns = "" if told is None else "\n1 turn" if told == 1 else f"\n{told:.4g} turns"
         rate = f"\n{told * speed:.4g} rpm" if told is not None and speed is not None else turns
         ax.annotate(name + rate, (places[body][0], places[body][1] - sizes[body]), (0, -3), textcoords="offset points", ha="center",
-                    va="top", fontsize=8, zorder=4)
+                    va="top", fontsize=8, zorder=4, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8})
     ax.set_xlim(places[:, 0].min() - 0.8, places[:, 0].max() + 0.8)
     ax.set_ylim(places[:, 1].min() - 0.95, places[:, 1].max() + 0.6)
     ax.set_aspect("equal")
@@ -133,14 +135,18 @@ def draw_schematic(
 def figure_size(train: Description) -> tuple[float, float]:
     """Width and height of a figure of the train."""
     width, height = np.ptp(_places(train), axis=0)
-    return float(np.clip(width + 1.8, 5.0, 16.0)), float(np.clip(1.05 * height + 2.0, 2.4, 9.0))
+    return float(np.clip(width + 1.8, 5.0, 18.0)), float(np.clip(1.05 * height + 2.0, 2.4, 12.0))
 
 
 def _places(train: Description) -> Array:
-    """Where to draw the bodies, the one that tells the speed on the left."""
+    """Where to draw the bodies, the one that tells the speed on the left; a long train in rows, there and back."""
     bodies = train.body_labels
-    places: Array = places_of(len(bodies), joints_of(train), bodies.index(train.speed_name)) * [1.6, 1.15]
-    return places
+    across, height = places_of(len(bodies), joints_of(train), bodies.index(train.speed_name)).T
+    row, column = np.divmod(across, _LONGEST)
+    if row.max() > 0:
+        column = np.where(row % 2 == 0, column, _LONGEST - 1 - column)
+        height = height - row * (np.ptp(height) + 1.5)
+    return np.stack([1.6 * column, 1.15 * height], axis=1)
 
 
 def _sizes(bodies: int, joints: Sequence[Joint], numbers: Mapping[str, Mapping[str, Any]]) -> Array:
@@ -181,6 +187,10 @@ def _draw_joint(ax: Axes, joint: Joint, places: Array, sizes: Array, words: str,
     if share is not None and share >= 0.005:
         words = f"{joint.element}\n{100 * share:.3g} %"
     if words:
-        rise = 0 if abs(along[1]) < 0.1 else np.sign(along[1] * along[0])
-        ax.annotate(words, tuple(middle), (-4 * rise, 4 + thickness / 2 - 3 * abs(rise)), textcoords="offset points", va="bottom",
-                    ha={0: "center", 1: "right", -1: "left"}[int(rise)], fontsize=7, color="0.25", zorder=4)
+        text: dict[str, Any] = {"textcoords": "offset points", "fontsize": 7, "color": "0.25", "zorder": 4}
+        if abs(along[0]) < 0.1:
+            ax.annotate(words, tuple(middle), (4 + thickness / 2, 0), ha="left", va="center", **text)
+            return
+        rise = 0 if abs(along[1]) < 0.1 else int(np.sign(along[1] * along[0]))
+        beside = -4 * rise, 4 + thickness / 2 - 3 * abs(rise)
+        ax.annotate(words, tuple(middle), beside, ha={0: "center", 1: "right", -1: "left"}[rise], va="bottom", **text)

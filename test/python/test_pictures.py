@@ -295,6 +295,15 @@ def test_the_train_as_a_picture(drawn, split):
     assert "mesh 3\n1 : 1.667" in texts(split.plot()) and "driven gear 2" in texts(paper_train().plot())
 
 
+def test_a_long_train_goes_there_and_back():
+    mesh = paper_train().meshes[0]
+    train = paper_train(shafts=[gt.Shaft(stiffness=1e5, damping_ratio=0.01)] * 8, meshes=[mesh] * 7)
+    discs = [patch.center for patch in train.plot().patches if isinstance(patch, Circle)]
+    heights = [y for _, y in discs]
+    assert heights == sorted(heights, reverse=True) and len(set(heights)) == 2
+    assert discs[9][0] == discs[10][0] and discs[8][0] == discs[11][0]
+
+
 def test_the_layout_of_a_train_keeps_bodies_apart(split):
     from geartrain.schematic import Joint, joints_of, places_of
 
