@@ -9,14 +9,18 @@ module geartrain_python_box
    use geartrain_analyses_audit_fields, only: visit_audit
    use geartrain_analyses_list, only: find_analysis, number_of
    use geartrain_base_error, only: fatal
+   use geartrain_base_carry, only: carry
    use geartrain_base_field, only: field_type, text_type, values_type
    use geartrain_base_fields, only: fields_type, reading
    use geartrain_base_numbers, only: integer_text
    use geartrain_continuation_summary_fields, only: visit_bands, visit_jumps, visit_peaks, visit_ranges
    use geartrain_flow_fields, only: visit_motions
    use geartrain_input_check, only: check_analyses
+   use geartrain_model_drawing, only: plain_train
    use geartrain_model_explain, only: explain_train, explanation_text, warnings_text
-   use geartrain_model_labels, only: mesh_labels
+   use geartrain_model_frequency_unit, only: hertz_per_lambda, speed_per_lambda
+   use geartrain_model_labels, only: body_labels, mesh_labels, shaft_labels
+   use geartrain_model_train, only: train_type
    use geartrain_python_taker, only: taker_type
    use geartrain_run_reference, only: list_results
    use geartrain_run_results, only: take_results, visit_results
@@ -75,7 +79,7 @@ contains
       real(real64), pointer, volatile :: progress(:)
 
       progress => self%progress
-      ! The mesh periods of a motion that settles are no points of the analysis.
+      ! The periods of the fundamental of a motion that settles are no points of the analysis.
       if (analysis /= 'settling') progress(2) = done
       progress(3) = frequency_ratio
       if (progress(1) > 0) keep_going = .false.
@@ -237,11 +241,8 @@ contains
             call list_results(fields)
          case ('explanation')
             call explain_train(box%case%train, fields)
-         case ('labels')
-            if (.not. fields%enter('/labels', '', .true.)) return
-            n = size(box%case%train%meshes)
-            call fields%expect('mesh', n, mesh_labels(box%case%train))
-            call fields%index_axis('mesh', n, '')
+         case ('train')
+            call show_train(box%case%train, fields)
          case ('motions')
             if (.not. allocated(box%motions)) return
             if (.not. fields%enter('/motions', '', .true.)) return
@@ -263,6 +264,29 @@ contains
          end select
       end associate
    end subroutine show
+
+   !> Shows the names of bodies, meshes and shafts, the orders of the meshes, the characteristic length, and speed and frequency of
+   !> the fundamental at Lambda = 1, 0 where not known.
+   subroutine show_train(train, fields)
+      type(train_type), intent(in) :: train
+      type(fields_type), intent(inout) :: fields
+      type(train_type) :: plain
+      integer, allocatable :: order(:)
+      real(real64) :: value
+
+      if (.not. fields%enter('/train', '', .true.)) return
+      call plain_train(train, plain)
+      call fields%text_axis('body', body_labels(train), '')
+      call fields%text_axis('mesh', mesh_labels(train), '')
+      call fields%text_axis('shaft', shaft_labels(train), '')
+      order = plain%meshes%order
+      call carry(fields, field_type('order', 'mesh'), order)
+      call carry(fields, field_type('characteristic_length'), plain%characteristic_length)
+      value = speed_per_lambda(plain)
+      call carry(fields, field_type('speed'), value)
+      value = hertz_per_lambda(plain)
+      call carry(fields, field_type('fundamental_frequency'), value)
+   end subroutine show_train
 
    !> Makes of the fields put what they are of, see `take_fields`.
    subroutine take(box, what, error)

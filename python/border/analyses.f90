@@ -125,19 +125,28 @@ subroutine do_work(handle, what, values, n, progress, status)
    status = close_with(box, error)
 end subroutine do_work
 
-! One period of the box's first motion; force in N, torque in N m.
-subroutine sample_waveform(handle, samples, meshes, shafts, time, displacement, force, torque)
+! The box's first motion over one of its periods (`periods` 0), or over that many periods of the fundamental; force in N, torque in
+! N m.
+subroutine sample_waveform(handle, periods, samples, meshes, shafts, progress, time, displacement, velocity, force, torque)
    use geartrain, only: waveform
-   use geartrain_python_box, only: box_type, box_of
+   use geartrain_python_box, only: begin_watch, box_type, box_of, watch_type
    implicit none
    integer(8), intent(in) :: handle
-   integer, intent(in) :: samples, meshes, shafts
-   double precision, intent(out) :: time(samples), displacement(samples, meshes), force(samples, meshes), &
-                                   torque(samples, shafts)
+   integer, intent(in) :: periods, samples, meshes, shafts
+   double precision, intent(inout), target :: progress(3)
+   double precision, intent(out) :: time(samples), torque(samples, shafts)
+   double precision, dimension(samples, meshes), intent(out) :: displacement, velocity, force
    type(box_type), pointer :: box
+   type(watch_type) :: watch
+   !f2py threadsafe
 
    box => box_of(handle)
-   call waveform(box%case%train, box%motions(1), samples, time, displacement, force, torque)
+   call begin_watch(watch, box, progress)
+   if (periods > 0) then
+      call waveform(box%case%train, box%motions(1), samples, time, displacement, force, torque, velocity, periods)
+   else
+      call waveform(box%case%train, box%motions(1), samples, time, displacement, force, torque, velocity)
+   end if
 end subroutine sample_waveform
 
 ! Everything that the case asks for; `path` is where the results go, '' nowhere; `checkpoint` the file to go on from, '' none.

@@ -1,8 +1,9 @@
 ! Results over the border, out and in, as fields by name: whatever a type of result has, these routines carry.
 
-! Number of bytes of a text of the box: 'message', 'case' (the resolved namelist), 'version', 'audit' (its table), or 'fields': the
-! fields that the box shows, a line each: path of the group, name, kind (r, i, l or t), bytes of a text, extents in the order of
-! memory, dimensions in the reverse order, unit and description, parted by tabs. An attribute has no dimensions.
+! Number of bytes of a text of the box: 'message', 'case' (the resolved namelist), 'version', 'audit' (its table), 'explanation' and
+! 'warnings' (of the train), or 'fields': the fields that the box shows, a line each: path of the group, name, kind (r, i, l or t),
+! bytes of a text, extents in the order of memory, dimensions in the reverse order, unit and description, parted by tabs. An
+! attribute has no dimensions.
 subroutine text_size(handle, name, bytes)
    use geartrain_python_box, only: box_type, box_of, get_text
    implicit none
@@ -31,7 +32,7 @@ subroutine copy_text(handle, bytes, text)
    text = transfer(box%text, text)
 end subroutine copy_text
 
-! Makes the box show fields: 'results', 'labels' (of the meshes), 'explanation' (of the train), 'motions' (those on their own),
+! Makes the box show fields: 'results', 'train' (its names and units), 'explanation' (of the train), 'motions' (those on their own),
 ! 'audit', what is read off its response ('peaks', 'jumps', 'bands', 'separation', 'back collision'), or 'listing': all that there
 ! can be in a results file, without values.
 subroutine show_fields(handle, what)

@@ -35,14 +35,17 @@ from . import _box
 from .attractors import Attractors
 from .audit import Audit
 from .branch import Branch, SpecialPoint
+from .campbell import Campbell, Crossing, Order
 from .case import Case, Results, read_case, read_results
-from .errors import InputError, Interrupted, SolverError
+from .errors import DrawingWarning, InputError, Interrupted, SolverError
+from .explanation import Explanation
 from .modes import Modes
 from .motion import Motion, Sweep
 from .run_up import RunUp
 from .stability_map import StabilityMap
-from .summary import Jump, Peak
+from .summary import Jump, Peak, Peaks
 from .train import Train
+from .trajectory import Trajectory
 from .variables import Body, Mesh, Shaft
 
 __all__ = [
@@ -50,14 +53,20 @@ __all__ = [
     "Audit",
     "Body",
     "Branch",
+    "Campbell",
     "Case",
+    "Crossing",
+    "DrawingWarning",
+    "Explanation",
     "InputError",
     "Interrupted",
     "Jump",
     "Mesh",
     "Modes",
     "Motion",
+    "Order",
     "Peak",
+    "Peaks",
     "Results",
     "RunUp",
     "Shaft",
@@ -66,6 +75,7 @@ __all__ = [
     "StabilityMap",
     "Sweep",
     "Train",
+    "Trajectory",
     "read_case",
     "read_results",
 ]

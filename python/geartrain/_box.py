@@ -36,11 +36,14 @@ class Group:
         Those along dimensions, axes included.
     about : dict of tuple
         Of each array its dimensions, its unit and what it is.
+    told : dict of tuple
+        Of each attribute its unit and what it is.
     """
 
     attributes: dict[str, Any] = field(default_factory=dict)
     arrays: dict[str, Array] = field(default_factory=dict)
     about: dict[str, tuple[tuple[str, ...], str, str]] = field(default_factory=dict)
+    told: dict[str, tuple[str, str]] = field(default_factory=dict)
 
     def column(self, name: str, *shape: int) -> Array:
         """An array of a list; none of an empty one."""
@@ -143,6 +146,7 @@ class Box:
             if not names:
                 if name != "coordinates":  # which tells readers of the file alone something
                     group.attributes[name] = values.item()
+                    group.told[name] = unit, description
                 continue
             if names[-1] == "complex" and name != "complex":
                 pairs, names = np.ascontiguousarray(values), names[:-1]

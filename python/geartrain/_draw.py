@@ -1,4 +1,4 @@
-"""Response curves: stable solid, unstable dashed."""
+"""What pictures share: response curves, stable solid, unstable dashed; axes, lines of a spectrum."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ._extras import extra
 from .errors import InputError, shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["check_mesh", "draw_curve", "label_axes", "runs"]
+__all__ = ["check_number", "draw_curve", "draw_lines", "line_style", "new_axes", "runs"]
 
 
 def runs(stable: ArrayLike | None, segment: ArrayLike) -> Iterator[tuple[slice, bool]]:
@@ -40,10 +41,7 @@ def draw_curve(
     **style: Any,
 ) -> None:
     """Draw a curve; ``label`` names its first stable piece, or its first."""
-    from matplotlib.cbook import normalize_kwargs
-    from matplotlib.lines import Line2D
-
-    style = normalize_kwargs(style, Line2D)
+    style = line_style(style)
     frequency, values = np.asarray(frequency), np.asarray(values)
     pieces = list(runs(stable, np.ones(frequency.shape) if segment is None else segment))
     named = next((i for i, piece in enumerate(pieces) if piece[1]), 0)
@@ -57,13 +55,34 @@ def draw_curve(
         )
 
 
-def check_mesh(mesh: int, meshes: int) -> None:
-    """Refuse the number of a mesh that is not there; they count from 1."""
-    if isinstance(mesh, bool) or mesh not in range(1, meshes + 1):
-        raise InputError(f"mesh = {shown(mesh)}: must be 1 to {meshes}")
+def draw_lines(ax: Axes, places: ArrayLike, heights: ArrayLike, shift: float, color: Any) -> None:
+    """Lines of a spectrum, shifted by points so that those of several meshes stand side by side."""
+    from matplotlib.transforms import ScaledTranslation
+
+    figure = ax.get_figure()
+    assert figure is not None
+    beside = ax.transData + ScaledTranslation(shift / 72, 0.0, figure.dpi_scale_trans)
+    ax.vlines(places, 0.0, heights, colors=[color], linewidth=2.0, transform=beside)
 
 
-def label_axes(ax: Axes) -> None:
-    """Names of the paper's axes."""
-    ax.set_xlabel(r"mesh frequency  $\Lambda$")
-    ax.set_ylabel(r"mesh displacement  rms $/\, b_c$")
+def line_style(style: dict[str, Any]) -> dict[str, Any]:
+    """The style of a line with matplotlib's short names (c, ls, lw) written out."""
+    from matplotlib.cbook import normalize_kwargs
+    from matplotlib.lines import Line2D
+
+    named: dict[str, Any] = normalize_kwargs(style, Line2D)
+    return named
+
+
+def new_axes(ax: Axes | None, **figure: Any) -> Axes:
+    """The axes given, or those of a new figure."""
+    if ax is not None:
+        return ax
+    made: Axes = extra("matplotlib.pyplot").subplots(layout="constrained", **figure)[1]
+    return made
+
+
+def check_number(name: str, number: Any, most: int) -> None:
+    """Refuse the number of a mesh (shaft, mode) that is not there; they count from 1."""
+    if isinstance(number, bool) or number not in range(1, most + 1):
+        raise InputError(f"{name} = {shown(number)}: must be 1 to {most}")

@@ -61,7 +61,7 @@ def check_motion(
     harmonics = terms // 2
     if motion.period > max(harmonics, 1):
         raise InputError(
-            f"{what}: period = {shown(motion.period)}: has {harmonics} harmonics, of which none is the mesh frequency itself: "
+            f"{what}: period = {shown(motion.period)}: has {harmonics} harmonics, of which none is the fundamental itself: "
             "must be at most that many"
         )
 

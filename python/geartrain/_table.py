@@ -10,6 +10,7 @@ import numpy as np
 
 from ._box import Box, Group
 from ._dataset import dataset
+from .description import Description
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -25,19 +26,20 @@ class Table:
     path: ClassVar[str]
     #: Attributes that the group has under another name, and that name.
     names: ClassVar[Mapping[str, str]] = {}
+    train: Description | None
 
     @classmethod
-    def _from(cls: type[Any_table], box: Box) -> Any_table | None:  # noqa: PYI019
-        """The result that the box holds; None where it has none."""
+    def _from(cls: type[Any_table], box: Box, train: Description | None = None) -> Any_table | None:  # noqa: PYI019
+        """The result that the box holds, of a train; None where it has none."""
         group = box.results().get(cls.path)
         if group is None or not any(map(len, group.arrays.values())):
             return None
-        known = group.values()
+        known = {**group.values(), "train": train}
         return cls(**{item.name: known.get(cls.names.get(item.name, item.name)) for item in fields(cls)})  # type: ignore[arg-type]
 
     def _columns(self) -> tuple[dict[str, Any], dict[str, Any]]:
         """Attributes and arrays by their names in the group."""
-        values = {self.names.get(name, name): value for name, value in vars(self).items()}
+        values = {self.names.get(name, name): value for name, value in vars(self).items() if name != "train"}
         arrays = {name: value for name, value in values.items() if isinstance(value, (np.ndarray, tuple))}
         return {name: value for name, value in values.items() if name not in arrays}, arrays
 

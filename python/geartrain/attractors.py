@@ -56,11 +56,21 @@ class Attractors(list[Motion]):
         self.complete = complete
         self.branches = list(branches)
 
+    @property
+    def speed(self) -> float | None:
+        """Speed [rpm]; None where not every mesh has teeth, or without a motion."""
+        return self[0].speed if self else None
+
+    @property
+    def fundamental_frequency(self) -> float | None:
+        """Frequency of the fundamental [Hz]; None without a motion."""
+        return self[0].fundamental_frequency if self else None
+
     def to_dataset(self) -> Dataset:
         """The motions as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
         attributes = self._attributes()
         del attributes["frequency"]
-        return table(ATTRACTORS, self, (), attributes)
+        return table(ATTRACTORS, self, ("speed", "fundamental_frequency"), attributes)
 
     def __repr__(self) -> str:
         return f"<{len(self)} attractors from {self.starts} starts, {self.unsettled:.1%} unsettled: {self.ended}>"
@@ -68,7 +78,9 @@ class Attractors(list[Motion]):
     @classmethod
     def _from(cls, box: Box, train: Description, branches: Iterable[Branch] = ()) -> Attractors:
         motions = [Motion(train=train, **fields) for fields in motions_of(box, ATTRACTORS)]
-        return cls(motions, **box.results()[ATTRACTORS].attributes, branches=branches)
+        known = box.results()[ATTRACTORS].attributes
+        names = ("frequency", "starts", "random_seed", "unsettled", "ended", "complete")
+        return cls(motions, **{name: known[name] for name in names}, branches=branches)
 
     def _put(self, box: Box) -> None:
         """Put it into a box as its result."""

@@ -14,23 +14,25 @@ from numpy.typing import NDArray
 
 from ._box import Box, Group, described
 from ._dataset import dataset
-from ._draw import check_mesh, draw_curve, label_axes
-from ._extras import extra
 from ._motion_table import motions_of
+from ._units import Unit, hertz_of, lambda_of, speed_of
 from ._watch import watched
 from .audit import Audit
 from .description import Description, mesh_names
 from .errors import InputError, SolverError, shown
 from .motion import Motion
-from .summary import Readings
+from .response_plot import Curves
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from xarray import Dataset
 
 __all__ = ["Branch", "SpecialPoint"]
 
 Array = NDArray[np.float64]
+
+#: Fields of a point that follow from others and the train.
+_DERIVED = {"true_ac_rms", "speed", "fundamental_frequency"}
+
 
 @dataclass(frozen=True, eq=False)
 class SpecialPoint:
@@ -47,6 +49,8 @@ class SpecialPoint:
     rms : ndarray, (meshes,)
     undecided : bool
         Whether it rests on undecided points: on one side of it the next points are all undecided.
+    speed, fundamental_frequency : float or None
+        In rpm, where every mesh has teeth; in Hz.
     """
 
     kind: str
@@ -54,10 +58,12 @@ class SpecialPoint:
     point: int
     rms: Array
     undecided: bool = False
+    speed: float | None = None
+    fundamental_frequency: float | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Branch(Readings):
+class Branch(Curves):
     """Periodic motions along a branch, through its folds. Displacements are over the characteristic length.
 
     Attributes
@@ -151,8 +157,10 @@ class Branch(Readings):
     def __repr__(self) -> str:
         return f"<Branch of {len(self)} points: {self.ended}>"
 
-    def at(self, frequency: float) -> list[Motion]:
-        """Every solution of this branch at exactly that frequency (Lambda), in their order along the branch.
+    def at(self, frequency: float, *, unit: Unit = "Lambda") -> list[Motion]:
+        """Every solution of this branch at exactly that frequency, in their order along the branch.
+
+        ``unit`` is that of the frequency: Lambda, rpm or Hz, as in `Train.response`.
 
         Examples
         --------
@@ -168,6 +176,7 @@ class Branch(Readings):
             frequency = float(frequency)
         except OverflowError:
             raise InputError(f"frequency = {shown(frequency)}: must be a finite number") from None
+        frequency = lambda_of(self.train, frequency, unit)
 
         def work(progress: NDArray[np.float64]) -> list[Motion]:
             with self._box() as box:
@@ -261,39 +270,15 @@ class Branch(Readings):
 
         return watched(work, "period doubling")
 
-    def plot(self, mesh: int | None = None, ax: Axes | None = None, **style: Any) -> Axes:
-        """Draw rms over Lambda: stable solid, unstable dashed; ``branches`` thinner. Special points are left to the caller.
+    @property
+    def speed(self) -> Array | None:
+        """Speed [rpm] of the body that `Train.speed_name` tells, (points,); None where not every mesh has teeth."""
+        return speed_of(self.train, self.frequency)
 
-        Of one mesh, counted from 1, or of all; on the axes given or in a new figure. ``style`` is that of matplotlib's ``plot``.
-
-        Examples
-        --------
-        >>> ax = branch.plot(mesh=2, color="black")
-        >>> ax.figure.savefig("response.png")  # doctest: +SKIP
-        """
-        meshes = self.rms.shape[1]
-        if mesh is not None:
-            check_mesh(mesh, meshes)
-        if ax is None:
-            ax = extra("matplotlib.pyplot").subplots()[1]
-        chosen = range(1, meshes + 1) if mesh is None else [mesh]
-        from matplotlib.cbook import normalize_kwargs
-        from matplotlib.lines import Line2D
-
-        style = normalize_kwargs(style, Line2D)
-        label = style.pop("label", None)
-        names = mesh_names(self.train, meshes)
-        for number in chosen:
-            name = label or names[number - 1]
-            draw_curve(ax, self.frequency, self.rms[:, number - 1], self.stable, self.segment, name, **style)
-            # The same colour, whether it was given or the next of the cycle.
-            thin = {"color": ax.lines[-1].get_color(), "linewidth": 0.8, **style}
-            for branch in self.branches:
-                draw_curve(ax, branch.frequency, branch.rms[:, number - 1], branch.stable, branch.segment, **thin)
-        label_axes(ax)
-        if len(chosen) > 1:
-            ax.legend()
-        return ax
+    @property
+    def fundamental_frequency(self) -> Array | None:
+        """Frequency of the fundamental [Hz], (points,); None without a train."""
+        return hertz_of(self.train, self.frequency)
 
     @property
     def true_ac_rms(self) -> Array:
@@ -313,8 +298,9 @@ class Branch(Readings):
         attributes = {name: getattr(self, name) for name in names} | ({"origin": self.origin} if self.origin else {})
         values = {
             **self.arrays(), "true_ac_rms": self.true_ac_rms, "mesh_label": mesh_names(self.train, self.rms.shape[1]),
+            "speed": self.speed, "fundamental_frequency": self.fundamental_frequency,
         }
-        return dataset("/response", values, attributes, ("frequency",))
+        return dataset("/response", values, attributes, ("frequency", "speed", "fundamental_frequency"))
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write the branch and its ``branches`` as a results file, which `read_results` gives back as the response of its case.
@@ -387,13 +373,16 @@ class Branch(Readings):
             return None
         rows = box.results().get(f"{path}/special_points", Group())
         specials = [
-            SpecialPoint(kind, float(frequency), int(point) - 1, rms, bool(undecided))
+            SpecialPoint(
+                kind, float(frequency), int(point) - 1, rms, bool(undecided), speed_of(train, float(frequency)),
+                hertz_of(train, float(frequency)),
+            )
             for kind, frequency, point, undecided, rms in rows.rows("kind", "frequency", "after_point", "undecided", "rms")
         ]
         known = {item.name for item in fields(cls)}
-        # Axes, and what follows from the rms or the train, are no fields of their own; an attribute may have an array's name.
+        # Axes, and what follows from other fields or the train, are no fields of their own; an attribute may have an array's name.
         arrays = {name: values for name, values in group.arrays.items()
-                  if group.about[name][0] != (name,) and name not in {"true_ac_rms", "mesh_label"}}
+                  if group.about[name][0] != (name,) and not (name in _DERIVED or name.endswith("_label"))}
         told = {name: value for name, value in group.attributes.items() if name in known - arrays.keys()}
         found: dict[str, Any] = {**dict.fromkeys(_of_points()), **told, **arrays}
         others = {name: found.pop(name) for name in arrays if name not in known}

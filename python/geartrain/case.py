@@ -161,12 +161,12 @@ class Case:
         if response is not None:
             response.branches.extend(bifurcated)
         return Results(
-            modes=Modes._from(box),
+            modes=Modes._from(box, self.train),
             response=response,
             integration=Sweep._from(box, self.train) if INTEGRATION in box.results() else None,
             attractors=Attractors._from(box, self.train, branches[len(bifurcated):]) if ATTRACTORS in box.results() else None,
-            stability_map=StabilityMap._from(box),
-            run_up=RunUp._from(box),
+            stability_map=StabilityMap._from(box, self.train),
+            run_up=RunUp._from(box, self.train),
             branches=branches,
             ended=ended,
             text=self.text,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import zip_longest
@@ -12,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 from ._box import Box
 from ._namelist import group, in_words_of_the_call, values
 from ._variable import Part
-from .errors import InputError, shown
+from .errors import DrawingWarning, InputError, shown
+from .explanation import Explanation
 from .variables import PARTS, VARIABLES, TrainVariables
 
 if TYPE_CHECKING:
@@ -33,7 +35,8 @@ class Description(TrainVariables):
                 raise InputError(f"{name} = {shown(parts)}: must be a list of gt.{kind.__name__}")
             object.__setattr__(self, name, tuple(parts))
         super().__post_init__()
-        _ = self._kept  # which checks it
+        for told in self.warnings:  # which checks the train
+            warnings.warn(told, DrawingWarning, stacklevel=3)
 
     def namelist(self, **analyses: Unpack[Analyses]) -> str:
         """The train, and the analyses wanted, as a case file's text.
@@ -72,8 +75,50 @@ class Description(TrainVariables):
     @property
     def mesh_labels(self) -> tuple[str, ...]:
         """Names of the meshes by the bodies that they join, ``'pinion - wheel'``; ``'mesh 1'``, ... in a chain."""
+        return tuple(self._outline["mesh"])
+
+    @property
+    def shaft_labels(self) -> tuple[str, ...]:
+        """Names of the shafts by the bodies that they join, ``'motor - pinion'``; ``'shaft 1'``, ... in a chain."""
+        return tuple(self._outline["shaft"])
+
+    @property
+    def body_labels(self) -> tuple[str, ...]:
+        """Names of the bodies; ``'driving end'``, ``'driving gear 1'``, ``'driven gear 1'``, ..., ``'driven end'`` in a chain."""
+        return tuple(self._outline["body"])
+
+    @property
+    def speed_name(self) -> str:
+        """Name of the body whose revolutions are the speed."""
+        return self.speed_of or self.body_labels[0]
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Where a formula of the drawing is used outside its range, a sentence each."""
         with Box(copy=self._kept) as box:
-            return tuple(box.show("labels")["/labels"].arrays["mesh_label"])
+            return tuple(box.text("warnings").splitlines())
+
+    def explain(self) -> Explanation:
+        """Every number of the train, derived from the drawing or given, with its formula and source.
+
+        Returns
+        -------
+        Explanation
+            A mapping of mappings; printed it is the text of ``geartrain --explain``.
+
+        Examples
+        --------
+        >>> train.explain()["mesh 1"]["stiffness_cos"]
+        array([0.3])
+        """
+        with Box(copy=self._kept) as box:
+            return Explanation._of(box)
+
+    @cached_property
+    def _outline(self) -> dict[str, Any]:
+        """Names of bodies, meshes and shafts, orders of the meshes, characteristic length, and what Lambda = 1 is in rpm and Hz."""
+        with Box(copy=self._kept) as box:
+            return box.show("train")["/train"].values()
 
     @cached_property
     def _kept(self) -> Box:

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
-__all__ = ["InputError", "Interrupted", "SolverError", "shown"]
+__all__ = ["DrawingWarning", "InputError", "Interrupted", "SolverError", "shown"]
 
 _LONGEST = 80  # characters of a value in a message
 
 
 class InputError(ValueError):
     """Bad input; the message is the executable's own, with the names that a call has, one problem a line."""
+
+
+class DrawingWarning(UserWarning):
+    """A formula of the drawing is used outside the range that its source gives, or teeth are cut or meet as no involute."""
 
 
 class SolverError(RuntimeError):

@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ._dataset import dataset
+from ._draw import check_number, new_axes
 from ._table import Table
+from ._units import hertz_of
+from .description import Description
+from .schematic import draw_schematic, figure_size, joints_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from xarray import Dataset
 
 __all__ = ["Modes"]
 
@@ -29,6 +39,12 @@ class Modes(Table):
         What the elements are: ``'shaft 1'``, ``'mesh 1'``, ...
     element_label : tuple of str
         Names of the two bodies that each joins, ``'pinion - wheel'``; in a chain as ``element``.
+    body : tuple of str, or None
+        Names of the bodies; None of a file written by an earlier version.
+    rotation : ndarray, (modes, bodies), or None
+        Rotation of each body, positive as it turns when the train runs, the turning of the whole train left out, the largest of a
+        mode being 1.
+    train : Train
     """
 
     path = "/modes"
@@ -39,3 +55,67 @@ class Modes(Table):
     shape: NDArray[np.float64]
     element: tuple[str, ...]
     element_label: tuple[str, ...]
+    body: tuple[str, ...] | None = None
+    rotation: NDArray[np.float64] | None = None
+    train: Description | None = field(default=None, repr=False)
+
+    @property
+    def natural_frequency_hertz(self) -> NDArray[np.float64] | None:
+        """Undamped natural frequencies in Hz, (modes,); None without a train."""
+        return hertz_of(self.train, self.natural_frequency)
+
+    def to_dataset(self) -> Dataset:
+        """The modes as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
+        attributes, arrays = self._columns()
+        hertz = {"natural_frequency_hertz": self.natural_frequency_hertz}
+        return dataset(self.path, {**arrays, **hertz}, attributes, ("natural_frequency_hertz",))
+
+    def energy_shares(self, mode: int) -> dict[str, float]:
+        """Share of each element in the potential energy of a mode, counted from 1, by the names of ``element``."""
+        check_number("mode", mode, len(self.natural_frequency))
+        if self.train is None or self.rotation is None:
+            raise ValueError("these modes have no train, or no rotations of its bodies")
+        numbers, rotation = self.train.explain(), self.rotation[mode - 1]
+        energy = {}
+        for joint in joints_of(self.train):
+            if joint.element in self.element:
+                told, (one, other) = numbers[joint.element], joint.ends
+                driving, driven = told["base_radius"] if joint.is_mesh else (1.0, 1.0)
+                energy[joint.element] = float(told["stiffness"] * (driving * rotation[one] - driven * rotation[other]) ** 2)
+        total = sum(energy.values())
+        return {name: energy[name] / total for name in self.element}
+
+    def plot(self, mode: int = 1, ax: Axes | None = None) -> Axes:
+        """Draw a mode on the train: the colour of a body is its rotation, a line is as thick as the element has potential energy.
+
+        Parameters
+        ----------
+        mode : int
+            Counted from 1.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure unless told.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Examples
+        --------
+        >>> train.modes().plot(2).figure.savefig("mode.png")  # doctest: +SKIP
+        """
+        shares = self.energy_shares(mode)
+        assert self.train is not None and self.rotation is not None
+        ax = new_axes(ax, figsize=figure_size(self.train))
+        from matplotlib import colormaps
+        from matplotlib.cm import ScalarMappable
+        from matplotlib.colors import Normalize
+
+        shades = ScalarMappable(Normalize(-1, 1), colormaps["coolwarm"])
+        draw_schematic(self.train, ax, body_color=shades.to_rgba(self.rotation[mode - 1]), strength=shares)
+        figure = ax.get_figure()
+        assert figure is not None
+        figure.colorbar(shades, ax=ax, label="rotation, over the largest", shrink=0.8)
+        hertz = self.natural_frequency_hertz
+        assert hertz is not None
+        ax.set_title(f"mode {mode}:  {hertz[mode - 1]:.5g} Hz,  damping ratio {self.damping_ratio[mode - 1]:.3g}", fontsize=10)
+        return ax

@@ -14,13 +14,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._box import Box, fortran
 from ._dataset import dataset
-from ._draw import check_mesh
-from ._extras import extra
 from ._motion_check import check_motion, check_states
 from ._motion_table import INTEGRATION, as_columns, motions_of, put_motions, put_table
+from ._units import Unit, hertz_of, speed_of
 from ._watch import watched
 from .description import Description, mesh_names
 from .errors import InputError, SolverError, shown
+from .motion_plot import Pictures
+from .response_plot import plot_visits
+from .trajectory import Trajectory
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,7 +36,7 @@ _LONGEST = 16  # periods of the fundamental that stand for one period where none
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class Motion(Pictures):
     """A steady motion of a train, whichever method found it. Displacements are over the characteristic length.
 
     Attributes
@@ -120,6 +122,16 @@ class Motion:
         return self.kind == "unbounded"
 
     @property
+    def speed(self) -> float | None:
+        """Speed [rpm] of the body that `Train.speed_name` tells; None where not every mesh has teeth."""
+        return speed_of(self.train, self.frequency)
+
+    @property
+    def fundamental_frequency(self) -> float | None:
+        """Frequency of the fundamental [Hz]; None without a train."""
+        return hertz_of(self.train, self.frequency)
+
+    @property
     def time(self) -> Array:
         """Times of ``displacement``, in units of 1/characteristic_frequency, (samples,)."""
         return self._period[0]
@@ -140,7 +152,7 @@ class Motion:
         return self._period[3]
 
     @cached_property
-    def _period(self) -> tuple[Array, Array, Array, Array]:
+    def _period(self) -> tuple[Array, ...]:
         check_motion(self)
         harmonics = (self.coefficients.shape[-1] - 1) // 2
         return self._sample(max(256 * max(self.period or 1, 1), 16 * harmonics))
@@ -159,17 +171,63 @@ class Motion:
             In units of 1/characteristic_frequency.
         displacement : ndarray, (samples, meshes)
         """
-        if isinstance(samples, bool) or not isinstance(samples, Integral) or not 1 <= samples < 2**31:
-            raise InputError(f"samples = {shown(samples)}: must be a whole number >= 1 and below {2**31}")
-        return self._sample(samples)[:2]
+        _check_count("samples", samples, 1)
+        time, displacement, *_ = self._sample(samples)
+        return time, displacement
 
-    def _sample(self, samples: int) -> tuple[Array, Array, Array]:
-        """Time, displacement and mesh force."""
+    def trajectory(self, periods: int, *, samples: int = 0) -> Trajectory:
+        """The motion over a number of periods of the fundamental from phase 0 on.
+
+        A periodic motion repeats itself, any other goes on by integration from its state.
+
+        Parameters
+        ----------
+        periods : int
+            Periods of the fundamental.
+        samples : int
+            Evenly spaced, of each period of the fundamental; 0: 256, or 32 of a period of the fastest mesh.
+
+        Returns
+        -------
+        Trajectory
+
+        Raises
+        ------
+        Interrupted
+            On Ctrl-C.
+
+        Examples
+        --------
+        The Poincare section of a motion of period 2:
+
+        >>> displacement, velocity = train.integrate(1.92).trajectory(6).section
+        >>> displacement[:, 0].round(4)
+        array([1.5649, 1.8222, 1.5649, 1.8222, 1.5649, 1.8222])
+        """
+        _check_count("periods", periods, 1)
+        _check_count("samples", samples, 0)
+        check_motion(self)
+        if not self.period and self.state is None:
+            raise SolverError(f"the motion at Lambda = {self.frequency:g} has no period and no state to go on from")
+        samples = samples or self._samples()
+        own = self.period or periods
+        if max(own, periods) * samples >= 2**31:
+            raise InputError(f"periods = {periods}: of {samples} samples each, must be below {2**31 // samples}")
+        time, displacement, force, torque, velocity = watched(
+            lambda progress: self._sample(own * samples, 0 if self.period else periods, progress), "trajectory", in_parts=False
+        )
+        repeated = np.arange(periods * samples) % len(time)
+        times = np.arange(len(repeated), dtype=float) * (2 * np.pi / (self.frequency * samples))
+        return Trajectory(times, displacement[repeated], velocity[repeated], force[repeated], torque[repeated], samples)
+
+    def _sample(self, samples: int, periods: int = 0, progress: Array | None = None) -> tuple[Array, ...]:
+        """Time, displacement, mesh force, shaft torque and velocity, over a period of the motion or over periods of the fundamental."""
+        watch = np.zeros(3) if progress is None else progress
         with self._box() as box:
-            time, displacement, force, torque = fortran.sample_waveform(
-                box.handle, samples, len(self.rms), len(self.train.shafts)
+            time, displacement, velocity, force, torque = fortran.sample_waveform(
+                box.handle, periods, samples, len(self.rms), len(self.train.shafts), watch
             )
-            return time, displacement, force, torque
+            return time, displacement, force, torque, velocity
 
     def spectrum(self) -> tuple[Array, Array]:
         """Amplitudes of the harmonics of the mesh displacement, those of ``coefficients``; the mean is left out.
@@ -190,55 +248,6 @@ class Motion:
         cosine, sine = self.coefficients[:, 1::2], self.coefficients[:, 2::2]
         order = np.arange(1, cosine.shape[1] + 1) / (self.period or _LONGEST)
         return order, np.hypot(cosine, sine).T
-
-    def plot(self, mesh: int | None = None, axes: Sequence[Axes] | None = None, **style: Any) -> Sequence[Axes]:
-        """Draw one period of the displacement and of the mesh force, and the spectrum.
-
-        Parameters
-        ----------
-        mesh : int, optional
-            Which mesh, counted from 1; all of them unless told.
-        axes : three of matplotlib.axes.Axes, optional
-            Where to draw displacement, force and spectrum; a new figure unless told.
-        **style
-            For the lines of matplotlib's ``plot``.
-
-        Returns
-        -------
-        sequence of matplotlib.axes.Axes
-
-        Examples
-        --------
-        >>> axes = branch.at(0.9)[0].plot(mesh=2)
-        >>> axes[0].figure.savefig("motion.png")  # doctest: +SKIP
-        """
-        check_motion(self)
-        meshes = len(self.rms)
-        if mesh is not None:
-            check_mesh(mesh, meshes)
-        chosen = range(1, meshes + 1) if mesh is None else [mesh]
-        if axes is None:
-            axes = extra("matplotlib.pyplot").subplots(3, layout="constrained", figsize=(6.4, 7.2))[1]
-        names = mesh_names(self.train, meshes)
-        time = self.time * self.frequency / (2 * np.pi)
-        order, amplitude = self.spectrum()
-        width = 0.8 * (order[0] if len(order) else 1.0) / len(chosen)
-        for place, number in enumerate(chosen):
-            column = number - 1
-            (line,) = axes[0].plot(time, self.displacement[:, column], **{"label": names[column], **style})
-            axes[1].plot(time, self.mesh_force[:, column], **{"color": line.get_color(), **style})
-            shift = (place - (len(chosen) - 1) / 2) * width
-            axes[2].bar(order + shift, amplitude[:, column], width, color=line.get_color())
-        visible = order[(amplitude > 1e-3 * amplitude.max(initial=0.0)).any(axis=1)]
-        if len(visible):
-            axes[2].set_xlim(0, visible[-1] + order[0])
-        axes[0].set_ylabel(r"displacement $/\, b_c$")
-        axes[1].set_ylabel("mesh force, N")
-        axes[1].set_xlabel("time, periods of the fundamental")
-        axes[2].set_ylabel(r"amplitude $/\, b_c$")
-        axes[2].set_xlabel(r"order, multiples of $\Lambda$")
-        axes[0].legend()
-        return axes
 
     def refine(self) -> Motion:
         """The same orbit to integration accuracy (about 1e-11), by shooting with exact contact events.
@@ -303,6 +312,11 @@ class Motion:
         return box
 
 
+def _check_count(name: str, number: Any, least: int) -> None:
+    if isinstance(number, bool) or not isinstance(number, Integral) or not least <= int(number) < 2**31:
+        raise InputError(f"{name} = {shown(number)}: must be a whole number >= {least} and below {2**31}")
+
+
 class Sweep(list[Motion]):
     """Motions over frequency, in the order in which they were visited: a list of `Motion`.
 
@@ -341,10 +355,37 @@ class Sweep(list[Motion]):
         """(motions, meshes)."""
         return np.array([motion.dynamic_factor for motion in self])
 
+    @property
+    def speed(self) -> Array | None:
+        """Speed [rpm] of the body that `Train.speed_name` tells, (motions,); None where not every mesh has teeth."""
+        return speed_of(self[0].train if self else None, self.frequency)
+
+    @property
+    def fundamental_frequency(self) -> Array | None:
+        """Frequency of the fundamental [Hz], (motions,); None without a train."""
+        return hertz_of(self[0].train if self else None, self.frequency)
+
+    def plot(
+        self, mesh: int | None = None, ax: Axes | None = None, *, quantity: str = "rms", shaft: int | None = None,
+        unit: Unit | None = None, **style: Any,
+    ) -> Axes:
+        """Draw a quantity over the speed: a triangle for each motion, upwards and full with rising, downwards with falling speed.
+
+        ``mesh``, ``ax``, ``quantity``, ``shaft``, ``unit`` and ``style`` are those of `Branch.plot`.
+
+        Examples
+        --------
+        >>> ax = train.sweep(start=0.4, stop=0.8, points=3, direction="both").plot(quantity="mesh_force")
+        >>> ax.get_ylabel()
+        'largest mesh force  [N]'
+        """
+        return plot_visits(self, self[0].train if self else None, mesh, ax, quantity, shaft, unit, style)
+
     def to_dataset(self) -> Dataset:
         """The motions as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
         attributes = {"ended": self.ended, "complete": self.complete}
-        return table("/integration", self, ("frequency", "direction"), attributes, direction=list(self.direction))
+        coordinates = ("frequency", "speed", "fundamental_frequency", "direction")
+        return table("/integration", self, coordinates, attributes, direction=list(self.direction))
 
     def __repr__(self) -> str:
         return f"<Sweep of {len(self)} motions: {self.ended}>"
@@ -370,7 +411,9 @@ def table(
 ) -> Dataset:
     """Motions as the table of a group of the results file."""
     labels = mesh_names(motions[0].train, len(motions[0].rms)) if motions else None
-    return dataset(path, {**as_columns(motions), "mesh_label": labels, **columns}, dict(attributes or {}), coordinates)
+    train, frequency = motions[0].train if motions else None, np.array([motion.frequency for motion in motions])
+    speeds = {"speed": speed_of(train, frequency), "fundamental_frequency": hertz_of(train, frequency)}
+    return dataset(path, {**as_columns(motions), "mesh_label": labels, **speeds, **columns}, dict(attributes or {}), coordinates)
 
 
 def from_state(state: ArrayLike, meshes: int, states: int, what: str = "start") -> Motion:

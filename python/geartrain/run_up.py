@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from ._dataset import dataset
 from ._extras import extra
 from ._table import Table
+from ._units import Unit, units_of
+from .description import Description
 from .errors import InputError, shown
 
 if TYPE_CHECKING:
@@ -26,12 +28,7 @@ Array = NDArray[np.float64]
 _KINDS = {
     "mesh_force": ("mesh", "mesh force  [N]"),
     "shaft_torque": ("shaft", "shaft torque  [N m]"),
-    "displacement": ("mesh", "mesh displacement / characteristic length"),
-}
-#: Units of the frequency: the attribute and the label of the axis.
-_UNITS = {
-    "Lambda": ("frequency", r"fundamental frequency  $\Lambda$"),
-    "Hz": ("fundamental_frequency", "fundamental frequency  [Hz]"),
+    "displacement": ("mesh", "mesh displacement"),
 }
 #: Most rows of a waterfall; neighbouring lines of a spectrum share a row.
 _ROWS = 600
@@ -51,13 +48,15 @@ class RunUp(Table):
     frequency : ndarray, (samples,)
         Lambda.
     fundamental_frequency : ndarray, (samples,)
-        Fundamental mesh frequency [Hz].
+        Frequency of the fundamental [Hz].
+    speed : ndarray, (samples,), or None
+        [rpm]; None where not every mesh has teeth.
     displacement : ndarray, (samples, meshes)
         Over the characteristic length.
     mesh_force : ndarray, (samples, meshes)
         [N], damping included.
     shaft_torque : ndarray, (samples, shafts)
-        [N m], damping and static torque included; NaN for a rigid shaft.
+        [N m], damping and static torque included; NaN where rigid shafts side by side leave it undetermined.
     window_time : ndarray, (windows,)
         Middle of each window [s]; a window is a tooth period of the slowest mesh.
     mesh_force_minimum, mesh_force_maximum : ndarray, (windows, meshes)
@@ -74,6 +73,7 @@ class RunUp(Table):
         Whether it reached the end of the ramp.
     mesh_label, shaft_label : tuple of str
         Of each mesh and of each shaft.
+    train : Train or None
     """
 
     path = "/run_up"
@@ -95,6 +95,8 @@ class RunUp(Table):
     complete: bool
     mesh_label: tuple[str, ...]
     shaft_label: tuple[str, ...]
+    speed: Array | None = None
+    train: Description | None = None
 
     def __repr__(self) -> str:
         return f"<RunUp over {self.time[-1]:.6g} s, {len(self.time)} samples: {self.ended}>"
@@ -102,9 +104,10 @@ class RunUp(Table):
     def to_dataset(self) -> Dataset:
         """The run-up as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
         attributes, arrays = self._columns()
-        return dataset(self.path, arrays, attributes, ("frequency", "fundamental_frequency", "window_time"))
+        attributes = {name: value for name, value in attributes.items() if value is not None}
+        return dataset(self.path, arrays, attributes, ("frequency", "speed", "fundamental_frequency", "window_time"))
 
-    def plot(self, what: str = "mesh_force", ax: Axes | None = None, *, unit: str = "Lambda", **style: Any) -> Axes:
+    def plot(self, what: str = "mesh_force", ax: Axes | None = None, *, unit: Unit | None = None, **style: Any) -> Axes:
         """Draw the range that each force, torque or displacement goes through in each window, over the frequency.
 
         Parameters
@@ -112,8 +115,8 @@ class RunUp(Table):
         what : {'mesh_force', 'shaft_torque', 'displacement'}
         ax : matplotlib.axes.Axes, optional
             Where to draw; a new figure unless told.
-        unit : {'Lambda', 'Hz'}
-            Of the frequency.
+        unit : {'Lambda', 'rpm', 'Hz'}, optional
+            Of the frequency; unless told rpm where Lambda is the speed in rpm, else Lambda.
         **style
             For matplotlib's ``fill_between``.
 
@@ -127,8 +130,8 @@ class RunUp(Table):
         >>> run_up.plot().figure.savefig("run_up.png")  # doctest: +SKIP
         """
         along, label = _one_of("what", what, _KINDS)
-        attribute, frequency_label = _one_of("unit", unit, _UNITS)
-        frequency: Array = getattr(self, attribute)
+        units = units_of(self.train, unit)
+        frequency = self.frequency * units.per_lambda
         if what == "displacement":
             # The first sample of each window, by the phase.
             turns = self.time * (self.fundamental_frequency[0] + self.fundamental_frequency) / 2
@@ -144,8 +147,8 @@ class RunUp(Table):
             if not np.isnan(low[:, place]).any():
                 ax.fill_between(frequency, low[:, place], high[:, place], **{"alpha": 0.7, "lw": 1.0, "label": name, **style})
         ax.set_xlim(frequency[0], frequency[-1] if frequency[-1] != frequency[0] else None)
-        ax.set_xlabel(frequency_label)
-        ax.set_ylabel(label)
+        ax.set_xlabel(units.frequency)
+        ax.set_ylabel(f"{label}  {units.length}" if what == "displacement" else label)
         ax.legend()
         return ax
 
@@ -188,7 +191,7 @@ class RunUp(Table):
         return self.time[first] + (length - 1) / (2 * rate), np.fft.rfftfreq(length, 1 / rate), amplitude
 
     def waterfall(
-        self, what: str = "mesh_force", number: int = 1, ax: Axes | None = None, *, unit: str = "Lambda",
+        self, what: str = "mesh_force", number: int = 1, ax: Axes | None = None, *, unit: Unit | None = None,
         orders: Iterable[float] = (), highest: float | None = None, **style: Any,
     ) -> Axes:
         """Draw the `spectra`: amplitude as colour over the speed and the frequency.
@@ -200,8 +203,8 @@ class RunUp(Table):
             Of the mesh or of the shaft, from 1.
         ax : matplotlib.axes.Axes, optional
             Where to draw; a new figure unless told.
-        unit : {'Lambda', 'Hz'}
-            Of the fundamental frequency, along which the spectra stand.
+        unit : {'Lambda', 'rpm', 'Hz'}, optional
+            Of the speed, along which the spectra stand; unless told rpm where Lambda is the speed in rpm, else Lambda.
         orders : iterable of float
             Multiples of the fundamental frequency to draw as lines.
         highest : float, optional
@@ -222,7 +225,7 @@ class RunUp(Table):
         """
         time, lines, amplitude = self.spectra(what, number)
         along, _ = _one_of("what", what, _KINDS)
-        attribute, frequency_label = _one_of("unit", unit, _UNITS)
+        units = units_of(self.train, unit)
         if ax is None:
             ax = extra("matplotlib.pyplot").subplots()[1]
         if highest is None:
@@ -231,7 +234,7 @@ class RunUp(Table):
         group = np.arange(0, count, -(-count // _ROWS))
         shares = np.maximum.reduceat(amplitude[:, :count], group, axis=1)
         largest = shares.max() or 1.0
-        speed = np.interp(time, self.time, getattr(self, attribute))
+        speed = np.interp(time, self.time, self.frequency * units.per_lambda)
         across = speed if np.ptp(speed) > 0 else time
         image = ax.pcolormesh(
             across, lines[group], 20 * np.log10(np.maximum(shares, 1e-5 * largest) / largest).T,
@@ -248,7 +251,7 @@ class RunUp(Table):
         ax.set_ylim(0, highest)
         ax.set_xlim(across[0], across[-1])
         ax.grid(visible=False)
-        ax.set_xlabel(frequency_label if across is speed else "time  [s]")
+        ax.set_xlabel(units.frequency if across is speed else "time  [s]")
         ax.set_ylabel("frequency  [Hz]")
         ax.set_title(f"{what.replace('_', ' ')}, {getattr(self, f'{along}_label')[number - 1]}")
         return ax

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._dataset import dataset
+from ._draw import new_axes
 from ._extras import extra
 from ._table import Table
+from ._units import Unit, hertz_of, speed_of, units_of
+from .description import Description
 from .errors import InputError, shown
 
 if TYPE_CHECKING:
@@ -64,6 +67,7 @@ class StabilityMap(Table):
         Whether all rows are done and whole.
     mesh_label : tuple of str, or None
         Of each mesh, see `Train.mesh_labels`; None for a linear map.
+    train : Train
     """
 
     path = "/stability_map"
@@ -83,6 +87,7 @@ class StabilityMap(Table):
     ended: str
     complete: bool
     mesh_label: tuple[str, ...] | None = None
+    train: Description | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
         rows, points = self.motions.shape
@@ -93,7 +98,17 @@ class StabilityMap(Table):
         """Magnitude of ``multiplier``, (rows, points): below 1 there is a stable motion."""
         return np.abs(self.multiplier)
 
-    def plot(self, what: str = "spectral_radius", ax: Axes | None = None, **style: Any) -> Axes:
+    @property
+    def speed(self) -> Array | None:
+        """Speed [rpm] of the body that `Train.speed_name` tells, (points,); None where not every mesh has teeth."""
+        return speed_of(self.train, self.frequency)
+
+    @property
+    def fundamental_frequency(self) -> Array | None:
+        """Frequency of the fundamental [Hz], (points,); None without a train."""
+        return hertz_of(self.train, self.frequency)
+
+    def plot(self, what: str = "spectral_radius", ax: Axes | None = None, *, unit: Unit | None = None, **style: Any) -> Axes:
         """Draw the map, with the boundary of stability as a line.
 
         Parameters
@@ -101,6 +116,8 @@ class StabilityMap(Table):
         what : {'spectral_radius', 'stable_motions', 'motions'}
         ax : matplotlib.axes.Axes, optional
             Where to draw; a new figure unless told.
+        unit : {'Lambda', 'rpm', 'Hz'}, optional
+            Of the frequency; unless told rpm where Lambda is the speed in rpm, else Lambda.
         **style
             For matplotlib's ``pcolormesh``.
 
@@ -114,9 +131,10 @@ class StabilityMap(Table):
         """
         if what not in _TITLES:
             raise InputError(f"what = {shown(what)}: must be {', '.join(map(repr, _TITLES))}")
+        units = units_of(self.train, unit)
+        frequency = units.per_lambda * self.frequency
         plt = extra("matplotlib.pyplot")
-        if ax is None:
-            ax = plt.subplots()[1]
+        ax = new_axes(ax)
         values: NDArray[Any] = getattr(self, what)
         if what == "spectral_radius":
             defaults: dict[str, Any] = {"cmap": "RdBu_r", "vmin": 0.5, "vmax": 1.5}
@@ -127,21 +145,24 @@ class StabilityMap(Table):
             defaults = {"cmap": colours, "vmin": -0.5, "vmax": most + 0.5}
         # Rasterised, so that a picture as vectors stays small; set off from the grid by half a cell on each side.
         image = ax.pcolormesh(
-            self.frequency, self.parameter, values, **{"shading": "nearest", "rasterized": True, **defaults, **style}
+            frequency, self.parameter, values, **{"shading": "nearest", "rasterized": True, **defaults, **style}
         )
-        bar = ax.figure.colorbar(image, ax=ax, label=_TITLES[what])
+        figure = ax.get_figure()
+        assert figure is not None
+        bar = figure.colorbar(image, ax=ax, label=_TITLES[what])
         if what != "spectral_radius":
             bar.set_ticks(range(most + 1))
         elif min(values.shape) > 1 and np.nanmin(values) < 1 < np.nanmax(values):
-            ax.contour(self.frequency, self.parameter, values, levels=[1.0], colors="black", linewidths=0.8)
+            ax.contour(frequency, self.parameter, values, levels=[1.0], colors="black", linewidths=0.8)
         ax.grid(visible=False)
-        ax.set_xlabel(r"mesh frequency  $\Lambda$")
+        ax.set_xlabel(units.frequency)
         ax.set_ylabel(_NAMES[self.name] + (f"  [{self.unit}]" if self.unit != "1" else ""))
         return ax
 
     def to_dataset(self) -> Dataset:
         """The map as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
         attributes, arrays = self._columns()
-        found = dataset(self.path, {**arrays, "spectral_radius": self.spectral_radius}, attributes)
+        derived = {name: getattr(self, name) for name in ("spectral_radius", "speed", "fundamental_frequency")}
+        found = dataset(self.path, {**arrays, **derived}, attributes)
         found["parameter"].attrs["units"] = self.unit
         return found

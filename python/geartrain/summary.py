@@ -9,10 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._box import Box, Group
-from ._draw import check_mesh
+from ._draw import check_number
+from ._text_table import text_table
+from ._units import hertz_of, speed_of
+from .description import Description
 from .errors import InputError
 
-__all__ = ["Jump", "Peak", "Readings"]
+__all__ = ["Jump", "Peak", "Peaks", "Readings"]
 
 Array = NDArray[np.float64]
 
@@ -31,6 +34,12 @@ class Peak:
         Of that point; None where stability was not asked for.
     undecided : bool
         Whether ``stable`` is a guess.
+    mesh : int
+        Number of the mesh, from 1.
+    mesh_force_maximum, dynamic_factor : float
+        Largest mesh force in N at that point, and over the static mesh force.
+    speed, fundamental_frequency : float or None
+        In rpm, where every mesh has teeth; in Hz.
     """
 
     frequency: float
@@ -38,6 +47,25 @@ class Peak:
     point: int
     stable: bool | None
     undecided: bool = False
+    mesh: int = 1
+    mesh_force_maximum: float = float("nan")
+    dynamic_factor: float = float("nan")
+    speed: float | None = None
+    fundamental_frequency: float | None = None
+
+
+class Peaks(list[Peak]):
+    """Peaks of a branch: a list of `Peak` that is printed as a table."""
+
+    def __str__(self) -> str:
+        names = {
+            "mesh": "mesh", "speed": "speed [rpm]", "fundamental_frequency": "fundamental [Hz]", "frequency": "Lambda",
+            "rms": "rms",
+            "mesh_force_maximum": "largest force [N]", "dynamic_factor": "dynamic factor", "stable": "stable",
+        }
+        return text_table({heading: [getattr(peak, name) for peak in self] for name, heading in names.items()})
+
+    __repr__ = __str__
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +93,8 @@ class Jump:
     undecided : bool
         Whether it rests on undecided points: no decided point near it is stable on one side and none unstable on the other, or the
         motion after it is undecided.
+    speed, fundamental_frequency : float or None
+        In rpm, where every mesh has teeth; in Hz.
     """
 
     frequency: float
@@ -75,6 +105,8 @@ class Jump:
     after: NDArray[np.float64]
     candidates: int
     undecided: bool = False
+    speed: float | None = None
+    fundamental_frequency: float | None = None
 
 
 class Readings:
@@ -82,13 +114,16 @@ class Readings:
 
     rms: Array
     stable: NDArray[np.bool_] | None
+    mesh_force_maximum: Array
+    dynamic_factor: Array
+    train: Description | None
 
     def _box(self) -> Box:
         """A box of the branch, which may be changed."""
         raise NotImplementedError
 
-    def peaks(self, mesh: int) -> list[Peak]:
-        """The local maxima of the rms of a mesh, counted from 1, in their order along the branch.
+    def peaks(self, mesh: int | None = None) -> Peaks:
+        """The local maxima of the rms of a mesh, counted from 1, in their order along the branch; of all meshes unless told.
 
         Examples
         --------
@@ -97,12 +132,16 @@ class Readings:
         (0.731, 3.046, True)
         """
         known = self.stable is not None
-        rows = self._read_off("peaks", mesh).rows("frequency", "rms", "point", "stable", "undecided", "mesh")
-        return [
-            Peak(float(f), float(rms), int(point) - 1, bool(stable) if known else None, bool(undecided))
+        rows = self._read_off("peaks", mesh or 1).rows("frequency", "rms", "point", "stable", "undecided", "mesh")
+        return Peaks(
+            Peak(
+                float(f), float(rms), int(point) - 1, bool(stable) if known else None, bool(undecided), int(number),
+                float(self.mesh_force_maximum[point - 1, number - 1]), float(self.dynamic_factor[point - 1, number - 1]),
+                *self._speeds(float(f)),
+            )
             for f, rms, point, stable, undecided, number in rows
-            if number == mesh
-        ]
+            if mesh is None or number == mesh
+        )
 
     @cached_property
     def jumps(self) -> list[Jump]:
@@ -117,8 +156,8 @@ class Readings:
         """
         names = ("frequency", "kind", "direction", "cause", "rms_before", "rms_after", "candidates", "undecided")
         return [
-            Jump(float(frequency), kind, direction, cause, before, after, int(candidates), bool(undecided))
-            for frequency, kind, direction, cause, before, after, candidates, undecided in self._read_off("jumps").rows(*names)
+            Jump(float(at), kind, direction, cause, before, after, int(candidates), bool(undecided), *self._speeds(float(at)))
+            for at, kind, direction, cause, before, after, candidates, undecided in self._read_off("jumps").rows(*names)
         ]
 
     @property
@@ -161,13 +200,16 @@ class Readings:
         """
         return self._ranges("back collision", mesh, stable)
 
+    def _speeds(self, frequency: float) -> tuple[float | None, float | None]:
+        return speed_of(self.train, frequency), hertz_of(self.train, frequency)
+
     def _read_off(self, what: str, mesh: int = 1) -> Group:
-        check_mesh(mesh, self.rms.shape[1])
+        check_number("mesh", mesh, self.rms.shape[1])
         with self._box() as box:
             return box.read_off(what)
 
     def _ranges(self, what: str, mesh: int, stable: bool) -> Array:
-        check_mesh(mesh, self.rms.shape[1])
+        check_number("mesh", mesh, self.rms.shape[1])
         if stable and self.stable is None:
             raise InputError("stable = True: the stability of this branch was not asked for")
         found = self._read_off(what)

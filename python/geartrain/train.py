@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from numbers import Real
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._draw import new_axes
 from ._motion_table import motions_of, put_motions
+from ._units import Unit, lambda_of, units_of
 from ._variable import takes
 from ._watch import watched
 from .attractors import Attractors
 from .branch import Branch
+from .campbell import Campbell
 from .description import Description
 from .errors import InputError, SolverError, shown
 from .modes import Modes
 from .motion import Motion, Sweep, from_state
 from .run_up import RunUp
+from .schematic import draw_schematic, figure_size
 from .stability_map import StabilityMap
 from .variables import (
     VARIABLES,
@@ -30,6 +35,7 @@ from .variables import (
 )
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from typing_extensions import Unpack
 
     from ._box import Box
@@ -85,7 +91,7 @@ class Train(Description):
 
     def modes(self) -> Modes:
         """Natural frequencies, damping ratios and mode shapes of the mean system."""
-        return self._found("modes", {}, Modes._from, in_parts=False)
+        return self._found("modes", {}, lambda box: Modes._from(box, self), in_parts=False)
 
     @takes(VARIABLES["response"], ResponseKeywords)
     def response(self, *, seed: Motion | None = None, **settings: Unpack[ResponseKeywords]) -> Branch:
@@ -154,7 +160,7 @@ class Train(Description):
         Parameters
         ----------
         frequency : float
-            Lambda.
+            Lambda, or in ``unit``.
         start : Motion or array_like, optional
             Where to start: a motion, or displacement and then velocity of every elastic element, (2*elements,), as `Motion.state`.
         **settings
@@ -177,11 +183,12 @@ class Train(Description):
         (2, array([0.456399, 0.549464]))
         """
         asked = self._ask_at(frequency, settings)
+        at = lambda_of(self, frequency, settings["unit"])
 
         def work(progress: NDArray[np.float64]) -> Motion:
             with asked as box:
                 self._put_start(box, start, "start")
-                box.check(box.work("integrate", progress, frequency))
+                box.check(box.work("integrate", progress, at))
                 return Motion(train=self, **motions_of(box)[0])
 
         return watched(work, "integration")
@@ -230,7 +237,7 @@ class Train(Description):
         Parameters
         ----------
         frequency : float
-            Lambda.
+            Lambda, or in ``unit``.
         **settings
             Variables of ``&attractors``.
         follow : Branch, optional
@@ -296,7 +303,54 @@ class Train(Description):
         array([1.78, 2.04])
         """
         bar = settings["parameter_points"], "rows", settings["parameter"]
-        return self._found("stability_map", settings, StabilityMap._from, *bar)
+        return self._found("stability_map", settings, lambda box: StabilityMap._from(box, self), *bar)
+
+    def campbell(self, *, start: float, stop: float, unit: Unit | None = None) -> Campbell:
+        """Natural frequencies of the mean train, the orders that excite them, and the speeds where they meet.
+
+        Parameters
+        ----------
+        start, stop : float
+            Range of the frequency.
+        unit : {'Lambda', 'rpm', 'Hz'}, optional
+            Of the range; unless told rpm where Lambda is the speed in rpm, else Lambda.
+
+        Returns
+        -------
+        Campbell
+            Printed it is a table of the crossings.
+
+        Examples
+        --------
+        >>> diagram = train.campbell(start=0.2, stop=2.6)
+        >>> [(crossing.mode, round(crossing.frequency, 3)) for crossing in diagram.crossings]
+        [(1, 0.957), (2, 1.866)]
+        """
+        in_unit = units_of(self, unit).unit
+        for name, value in (("start", start), ("stop", stop)):
+            if isinstance(value, bool) or not isinstance(value, Real) or not 0 < value < float("inf"):
+                raise InputError(f"{name} = {shown(value)}: must be a number > 0")
+        return Campbell.of(self, self.natural_frequencies(), lambda_of(self, start, in_unit), lambda_of(self, stop, in_unit))
+
+    def plot(self, ax: Axes | None = None, *, speed: float | None = None) -> Axes:
+        """Draw the train: bodies as discs, larger with their base radii and dashed without a gear; shafts as lines, meshes dotted.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure unless told.
+        speed : float, optional
+            In rpm, of the body that tells the speed: the speed of every body is told then, else its turns per turn of that body.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Examples
+        --------
+        >>> train.plot().figure.savefig("train.png")  # doctest: +SKIP
+        """
+        return draw_schematic(self, new_axes(ax, figsize=figure_size(self)), speed=speed)
 
     @takes(VARIABLES["run_up"], RunUpKeywords)
     def run_up(self, *, seed: Motion | ArrayLike | None = None, **settings: Unpack[RunUpKeywords]) -> RunUp:
@@ -334,7 +388,7 @@ class Train(Description):
             with asked as box:
                 self._put_start(box, seed, "seed")
                 status = box.run("run_up", progress)
-                found = RunUp._from(box)
+                found = RunUp._from(box, self)
                 box.check(status, whole=found is None)
                 if found is None:
                     raise SolverError("nothing found")

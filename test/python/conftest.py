@@ -3,6 +3,7 @@
 import os
 import shutil
 import subprocess
+from itertools import pairwise
 from pathlib import Path
 
 import h5py
@@ -28,6 +29,24 @@ def paper_train(half_backlash=30e-6, **changes):
         "characteristic_length": 30e-6, "characteristic_frequency": 9870.0, "shafts": shafts, "meshes": meshes,
     }
     return gt.Train(**{**values, **changes})
+
+
+REDUCER = {"title": "two-stage reducer", "speed_of": "motor"}
+
+
+def reducer(shafts=None, teeth=(23, 71), **changes):
+    """A reducer of two helical stages as a drawing gives it; ``teeth`` are those of the first stage."""
+    names = ("motor", "pinion 1", "wheel 1", "pinion 2", "wheel 2", "load")
+    bodies = [gt.Body(name="motor", inertia=0.02, torque=90.0), *(gt.Body(name=name) for name in names[1:-1]),
+              gt.Body(name="load", inertia=1.5, balances=True)]
+    ends = list(pairwise(names))
+    sections = ((0.030, 0.150), (0.040, 0.120), (0.060, 0.200))
+    shafts = shafts or [gt.Shaft(between=between, diameter=[diameter], length=[length], damping_ratio=0.01)
+                        for between, (diameter, length) in zip(ends[::2], sections, strict=True)]
+    drawn = {"helix_angle": 15.0, "backlash": 60e-6, "damping_ratio": 0.05, "stiffness_harmonics": 3, "error_cos": 3e-6}
+    meshes = [gt.Mesh(between=ends[1], teeth=teeth, normal_module=2.5e-3, face_width=0.040, **drawn),
+              gt.Mesh(between=ends[3], teeth=(19, 80), normal_module=4e-3, face_width=0.070, **drawn)]
+    return gt.Train(**{**REDUCER, "bodies": bodies, "shafts": shafts, "meshes": meshes, **changes})
 
 
 def single_pair(torque, damping_ratio=0.05, **mesh):

@@ -55,6 +55,7 @@ HUGE = "points=10000, parameter_points=10000"
     (60, MAP.format("points=20"), (2.0,)),
     (30, "response(start=1.5, stop=4.0, period_doublings=2)", (2.0, 4.0)),
     (700, "modes()", (0.3, 2.0)),
+    (30, "integrate(0.9, max_periods=1).trajectory(1000000, samples=1)", (2.0,)),
     (700, "natural_frequencies()", (2.0,)),
 ])
 def test_within_a_second(meshes, call, waits):

@@ -50,7 +50,7 @@ def test_a_misspelt_keyword_is_told(train):
         train.response(**ENDS, harmonic=6)
     with pytest.raises(TypeError, match="missing a required argument: 'stop'"):
         train.response(start=0.2)
-    with pytest.raises(gt.InputError, match="&response: there is no harmonic: must be one of start, stop, harmonics"):
+    with pytest.raises(gt.InputError, match="&response: there is no harmonic: must be one of start, stop, unit, harmonics"):
         train.namelist(response={**ENDS, "harmonic": 6})
     with pytest.raises(TypeError, match="unexpected keyword argument 'respons'"):
         train.namelist(respons=ENDS)

@@ -90,6 +90,11 @@ contains
          call carry(fields, row('damping_ratio', 'mode', '1', 'damping ratio of the mode'), modes%damping_ratio)
          call carry(fields, row('shape', 'mode element', '1', 'displacement of each element (a mesh: along the line of action; a &
                                 &shaft: twist times base radius), largest 1'), modes%shape)
+         if (.not. fields%has('body', allocated(modes%body))) return
+         call carry(fields, row('body', 'body', '', 'name of each body; in a chain `driving end`, `driving gear 1`, `driven gear &
+                                &1`, ..., `driven end`', optional=.true.), modes%body)
+         call carry(fields, row('rotation', 'mode body', '1', 'rotation of each body, positive as it turns when the train runs, &
+                                &the turning of the whole train left out; largest 1', optional=.true.), modes%rotation)
       end associate
    end subroutine visit_fields
 

@@ -68,7 +68,7 @@ contains
    end subroutine begin_tangents
 
    !> Samples a period of an orbit at equidistant instants, the first at phase 0.
-   subroutine sample_orbit(system, frequency_ratio, period, state, displacement, force, share, largest, torque)
+   subroutine sample_orbit(system, frequency_ratio, period, state, displacement, force, share, largest, torque, rate)
       !> The train.
       type(system_type), intent(in) :: system
       !> Lambda [1]; state at phase 0 [1], (state).
@@ -85,6 +85,8 @@ contains
       real(dp), intent(out), optional :: largest(:, :)
       !> Torques of the shafts [N m], (samples, shaft); `force` must be present too.
       real(dp), intent(out), optional :: torque(:, :)
+      !> Mesh velocities, displacement derived by time [1], (samples, mesh).
+      real(dp), intent(out), optional :: rate(:, :)
       type(flow_type) :: flow
       real(dp), allocatable :: phi(:, :)
       real(dp) :: spacing, mesh_period, begun, spent(-1:1, system%meshes), velocity(size(displacement, 1), system%meshes)
@@ -138,6 +140,7 @@ contains
          velocity = 0
       end if
       if (present(share)) share = spent/(period*mesh_period)
+      if (present(rate)) rate = velocity
       if (.not. present(force)) return
       do j = 1, system%meshes
          force(:, j) = [(system%law(j)%force(frequency_ratio*spacing*(q - 1), displacement(q, j), velocity(q, j)), q=1, &

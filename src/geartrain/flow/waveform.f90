@@ -1,4 +1,4 @@
-!> Time history of a motion over a period.
+!> Time history of a motion, over a period or longer.
 module geartrain_flow_waveform
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp, pi
@@ -17,7 +17,7 @@ contains
 
    !> Samples a period of a motion (16 periods of the fundamental where no period was found) at equidistant instants, the first at
    !> phase 0.
-   subroutine waveform(train, motion, samples, time, displacement, force, torque)
+   subroutine waveform(train, motion, samples, time, displacement, force, torque, velocity, periods)
       !> The train, which has been checked.
       type(train_type), intent(in) :: train
       !> The motion: integrated where it has a state, else summed from its coefficients.
@@ -30,31 +30,37 @@ contains
       real(dp), intent(out), optional :: force(:, :)
       !> Torque of the shafts [N m], (samples, shaft).
       real(dp), intent(out), optional :: torque(:, :)
+      !> Mesh velocities, displacement derived by time [1], (samples, mesh).
+      real(dp), intent(out), optional :: velocity(:, :)
+      !> Periods of the fundamental to sample instead of a period of the motion, which has a state.
+      integer, intent(in), optional :: periods
       type(system_type) :: system
-      real(dp) :: phi(samples, size(displacement, 2))
+      real(dp), dimension(samples, size(displacement, 2)) :: phi, rate
       integer :: period, q, j
 
       call build_system(train, system)
       period = merge(motion%period, 16, motion%period > 0)
+      if (present(periods)) period = periods
       time = [(2*pi*period/motion%frequency_ratio*(q - 1)/samples, q=1, samples)]
       if (allocated(motion%state)) then
-         call sample_orbit(system, motion%frequency_ratio, period, motion%state, displacement, phi, torque=torque)
+         call sample_orbit(system, motion%frequency_ratio, period, motion%state, displacement, phi, torque=torque, rate=rate)
       else
-         call sum_series(system, motion, period, displacement, phi)
+         call sum_series(system, motion, period, displacement, phi, rate)
          if (present(torque)) call find_torques(system, motion, time, phi, torque)
       end if
+      if (present(velocity)) velocity = rate
       if (.not. present(force)) return
       do j = 1, system%meshes
          force(:, j) = phi(:, j)*system%stiffness(system%mesh_element(j))*system%characteristic_length
       end do
    end subroutine waveform
 
-   !> Mesh displacements over characteristic length and mesh forces over k b_c from the coefficients.
-   subroutine sum_series(system, motion, period, displacement, phi)
+   !> Mesh displacements over characteristic length, mesh forces over k b_c and mesh velocities from the coefficients.
+   subroutine sum_series(system, motion, period, displacement, phi, rate)
       type(system_type), intent(in) :: system
       type(motion_type), intent(in) :: motion
       integer, intent(in) :: period
-      real(dp), intent(out) :: displacement(:, :), phi(:, :)
+      real(dp), intent(out) :: displacement(:, :), phi(:, :), rate(:, :)
       integer, allocatable :: harmonic(:)
       real(dp) :: slope, curvature
       integer :: samples, q, j, k
@@ -65,7 +71,8 @@ contains
          do q = 1, samples
             associate (theta => 2*pi*(q - 1)/samples)
                call evaluate(motion%coefficients(:, j), harmonic, theta, displacement(q, j), slope, curvature)
-               phi(q, j) = system%law(j)%force(period*theta, displacement(q, j), slope*motion%frequency_ratio/period)
+               rate(q, j) = slope*motion%frequency_ratio/period
+               phi(q, j) = system%law(j)%force(period*theta, displacement(q, j), rate(q, j))
             end associate
          end do
       end do

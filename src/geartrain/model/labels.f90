@@ -1,15 +1,35 @@
-!> What results call shafts and meshes: by the bodies that they join, 'pinion - wheel', or in a chain 'shaft 1', 'mesh 1'.
+!> What results call bodies by, and shafts and meshes: by the bodies that they join, 'pinion - wheel', or in a chain 'shaft 1',
+!> 'mesh 1'.
 module geartrain_model_labels
+   use geartrain_model_bodies, only: body_count
    use geartrain_model_body, only: name_length
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: label_length, mesh_labels, shaft_labels
+   public :: body_labels, label_length, mesh_labels, shaft_labels
 
    !> Most characters of a label.
    integer, parameter :: label_length = 2*name_length + 16
 
 contains
+
+   !> Names of the bodies; in a chain 'driving end', 'driving gear 1', 'driven gear 1', ..., 'driven end', (body).
+   pure function body_labels(train) result(labels)
+      !> A train that is in order.
+      type(train_type), intent(in) :: train
+      character(label_length) :: labels(body_count(train))
+      integer :: i
+
+      do i = 1, size(labels)
+         if (allocated(train%bodies)) then
+            labels(i) = train%bodies(i)%name
+         else if (i == 1 .or. i == size(labels)) then
+            labels(i) = merge('driving end', 'driven end ', i == 1)
+         else
+            write (labels(i), '(2a, i0)') trim(merge('driving', 'driven ', mod(i, 2) == 0)), ' gear ', i/2
+         end if
+      end do
+   end function body_labels
 
    !> Labels of the meshes, the driving body first; no two are equal, (mesh).
    pure function mesh_labels(train) result(labels)

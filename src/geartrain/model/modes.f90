@@ -6,7 +6,8 @@ module geartrain_model_modes
    use geartrain_base_sorting, only: ascending
    use geartrain_linalg_lapack, only: dgeev
    use geartrain_model_check, only: check_train
-   use geartrain_model_labels, only: label_length, mesh_labels, shaft_labels
+   use geartrain_model_labels, only: body_labels, label_length, mesh_labels, shaft_labels
+   use geartrain_model_network, only: network_type
    use geartrain_model_spectrum, only: eigenvalues_of
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
@@ -22,10 +23,14 @@ module geartrain_model_modes
       real(dp), allocatable :: damped_frequency(:), damping_ratio(:)
       !> Displacement of each element (mesh displacement, or shaft twist times base radius), largest 1, (element, mode).
       real(dp), allocatable :: shape(:, :)
+      !> Rotation of each body, the turning of the whole train left out, largest 1, (body, mode).
+      real(dp), allocatable :: rotation(:, :)
       !> 'shaft 1', 'mesh 1', ...: the elastic elements in the order of the case, (element).
       character(16), allocatable :: element(:)
       !> Names of the two bodies that an element joins, 'pinion - wheel'; in a chain as `element`, (element).
       character(label_length), allocatable :: element_label(:)
+      !> Names of the bodies, (body).
+      character(label_length), allocatable :: body(:)
    end type modes_type
 
 contains
@@ -62,6 +67,7 @@ contains
 
       shafts = shaft_labels(train)
       meshes = mesh_labels(train)
+      modes%body = body_labels(train)
       associate (shown => elastic(system))
          allocate (modes%element(size(shown)), modes%element_label(size(shown)))
          do i = 1, size(shown)
@@ -108,7 +114,7 @@ contains
       real(dp) :: square(system%displacements)
       integer :: i
 
-      allocate (modes%shape(system%elements, system%displacements))
+      allocate (modes%shape(system%elements, system%displacements), modes%rotation(size(system%network%node), system%displacements))
       call eigenvalues_of(system, stiffness_at_rest(system), square, info, modes%shape)
       if (info /= 0) return
       modes%natural_frequency = sqrt(max(square, 0.0_dp))
@@ -116,9 +122,43 @@ contains
          modes%shape(:, i) = modes%shape(:, i) &
                              /sqrt(system%stiffness*merge(stiffness_at_rest(system), 1.0_dp, system%spring > 0))
          modes%shape(:, i) = modes%shape(:, i)/modes%shape(maxloc(abs(modes%shape(:, i)), 1), i)
+         call find_rotations(system%network, modes%shape(:, i), modes%rotation(:, i))
       end do
       modes%shape = modes%shape(elastic(system), :)
    end subroutine undamped
+
+   !> Finds the rotations of the bodies from the displacements of the elements of the tree. They bear no angular momentum of the
+   !> train turning as a whole.
+   pure subroutine find_rotations(network, shape, rotation)
+      type(network_type), intent(in) :: network
+      !> Displacement of each element, (element).
+      real(dp), intent(in) :: shape(:)
+      !> Rotation of each body, largest 1, (body).
+      real(dp), intent(out) :: rotation(:)
+      real(dp) :: theta(size(network%inertia)), rigid(size(network%inertia))
+      logical :: known(size(network%inertia))
+      integer :: n
+
+      theta = 0
+      known = .false.
+      known(network%elements(1)%from) = .true.
+      do n = 1, network%displacements
+         associate (element => network%elements(n))
+            associate (from => element%from, to => element%to, radius => element%radius)
+               if (known(from)) then
+                  theta(to) = (radius(1)*theta(from) - shape(n))/radius(2)
+               else
+                  theta(from) = (radius(2)*theta(to) + shape(n))/radius(1)
+               end if
+               known([from, to]) = .true.
+            end associate
+         end associate
+      end do
+      rigid = 1/network%radius
+      theta = theta - rigid*sum(network%inertia*rigid*theta)/sum(network%inertia*rigid**2)
+      theta = theta/maxval(abs(theta))
+      rotation = theta(network%node)
+   end subroutine find_rotations
 
    !> Stiffness of each element at rest over its mean stiffness [1], (element): 1 except on back flanks of another stiffness; 0 of
    !> damping to ground.

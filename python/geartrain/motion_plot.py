@@ -1,0 +1,212 @@
+"""A motion as pictures: time history and spectrum, phase plane, Poincare section."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._draw import check_number, draw_lines, line_style, new_axes
+from ._extras import extra
+from ._motion_check import check_motion
+from ._orders import named_orders
+from ._units import Unit, Units, units_of
+from .description import Description, mesh_names
+from .trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["Pictures"]
+
+Array = NDArray[np.float64]
+
+#: Lines of a spectrum that are drawn, and that are named, relative to the largest; most names.
+_VISIBLE, _NAMED, _MOST_NAMES = 3e-3, 0.03, 12
+#: Periods of the fundamental of a motion without a period.
+_PLANE, _SECTION = 100, 1000
+#: Least room for a name, over the width of the axes.
+_ROOM = 0.022
+
+
+class Pictures:
+    """A motion as pictures."""
+
+    frequency: float
+    period: int
+    rms: Array
+    train: Description | None
+
+    def trajectory(self, periods: int, *, samples: int = 0) -> Trajectory:
+        """The motion over a number of periods."""
+        raise NotImplementedError
+
+    def spectrum(self) -> tuple[Array, Array]:
+        """Orders and amplitudes."""
+        raise NotImplementedError
+
+    def _samples(self) -> int:
+        """Samples of a period of the fundamental: 256, or 32 of the fastest mesh."""
+        return max(256, 32 * int(max(self.train._outline["order"])) if self.train else 0)
+
+    def plot(
+        self, mesh: int | None = None, axes: Sequence[Axes] | None = None, *, periods: int | None = None, unit: Unit | None = None,
+        **style: Any,
+    ) -> Sequence[Axes]:
+        """Draw the time history of the displacement and of the mesh force, and the spectrum of the displacement.
+
+        Where meshes have different orders, or bodies their revolutions, the largest lines of the spectrum have names.
+
+        Parameters
+        ----------
+        mesh : int, optional
+            Which mesh, counted from 1; all of them unless told.
+        axes : three of matplotlib.axes.Axes, optional
+            Where to draw displacement, force and spectrum; a new figure unless told.
+        periods : int, optional
+            Periods of the fundamental; unless told a period of the motion, or 16 where it has none.
+        unit : {'Lambda', 'rpm', 'Hz'}, optional
+            Lambda: time in periods of the fundamental, orders in its multiples. rpm: time in ms, orders in multiples of the speed.
+            Hz: time in ms, the spectrum over the frequency. Unless told rpm where Lambda is the speed in rpm, else Lambda.
+        **style
+            For the lines of matplotlib's ``plot``.
+
+        Returns
+        -------
+        sequence of matplotlib.axes.Axes
+
+        Examples
+        --------
+        >>> axes = branch.at(0.9)[0].plot(mesh=2)
+        >>> axes[0].figure.savefig("motion.png")  # doctest: +SKIP
+        """
+        units = units_of(self.train, unit)
+        chosen = self._chosen(mesh)
+        history: Any = self if periods is None else self.trajectory(periods)
+        if axes is None:
+            axes = extra("matplotlib.pyplot").subplots(3, layout="constrained", figsize=(6.4, 7.2))[1]
+        assert axes is not None
+        style = line_style(style)
+        names = mesh_names(self.train, len(self.rms))
+        time = history.time * self._time_factor(units)
+        order, amplitude = self.spectrum()
+        shown = (amplitude > _VISIBLE * amplitude.max(initial=0.0)).any(axis=1)
+        places = order * self._order_factor(units)
+        for row, column in enumerate(chosen):
+            (line,) = axes[0].plot(time, history.displacement[:, column], **{"label": names[column], **style})
+            axes[1].plot(time, history.mesh_force[:, column], **{"color": line.get_color(), **style})
+            shift = 2.5 * (row - (len(chosen) - 1) / 2)
+            draw_lines(axes[2], places[shown], amplitude[shown, column], shift, line.get_color())
+        if shown.any():
+            axes[2].set_xlim(0, 1.03 * places[shown][-1] + places[0])
+            axes[2].set_ylim(0, 1.45 * amplitude[:, chosen].max())
+            self._name_lines(axes[2], order, places, amplitude[:, chosen].max(axis=1))
+        axes[0].set_ylabel(f"displacement {units.length}")
+        axes[1].set_ylabel("mesh force  [N]")
+        axes[1].set_xlabel(units.time)
+        axes[2].set_ylabel(f"amplitude {units.length}")
+        turns = f"order, per revolution of {self.train.speed_name}" if self.train is not None else ""
+        axes[2].set_xlabel({"Lambda": r"order, multiples of $\Lambda$", "rpm": turns, "Hz": "frequency  [Hz]"}[units.unit])
+        for ax in axes[:2]:
+            ax.margins(x=0)
+        axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, frameon=False)
+        return axes
+
+    def phase_plane(self, mesh: int = 1, ax: Axes | None = None, *, periods: int | None = None, **style: Any) -> Axes:
+        """Draw the velocity of a mesh over its displacement; grey where the teeth are apart.
+
+        Parameters
+        ----------
+        mesh : int
+            Counted from 1.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure unless told.
+        periods : int, optional
+            Periods of the fundamental; unless told a period of the motion, or 100 where it has none.
+        **style
+            For the line of matplotlib's ``plot``.
+        """
+        fine = 4 * self._samples()
+        ax, path, units = self._plane(mesh, ax, periods or self.period or _PLANE, fine)
+        displacement, velocity = path.displacement[:, mesh - 1], path.velocity[:, mesh - 1] * units.velocity_factor
+        ends = [0] if self.period else []
+        ax.plot(
+            np.append(displacement, displacement[ends]), np.append(velocity, velocity[ends]),
+            **{"linewidth": 1.0 if self.period and fine == 1024 else 0.4, **line_style(style)},
+        )
+        return self._with_gap(ax, mesh)
+
+    def poincare_section(self, mesh: int = 1, ax: Axes | None = None, *, periods: int | None = None, **style: Any) -> Axes:
+        """Draw the velocity of a mesh over its displacement once in each period of the fundamental, at phase 0.
+
+        As many points as periods of a periodic motion, a closed curve of a quasi-periodic and a cloud of a chaotic one.
+
+        Parameters
+        ----------
+        mesh : int
+            Counted from 1.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure unless told.
+        periods : int, optional
+            Periods of the fundamental; unless told a period of the motion, or 1000 where it has none.
+        **style
+            For the points of matplotlib's ``plot``.
+        """
+        ax, path, units = self._plane(mesh, ax, periods or self.period or _SECTION, 1)
+        displacement, velocity = path.section
+        ax.plot(
+            displacement[:, mesh - 1], velocity[:, mesh - 1] * units.velocity_factor,
+            **{"linestyle": "none", "marker": "o", "markersize": 5.0 if self.period else 1.5, **line_style(style)},
+        )
+        return self._with_gap(ax, mesh)
+
+    def _plane(self, mesh: int, ax: Axes | None, periods: int, samples: int) -> tuple[Axes, Trajectory, Units]:
+        """Axes of displacement and velocity."""
+        units = units_of(self.train, None)
+        self._chosen(mesh)
+        path = self.trajectory(periods, samples=samples)
+        ax = new_axes(ax)
+        ax.set_xlabel(f"displacement of {mesh_names(self.train, len(self.rms))[mesh - 1]} {units.length}")
+        ax.set_ylabel(f"velocity {units.velocity}")
+        return ax, path, units
+
+    def _with_gap(self, ax: Axes, mesh: int) -> Axes:
+        """The gap of a mesh in grey, as far as the motion comes near it."""
+        if self.train is not None:
+            numbers = self.train.explain()
+            half = numbers[f"mesh {mesh}"]["half_backlash"] / numbers["train"]["characteristic_length"]
+            ends = ax.get_xlim()
+            ax.axvspan(-half, half, color="0.92", zorder=0)
+            ax.set_xlim(ends)
+        return ax
+
+    def _chosen(self, mesh: int | None) -> Sequence[int]:
+        """Columns of the meshes to draw."""
+        check_motion(self)
+        if mesh is None:
+            return range(len(self.rms))
+        check_number("mesh", mesh, len(self.rms))
+        return [mesh - 1]
+
+    def _time_factor(self, units: Units) -> float:
+        return units.time_factor * (self.frequency if units.unit == "Lambda" else 1.0)
+
+    def _order_factor(self, units: Units) -> float:
+        """What the order 1, in multiples of Lambda, is on the axis of the spectrum."""
+        if units.unit == "Lambda" or self.train is None:
+            return 1.0
+        return units.per_lambda * self.frequency if units.unit == "Hz" else 1.0 / self.train.explain()["train"]["speed_ratio"]
+
+    def _name_lines(self, ax: Axes, order: Array, places: Array, height: Array) -> None:
+        """Names at the largest lines: multiples of the mesh orders, their sums and differences, and revolutions of bodies."""
+        names = named_orders(self.train) if self.train is not None else {}
+        taken: list[float] = []
+        for line in np.argsort(-height)[:_MOST_NAMES]:
+            name = next((name for known, name in names.items() if abs(order[line] - known) < 1e-9), None)
+            free = all(abs(places[line] - place) > _ROOM * ax.get_xlim()[1] for place in taken)
+            if name and free and height[line] > _NAMED * height.max():
+                taken.append(float(places[line]))
+                ax.annotate(name, (places[line], height[line]), (0, 4), textcoords="offset points", rotation=90, ha="center",
+                            va="bottom", fontsize=7)

@@ -1,0 +1,218 @@
+"""Curves over speed: which quantity, and a branch with its jumps and ranges."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._box import described
+from ._draw import check_number, draw_curve, line_style, new_axes
+from ._units import Unit, Units, units_of
+from .description import Description, mesh_names
+from .errors import InputError, shown
+from .summary import Readings
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["Curves", "Quantity", "plot_visits"]
+
+Array = NDArray[np.float64]
+
+#: Displacements, which are over the characteristic length.
+_LENGTHS = {"rms", "true_ac_rms", "mean", "minimum", "maximum"}
+#: Short names for fields that are drawn together.
+_TOGETHER = {"mesh_force": ("mesh_force_maximum",), "shaft_torque": ("shaft_torque_minimum", "shaft_torque_maximum")}
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What is drawn over speed: fields of the points that have a column for each mesh or for each shaft."""
+
+    name: str
+    along: str
+    unit: str
+    names: Sequence[str]
+    values: Sequence[Array]
+
+    @classmethod
+    def of(cls, name: str, train: Description | None, path: str, get: Callable[[str], Array | None]) -> Quantity:
+        """The quantity of a name; ``path`` is that of the result's group in a results file, ``get`` gives its fields."""
+        about = described()[path].about
+        columns = {field: row[0][1] for field, row in about.items() if len(row[0]) == 2 and row[0][1] in {"mesh", "shaft"}}
+        there = {field: values for field in columns if (values := get(field)) is not None}
+        known = {**{field: (field,) for field in there}, **{short: of for short, of in _TOGETHER.items() if {*of} <= {*there}}}
+        if not isinstance(name, str) or name not in known:
+            raise InputError(f"quantity = {shown(name)}: must be {', '.join(map(repr, known))}")
+        first = known[name][0]
+        number = there[first].shape[1]
+        names = mesh_names(train, number) if columns[first] == "mesh" or train is None else train.shaft_labels
+        return cls(name, columns[first], about[first][1], names, [there[field] for field in known[name]])
+
+    def label(self, units: Units) -> str:
+        """Of its axis."""
+        words = "largest mesh force" if self.name.startswith("mesh_force") else self.name.replace("_", " ")
+        if self.name in _LENGTHS:
+            return f"mesh displacement  {words} {units.length}"
+        return words if self.unit == "1" else f"{words}  [{self.unit}]"
+
+    def chosen(self, mesh: int | None, shaft: int | None) -> Sequence[int]:
+        """Columns to draw: the mesh or the shaft asked for, or all that have values."""
+        number, other = (mesh, shaft) if self.along == "mesh" else (shaft, mesh)
+        if other is not None:
+            raise InputError(f"quantity = {shown(self.name)}: is of each {self.along}, and of no other part")
+        if number is not None:
+            check_number(self.along, number, len(self.names))
+            return [number - 1]
+        # The torque of a rigid shaft is not known: NaN throughout.
+        known = [self.along == "mesh" or not np.isnan(self.values[0][:, column]).all() for column in range(len(self.names))]
+        return [column for column, there in enumerate(known) if there]
+
+
+class Curves(Readings):
+    """A branch as a picture."""
+
+    frequency: Array
+    segment: NDArray[np.intc]
+    branches: Sequence[Any]
+    train: Description | None
+
+    def plot(
+        self, mesh: int | None = None, ax: Axes | None = None, *, quantity: str = "rms", shaft: int | None = None,
+        unit: Unit | None = None, jumps: bool = False, ranges: bool = False, **style: Any,
+    ) -> Axes:
+        """Draw a quantity over the speed: stable solid, unstable dashed; ``branches`` thinner.
+
+        Parameters
+        ----------
+        mesh, shaft : int, optional
+            Which one, counted from 1; all of them unless told.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure unless told.
+        quantity : str
+            A field with a column for each mesh or for each shaft, such as ``'rms'``, ``'dynamic_factor'``,
+            ``'mesh_force_maximum'``; ``'mesh_force'`` in short, and ``'shaft_torque'`` for smallest and largest torque.
+        unit : {'Lambda', 'rpm', 'Hz'}, optional
+            Of the frequency; unless told rpm where Lambda is the speed in rpm, else Lambda.
+        jumps : bool
+            Mark where a sweep in speed jumps, with arrows where the quantity is ``'rms'``.
+        ranges : bool
+            Mark above the axes where the teeth of each mesh separate, and where the back flanks collide: of the stable motions,
+            or of all where stability is not known.
+        **style
+            For the lines of matplotlib's ``plot``.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Examples
+        --------
+        >>> ax = branch.plot(mesh=2, color="black", jumps=True, ranges=True)
+        >>> ax.figure.savefig("response.png")  # doctest: +SKIP
+        """
+        units = units_of(self.train, unit)
+        curves = [Quantity.of(quantity, branch.train, "/response", partial(_field, branch)) for branch in (self, *self.branches)]
+        columns = curves[0].chosen(mesh, shaft)
+        ax = new_axes(ax)
+        style = line_style(style)
+        label = style.pop("label", None)
+        colors = []
+        for column in columns:
+            thin: dict[str, Any] = {}
+            for branch, curve in zip((self, *self.branches), curves):
+                frequency = units.per_lambda * branch.frequency
+                for values in curve.values:
+                    name = None if thin else label or curve.names[column]
+                    draw_curve(ax, frequency, values[:, column], branch.stable, branch.segment, name, **{**thin, **style})
+                    # The same colour, whether it was given or the next of the cycle.
+                    thin = {"color": ax.lines[-1].get_color()}
+                thin["linewidth"] = 0.8
+            colors.append(thin["color"])
+        if jumps:
+            self._mark_jumps(ax, units, columns if quantity == "rms" else None)
+        if ranges:
+            self._mark_ranges(ax, units, columns if curves[0].along == "mesh" else range(self.rms.shape[1]), colors)
+        ax.set_xlabel(units.frequency)
+        ax.set_ylabel(curves[0].label(units))
+        if len(columns) > 1 or jumps or ranges:
+            ax.legend()
+        return ax
+
+    def _mark_jumps(self, ax: Axes, units: Units, columns: Sequence[int] | None) -> None:
+        """Arrows from the rms before to the rms after; without columns a line at the frequency."""
+        arrow = {"arrowstyle": "->", "color": "0.35", "linewidth": 0.9, "shrinkA": 0, "shrinkB": 0}
+        for jump in self.jumps:
+            at = units.per_lambda * jump.frequency
+            for column in columns or ():
+                if np.isfinite(jump.after[column]):
+                    ax.annotate("", (at, jump.after[column]), (at, jump.before[column]), arrowprops=arrow)
+            if columns is None or not np.isfinite(jump.after).all():
+                ax.axvline(at, color="0.35", linewidth=0.8, linestyle=":")
+        ax.plot([], [], color="0.35", linewidth=0.9, linestyle="-" if columns is not None else ":", label="jump")
+
+    def _mark_ranges(self, ax: Axes, units: Units, columns: Sequence[int], colors: Sequence[Any]) -> None:
+        """Strips above the axes, a row for each mesh that has any: light where teeth separate, dark where back flanks collide."""
+        known = self.stable is not None
+        row, named = 0, set[str]()
+        for place, column in enumerate(columns):
+            color = colors[place] if len(colors) == len(columns) else f"C{column}"
+            apart, behind = self.separation_ranges(column + 1, known), self.back_collision_ranges(column + 1, known)
+            bottom = 1.012 + 0.026 * row
+            row += bool(len(apart) or len(behind))
+            for ends, alpha, name in ((apart, 0.35, "teeth separate"), (behind, 1.0, "back flanks collide")):
+                for low, high in units.per_lambda * ends:
+                    ax.axvspan(low, high, bottom, bottom + 0.02, color=color, alpha=alpha, linewidth=0, clip_on=False)
+                    if name not in named:
+                        named.add(name)
+                        ax.fill_between([], [], color="0.3", alpha=alpha, linewidth=0, label=name)
+
+
+def plot_visits(
+    motions: Any, train: Description | None, mesh: int | None, ax: Axes | None, quantity: str, shaft: int | None, unit: Unit | None,
+    style: dict[str, Any],
+) -> Axes:
+    """Draw a quantity of the motions of a sweep, see `Sweep.plot`."""
+    units = units_of(train, unit)
+    curve = Quantity.of(quantity, train, "/integration", lambda name: _column(motions, name))
+    columns = curve.chosen(mesh, shaft)
+    ax = new_axes(ax)
+    style = line_style(style)
+    label = style.pop("label", None)
+    ways = np.array(motions.direction, object)
+    frequency = units.per_lambda * motions.frequency
+    for column in columns:
+        color: dict[str, Any] = {}
+        for way in dict.fromkeys(motions.direction):
+            marks = {"marker": "^", "fillstyle": "full"} if way == "up" else {"marker": "v", "fillstyle": "none"}
+            there = ways == way
+            for values in curve.values:
+                own = {"linestyle": "none", "markersize": 4, **marks, **color, **style}
+                name = None if color else label or curve.names[column]
+                (line,) = ax.plot(frequency[there], values[there, column], label=name, **own)
+                color = {"color": line.get_color()}
+    if len({*motions.direction}) > 1:
+        ax.plot([], [], "k^", markersize=4, label="rising")
+        ax.plot([], [], "kv", markersize=4, fillstyle="none", label="falling")
+    ax.set_xlabel(units.frequency)
+    ax.set_ylabel(curve.label(units))
+    if ax.get_legend_handles_labels()[0]:
+        ax.legend()
+    return ax
+
+
+def _field(branch: Any, name: str) -> Array | None:
+    """A field of the points; None for one that is not there."""
+    values: Array | None = getattr(branch, name, None)
+    return values
+
+
+def _column(motions: Any, name: str) -> Array | None:
+    """A field of all motions; None where a motion does not have it."""
+    values = [getattr(motion, name, None) for motion in motions]
+    return None if not values or any(value is None for value in values) else np.array(values, float)

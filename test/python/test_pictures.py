@@ -1,0 +1,322 @@
+"""Pictures: what is drawn are the results, on axes in their units; and what only pictures need."""
+
+from dataclasses import replace
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from conftest import ROOT, paper_train, reducer, single_pair
+from matplotlib import pyplot as plt
+from matplotlib.patches import Circle
+
+import geartrain as gt
+
+mpl.use("Agg")
+
+
+@pytest.fixture(autouse=True)
+def _closed():
+    yield
+    plt.close("all")
+
+
+@pytest.fixture(scope="module")
+def drawn():
+    return reducer()
+
+
+@pytest.fixture(scope="module")
+def split():
+    return gt.read_case(ROOT / "namelists" / "branched.nml").train
+
+
+def texts(ax):
+    return [text.get_text() for text in ax.texts]
+
+
+# ---------------------------------------------------------------------------------------------- over speed
+
+
+@pytest.mark.parametrize(("unit", "label", "factor"), [
+    (None, r"fundamental frequency  $\Lambda$", 1.0), ("Lambda", r"fundamental frequency  $\Lambda$", 1.0),
+    ("Hz", "fundamental frequency  [Hz]", 9870.0 / (2 * np.pi)),
+])
+def test_a_response_in_its_units(branch, unit, label, factor):
+    ax = branch.plot(mesh=2, unit=unit)
+    assert ax.get_xlabel() == label and ax.get_ylabel() == r"mesh displacement  rms $/\, b_c$"
+    drawn = {(x, y) for line in ax.lines for x, y in zip(*line.get_data(), strict=True)}
+    assert drawn == set(zip(factor * branch.frequency, branch.rms[:, 1], strict=True))
+
+
+def test_any_quantity_of_a_response(branch):
+    ax = branch.plot(quantity="mesh_force")
+    assert ax.get_ylabel() == "largest mesh force  [N]"
+    drawn = np.concatenate([line.get_ydata() for line in ax.lines])
+    assert set(drawn) == set(branch.mesh_force_maximum.ravel())
+    assert branch.plot(quantity="dynamic_factor", mesh=1).get_ylabel() == "dynamic factor"
+    with pytest.raises(gt.InputError, match=r"quantity = 'colour': must be .*'rms'.*'mesh_force'"):
+        branch.plot(quantity="colour")
+    with pytest.raises(gt.InputError, match="quantity = 'rms': is of each mesh"):
+        branch.plot(shaft=1)
+
+
+def test_jumps_and_ranges_of_a_response(branch):
+    plain, ax = branch.plot(mesh=2), branch.plot(mesh=2, jumps=True, ranges=True)
+    arrows = {(text.xyann[0], text.xyann[1], text.xy[1]) for text in ax.texts if text.arrow_patch is not None}
+    assert arrows == {(jump.frequency, jump.before[1], jump.after[1]) for jump in branch.jumps if np.isfinite(jump.after).all()}
+    vertical = {line.get_xdata()[0] for line in ax.lines if line.get_linestyle() == ":"}
+    assert vertical == {jump.frequency for jump in branch.jumps if not np.isfinite(jump.after).all()}
+    strips = {(patch.get_x(), patch.get_x() + patch.get_width()) for patch in ax.patches}
+    ranges = [*branch.separation_ranges(2, stable=True), *branch.back_collision_ranges(2, stable=True)]
+    np.testing.assert_allclose(sorted(strips), sorted(map(tuple, ranges)))
+    assert len(plain.patches) == 0 and ax.get_xlim() == pytest.approx(plain.get_xlim())
+    legend = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert legend == ["mesh 2", "jump", "teeth separate", "back flanks collide"]
+
+
+def test_the_torque_of_the_shafts_over_speed(branch, monkeypatch):
+    """Smallest and largest in one colour, of shafts that are not rigid."""
+    from geartrain import response_plot
+    from geartrain._box import Group, described
+
+    fields = {name: (("point", "shaft"), "N m", "") for name in ("shaft_torque_minimum", "shaft_torque_maximum")}
+    listed = {**described(), "/response": Group(about={**described()["/response"].about, **fields})}
+    monkeypatch.setattr(response_plot, "described", lambda: listed)
+    torque = np.array([100.0, np.nan, 300.0]) + 50 * branch.rms[:, :1]
+    turned = replace(branch, others={**branch.others, **dict(zip(fields, (torque, 2 * torque), strict=True))})
+    ax = turned.plot(quantity="shaft_torque")
+    assert ax.get_ylabel() == "shaft torque  [N m]"
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["shaft 1", "shaft 3"]
+    for color, column in (("C0", 0), ("C1", 2)):
+        drawn = {y for line in ax.lines if mpl.colors.same_color(line.get_color(), color) for y in line.get_ydata()}
+        assert drawn == {*torque[:, column], *(2 * torque[:, column])}
+    assert len(turned.plot(quantity="shaft_torque", shaft=3).lines) == len(ax.lines) // 2
+    with pytest.raises(gt.InputError, match="shaft = 4: must be 1 to 3"):
+        turned.plot(quantity="shaft_torque", shaft=4)
+
+
+def test_a_sweep_in_rpm(drawn):
+    sweep = drawn.sweep(start=1500.0, stop=1520.0, points=2, direction="both")
+    ax = sweep.plot(mesh=1)
+    assert ax.get_xlabel() == "speed of motor  [rpm]" and ax.get_ylabel() == r"mesh displacement  rms [$\mu$m]"
+    up, down, *_ = ax.lines
+    np.testing.assert_allclose(up.get_xdata(), [1500.0, 1520.0])
+    np.testing.assert_array_equal(up.get_ydata(), sweep.rms[:2, 0])
+    np.testing.assert_array_equal(down.get_ydata(), sweep.rms[2:, 0])
+    with pytest.raises(gt.InputError, match="quantity = 'shaft_torques': must be"):
+        sweep.plot(quantity="shaft_torques")
+
+
+def test_peaks_are_a_table(branch):
+    peaks = branch.peaks()
+    assert isinstance(peaks, list) and [peak.mesh for peak in peaks] == [1] * len(branch.peaks(1)) + [2] * len(branch.peaks(2))
+    heading, *rows = str(peaks).splitlines()
+    assert heading.split()[:2] == ["mesh", "fundamental"] and "speed" not in heading and len(rows) == len(peaks)
+    highest = max(peaks, key=lambda peak: peak.rms)
+    assert f"{highest.rms:.6g}" in rows[peaks.index(highest)] and rows[peaks.index(highest)].endswith("yes")
+    assert highest.mesh_force_maximum == branch.mesh_force_maximum[highest.point, highest.mesh - 1]
+    assert str(branch.peaks(1)[:0]) == "[]"
+
+
+def test_a_stability_map_in_hertz(train):
+    chart = train.stability_map(start=0.4, stop=0.6, points=4, parameter_start=0.1, parameter_stop=0.3, parameter_points=3)
+    assert chart.plot().get_xlabel() == r"fundamental frequency  $\Lambda$" and chart.speed is None
+    ax = chart.plot(unit="Hz")
+    assert ax.get_xlabel() == "fundamental frequency  [Hz]"
+    left, right = (chart.fundamental_frequency[place] for place in (0, -1))
+    cell = (right - left) / 3
+    assert ax.get_xlim() == pytest.approx((left - cell / 2, right + cell / 2))
+    np.testing.assert_array_equal(chart.to_dataset().fundamental_frequency, chart.fundamental_frequency)
+
+
+# ------------------------------------------------------------------------------------------------- motions
+
+
+def test_a_trajectory_goes_on_as_the_equations_do():
+    """Two frequencies: p'' + p = 1.4 + e'' in contact, solved by hand."""
+    frequency, error = np.sqrt(2), 0.05
+    train = single_pair(0.4, damping_ratio=0.0, error_cos=error)
+    motion = train.integrate(frequency, start=[1.5, 0.1])
+    assert motion.period == 0 and motion.minimum[0] > 1
+    path = motion.trajectory(200, samples=8)
+    forced = -error * frequency**2 / (1 - frequency**2)
+    begin, rate = motion.state
+    free = begin - 1.4 - forced
+    time = path.time
+    expected = 1.4 + forced * np.cos(frequency * time) + free * np.cos(time) + rate * np.sin(time)
+    np.testing.assert_allclose(time, np.arange(1600) * 2 * np.pi / frequency / 8, rtol=1e-14)
+    np.testing.assert_allclose(path.displacement[:, 0], expected, atol=1e-9)
+    velocity = -forced * frequency * np.sin(frequency * time) - free * np.sin(time) + rate * np.cos(time)
+    np.testing.assert_allclose(path.velocity[:, 0], velocity, atol=1e-9)
+    np.testing.assert_allclose(path.mesh_force[:, 0], expected - 1.0, atol=1e-9)
+    displacement, velocity = path.section
+    np.testing.assert_array_equal(displacement, path.displacement[::8])
+    assert displacement.shape == velocity.shape == (200, 1)
+
+
+def test_a_trajectory_of_a_periodic_motion_repeats_itself(branch, train):
+    for motion in (branch.at(0.9)[0], train.integrate(1.92)):  # a sum of harmonics; an orbit of period 2
+        path = motion.trajectory(5)
+        own = 256 * motion.period
+        assert path.samples_per_period == 256 and path.displacement.shape == (5 * 256, 2)
+        np.testing.assert_array_equal(path.displacement[own:], path.displacement[:-own])
+        np.testing.assert_allclose(path.displacement[:own], motion.waveform(own)[1], rtol=1e-14)
+        slope = (np.roll(path.displacement, -1, 0) - np.roll(path.displacement, 1, 0))[:own] / (path.time[2] - path.time[0])
+        np.testing.assert_allclose(path.velocity[1:own - 1], slope[1:-1], atol=2e-3)
+    for wrong in (0, 2.5, True, "many"):
+        with pytest.raises(gt.InputError, match=r"periods = .*: must be a whole number >= 1"):
+            motion.trajectory(wrong)
+
+
+def test_a_chaotic_motion_as_pictures():
+    motion = single_pair(0.4, stiffness_cos=0.6).integrate(1.9)
+    assert motion.kind == "chaotic"
+    path = motion.trajectory(60, samples=4)
+    assert motion.minimum[0] - 0.05 < path.displacement.min() and path.displacement.max() < motion.maximum[0] + 0.05
+    (points,) = motion.poincare_section(periods=50).lines
+    np.testing.assert_allclose(points.get_data(), np.array(motion.trajectory(50, samples=1).section)[..., 0])
+    ax = motion.phase_plane(periods=30)
+    assert ax.get_xlabel() == r"displacement of mesh 1 $/\, b_c$" and ax.get_ylabel() == r"velocity $/\, b_c \omega_c$"
+    assert len(ax.lines[0].get_xdata()) == 30 * 1024
+    (gap,) = ax.patches
+    assert (gap.get_x(), gap.get_width()) == (-1.0, 2.0)
+    assert motion.plot(periods=40)[0].lines[0].get_xdata()[-1] == pytest.approx(40, abs=0.01)
+
+
+def test_a_motion_of_the_reducer_in_ms_and_orders(drawn):
+    motion = drawn.integrate(1500.0)
+    axes = motion.plot(mesh=2)
+    assert [ax.get_ylabel() for ax in axes] == [r"displacement [$\mu$m]", "mesh force  [N]", r"amplitude [$\mu$m]"]
+    assert axes[1].get_xlabel() == "time  [ms]" and axes[2].get_xlabel() == "order, per revolution of motor"
+    time, displacement = axes[0].lines[0].get_data()
+    np.testing.assert_array_equal(displacement, motion.displacement[:, 1])
+    assert time[-1] == pytest.approx(1e3 * 60 / 1500 * 71 / 23, rel=1e-3)
+    named = {text.get_text(): text.xy[0] for text in axes[2].texts}
+    assert named["mesh 1"] == pytest.approx(23) and named["mesh 2"] == pytest.approx(23 / 71 * 19)
+    assert named["2 x mesh 2"] == pytest.approx(2 * 23 / 71 * 19)
+    hertz = motion.plot(mesh=2, unit="Hz")[2]
+    assert {text.get_text(): text.xy[0] for text in hertz.texts}["mesh 1"] == pytest.approx(23 * 1500 / 60)
+    assert motion.phase_plane(2).get_ylabel() == "velocity [mm/s]"
+    (point,) = motion.poincare_section(2).lines
+    assert len(point.get_xdata()) == 1
+
+
+# -------------------------------------------------------------------------------------------------- trains
+
+
+def test_a_campbell_diagram_of_the_reducer(drawn):
+    diagram = drawn.campbell(start=200.0, stop=4000.0)
+    hertz = drawn.natural_frequencies() / 60 / (71 / 23)
+    np.testing.assert_allclose(diagram.natural_frequency, hertz)
+    assert [(order.order, order.name) for order in diagram.orders] == [
+        (19, "mesh 2"), (38, "2 x mesh 2"), (57, "3 x mesh 2"), (71, "mesh 1"), (142, "2 x mesh 1"), (213, "3 x mesh 1")]
+    assert [order.per_revolution for order in diagram.orders[2:4]] == pytest.approx([3 * 19 * 23 / 71, 23])
+    expected = sorted(
+        60 * natural * 71 / 23 / order for natural in hertz for order in (19, 38, 57, 71, 142, 213)
+        if 200 <= 60 * natural * 71 / 23 / order <= 4000)
+    np.testing.assert_allclose([crossing.speed for crossing in diagram.crossings], expected)
+    for crossing in diagram.crossings:
+        assert crossing.natural_frequency == pytest.approx(crossing.order.order * crossing.fundamental_frequency)
+        assert crossing.natural_frequency == pytest.approx(hertz[crossing.mode - 1])
+    assert len(str(diagram).splitlines()) == 1 + len(expected) and "excited by" in str(diagram)
+    ax = diagram.plot()
+    assert ax.get_xlabel() == "speed of motor  [rpm]" and ax.get_ylabel() == "frequency  [Hz]" and ax.get_xlim() == (200.0, 4000.0)
+    (marks,) = (line for line in ax.lines if line.get_marker() == "o")
+    np.testing.assert_allclose(marks.get_data(), [expected, [crossing.natural_frequency for crossing in diagram.crossings]])
+
+
+def test_only_orders_with_an_amplitude_excite(drawn):
+    """Those of stiffness, transmission error and torques, the latter of Lambda and of a body's own revolutions."""
+    meshes = [gt.Mesh(**{name: getattr(mesh, name) for name in mesh.variables} | {"stiffness_cos": [0.0, 0.1], "error_cos": None})
+              for mesh in drawn.meshes]
+    bodies = [gt.Body(name="motor", inertia=0.02, torque=90.0, revolution_torque_cos=[0.0, 3.0]), *drawn.bodies[1:]]
+    whole = reducer(meshes=meshes, bodies=bodies, characteristic_frequency=1.0)
+    diagram = whole.campbell(start=200.0, stop=4000.0, unit="rpm")
+    # The period of the fundamental is 71 turns of the motor now.
+    assert [(order.name, round(order.per_revolution, 9)) for order in diagram.orders] == [
+        ("2 x revolution of motor", 2.0), ("2 x mesh 2", round(2 * 19 * 23 / 71, 9)), ("2 x mesh 1", 46.0)]
+    chain = paper_train(torque_sin=[0.0, 0.0, 5.0])
+    assert [(order.order, order.name) for order in chain.campbell(start=0.2, stop=1.0).orders] == [
+        (1, "mesh 1, mesh 2"), (3, "3 x input torque")]
+    for wrong, told in (({"start": -1.0, "stop": 1.0}, "start = -1"), ({"start": 0.2, "stop": 1.0, "unit": "rpm"}, "unit = 'rpm'")):
+        with pytest.raises(gt.InputError, match=told):
+            chain.campbell(**wrong)
+
+
+@pytest.mark.parametrize("make", [reducer, paper_train, lambda: gt.read_case(ROOT / "namelists" / "branched.nml").train])
+def test_rotations_of_modes_are_those_of_the_whole_train(make):
+    """K phi = omega^2 M phi, set up from the numbers that explain() tells, without the library's coordinates."""
+    from geartrain.schematic import joints_of
+
+    train = make()
+    modes, numbers = train.modes(), train.explain()
+    number = len(train.body_labels)
+    if train.bodies:
+        inertia = np.array([numbers[name]["inertia"] for name in train.body_labels])
+    else:
+        gears = [value for mesh in train.meshes for value in (mesh.driving_inertia, mesh.driven_inertia)]
+        inertia = np.array([train.prime_mover_inertia, *gears, train.load_inertia])
+    stiffness = np.zeros((number, number))
+    for joint in joints_of(train):
+        told, row = numbers[joint.element], np.zeros(number)
+        row[list(joint.ends)] = np.array(told["base_radius"] if joint.is_mesh else (1.0, 1.0)) * [1, -1]
+        stiffness += told["stiffness"] * np.outer(row, row)
+    scale = 1 / np.sqrt(inertia)
+    squares = np.linalg.eigvalsh(scale[:, None] * stiffness * scale)[1:]
+    np.testing.assert_allclose(modes.natural_frequency_hertz, np.sqrt(squares) / (2 * np.pi), rtol=1e-6)
+    for mode, rotation in enumerate(modes.rotation):
+        square = (2 * np.pi * modes.natural_frequency_hertz[mode]) ** 2
+        residual = stiffness @ rotation - square * inertia * rotation
+        assert abs(residual).max() < 1e-7 * abs(stiffness @ rotation).max()
+        assert abs(rotation).max() == pytest.approx(1)
+        shares = modes.energy_shares(mode + 1)
+        assert tuple(shares) == modes.element and sum(shares.values()) == pytest.approx(1)
+
+
+def test_a_mode_on_the_train(split):
+    modes = split.modes()
+    ax = modes.plot(2)
+    assert ax.get_title().startswith(f"mode 2:  {modes.natural_frequency_hertz[1]:.5g} Hz")
+    discs = [patch for patch in ax.patches if isinstance(patch, Circle)]
+    colours = mpl.colormaps["coolwarm"]((1 + modes.rotation[1]) / 2)
+    np.testing.assert_allclose([disc.get_facecolor() for disc in discs], colours)
+    assert any("98.4 %" in text for text in texts(ax))
+    with pytest.raises(gt.InputError, match="mode = 9: must be 1 to 6"):
+        modes.plot(9)
+
+
+def test_the_train_as_a_picture(drawn, split):
+    ax = drawn.plot()
+    assert [text for text in texts(ax) if "turn" in text] == [
+        "motor\n1 turn", "pinion 1\n1 turn", "wheel 1\n0.3239 turns", "pinion 2\n0.3239 turns", "wheel 2\n0.07694 turns",
+        "load\n0.07694 turns"]
+    assert "mesh 1\n23 : 71" in texts(ax) and "shaft 1\n42.4 kN m/rad" in texts(ax)
+    assert f"wheel 2\n{1500 * 23 / 71 * 19 / 80:.4g} rpm" in texts(drawn.plot(speed=1500.0))
+    assert "mesh 3\n1 : 1.667" in texts(split.plot()) and "driven gear 2" in texts(paper_train().plot())
+
+
+def test_a_long_train_goes_there_and_back():
+    mesh = paper_train().meshes[0]
+    train = paper_train(shafts=[gt.Shaft(stiffness=1e5, damping_ratio=0.01)] * 8, meshes=[mesh] * 7)
+    discs = [patch.center for patch in train.plot().patches if isinstance(patch, Circle)]
+    heights = [y for _, y in discs]
+    assert heights == sorted(heights, reverse=True) and len(set(heights)) == 2
+    assert discs[9][0] == discs[10][0] and discs[8][0] == discs[11][0]
+
+
+def test_the_layout_of_a_train_keeps_bodies_apart(split):
+    from geartrain.schematic import Joint, joints_of, places_of
+
+    places = places_of(7, joints_of(split))
+    assert places[:, 0].tolist() == [0, 1, 2, 2, 3, 2, 4]  # the pinion drives both wheels and the pump
+    assert places[[2, 3, 5], 1].tolist() == [1, 0, -1] and places[4, 1] == 0.5
+    random = np.random.default_rng(1)
+    for bodies in (2, 5, 20, 60):
+        tree = [Joint(f"mesh {body}", (int(random.integers(body)), body)) for body in range(1, bodies)]
+        places = places_of(bodies, tree)
+        for column in range(int(places[:, 0].max()) + 1):
+            heights = np.sort(places[places[:, 0] == column, 1])
+            assert (np.diff(heights) > 1 - 1e-9).all()
+        for joint in tree:
+            one, other = places[list(joint.ends)]
+            assert other[0] == one[0] + 1
