@@ -221,11 +221,11 @@ class Motion(Pictures):
         return Trajectory(times, displacement[repeated], velocity[repeated], force[repeated], torque[repeated], samples)
 
     def _sample(self, samples: int, periods: int = 0, progress: Array | None = None) -> tuple[Array, ...]:
-        """Time, displacement, mesh force, shaft torque and velocity, over a period of the motion or over periods of the fundamental."""
+        """Time, displacement, mesh force, shaft torque and velocity, over a period or over periods of the fundamental."""
         watch = np.zeros(3) if progress is None else progress
         with self._box() as box:
             time, displacement, velocity, force, torque = fortran.sample_waveform(
-                box.handle, periods, samples, len(self.rms), len(self.train.shafts), watch
+                box.handle, periods, samples, len(self.rms), len(self.train.shafts) if self.train else 0, watch
             )
             return time, displacement, force, torque, velocity
 

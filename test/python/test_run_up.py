@@ -274,7 +274,7 @@ def test_spectra_of_a_steady_motion_are_its_spectrum(train):
 
 
 def test_spectra_follow_the_orders(train):
-    """A coast-down through no jump: the strongest line is at the fundamental mesh frequency or twice it throughout."""
+    """A coast-down through no jump: the strongest line is at the fundamental frequency or twice it throughout."""
     ramp = train.run_up(start=2.6, stop=2.2, duration=0.5)
     time, frequency, amplitude = ramp.spectra("displacement", 1)
     strongest = frequency[amplitude.argmax(axis=1)]

@@ -178,7 +178,7 @@ contains
       type(run_up_type), intent(inout) :: result
       real(dp) :: force(0:flow%order, flow%system%meshes), torque(0:flow%order, size(result%shaft_torque, 1)), origin, speed, &
          begun, end
-      integer :: contact(flow%system%meshes), i, n
+      integer :: contact(flow%system%meshes), i
 
       call ramp%place(window, origin, speed, begun, end)
       associate (w => window, system => flow%system)

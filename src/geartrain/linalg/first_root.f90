@@ -85,6 +85,7 @@ contains
       real(dp), intent(in) :: f(0:), t
       !> Value and derivatives.
       real(dp), intent(out) :: value, slope
+      !> Second derivative.
       real(dp), intent(out), optional :: curvature
       real(dp) :: second
       integer :: k
