@@ -4,7 +4,7 @@ Periodic motions of geared shafts with backlash and varying mesh stiffness: harm
 Floquet stability, time integration. Everything is computed by the Fortran library of the same name.
 
 Frequency is Lambda, the fundamental frequency over the train's characteristic frequency; displacement is that of
-the meshes, over the characteristic length.
+the meshes, over the characteristic length. Calls and pictures with ``unit`` take and show rpm and Hz as well.
 
 Examples
 --------

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from .description import Description
 from .errors import InputError, shown
 
-__all__ = ["Unit", "Units", "hertz_of", "lambda_of", "speed_of", "units_of"]
+__all__ = ["Unit", "Units", "hertz_of", "lambda_of", "own_lambda", "speed_of", "units_of"]
 
 Unit = Literal["Lambda", "rpm", "Hz"]
 Numbers = TypeVar("Numbers", float, "NDArray[np.float64]")
@@ -34,17 +34,24 @@ def hertz_of(train: Description | None, frequency: Numbers) -> Numbers | None:
     return frequency * hertz if hertz else None
 
 
+def own_lambda(frequency: float, speed: float | None) -> float | None:
+    """Lambda in a table; None where it is the speed in rpm, which the table has."""
+    return None if speed is not None and abs(frequency - speed) <= 1e-9 * speed else frequency
+
+
 def _at_one(train: Description | None, unit: Any) -> float:
     """The value of a unit at Lambda = 1; where it is not known the executable has the words for it."""
-    if unit is None or unit == "Lambda":
+    name = str(unit)
+    if unit is None or name == "Lambda":
         return 1.0
     known = train._outline if isinstance(train, Description) else {}
-    value = float(known.get({"rpm": "speed", "Hz": "fundamental_frequency"}.get(str(unit), ""), 0.0))
+    value = float(known.get({"rpm": "speed", "Hz": "fundamental_frequency"}.get(name, ""), 0.0))
     if not value and isinstance(train, Description):
         try:
             train._ask_at(1.0, {"unit": unit})
         except InputError as error:
-            raise InputError(str(error).removeprefix("&integration: ")) from None
+            told = [line.removeprefix("&integration: ") for line in str(error).splitlines()]
+            raise InputError("\n".join(line for line in told if line.startswith("unit"))) from None
     if not value:
         raise InputError(f"unit = {shown(unit)}: must be 'Lambda', or another unit that the train of the result tells")
     return value

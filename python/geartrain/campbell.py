@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ._draw import new_axes
 from ._text_table import text_table
-from ._units import Unit, speed_of, units_of
+from ._units import Unit, own_lambda, speed_of, units_of
 from .description import Description
 
 if TYPE_CHECKING:
@@ -111,7 +111,7 @@ class Campbell:
     def __str__(self) -> str:
         return text_table({
             "speed [rpm]": [crossing.speed for crossing in self.crossings],
-            "Lambda": [crossing.frequency for crossing in self.crossings],
+            "Lambda": [own_lambda(crossing.frequency, crossing.speed) for crossing in self.crossings],
             "mode": [crossing.mode for crossing in self.crossings],
             "natural [Hz]": [crossing.natural_frequency for crossing in self.crossings],
             "order": [crossing.order.order for crossing in self.crossings],

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ._box import Box, Group
 from ._draw import check_number
 from ._text_table import text_table
-from ._units import hertz_of, speed_of
+from ._units import hertz_of, own_lambda, speed_of
 from .description import Description
 from .errors import InputError
 
@@ -58,12 +58,16 @@ class Peaks(list[Peak]):
     """Peaks of a branch: a list of `Peak` that is printed as a table."""
 
     def __str__(self) -> str:
-        names = {
-            "mesh": "mesh", "speed": "speed [rpm]", "fundamental_frequency": "fundamental [Hz]", "frequency": "Lambda",
-            "rms": "rms",
-            "mesh_force_maximum": "largest force [N]", "dynamic_factor": "dynamic factor", "stable": "stable",
-        }
-        return text_table({heading: [getattr(peak, name) for peak in self] for name, heading in names.items()})
+        return text_table({
+            "mesh": [peak.mesh for peak in self],
+            "speed [rpm]": [peak.speed for peak in self],
+            "fundamental [Hz]": [peak.fundamental_frequency for peak in self],
+            "Lambda": [own_lambda(peak.frequency, peak.speed) for peak in self],
+            "rms": [peak.rms for peak in self],
+            "largest force [N]": [peak.mesh_force_maximum for peak in self],
+            "dynamic factor": [peak.dynamic_factor for peak in self],
+            "stable": [peak.stable for peak in self],
+        })
 
     __repr__ = __str__
 

@@ -219,6 +219,7 @@ def test_a_campbell_diagram_of_the_reducer(drawn):
         assert crossing.natural_frequency == pytest.approx(crossing.order.order * crossing.fundamental_frequency)
         assert crossing.natural_frequency == pytest.approx(hertz[crossing.mode - 1])
     assert len(str(diagram).splitlines()) == 1 + len(expected) and "excited by" in str(diagram)
+    assert "Lambda" not in str(diagram)  # it is the speed
     ax = diagram.plot()
     assert ax.get_xlabel() == "speed of motor  [rpm]" and ax.get_ylabel() == "frequency  [Hz]" and ax.get_xlim() == (200.0, 4000.0)
     (marks,) = (line for line in ax.lines if line.get_marker() == "o")

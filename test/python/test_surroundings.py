@@ -65,11 +65,18 @@ import sys
 sys.modules["matplotlib"] = None
 sys.path.insert(0, {folder!r})
 from conftest import paper_train
-branch = paper_train().response(start=0.4, stop=0.5)
-try:
-    branch.plot()
-except ImportError as error:
-    print(error)
+train = paper_train()
+branch, motion, sweep = train.response(start=0.4, stop=0.5), train.integrate(0.9), train.sweep(start=0.4, stop=0.5, points=2)
+told = set()
+for draw in (
+    branch.plot, motion.plot, motion.phase_plane, motion.poincare_section, sweep.plot, train.plot, train.modes().plot,
+    train.campbell(start=0.2, stop=1.0).plot,
+):
+    try:
+        draw()
+    except ImportError as error:
+        told.add(str(error))
+print(*told)
 """
 
 
