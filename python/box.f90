@@ -304,6 +304,7 @@ contains
          associate (fields => box%fields)
             fields%way = reading
             call fields%expect('mesh', size(box%case%train%meshes))
+            call fields%expect('shaft', size(box%case%train%shafts))
             n = 0
             if (fields%enter('/motions', '', .true.)) call fields%index_axis('motion', n, '')
             allocate (box%motions(n))

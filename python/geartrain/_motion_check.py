@@ -9,8 +9,10 @@ import numpy as np
 
 from .errors import InputError, shown
 
-__all__ = ["NUMBERS", "VALUES", "check_motion", "check_states"]
+__all__ = ["NUMBERS", "TORQUES", "VALUES", "check_motion", "check_states"]
 
+#: Values of every shaft; None where the motion has none.
+TORQUES = ("shaft_torque_mean", "shaft_torque_minimum", "shaft_torque_maximum")
 #: Values of every mesh, in Fortran's order.
 VALUES = (
     *("rms", "mean", "minimum", "maximum"),
@@ -49,6 +51,10 @@ def check_motion(
         value = getattr(motion, name)
         if not _is_array(value, 1) or len(value) != found:
             raise InputError(f"{what}: {name} = {shown(value)}: must be an array of numbers, one of each mesh, hence {found}")
+    for name in TORQUES:
+        value = getattr(motion, name)
+        if value is not None and (not _is_array(value, 1) or len(value) != len(np.atleast_1d(motion.shaft_torque_mean))):
+            raise InputError(f"{what}: {name} = {shown(value)}: must be an array of numbers, one of each shaft, or None")
     _check_state(motion, what, states)
     if only_state:
         return

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._box import Box, Group
-from ._motion_check import NUMBERS, VALUES, check_motion
+from ._motion_check import NUMBERS, TORQUES, VALUES, check_motion
 from .errors import InputError
 
 __all__ = ["ATTRACTORS", "INTEGRATION", "as_columns", "motions_of", "put_motions", "put_table"]
@@ -36,6 +36,7 @@ def _motion(group: Group, place: int) -> dict[str, Any]:
                           for name in ("multipliers", "initial_state"))
     return {
         **{name: row.get(name, nothing) for name in VALUES},
+        **{name: row.get(name) for name in TORQUES},
         **{name: float(row.get(name, np.nan)) for name in ("frequency", *NUMBERS)},
         "lyapunov_error": float(np.nan_to_num(row.get("lyapunov_error", 0.0))),
         "period": int(row["period"]),
@@ -50,7 +51,7 @@ def _motion(group: Group, place: int) -> dict[str, Any]:
 
 
 _FIELDS = {
-    *VALUES, *NUMBERS,
+    *VALUES, *TORQUES, *NUMBERS,
     *("frequency", "period", "kind", "coefficients", "stable", "undecided", "floating", "multipliers", "initial_state"),
 }
 
@@ -91,6 +92,7 @@ def as_columns(motions: Sequence[Any]) -> dict[str, Any]:
         "period": np.array([motion.period for motion in motions], np.intc),
         "kind": np.array([motion.kind for motion in motions], object),
         **{name: np.array([getattr(motion, name) for motion in motions], float) for name in VALUES},
+        **{name: _padded([getattr(motion, name) for motion in motions]) for name in TORQUES},
         "true_ac_rms": np.array([motion.rms for motion in motions], float) / np.sqrt(2),
         "coefficients": _padded([motion.coefficients for motion in motions]),
         **{name: None if np.isnan(values).all() else values for name, values in numbers.items()},

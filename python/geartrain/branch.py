@@ -18,7 +18,7 @@ from ._motion_table import motions_of
 from ._units import Unit, hertz_of, lambda_of, speed_of
 from ._watch import watched
 from .audit import Audit
-from .description import Description, mesh_names
+from .description import Description, mesh_names, shaft_names
 from .errors import InputError, SolverError, shown
 from .motion import Motion
 from .response_plot import Curves
@@ -296,8 +296,10 @@ class Branch(Curves):
         """
         names = ("ended", "complete", "closed", "subharmonic")
         attributes = {name: getattr(self, name) for name in names} | ({"origin": self.origin} if self.origin else {})
+        torque = self.arrays().get("shaft_torque_mean")
         values = {
             **self.arrays(), "true_ac_rms": self.true_ac_rms, "mesh_label": mesh_names(self.train, self.rms.shape[1]),
+            "shaft_label": None if torque is None else shaft_names(self.train, torque.shape[1]),
             "speed": self.speed, "fundamental_frequency": self.fundamental_frequency,
         }
         return dataset("/response", values, attributes, ("frequency", "speed", "fundamental_frequency"))

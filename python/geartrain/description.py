@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from .variables import Analyses
 
-__all__ = ["Description", "mesh_names"]
+__all__ = ["Description", "mesh_names", "shaft_names"]
 
 
 class Description(TrainVariables):
@@ -161,6 +161,12 @@ def mesh_names(train: Description | None, meshes: int) -> tuple[str, ...]:
     """What the meshes of a result are called; by their numbers where it has no train, or not one of so many meshes."""
     labels = train.mesh_labels if isinstance(train, Description) else ()
     return labels if len(labels) == meshes else tuple(f"mesh {number}" for number in range(1, meshes + 1))
+
+
+def shaft_names(train: Description | None, shafts: int) -> tuple[str, ...]:
+    """What the shafts of a result are called, likewise."""
+    labels = train.shaft_labels if isinstance(train, Description) else ()
+    return labels if len(labels) == shafts else tuple(f"shaft {number}" for number in range(1, shafts + 1))
 
 
 def _further_problems(text: str, known: Mapping[str, str]) -> list[str]:

@@ -18,7 +18,7 @@ from ._motion_check import check_motion, check_states
 from ._motion_table import INTEGRATION, as_columns, motions_of, put_motions, put_table
 from ._units import Unit, hertz_of, speed_of
 from ._watch import watched
-from .description import Description, mesh_names
+from .description import Description, mesh_names, shaft_names
 from .errors import InputError, SolverError, shown
 from .motion_plot import Pictures
 from .response_plot import plot_visits
@@ -82,6 +82,8 @@ class Motion(Pictures):
     kind : str
         ``"periodic"``; where integration found no period ``"chaotic"``, ``"quasi-periodic"``, ``"still settling"`` (or of a longer
         period than 16), ``"undecided"``, or ``"unbounded"`` where it was given up because it grew without bound.
+    shaft_torque_mean, shaft_torque_minimum, shaft_torque_maximum : ndarray, (shafts,), or None
+        In N m, over the period; NaN where rigid shafts side by side leave it undetermined.
     train : Train
         The train that moves so.
     """
@@ -102,6 +104,9 @@ class Motion(Pictures):
     state: Array | None = field(default=None, repr=False)
     error_estimate: float = float("nan")
     share: float = float("nan")
+    shaft_torque_mean: Array | None = None
+    shaft_torque_minimum: Array | None = None
+    shaft_torque_maximum: Array | None = None
     undecided: bool = False
     lyapunov_exponent: float = float("nan")
     lyapunov_error: float = 0.0
@@ -410,10 +415,15 @@ def table(
     **columns: Any,
 ) -> Dataset:
     """Motions as the table of a group of the results file."""
-    labels = mesh_names(motions[0].train, len(motions[0].rms)) if motions else None
     train, frequency = motions[0].train if motions else None, np.array([motion.frequency for motion in motions])
+    values = as_columns(motions)
+    torque = values["shaft_torque_mean"]
+    labels = {
+        "mesh_label": mesh_names(train, len(motions[0].rms)) if motions else None,
+        "shaft_label": None if torque is None else shaft_names(train, torque.shape[1]),
+    }
     speeds = {"speed": speed_of(train, frequency), "fundamental_frequency": hertz_of(train, frequency)}
-    return dataset(path, {**as_columns(motions), "mesh_label": labels, **speeds, **columns}, dict(attributes or {}), coordinates)
+    return dataset(path, {**values, **labels, **speeds, **columns}, dict(attributes or {}), coordinates)
 
 
 def from_state(state: ArrayLike, meshes: int, states: int, what: str = "start") -> Motion:

@@ -186,7 +186,7 @@ def test_a_seed_is_as_a_start(train):
 
 
 def test_bad_input(train):
-    with pytest.raises(gt.InputError, match=r"&run_up: duration = 1\.0e-5: must be >= .* s: a run-up takes one mean fundamental"):
+    with pytest.raises(gt.InputError, match=r"&run_up: duration = 1\.0e-5: must be >= .* s: a run-up takes one mean period"):
         train.run_up(start=0.4, stop=0.8, duration=1e-5)
     with pytest.raises(gt.InputError, match="unit = 'knots': must be 'Lambda' or 'Hz'"):
         train.run_up(**RAMP, unit="knots")
@@ -256,7 +256,7 @@ def test_plots(ramp, what, unit):
 def test_what_cannot_be_drawn(ramp):
     with pytest.raises(gt.InputError, match="what = 'rms': must be"):
         ramp.plot("rms")
-    with pytest.raises(gt.InputError, match="unit = 'knots': must be 'Lambda', 'Hz'"):
+    with pytest.raises(gt.InputError, match="unit = 'knots': must be 'Lambda', 'rpm' or 'Hz'"):
         ramp.waterfall(unit="knots")
     with pytest.raises(gt.InputError, match="number = 3: must be 1 to 2"):
         ramp.waterfall(number=3)

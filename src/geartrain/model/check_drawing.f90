@@ -166,7 +166,7 @@ contains
             call checker%enter('body', i)
             call checker%complain(trim(merge('revolution_torque_cos', 'revolution_torque_sin', &
                                              is_given(train%bodies(i)%revolution_torque_cos))), '...', &
-                                  'needs teeth of every mesh, which tell how often the body turns')
+                                  'must be left out unless every mesh has teeth, which tell how often the body turns')
             call checker%leave()
          end do
       end if
