@@ -1,5 +1,6 @@
 """Broken machines: full disks, kills at any moment, two runs on one file, leaks; nothing computed is lost."""
 
+import gc
 import copy
 import os
 import pickle
@@ -319,9 +320,11 @@ def test_ten_thousand_solves_leak_nothing():
 
     point = train.response(start=0.89, stop=0.91, harmonics=2, stability=False)
     solve(100)
+    gc.collect()
     tracemalloc.start()
     before = tracemalloc.take_snapshot()
     solve(50)
+    gc.collect()
     grown = sum(item.size_diff for item in tracemalloc.take_snapshot().compare_to(before, "filename"))
     tracemalloc.stop()
     assert grown < 50_000
