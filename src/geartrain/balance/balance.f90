@@ -126,17 +126,13 @@ contains
       type(receptance_type), intent(in) :: receptance
       !> Derivative [1], (entries of the cut's graph).
       complex(dp), intent(out) :: matrix(:)
-      complex(dp) :: stiffness(self%unknowns)
       integer :: n
 
-      do n = 1, self%unknowns
-         stiffness(n) = self%mean_stiffness(n, harmonic)
-         matrix(n) = 1
-      end do
+      matrix(:self%unknowns) = 1
       matrix(self%unknowns + 1:) = 0
       associate (entry => self%system%cut%graph%entry, column => self%system%cut%graph%column)
          do n = 1, size(entry)
-            matrix(entry(n)) = matrix(entry(n)) + receptance%h(entry(n))*stiffness(column(n))
+            matrix(entry(n)) = matrix(entry(n)) + receptance%h(entry(n))*self%mean_stiffness(column(n), harmonic)
          end do
       end associate
    end subroutine mean_matrix
@@ -244,8 +240,10 @@ contains
             if (self%unknowns < system%meshes) &
                call linear_displacements(system, frequency_ratio, self%harmonic(k), self%eta, &
                                          cmplx(self%force(2*k, :), -self%force(2*k + 1, :), dp), p)
-            coefficients(2*k, :) = real(p(system%mesh_element), dp)
-            coefficients(2*k + 1, :) = -aimag(p(system%mesh_element))
+            do i = 1, system%meshes
+               coefficients(2*k, i) = real(p(system%mesh_element(i)), dp)
+               coefficients(2*k + 1, i) = -aimag(p(system%mesh_element(i)))
+            end do
          end do
       end associate
    end subroutine full_coefficients

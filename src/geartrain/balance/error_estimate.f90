@@ -323,12 +323,10 @@ contains
       subroutine at_tail(w, product)
          complex(dp), intent(in) :: w(0:)
          complex(dp), intent(out) :: product(:)
-         integer :: m
 
          if (balance%is_direct()) then
-            do m = 1, size(harmonic)
-               product(m) = 2*w(harmonic(m))*u(1, i) + driven(balance%harmonic, w, u(:, i), harmonic(m))
-            end do
+            call driven(balance%harmonic, harmonic, w, u(:, i), product)
+            product = product + 2*u(1, i)*w(harmonic)
          else
             call sample(u(:, i), balance%harmonic, wide)
             call multiply(wide, w)
@@ -352,7 +350,7 @@ contains
       associate (graph => balance%system%cut%graph)
          do m = 1, size(harmonic)
             force = tail(m, :)
-            call find_receptance(balance%system, frequency_ratio, harmonic(m), balance%eta, local)
+            call find_receptance(balance%system, frequency_ratio, harmonic(m), balance%eta, local, derivatives=.false.)
             ! The diagonal is near 1 except at a resonance.
             call balance%mean_matrix(harmonic(m), local, matrix)
             p = local%a

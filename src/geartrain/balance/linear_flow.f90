@@ -12,6 +12,7 @@ module geartrain_balance_linear_flow
    use geartrain_base_kinds, only: dp, pi
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
    use geartrain_linalg_fftw, only: transform_type
+   use geartrain_linalg_lapack, only: dgemv
    use geartrain_linalg_trigonometric, only: sample, transform_length
    use geartrain_model_system, only: system_type
    implicit none (type, external)
@@ -227,7 +228,7 @@ contains
       class(linear_flow_type), intent(inout) :: self
       !> What it adds to the end state and to the entry in the border row, (2*elements + 1).
       real(dp), intent(out), optional :: added(:)
-      integer :: i, k, n
+      integer :: i, n
 
       n = self%transform%samples
       associate (rho => self%rho)
@@ -239,12 +240,7 @@ contains
          end do
       end associate
       if (.not. present(added)) return
-      added = 0
-      do k = 1, n
-         do i = 1, size(self%element)
-            added = added + self%influence(:, i, k)*self%force(i, k)
-         end do
-      end do
+      call dgemv('N', size(added), size(self%force), 1.0_dp, self%influence, size(added), self%force, 1, 0.0_dp, added, 1)
    end subroutine find_force
 
    !> Finds y under `force`, from a state at the beginning.

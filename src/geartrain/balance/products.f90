@@ -121,31 +121,33 @@ contains
       call wide%to_coefficients()
    end subroutine multiply
 
-   !> Complex amplitude of the product at a harmonic that is not carried, without the product with the mean.
-   pure complex(dp) function driven(kept, w, u, r)
-      !> Carried harmonics; harmonic of the product.
-      integer, intent(in) :: kept(:), r
+   !> Complex amplitudes of the product at harmonics that are not carried, without the product with the mean.
+   pure subroutine driven(kept, harmonic, w, u, product)
+      !> Carried harmonics; harmonics of the product.
+      integer, intent(in) :: kept(:), harmonic(:)
       !> Two-sided coefficients of the function, (0:).
       complex(dp), intent(in) :: w(0:)
       !> Coefficients of the motion, (1 + 2*harmonics).
       real(dp), intent(in) :: u(:)
-      integer :: k
+      !> Amplitudes of the product, (harmonic).
+      complex(dp), intent(out) :: product(:)
+      complex(dp) :: difference, total
+      real(dp) :: re, im
+      integer :: k, m
 
-      driven = 0
-      do k = 1, size(kept)
-         driven = driven + two_sided(w, r - kept(k))*cmplx(u(2*k), -u(2*k + 1), dp) &
-                  + w(r + kept(k))*cmplx(u(2*k), u(2*k + 1), dp)
+      do m = 1, size(harmonic)
+         re = 0
+         im = 0
+         do k = 1, size(kept)
+            difference = w(abs(harmonic(m) - kept(k)))
+            if (harmonic(m) < kept(k)) difference%im = -difference%im
+            total = w(harmonic(m) + kept(k))
+            re = re + (difference%re + total%re)*u(2*k) + (difference%im - total%im)*u(2*k + 1)
+            im = im + (difference%im + total%im)*u(2*k) + (total%re - difference%re)*u(2*k + 1)
+         end do
+         product(m) = cmplx(re, im, dp)
       end do
-   end function driven
-
-   !> Coefficient k of the function; k may be negative.
-   pure complex(dp) function two_sided(w, k)
-      complex(dp), intent(in) :: w(0:)
-      integer, intent(in) :: k
-
-      two_sided = w(abs(k))
-      if (k < 0) two_sided = conjg(two_sided)
-   end function two_sided
+   end subroutine driven
 
    !> Product of the function with a tail, at the carried harmonics.
    pure subroutine tail_force(kept, harmonic, w, tail, d_phi)
@@ -155,17 +157,21 @@ contains
       complex(dp), intent(in) :: w(0:), tail(:)
       !> Coefficients of the product, (1 + 2*harmonics).
       real(dp), intent(out) :: d_phi(:)
-      complex(dp) :: total
+      complex(dp) :: difference, total
       integer :: k, m
 
-      d_phi(1) = sum(real(conjg(w(harmonic))*tail, dp))
-      do k = 1, size(kept)
-         total = 0
-         do m = 1, size(tail)
-            total = total + conjg(two_sided(w, harmonic(m) - kept(k)))*tail(m) + w(harmonic(m) + kept(k))*conjg(tail(m))
-         end do
-         d_phi(2*k) = total%re
-         d_phi(2*k + 1) = -total%im
+      d_phi = 0
+      do m = 1, size(harmonic)
+         associate (x => tail(m)%re, y => tail(m)%im)
+            d_phi(1) = d_phi(1) + w(harmonic(m))%re*x + w(harmonic(m))%im*y
+            do k = 1, size(kept)
+               difference = w(abs(harmonic(m) - kept(k)))
+               if (harmonic(m) < kept(k)) difference%im = -difference%im
+               total = w(harmonic(m) + kept(k))
+               d_phi(2*k) = d_phi(2*k) + (difference%re + total%re)*x + (difference%im + total%im)*y
+               d_phi(2*k + 1) = d_phi(2*k + 1) + (difference%im - total%im)*x + (total%re - difference%re)*y
+            end do
+         end associate
       end do
    end subroutine tail_force
 

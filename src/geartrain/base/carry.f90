@@ -1,7 +1,7 @@
 !> Carries one component of a result, of any type and rank, between the result and its field, see geartrain_base_fields. An array
 !> that is not allocated has no field, and without a field an array is not allocated.
 module geartrain_base_carry
-   use geartrain_base_carry_values, only: carry_integers, carry_reals, carry_texts
+   use geartrain_base_carry_values, only: arrange, carry_integers, carry_reals, carry_texts
    use geartrain_base_field, only: field_type, kind_integer, kind_logical, text_type
    use geartrain_base_fields, only: arranging, fields_type, reading
    use geartrain_base_kinds, only: dp
@@ -29,8 +29,7 @@ contains
       integer :: extents(0)
       logical :: changed
 
-      values = [value]
-      call carry_reals(fields, about, extents, values, changed)
+      call carry_reals(fields, about, extents, [value], values, changed)
       if (changed) value = values(1)
    end subroutine real_0
 
@@ -38,26 +37,41 @@ contains
       class(fields_type), intent(inout) :: fields
       type(field_type), intent(in) :: about
       real(dp), allocatable, intent(inout) :: value(:)
-      integer :: extents(1)
+      real(dp), allocatable :: values(:), arranged(:)
+      integer :: extents(1), lengths(1)
       logical :: changed
 
       extents = 0
       if (allocated(value)) extents = shape(value)
-      call carry_reals(fields, about, extents, value, changed)
+      if (fields%way == arranging) then
+         lengths = fields%lengths_of(about, 1)
+         allocate (arranged(lengths(1)))
+         call arrange(fields%order, extents, lengths, value, arranged)
+         call move_alloc(arranged, value)
+         return
+      end if
+      call carry_reals(fields, about, extents, value, values, changed)
+      if (changed) value = values
    end subroutine real_1
 
    subroutine real_2(fields, about, value)
       class(fields_type), intent(inout) :: fields
       type(field_type), intent(in) :: about
       real(dp), allocatable, intent(inout) :: value(:, :)
-      real(dp), allocatable :: values(:)
-      integer :: extents(2)
+      real(dp), allocatable :: values(:), arranged(:, :)
+      integer :: extents(2), lengths(2)
       logical :: changed
 
       extents = 0
       if (allocated(value)) extents = shape(value)
-      if (allocated(value)) values = reshape(value, [size(value)])
-      call carry_reals(fields, about, extents, values, changed)
+      if (fields%way == arranging) then
+         lengths = fields%lengths_of(about, 2)
+         allocate (arranged(lengths(1), lengths(2)))
+         call arrange(fields%order, extents, lengths, value, arranged)
+         call move_alloc(arranged, value)
+         return
+      end if
+      call carry_reals(fields, about, extents, value, values, changed)
       if (changed) value = reshape(values, extents)
    end subroutine real_2
 
@@ -65,14 +79,20 @@ contains
       class(fields_type), intent(inout) :: fields
       type(field_type), intent(in) :: about
       real(dp), allocatable, intent(inout) :: value(:, :, :)
-      real(dp), allocatable :: values(:)
-      integer :: extents(3)
+      real(dp), allocatable :: values(:), arranged(:, :, :)
+      integer :: extents(3), lengths(3)
       logical :: changed
 
       extents = 0
       if (allocated(value)) extents = shape(value)
-      if (allocated(value)) values = reshape(value, [size(value)])
-      call carry_reals(fields, about, extents, values, changed)
+      if (fields%way == arranging) then
+         lengths = fields%lengths_of(about, 3)
+         allocate (arranged(lengths(1), lengths(2), lengths(3)))
+         call arrange(fields%order, extents, lengths, value, arranged)
+         call move_alloc(arranged, value)
+         return
+      end if
+      call carry_reals(fields, about, extents, value, values, changed)
       if (changed) value = reshape(values, extents)
    end subroutine real_3
 
@@ -100,8 +120,20 @@ contains
       class(fields_type), intent(inout) :: fields
       type(field_type), intent(in) :: about
       complex(dp), allocatable, intent(inout) :: value(:, :)
+      complex(dp), allocatable :: arranged(:, :)
       real(dp), allocatable :: parts(:, :, :)
+      integer :: lengths(3), rows
 
+      if (fields%way == arranging) then
+         lengths = fields%lengths_of(about, 3)
+         allocate (arranged(lengths(2), lengths(3)))
+         rows = 0
+         if (allocated(value)) rows = min(lengths(2), size(value, 1))
+         if (rows > 0) arranged(:rows, :size(fields%order)) = value(:rows, fields%order)
+         arranged(rows + 1:, :) = 0
+         call move_alloc(arranged, value)
+         return
+      end if
       if (allocated(value) .and. fields%way /= reading) then
          allocate (parts(2, size(value, 1), size(value, 2)))
          parts(1, :, :) = value%re
@@ -109,7 +141,7 @@ contains
       end if
       call complex_axis(fields)
       call carry(fields, about, parts)
-      if (fields%way /= reading .and. fields%way /= arranging .or. .not. allocated(parts)) return
+      if (fields%way /= reading .or. .not. allocated(parts)) return
       call fields%check(size(parts, 1) == 2, about%name)
       if (size(parts, 1) == 2) value = cmplx(parts(1, :, :), parts(2, :, :), dp)
    end subroutine complex_2

@@ -6,30 +6,28 @@ module geartrain_base_carry_values
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
    private
-   public :: carry_integers, carry_reals, carry_texts
+   public :: arrange, carry_integers, carry_reals, carry_texts
 
 contains
 
    !> Real numbers.
-   subroutine carry_reals(fields, about, extents, values, changed)
+   subroutine carry_reals(fields, about, extents, given, values, changed)
       !> The fields of the results.
       class(fields_type), intent(inout) :: fields
       !> The row of the table.
       type(field_type), intent(in) :: about
-      !> Shape of the array; set by reading and arranging.
+      !> Shape of the array; set by reading.
       integer, intent(inout) :: extents(:)
-      !> Values of the array. Not allocated: no field, or NaN where it is an item of a list and the lengths are known.
-      real(dp), allocatable, intent(inout) :: values(:)
-      !> Whether `values` and `extents` are new: read from a field, or arranged.
+      !> Values of the array. Absent: no field, or NaN where it is an item of a list and the lengths are known.
+      real(dp), intent(in), optional :: given(*)
+      !> Values read from a field.
+      real(dp), allocatable, intent(out) :: values(:)
+      !> Whether `values` and `extents` were read from a field.
       logical, intent(out) :: changed
       integer :: place, first, lengths(size(extents)), rows, width, i, n
 
-      changed = fields%way == arranging
+      changed = .false.
       select case (fields%way)
-      case (arranging)
-         lengths = fields%lengths_of(about, size(extents))
-         call arrange(fields%order, extents, lengths, values)
-         extents = lengths
       case (reading)
          call fields%take(about, kind_real, extents, place, first, n)
          if (n < 0) return
@@ -43,11 +41,11 @@ contains
          end if
          changed = .true.
       case default
-         if (.not. allocated(values) .and. fields%way == writing) then
+         if (.not. present(given) .and. fields%way == writing) then
             if (fields%along == '' .or. any(fields%lengths_of(about, size(extents)) < 0)) return
          end if
          call fields%room_for(about, kind_real, extents, place, first, lengths)
-         if (.not. allocated(values) .or. fields%way == listing) return
+         if (.not. present(given) .or. fields%way == listing) return
          n = product(lengths)
          rows = 1
          width = 1
@@ -56,10 +54,15 @@ contains
             width = extents(1)
          end if
          associate (all => fields%groups(fields%here)%fields(place)%reals(first + 1:first + n))
-            if (rows /= width) all = ieee_value(0.0_dp, ieee_quiet_nan)
-            do i = 0, min(product(lengths(2:)), product(extents(2:))) - 1
-               all(i*rows + 1:i*rows + min(rows, width)) = values(i*width + 1:i*width + min(rows, width))
-            end do
+            if (rows == width) then
+               n = min(n, product(extents))
+               all(:n) = given(:n)
+            else
+               all = ieee_value(0.0_dp, ieee_quiet_nan)
+               do i = 0, min(product(lengths(2:)), product(extents(2:))) - 1
+                  all(i*rows + 1:i*rows + min(rows, width)) = given(i*width + 1:i*width + min(rows, width))
+               end do
+            end if
             if (about%none_is_negative) then
                where (all < 0) all = ieee_value(0.0_dp, ieee_quiet_nan)
             end if
@@ -67,31 +70,38 @@ contains
       end select
    end subroutine carry_reals
 
-   !> Puts the last index of an array into the order `order` and gives the array the extents `to`; new values are 0.
-   pure subroutine arrange(order, from, to, values)
-      integer, intent(in) :: order(:), from(:), to(:)
-      real(dp), allocatable, intent(inout) :: values(:)
-      real(dp), allocatable :: arranged(:)
+   !> Puts the last index of an array into another order; values that the array does not have are 0, those of further places of the
+   !> last index are not set.
+   pure subroutine arrange(order, from, to, values, arranged)
+      !> Old index of each place of the last index.
+      integer, intent(in) :: order(:)
+      !> Shape of the array; shape of the arranged array.
+      integer, intent(in) :: from(:), to(:)
+      !> The array; absent: none.
+      real(dp), intent(in), optional :: values(*)
+      !> The arranged array.
+      real(dp), intent(inout) :: arranged(*)
       integer :: i, k, rows, columns, rank
 
-      allocate (arranged(product(to)), source=0.0_dp)
-      rank = size(to)
-      if (allocated(values)) then
-         if (rank == 1) then
-            arranged(:size(order)) = values(order)
-         else
-            rows = min(to(1), from(1))
-            columns = product(to(2:rank - 1))
-            do k = 1, size(order)
-               do i = 0, columns - 1
-                  associate (new => ((k - 1)*columns + i)*to(1), old => ((order(k) - 1)*columns + i)*from(1))
-                     arranged(new + 1:new + rows) = values(old + 1:old + rows)
-                  end associate
-               end do
-            end do
-         end if
+      if (.not. present(values)) then
+         arranged(:product(to)) = 0
+         return
       end if
-      call move_alloc(arranged, values)
+      rank = size(to)
+      rows = min(to(1), from(1))
+      columns = product(to(2:rank - 1))
+      if (rank == 1) then
+         arranged(:size(order)) = values(order)
+         return
+      end if
+      do k = 1, size(order)
+         do i = 0, columns - 1
+            associate (new => ((k - 1)*columns + i)*to(1), old => ((order(k) - 1)*columns + i)*from(1))
+               arranged(new + 1:new + rows) = values(old + 1:old + rows)
+               arranged(new + rows + 1:new + to(1)) = 0
+            end associate
+         end do
+      end do
    end subroutine arrange
 
    !> Drops the places at the end of the first index where all values are NaN.

@@ -22,7 +22,7 @@ module geartrain_base_fields
       integer :: way = writing
       !> Path of the first field that does not fit; not allocated while all fields fit.
       character(:), allocatable :: wrong
-      !> Arranging: old index, in the last dimension, of the values that become first, second, ...; further values are 0.
+      !> Arranging: old index, in the last dimension, of the values that become first, second, ...; further values are not set.
       integer, allocatable :: order(:)
       !> Number of the present group.
       integer :: here = 0

@@ -193,6 +193,14 @@ contains
       slack = 1e-12_dp*piece%to
       below = ranges%to < piece%from - slack
       above = ranges%from > piece%to + slack
+      if (count(.not. (below .or. above)) == 1) then
+         ! As a rule.
+         where (.not. (below .or. above))
+            ranges%from = min(ranges%from, piece%from)
+            ranges%to = max(ranges%to, piece%to)
+         end where
+         return
+      end if
       if (.not. all(below .or. above)) then
          whole%from = min(piece%from, minval(ranges%from, .not. (below .or. above)))
          whole%to = max(piece%to, maxval(ranges%to, .not. (below .or. above)))

@@ -57,6 +57,8 @@ contains
       first = branch%multipliers(:, before)
       last = branch%multipliers(:, after)
       if (.not. (are_numbers(first) .and. are_numbers(last))) return
+      ! The multipliers are sorted by magnitude: none is outside, which is the rule.
+      if (max(abs(first(1)), abs(last(1))) <= 1) return
       if (max(maxval(abs(first)), maxval(abs(last))) > largest_multiplier) return
       if (all(outside(first) == outside(last))) return
       piece = piece_type(here, next, length)

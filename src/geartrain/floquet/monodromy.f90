@@ -4,12 +4,11 @@
 module geartrain_floquet_monodromy
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain_base_kinds, only: dp, pi
+   use geartrain_floquet_leading_multipliers, only: leading, leading_multipliers_type
    use geartrain_floquet_motion_contacts, only: motion_contacts_type
    use geartrain_floquet_multipliers, only: eigenvalues, power
    use geartrain_floquet_propagator, only: propagator_type
    use geartrain_floquet_time_reversal, only: time_reversal_type
-   use geartrain_floquet_vector_propagator, only: vector_propagator_type
-   use geartrain_linalg_arnoldi, only: arnoldi_type
    use geartrain_linalg_elimination, only: factor_matrix
    use geartrain_linalg_lapack, only: dgemm
    use geartrain_model_system, only: system_type
@@ -28,14 +27,8 @@ module geartrain_floquet_monodromy
    !> Of an interval, which is no part of its own.
    real(dp), parameter :: rounding = 1e-12_dp
 
-   !> From so many states on only so many multipliers are found, with residuals below `residual_limit` (the multipliers of a
-   !> propagator good to 1e-9), in a space of at most this share of the states.
-   integer, parameter :: many_states = 160, leading = 16
-   real(dp), parameter :: residual_limit = 1e-9_dp, largest_share = 0.7_dp
-   !> Vectors that are carried together: a larger block makes a larger space, but finds more copies of a multiplier.
-   integer, parameter :: two = 2, four = 4
-   !> Relative distance of multipliers that may be copies of each other, as of equal branches.
-   real(dp), parameter :: equal = 1e-6_dp
+   !> From so many states on only the leading multipliers are found.
+   integer, parameter :: many_states = 160
 
    !> Work space of one branch.
    type :: monodromy_type
@@ -51,10 +44,8 @@ module geartrain_floquet_monodromy
       !> The determinant, or of a train of many states the leading vector, confirms the latest multipliers.
       logical :: confirmed = .true.
       type(propagator_type), private :: propagator
-      !> The same for a few vectors, and the space of their products.
-      type(vector_propagator_type), private :: few
-      type(arnoldi_type), private :: space
-      !> Multipliers that were found without the matrix.
+      !> Finds multipliers without the matrix; the multipliers that were found so.
+      type(leading_multipliers_type), private :: search
       complex(dp), allocatable, private :: found(:)
       !> How often the motion repeats itself within its period: the matrix is that of one repetition, the multipliers are powers of
       !> its eigenvalues. A mesh of order 71 that gains 1.5 a tooth has one of 1e12, in whose rounding all others would drown.
@@ -78,8 +69,6 @@ module geartrain_floquet_monodromy
       procedure, private :: carry_along
       procedure, private :: advance
       procedure, private :: change
-      procedure, private :: find_leading
-      procedure, private :: carry_vectors
       procedure, private :: collect_events
       procedure, private :: close_piece
    end type monodromy_type
@@ -88,6 +77,7 @@ contains
 
    subroutine setup(self, system, all_of_them)
       class(monodromy_type), intent(inout) :: self
+      !> The train.
       type(system_type), intent(in) :: system
       !> All multipliers, however many states there are.
       logical, intent(in), optional :: all_of_them
@@ -102,7 +92,7 @@ contains
       self%kept = [(i, i=1, system%displacements), (system%coordinates + i, i=1, system%coordinates)]
       if (whole) return
       self%given = leading
-      call self%few%setup(system)
+      call self%search%setup(system)
    end subroutine setup
 
    subroutine prepare_matrix(self, system)
@@ -119,7 +109,9 @@ contains
    !> Monodromy matrix over the period 2 pi eta/Lambda of a motion, or its leading multipliers alone.
    subroutine integrate(self, motion, frequency_ratio, shift)
       class(monodromy_type), intent(inout) :: self
+      !> Contacts of the motion over its period.
       class(motion_contacts_type), intent(in) :: motion
+      !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
       !> What each contact event is moved by [rad], (event, unknown mesh).
       real(dp), intent(in), optional :: shift(:, :)
@@ -144,10 +136,11 @@ contains
       self%now = 1
       if (allocated(self%found)) deallocate (self%found)
       if (self%given < size(self%kept)) then
-         success = .false.
-         call self%find_leading(motion, frequency_ratio, period, events, two, success)
-         if (.not. success) call self%find_leading(motion, frequency_ratio, period, events, four, success)
+         allocate (self%found(self%given))
+         call self%search%find(motion, frequency_ratio, period, self%instant(:events), self%mesh(:events), self%contact(:events), &
+                               self%found, success)
          if (success) return
+         deallocate (self%found)
       end if
       self%interrupted = motion%system%interrupt%raised()
       if (self%interrupted) return
@@ -160,101 +153,6 @@ contains
          if (self%confirmed .or. self%interrupted) exit
       end do
    end subroutine integrate
-
-   !> The leading multipliers by Arnoldi's method. No determinant checks the steps: the leading vector is carried again with steps
-   !> of half the length instead. No success: the space would become almost the whole; or a multiplier was found as often as the
-   !> space can hold it, and may be there more often.
-   subroutine find_leading(self, motion, frequency_ratio, period, events, block, success)
-      class(monodromy_type), intent(inout) :: self
-      class(motion_contacts_type), intent(in) :: motion
-      real(dp), intent(in) :: frequency_ratio, period
-      !> Contact events, and vectors that are carried together.
-      integer, intent(in) :: events, block
-      logical, intent(out) :: success
-      real(dp), dimension(self%states, block) :: vectors, products
-      real(dp) :: residuals(self%given)
-      complex(dp) :: values(self%given)
-      integer :: attempt, check, most
-      logical :: independent
-
-      most = block*int(largest_share*self%states/block)
-      success = .false.
-      do attempt = 0, most_attempts - 1
-         call self%space%begin(self%states, most, block)
-         ! Trains of 100 to 300 meshes, be they chains or trees, need 7 to 11 times the root of their states with two vectors, and
-         ! binary trees 8 with four. Copies show earlier.
-         check = min(most, block*nint(merge(2.2_dp, 2.6_dp, block == four)*sqrt(real(self%states, dp))))
-         residuals = huge(1.0_dp)
-         do while (self%space%dimension < most .and. .not. motion%system%interrupt%raised())
-            call self%few%start(frequency_ratio, 2.0_dp**attempt)
-            call self%space%latest(vectors)
-            call self%few%put_vectors(vectors)
-            call self%carry_vectors(motion, period, events)
-            call self%few%get_vectors(products)
-            call self%space%extend(products, independent)
-            if (.not. independent) return
-            if (self%space%dimension < check) cycle
-            call self%space%ritz(values, residuals)
-            if (maxval(residuals) <= residual_limit) exit
-            if (most_copies(pack(values, residuals <= residual_limit)) >= block) return
-            check = min(most, next_check(self%space%dimension, maxval(residuals), block))
-         end do
-         if (.not. maxval(residuals) <= residual_limit .or. most_copies(values) >= block) return
-         call self%space%leading_vector(vectors(:, :two))
-         call self%few%start(frequency_ratio, 2.0_dp**(attempt + 1))
-         call self%few%put_vectors(vectors(:, :two))
-         call self%carry_vectors(motion, period, events)
-         call self%few%get_vectors(products(:, :two))
-         products(:, 1) = products(:, 1) - values(1)%re*vectors(:, 1) + abs(values(1)%im)*vectors(:, 2)
-         products(:, 2) = products(:, 2) - values(1)%re*vectors(:, 2) - abs(values(1)%im)*vectors(:, 1)
-         success = norm2(products(:, :two)) < largest_defect
-         if (success) exit
-      end do
-      if (success) self%found = values
-   end subroutine find_leading
-
-   !> The dimension at which the residual should be small enough: its logarithm grows as the third to fourth power of the dimension.
-   pure integer function next_check(dimension, residual, block) result(check)
-      integer, intent(in) :: dimension, block
-      real(dp), intent(in) :: residual
-      real(dp) :: growth
-
-      growth = (log(0.3_dp*residual_limit)/min(log(residual), -0.5_dp))**(1/3.0_dp)
-      check = block*ceiling(dimension*max(1.05_dp, min(1.4_dp, growth))/block)
-   end function next_check
-
-   !> How often the multiplier that is there most often is among them.
-   pure integer function most_copies(values)
-      complex(dp), intent(in) :: values(:)
-      integer :: i
-
-      most_copies = 0
-      if (size(values) > 0) most_copies = maxval([(count(abs(values - values(i)) <= equal*abs(values(i))), i=1, size(values))])
-   end function most_copies
-
-   !> Carries the vectors over the period.
-   subroutine carry_vectors(self, motion, period, events)
-      class(monodromy_type), intent(inout) :: self
-      class(motion_contacts_type), intent(in) :: motion
-      real(dp), intent(in) :: period
-      integer, intent(in) :: events
-      real(dp) :: time
-      integer :: i
-
-      do i = 1, motion%unknowns
-         self%now(motion%mesh(i)) = motion%contact(i)%first_contact
-      end do
-      time = 0
-      do i = 1, events
-         call self%few%advance(time, self%instant(i), self%now)
-         time = self%instant(i)
-         associate (mesh => self%mesh(i))
-            call self%few%pass_wall(mesh, self%now(mesh), self%contact(i))
-            self%now(mesh) = self%contact(i)
-         end associate
-      end do
-      call self%few%advance(time, period, self%now)
-   end subroutine carry_vectors
 
    !> The product of the pieces from event to event over a period that begins at an event or, without any, where a half gives the
    !> whole: the multipliers do not depend on that.
@@ -425,9 +323,10 @@ contains
       self%piece_start = time
    end subroutine close_piece
 
-   !> The multipliers, largest magnitude first, (given); NaN where the latest `integrate` was interrupted.
+   !> The multipliers, largest magnitude first; NaN where the latest `integrate` was interrupted.
    subroutine multipliers(self, values)
       class(monodromy_type), intent(inout) :: self
+      !> Multipliers [1], (given).
       complex(dp), intent(out) :: values(:)
       complex(dp) :: all_of_them(size(self%kept))
       real(dp), allocatable :: matrix(:, :)

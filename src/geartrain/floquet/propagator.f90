@@ -62,6 +62,7 @@ contains
 
    subroutine setup(self, system)
       class(propagator_type), intent(inout) :: self
+      !> The train.
       type(system_type), intent(in) :: system
       integer :: blocks, i, k, most
 
@@ -99,6 +100,7 @@ contains
    !> Begins with the identity at `frequency_ratio`; steps are shortened by `refinement`.
    subroutine start(self, frequency_ratio, refinement)
       class(propagator_type), intent(inout) :: self
+      !> Lambda [1]; steps are shorter by this factor [1].
       real(dp), intent(in) :: frequency_ratio, refinement
       integer :: n
 
@@ -123,13 +125,15 @@ contains
    !> The columns as the transpose of a matrix (state, state), velocities in plain units.
    subroutine get(self, transposed)
       class(propagator_type), intent(in) :: self
+      !> Transpose of the matrix, (state, state).
       real(dp), intent(out) :: transposed(:, :)
-      integer :: i, n
+      integer :: first, last, n
 
       associate (m => self%coordinates)
-         do n = 1, self%states
-            do i = 1, self%states
-               transposed(i, n) = self%x(mod(i - 1, self%width) + 1, n, (i - 1)/self%width + 1)
+         do first = 1, self%states, self%width
+            last = min(first + self%width - 1, self%states)
+            do n = 1, self%states
+               transposed(first:last, n) = self%x(:last - first + 1, n, first/self%width + 1)
             end do
          end do
          transposed(:m, m + 1:) = transposed(:m, m + 1:)*self%band
@@ -140,7 +144,9 @@ contains
    !> From one time to another along constant contacts (mesh), 0 for separation; less far where it is interrupted.
    subroutine advance(self, from, to, contact)
       class(propagator_type), intent(inout) :: self
+      !> Times [1].
       real(dp), intent(in) :: from, to
+      !> Region of its law in which each mesh is, 0 for separation, (mesh).
       integer, intent(in) :: contact(:)
       real(dp) :: h
       integer :: i, j, n, steps
@@ -169,6 +175,7 @@ contains
    !> Takes the columns past an event of a mesh that goes from one region of its law to another.
    subroutine pass_wall(self, mesh, from, to, sheared)
       class(propagator_type), intent(inout) :: self
+      !> The mesh; regions of its law before and after the event.
       integer, intent(in) :: mesh, from, to
       !> Becomes true where that changes them.
       logical, intent(inout) :: sheared
@@ -187,6 +194,7 @@ contains
    !> By how much less than on all drive flanks the determinant decays with the given contacts (mesh) [1].
    pure real(dp) function spared(self, contact)
       class(propagator_type), intent(in) :: self
+      !> Region of its law in which each mesh is, 0 for separation, (mesh).
       integer, intent(in) :: contact(:)
       integer :: j
 
@@ -240,7 +248,7 @@ contains
          do i = 1, size(law%amplitude, 1)
             rate = i*law%order*self%frequency_ratio
             series = self%kappa%index_of(rate*h/2)
-            phase = law%amplitude(i, region)*exp(cmplx(0, rate*(time + h/2), dp))
+            phase = law%amplitude(i, region)*cmplx(cos(rate*(time + h/2)), sin(rate*(time + h/2)), dp)
             power = 1
             last = max(last, self%kappa%degree(series))
             do l = 0, self%kappa%degree(series)

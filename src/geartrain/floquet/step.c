@@ -27,9 +27,11 @@ INLINE void find_psi(const int vectors, int all, double spring, double damper, i
 {
    for (int i = 0; i < vectors; i++)
       psi[i] = spring * load(p + 4 * i);
-   for (int l = 0; l < terms; l++)
+   const double *restrict q = p;
+#pragma GCC unroll 2
+   for (int l = 0; l < terms; l++, q -= all)
       for (int i = 0; i < vectors; i++)
-         psi[i] += factor[l] * load(p - l * all + 4 * i);
+         psi[i] += factor[l] * load(q + 4 * i);
    for (int i = 0; i < vectors; i++)
       psi[i] += damper * load(p + all + 4 * i);
 }
@@ -40,10 +42,11 @@ INLINE void add_up(const int vectors, int degree, int all, int given, const doub
 {
    four here[3] = {{0}}, next[3] = {{0}};
 
-   for (int k = 0; k <= degree; k++)
+#pragma GCC unroll 2
+   for (int k = 0; k <= degree; k++, p += all)
       for (int i = 0; i < vectors; i++) {
-         here[i] += weight[k] * load(p + k * all + 4 * i);
-         next[i] += weight[k] * load(p + (k + 1) * all + 4 * i);
+         here[i] += weight[k] * load(p + 4 * i);
+         next[i] += weight[k] * load(p + all + 4 * i);
       }
    for (int i = 0; i < vectors; i++) {
       store(x + 4 * i, here[i]);
@@ -174,24 +177,26 @@ INLINE eight twice(const double *p)
                                     what is of elements alone has half as many numbers
      degree, terms                  derivatives, terms of kappa
      spring, damper(row)            -W_nn kappa where it is constant, -W_nn gamma
-     kappa(varying, terms)          -W_nn kappa
+     kappa(varying, terms + 1)      -W_nn kappa, and zeros
      diagonals                      of the matrix of the neighbours' shares, those that are worth being taken as a whole:
      offset, low, high(diagonal), share(row, diagonal)   column less row; range of rows, multiples of eight; elements
-     rest                           its other elements:
-     to, from, factor(rest)         row, column
+     rest                           rows with other elements:
+     to, number(rest)               row, how many
+     from, factor                   column, of one row after another; rows of equal number follow one another, which a processor foresees
      weight(degree + 1)             weights of the derivatives at the end
-     work                           room for rows (degree + 3) + 32 numbers
+     work                           room for rows (degree + 4) + 32 numbers
      x(row, 2)                      displacements and velocities, in and out */
 WIDE_VERSIONS void geartrain_step_pair(int rows, int varying, int degree, int terms, const double *restrict spring,
                                        const double *restrict damper, const double *restrict kappa, int diagonals,
                                        const int *restrict offset, const int *restrict low, const int *restrict high,
-                                       const double *restrict share, int rest, const int *restrict to, const int *restrict from,
-                                       const double *restrict factor, const double *restrict weight, double *restrict work,
+                                       const double *restrict share, int rest, const int *restrict to, const int *restrict number,
+                                       const int *restrict from, const double *restrict factor, const double *restrict weight, double *restrict work,
                                        double *restrict x)
 {
    double *restrict margin = (double *)(((uintptr_t)work + 63) & ~(uintptr_t)63);
    double *restrict psi = margin + 8;
-   double *restrict p = psi + rows + 8;
+   double *restrict ahead = psi + rows + 8;
+   double *restrict p = ahead + varying;
 
    store8(margin, (eight){0});
    store8(psi + rows, (eight){0});
@@ -204,8 +209,19 @@ WIDE_VERSIONS void geartrain_step_pair(int rows, int varying, int degree, int te
       const int last = terms < k + 1 ? terms : k + 1;
       for (int n = 0; n < rows; n += 8) {
          eight sum = twice(spring + n / 2) * load8(here + n) + rate * twice(damper + n / 2) * load8(here + rows + n);
-         for (int l = 0; n < varying && l < last; l++)
-            sum += twice(kappa + (l * varying + n) / 2) * load8(here - l * rows + n);
+         if (n < varying && k % 2)
+            sum += twice(kappa + n / 2) * load8(here + n) + load8(ahead + n);
+         else if (n < varying) {
+            /* What the terms make of the derivatives so far, for this product and for the next: each is fetched once. */
+            eight factor = twice(kappa + n / 2), part = {0};
+            for (int l = 0; l < last; l++) {
+               const eight q = load8(here - l * rows + n);
+               sum += factor * q;
+               factor = twice(kappa + ((l + 1) * varying + n) / 2);
+               part += factor * q;
+            }
+            store8(ahead + n, part);
+         }
          sum *= scale;
          store8(psi + n, sum);
          store8(next + n, sum);
@@ -213,8 +229,14 @@ WIDE_VERSIONS void geartrain_step_pair(int rows, int varying, int degree, int te
       for (int d = 0; d < diagonals; d++)
          for (int n = low[d]; n < high[d]; n += 8)
             store8(next + n, load8(next + n) + twice(share + (d * rows + n) / 2) * load8(psi + n + offset[d]));
-      for (int i = 0; i < rest; i++)
-         *(two *)(next + to[i]) += factor[i] * *(const two *)(psi + from[i]);
+      const int *restrict column = from;
+      const double *restrict value = factor;
+      for (int i = 0; i < rest; i++) {
+         two sum = *(const two *)(next + to[i]);
+         for (int j = 0; j < number[i]; j++)
+            sum += *value++ * *(const two *)(psi + *column++);
+         *(two *)(next + to[i]) = sum;
+      }
    }
    for (int n = 0; n < rows; n += 8) {
       eight displacement = {0}, velocity = {0};

@@ -49,6 +49,7 @@ contains
 
    subroutine put_system(self, system)
       class(step_rule_type), intent(inout) :: self
+      !> The train.
       type(system_type), intent(in) :: system
       real(dp) :: stiffest(system%elements), damping(system%elements), aspect
       integer :: i, j
@@ -90,6 +91,7 @@ contains
    !> Prepares for steps at `frequency_ratio`, which are shortened by `refinement`.
    subroutine put_frequency(self, frequency_ratio, refinement)
       class(step_rule_type), intent(inout) :: self
+      !> Lambda [1]; steps are shorter by this factor [1].
       real(dp), intent(in) :: frequency_ratio, refinement
 
       self%frequency_ratio = frequency_ratio
@@ -100,6 +102,7 @@ contains
    !> Number of equal steps in which a time passes.
    integer function steps(self, time, varies)
       class(step_rule_type), intent(in) :: self
+      !> The time [1].
       real(dp), intent(in) :: time
       !> The stiffness of some mesh in contact varies.
       logical, intent(in) :: varies

@@ -26,7 +26,7 @@ module geartrain_floquet_vector_propagator
       !> -W_nn kappa where it is constant, -W_nn gamma, over the powers of `band`, (row).
       real(dp), allocatable, private :: spring(:), damper(:)
       !> W_nm/W_mm for neighbours: diagonals, and the rest, as step.c describes them.
-      integer, allocatable, private :: offset(:), low(:), high(:), to(:), from(:)
+      integer, allocatable, private :: offset(:), low(:), high(:), to(:), number(:), from(:)
       real(dp), allocatable, private :: share(:, :), factor(:)
       !> Harmonics of Lambda in any kappa, and the number of each harmonic of a mesh among them, (harmonic, mesh).
       integer, allocatable, private :: harmonic(:), place(:, :)
@@ -51,11 +51,11 @@ module geartrain_floquet_vector_propagator
    !> In step.c, where its arguments are described.
    interface
       pure subroutine take_step(rows, varying, degree, terms, spring, damper, kappa, diagonals, offset, low, high, share, rest, &
-                                to, from, factor, weight, work, x) bind(c, name='geartrain_step_pair')
+                                to, number, from, factor, weight, work, x) bind(c, name='geartrain_step_pair')
          import :: c_double, c_int
          implicit none (type, external)
          integer(c_int), value :: rows, varying, degree, terms, diagonals, rest
-         integer(c_int), intent(in), dimension(*) :: offset, low, high, to, from
+         integer(c_int), intent(in), dimension(*) :: offset, low, high, to, number, from
          real(c_double), intent(in), dimension(*) :: spring, damper, kappa, share, factor, weight
          real(c_double), intent(inout), dimension(*) :: work, x
       end subroutine take_step
@@ -65,6 +65,7 @@ contains
 
    subroutine setup(self, system)
       class(vector_propagator_type), intent(inout) :: self
+      !> The train.
       type(system_type), intent(in) :: system
 
       call self%put_system(system)
@@ -72,10 +73,10 @@ contains
       call self%list_neighbours()
       call self%list_harmonics()
       associate (most => maxval(self%motion%degree))
-         allocate (self%weight(0:most), self%work(pair*self%rows*(most + 3) + 32))
+         allocate (self%weight(0:most), self%work(pair*self%rows*(most + 4) + 32))
       end associate
       allocate (self%spring(self%rows), self%damper(self%rows), source=0.0_dp)
-      allocate (self%kappa_terms(self%varying, 0:most_terms - 1), source=0.0_dp)
+      allocate (self%kappa_terms(self%varying, 0:most_terms), source=0.0_dp)
    end subroutine setup
 
    !> Numbers the elements, those of a varying kappa first.
@@ -101,13 +102,12 @@ contains
       end do
    end subroutine number_rows
 
-   !> Sorts the elements of the matrix of shares into diagonals and others, in which no row follows itself if it can be helped: each
-   !> would wait for the sum before it.
+   !> Sorts the elements of the matrix of shares into diagonals and others, row by row, rows with few others first.
    subroutine list_neighbours(self)
       class(vector_propagator_type), intent(inout) :: self
       integer :: number(1 - self%rows:self%rows - 1), low(1 - self%rows:self%rows - 1), high(1 - self%rows:self%rows - 1)
       logical :: whole(1 - self%rows:self%rows - 1)
-      integer :: taken(self%system%elements), d, i, m, n, round
+      integer :: others(self%system%elements), d, i, k, m, n
 
       number = 0
       low = self%rows
@@ -126,23 +126,29 @@ contains
          self%low = pair*pack(low, whole)
          self%high = pair*pack(high, whole)
          allocate (self%share(self%rows, size(self%offset)), source=0.0_dp)
-         allocate (self%to(0), self%from(0), self%factor(0))
-         taken = 0
-         do round = 1, maxval(system%first(2:) - system%first(:system%elements))
+         allocate (self%to(0), self%number(0), self%from(0), self%factor(0))
+         others = 0
+         do n = 1, system%elements
+            do i = system%first(n), system%first(n + 1) - 1
+               m = system%neighbour(i)
+               d = row(m) - row(n)
+               if (whole(d)) then
+                  self%share(row(n), findloc(self%offset, d, 1)) = system%coupling(i)/system%own(m)
+               else
+                  others(n) = others(n) + 1
+               end if
+            end do
+         end do
+         do k = 1, maxval(others)
             do n = 1, system%elements
-               do while (taken(n) < system%first(n + 1) - system%first(n))
-                  i = system%first(n) + taken(n)
-                  taken(n) = taken(n) + 1
+               if (others(n) /= k) cycle
+               self%to = [self%to, pair*(row(n) - 1)]
+               self%number = [self%number, k]
+               do i = system%first(n), system%first(n + 1) - 1
                   m = system%neighbour(i)
-                  d = row(m) - row(n)
-                  if (whole(d)) then
-                     self%share(row(n), findloc(self%offset, d, 1)) = system%coupling(i)/system%own(m)
-                  else
-                     self%to = [self%to, pair*(row(n) - 1)]
-                     self%from = [self%from, pair*(row(m) - 1)]
-                     self%factor = [self%factor, system%coupling(i)/system%own(m)]
-                     exit
-                  end if
+                  if (whole(row(m) - row(n))) cycle
+                  self%from = [self%from, pair*(row(m) - 1)]
+                  self%factor = [self%factor, system%coupling(i)/system%own(m)]
                end do
             end do
          end do
@@ -172,6 +178,7 @@ contains
    !> Begins at `frequency_ratio`; steps are shortened by `refinement`.
    subroutine start(self, frequency_ratio, refinement)
       class(vector_propagator_type), intent(inout) :: self
+      !> Lambda [1]; steps are shorter by this factor [1].
       real(dp), intent(in) :: frequency_ratio, refinement
 
       call self%put_frequency(frequency_ratio, refinement)
@@ -223,7 +230,9 @@ contains
    !> From one time to another along constant contacts (mesh), 0 for separation; less far where it is interrupted.
    subroutine advance(self, from, to, contact)
       class(vector_propagator_type), intent(inout) :: self
+      !> Times [1].
       real(dp), intent(in) :: from, to
+      !> Region of its law in which each mesh is, 0 for separation, (mesh).
       integer, intent(in) :: contact(:)
       real(dp) :: h
       integer :: i, j, steps
@@ -255,6 +264,7 @@ contains
    !> change by its column of W times its displacement.
    subroutine pass_wall(self, mesh, from, to)
       class(vector_propagator_type), intent(inout) :: self
+      !> The mesh; regions of its law before and after the event.
       integer, intent(in) :: mesh, from, to
       real(dp) :: change(pair, size(self%x, 4))
       integer :: i, k, m
@@ -289,8 +299,8 @@ contains
       call self%expand_kappa(time, h, contact, terms)
       do i = 1, size(self%x, 4)
          call take_step(pair*self%rows, pair*self%varying, degree, terms, self%spring, self%damper, self%kappa_terms, &
-                        size(self%offset), self%offset, self%low, self%high, self%share, size(self%to), self%to, self%from, &
-                        self%factor, self%weight, self%work, self%x(:, :, :, i))
+                        size(self%offset), self%offset, self%low, self%high, self%share, size(self%to), self%to, self%number, &
+                        self%from, self%factor, self%weight, self%work, self%x(:, :, :, i))
       end do
    end subroutine step
 
@@ -341,6 +351,7 @@ contains
                   end associate
                end do
             end if
+            self%kappa_terms(self%row(n), last + 1) = 0
             self%kappa_terms(self%row(n), :last) = -self%system%own(n)/self%band**2*polynomial(:last)
          end associate
       end do

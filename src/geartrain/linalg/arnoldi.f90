@@ -2,19 +2,22 @@
 !> `latest`, hand the products to `extend`, ask `ritz` now and then. An eigenvalue is found as often as it is there, up to `block`
 !> times.
 module geartrain_linalg_arnoldi
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
    use geartrain_base_kinds, only: dp
-   use geartrain_linalg_lapack, only: dgehrd, dgemm, dhsein, dhseqr, dormhr
+   use geartrain_linalg_lapack, only: dgehrd, dhsein, dhseqr, dormhr
    implicit none (type, external)
    private
    public :: arnoldi_type
 
    !> What orthogonalisation may leave of a product before the space counts as exhausted.
    real(dp), parameter :: nothing = 1e-13_dp
+   !> Vectors that are made orthogonal to the others together.
+   integer, parameter :: pair = 2
 
    type :: arnoldi_type
       !> Dimension of the space whose products are known.
       integer :: dimension = 0
-      !> Vectors that are multiplied at a time.
+      !> Vectors that are multiplied at a time, an even number.
       integer :: block = 0
       integer, private :: n = 0
       !> Orthonormal basis, (n, most + block); products of the basis in it, (most + block, most).
@@ -23,17 +26,30 @@ module geartrain_linalg_arnoldi
       real(dp), allocatable, private :: vector(:, :)
    contains
       procedure :: begin
+      procedure :: begin_with
       procedure :: latest
       procedure :: extend
       procedure :: ritz
       procedure :: leading_vector
    end type arnoldi_type
 
+   !> In project_out.c, where its arguments are described.
+   interface
+      pure subroutine project_out(n, m, basis, pair, factor, again) bind(c, name='geartrain_project_out')
+         import :: c_double, c_int
+         implicit none (type, external)
+         integer(c_int), value :: n, m
+         real(c_double), intent(in) :: basis(n, *)
+         real(c_double), intent(inout) :: pair(n, *), factor(m, *), again(m, *)
+      end subroutine project_out
+   end interface
+
 contains
 
-   !> For a matrix of n rows and a space of at most `most` dimensions, a multiple of `block`.
+   !> Begins a space with the same vectors every time.
    subroutine begin(self, n, most, block)
       class(arnoldi_type), intent(inout) :: self
+      !> Rows of the matrix; most dimensions, a multiple of `block`; vectors that are multiplied at a time, an even number.
       integer, intent(in) :: n, most, block
       integer :: i, k
       logical :: independent
@@ -55,18 +71,32 @@ contains
       call orthonormalise(self, 0, independent)
    end subroutine begin
 
-   !> The vectors whose products are wanted, (n, block).
+   !> Begins with other vectors, as products of the matrix with those that it began with.
+   subroutine begin_with(self, vectors)
+      class(arnoldi_type), intent(inout) :: self
+      !> Independent vectors, (n, block).
+      real(dp), intent(in) :: vectors(:, :)
+      logical :: independent
+
+      self%basis(:, :self%block) = vectors
+      call orthonormalise(self, 0, independent)
+   end subroutine begin_with
+
+   !> The vectors whose products are wanted.
    pure subroutine latest(self, vectors)
       class(arnoldi_type), intent(in) :: self
+      !> Orthonormal vectors, (n, block).
       real(dp), intent(out) :: vectors(:, :)
 
       vectors = self%basis(:, self%dimension + 1:self%dimension + self%block)
    end subroutine latest
 
-   !> Takes the products of the latest vectors, (n, block). Not independent: the space cannot be extended.
+   !> Takes the products of the latest vectors. Not independent: the space cannot be extended.
    subroutine extend(self, products, independent)
       class(arnoldi_type), intent(inout) :: self
+      !> Products of the matrix with the vectors of `latest`, (n, block).
       real(dp), intent(in) :: products(:, :)
+      !> The products do not lie in the space.
       logical, intent(out) :: independent
       integer :: m
 
@@ -82,17 +112,17 @@ contains
       class(arnoldi_type), intent(inout) :: self
       integer, intent(in) :: m
       logical, intent(out) :: independent
-      real(dp) :: factors(m + self%block, self%block), length, before
+      real(dp) :: factors(m, pair), again(m, pair), length, before
       integer :: i, j, k, turn
 
       independent = .true.
       associate (v => self%basis, h => self%projected, block => self%block)
-         do turn = 1, 2
-            if (m == 0) exit
-            call dgemm('T', 'N', m, block, self%n, 1.0_dp, v, self%n, v(:, m + 1:), self%n, 0.0_dp, factors, m + block)
-            call dgemm('N', 'N', self%n, block, m, -1.0_dp, v, self%n, factors, m + block, 1.0_dp, v(:, m + 1:), self%n)
-            h(:m, m - block + 1:m) = h(:m, m - block + 1:m) + factors(:m, :)
-         end do
+         if (m > 0) then
+            do k = m + 1, m + block, pair
+               call project_out(self%n, m, v, v(:, k:k + 1), factors, again)
+               h(:m, k - block:k - block + 1) = factors
+            end do
+         end if
          do k = m + 1, m + block
             before = norm2(v(:, k))
             do turn = 1, 2
@@ -117,8 +147,9 @@ contains
    !> Of all eigenvectors of the projection only those are found, by inverse iteration.
    subroutine ritz(self, values, residuals)
       class(arnoldi_type), intent(inout) :: self
+      !> Eigenvalues, as many as are wanted, (value).
       complex(dp), intent(out) :: values(:)
-      !> Huge where there are not so many values yet, or LAPACK fails.
+      !> Residual of each value, (value); huge where there are not so many values yet, or LAPACK fails.
       real(dp), intent(out) :: residuals(:)
       real(dp), dimension(self%dimension, self%dimension) :: h, copy
       real(dp) :: vectors(self%dimension, size(values) + 1), work((self%dimension + 40)*self%dimension), empty(1, 1), length
@@ -173,9 +204,10 @@ contains
       end associate
    end subroutine ritz
 
-   !> Real and imaginary part of the eigenvector of the first value of the latest `ritz` (or of its conjugate), (n, 2).
+   !> Real and imaginary part of the eigenvector of the first value of the latest `ritz` (or of its conjugate).
    subroutine leading_vector(self, vector)
       class(arnoldi_type), intent(in) :: self
+      !> Real and imaginary part of a unit vector, (n, part).
       real(dp), intent(out) :: vector(:, :)
 
       vector = matmul(self%basis(:, :self%dimension), self%vector)

@@ -67,8 +67,10 @@ contains
             column = sum(abs(a(:, i))) - abs(a(i, i))
             row = sum(abs(a(i, :))) - abs(a(i, i))
             if (.not. (min(row, column) > 0 .and. max(row, column) < huge(row))) cycle
+            factor = row/column
+            if (factor >= 0.5_dp .and. factor < 2) cycle
             total = row + column
-            factor = 2.0_dp**nint(log(row/column)/(2*log(2.0_dp)))
+            factor = scale(1.0_dp, shifta(exponent(factor), 1))
             if (column*factor + row/factor > 0.95_dp*total) cycle
             done = .false.
             a(i, :) = a(i, :)/factor
@@ -210,10 +212,10 @@ contains
          p = (r*s - w)/a(m + 1, m) + a(m, m + 1)
          q = a(m + 1, m + 1) - z - r - s
          r = a(m + 2, m + 1)
-         scale = abs(p) + abs(q) + abs(r)
-         p = p/scale
-         q = q/scale
-         r = r/scale
+         scale = 1/(abs(p) + abs(q) + abs(r))
+         p = p*scale
+         q = q*scale
+         r = r*scale
          if (m == first) exit
          if (abs(a(m, m - 1))*(abs(q) + abs(r)) <= epsilon(p)*abs(p)*(abs(a(m - 1, m - 1)) + abs(z) + abs(a(m + 1, m + 1)))) exit
       end do
@@ -229,10 +231,11 @@ contains
             r = 0
             if (rows == 3) r = a(k + 2, k - 1)
             scale = abs(p) + abs(q) + abs(r)
-            if (.not. scale > 0) cycle
-            p = p/scale
-            q = q/scale
-            r = r/scale
+            if (.not. scale > tiny(scale)) cycle
+            s = 1/scale
+            p = p*s
+            q = q*s
+            r = r*s
          end if
          s = sign(sqrt(p**2 + q**2 + r**2), p)
          if (k > m) then
@@ -241,11 +244,13 @@ contains
             a(k, k - 1) = -a(k, k - 1)
          end if
          p = p + s
-         alpha = p/s
-         beta = q/s
-         delta = r/s
-         q = q/p
-         r = r/p
+         s = 1/s
+         alpha = p*s
+         beta = q*s
+         delta = r*s
+         s = 1/p
+         q = q*s
+         r = r*s
          if (rows == 3) then
             do j = k, last
                s = a(k, j) + q*a(k + 1, j) + r*a(k + 2, j)

@@ -159,7 +159,7 @@ contains
       !> Structure of the matrix.
       type(graph_type), intent(in) :: graph
       !> Entries, (graph%entries); then inverse pivots on the diagonal, and upper entries times the inverse pivot of their row.
-      complex(dp), intent(inout) :: a(:)
+      complex(dp), intent(inout), contiguous :: a(:)
       integer :: k, n, s, t
 
       associate (upper => graph%nodes, lower => graph%nodes + graph%slots)
@@ -184,9 +184,9 @@ contains
       !> Structure of the matrix.
       type(graph_type), intent(in) :: graph
       !> Factors, (graph%entries).
-      complex(dp), intent(in) :: a(:)
+      complex(dp), intent(in), contiguous :: a(:)
       !> Right-hand side, then solution, (nodes).
-      complex(dp), intent(inout) :: x(:)
+      complex(dp), intent(inout), contiguous :: x(:)
       integer :: i, k, s
 
       associate (upper => graph%nodes, lower => graph%nodes + graph%slots)

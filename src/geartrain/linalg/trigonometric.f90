@@ -41,7 +41,7 @@ contains
       complex(dp) :: z, power, advance, term
       integer :: k, step
 
-      z = exp(cmplx(0, theta, dp))
+      z = cmplx(cos(theta), sin(theta), dp)
       power = 1
       step = 0
       advance = 1

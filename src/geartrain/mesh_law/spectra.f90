@@ -111,7 +111,7 @@ contains
       last = 0
       now = first
       do i = 1, size(instant)
-         z = exp(cmplx(0, -instant(i), dp))
+         z = cmplx(cos(instant(i)), -sin(instant(i)), dp)
          factor = cmplx(0, -1/(2*pi), dp)
          do k = 1, ubound(chi, 1)
             factor = factor*z

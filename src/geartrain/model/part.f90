@@ -115,26 +115,35 @@ contains
       class(part_type), intent(in) :: self
       !> Frequency > 0 [rad/s].
       real(dp), intent(in) :: omega
-      !> Displacement over force [m/N] between masses 1 and 1, 1 and 2, 2 and 2, and derivatives with respect to omega [m s/(N
-      !> rad)]; of one mass all three are equal.
-      complex(dp), intent(out) :: alpha(3), d_alpha(3)
-      complex(dp) :: spring, d_spring, inverse, d_denominator, d_numerator(3)
-      real(dp) :: both, product
+      !> Displacement over force [m/N] between masses 1 and 1, 1 and 2, 2 and 2; of one mass all three are equal.
+      complex(dp), intent(out) :: alpha(3)
+      !> Derivatives of `alpha` with respect to omega [m s/(N rad)].
+      complex(dp), intent(out), optional :: d_alpha(3)
+      complex(dp) :: spring, determinant, inverse, d_denominator
+      real(dp) :: square, both, product, scale
 
       if (size(self%mass) == 1) then
          alpha = -1/(omega**2*self%mass(1))
-         d_alpha = -2*alpha/omega
+         if (present(d_alpha)) d_alpha = -2*alpha/omega
          return
       end if
-      spring = cmplx(self%stiffness(1), omega*self%damping(1), dp)
-      d_spring = cmplx(0, self%damping(1), dp)
+      square = omega**2
       both = self%mass(1) + self%mass(2)
       product = self%mass(1)*self%mass(2)
-      inverse = 1/(omega**2*(omega**2*product - spring*both))
-      d_denominator = 4*omega**3*product - 2*omega*spring*both - omega**2*d_spring*both
-      alpha = [spring - omega**2*self%mass(2), spring, spring - omega**2*self%mass(1)]*inverse
-      d_numerator = [d_spring - 2*omega*self%mass(2), d_spring, d_spring - 2*omega*self%mass(1)]
-      d_alpha = (d_numerator - alpha*d_denominator)*inverse
+      spring = cmplx(self%stiffness(1), omega*self%damping(1), dp)
+      ! In real parts: gfortran makes a complex number of a real factor, and a division cautious.
+      determinant = cmplx(square*product - spring%re*both, -spring%im*both, dp)
+      scale = 1/(square*(determinant%re**2 + determinant%im**2))
+      inverse = cmplx(determinant%re*scale, -determinant%im*scale, dp)
+      alpha(1) = cmplx(spring%re - square*self%mass(2), spring%im, dp)*inverse
+      alpha(2) = spring*inverse
+      alpha(3) = cmplx(spring%re - square*self%mass(1), spring%im, dp)*inverse
+      if (.not. present(d_alpha)) return
+      d_denominator = cmplx(2*omega*(determinant%re + square*product), &
+                            2*omega*determinant%im - square*both*self%damping(1), dp)
+      d_alpha(1) = (cmplx(-2*omega*self%mass(2), self%damping(1), dp) - alpha(1)*d_denominator)*inverse
+      d_alpha(2) = (cmplx(0, self%damping(1), dp) - alpha(2)*d_denominator)*inverse
+      d_alpha(3) = (cmplx(-2*omega*self%mass(1), self%damping(1), dp) - alpha(3)*d_denominator)*inverse
    end subroutine receptance_of_two
 
    !> Eliminates the masses.

@@ -18,7 +18,7 @@ module geartrain_model_receptance
 contains
 
    !> Computes receptance and excitation at one harmonic.
-   pure subroutine find_receptance(system, frequency_ratio, harmonic, eta, r)
+   pure subroutine find_receptance(system, frequency_ratio, harmonic, eta, r, derivatives)
       !> The train.
       type(system_type), intent(in) :: system
       !> Lambda [1].
@@ -27,10 +27,15 @@ contains
       integer, intent(in) :: harmonic, eta
       !> Gets H, a and their derivatives; allocated at the first call.
       type(receptance_type), intent(inout) :: r
+      !> .false.: the derivatives are not wanted, and may be anything.
+      logical, intent(in), optional :: derivatives
       complex(dp) :: alpha(3), d_alpha(3)
-      real(dp) :: omega, d_omega, gain
-      integer :: i, j, n, p
+      real(dp) :: omega, d_omega
+      integer :: i, p
+      logical :: wanted
 
+      wanted = .true.
+      if (present(derivatives)) wanted = derivatives
       associate (cut => system%cut)
          if (.not. allocated(r%h)) allocate (r%h(cut%graph%entries), r%dh(cut%graph%entries), r%a(cut%unknowns), r%da(cut%unknowns))
          d_omega = system%characteristic_frequency*harmonic/eta
@@ -47,24 +52,37 @@ contains
                if (size(part%mass) > 2 .or. part%dragged) then
                   call add_part(part, omega, d_omega, r)
                else
-                  call part%receptance_of_two(omega, alpha, d_alpha)
-                  do j = 1, size(part%at)
-                     do i = 1, size(part%at)
-                        n = part%entry(i, j)
-                        gain = part%gain(i, j)
-                        associate (a => alpha(part%at(i) + part%at(j) - 1), d => d_alpha(part%at(i) + part%at(j) - 1))
-                           r%h(n) = cmplx(r%h(n)%re + gain*a%re, r%h(n)%im + gain*a%im, dp)
-                           gain = gain*d_omega
-                           r%dh(n) = cmplx(r%dh(n)%re + gain*d%re, r%dh(n)%im + gain*d%im, dp)
-                        end associate
-                     end do
-                  end do
+                  if (wanted) then
+                     call part%receptance_of_two(omega, alpha, d_alpha)
+                  else
+                     call part%receptance_of_two(omega, alpha)
+                  end if
+                  call add_two(size(part%at), part%at, part%entry, part%gain, 1.0_dp, alpha, r%h)
+                  if (wanted) call add_two(size(part%at), part%at, part%entry, part%gain, d_omega, d_alpha, r%dh)
                end if
                if (part%excited) call add_sources(system, p, omega, d_omega, harmonic, eta, r)
             end associate
          end do
       end associate
    end subroutine find_receptance
+
+   !> Adds gain times factor times receptance of a part of one or two masses, real and imaginary part by themselves: gfortran makes
+   !> a complex number of a real factor.
+   pure subroutine add_two(ports, at, entry, gain, factor, alpha, h)
+      integer, intent(in) :: ports, at(ports), entry(ports, ports)
+      real(dp), intent(in) :: gain(ports, ports), factor
+      complex(dp), intent(in) :: alpha(3)
+      complex(dp), intent(inout) :: h(*)
+      integer :: i, j
+
+      do j = 1, ports
+         do i = 1, ports
+            associate (n => entry(i, j), a => alpha(at(i) + at(j) - 1))
+               h(n) = cmplx(h(n)%re + gain(i, j)*factor*a%re, h(n)%im + gain(i, j)*factor*a%im, dp)
+            end associate
+         end do
+      end do
+   end subroutine add_two
 
    !> Adds the receptance of a part without closed form.
    pure subroutine add_part(part, omega, d_omega, r)

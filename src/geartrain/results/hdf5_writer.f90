@@ -11,6 +11,7 @@ module geartrain_results_hdf5_writer
       h5t_c_s1, h5t_cset_utf8_f, h5t_native_double, h5t_native_integer, h5t_std_i8le, hid_t, hsize_t, size_t
    use geartrain_base_error, only: error_type, fatal, status_file
    use geartrain_base_field, only: groups_type, kind_integer, kind_logical, kind_real, kind_text, text_type, values_type, word
+   use geartrain_results_seal, only: seal_bytes
    implicit none (type, external)
    private
    public :: begin_hdf5, hdf5_content
@@ -68,7 +69,7 @@ contains
       !> Groups of the file, whose values are deallocated one by one. Every dimension of a dataset needs an axis in the group of the
       !> dataset or in the group above.
       class(groups_type), intent(inout) :: groups
-      !> All bytes of the file, without seal.
+      !> All bytes of the file, with room for the seal at the end.
       integer(int8), allocatable, intent(out) :: content(:)
       type(error_type), allocatable, intent(inout) :: error
       type(writer_type) :: writer
@@ -137,7 +138,7 @@ contains
          call h5fget_file_image_f(self%file, address, 0_size_t, status, bytes)
          call self%note(status, 'measure the file in memory')
       end if
-      allocate (content(bytes))
+      allocate (content(bytes + seal_bytes))
       if (.not. allocated(self%failure)) then
          address = c_loc(content)
          call h5fget_file_image_f(self%file, address, bytes, status)

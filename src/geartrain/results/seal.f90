@@ -14,24 +14,20 @@ module geartrain_results_seal
 
 contains
 
-   !> Appends the seal to the content of a file.
-   subroutine add_seal(content)
-      !> All bytes of the file, then with the seal.
-      integer(int8), allocatable, intent(inout) :: content(:)
-      integer(int8), allocatable :: sealed(:)
+   !> Puts the seal at the end of the content of a file.
+   pure subroutine add_seal(content)
+      !> All bytes of the file; the last `seal_bytes` are room for the seal.
+      integer(int8), intent(inout), contiguous :: content(:)
       integer(int64) :: n
 
-      n = size(content, kind=int64)
-      allocate (sealed(n + seal_bytes))
-      sealed(:n) = content
-      sealed(n + 1:) = seal_of(content)
-      call move_alloc(sealed, content)
+      n = size(content, kind=int64) - seal_bytes
+      content(n + 1:) = seal_of(content(:n))
    end subroutine add_seal
 
    !> Whether the content of a file ends with its seal.
    pure logical function is_whole(content)
       !> All bytes of the file.
-      integer(int8), intent(in) :: content(:)
+      integer(int8), intent(in), contiguous :: content(:)
       integer(int64) :: n
 
       n = size(content, kind=int64) - seal_bytes
@@ -41,7 +37,7 @@ contains
 
    !> The seal of the bytes before it.
    pure function seal_of(content) result(seal)
-      integer(int8), intent(in) :: content(:)
+      integer(int8), intent(in), contiguous :: content(:)
       integer(int8) :: seal(seal_bytes)
 
       seal(:len(mark)) = transfer(mark, seal)

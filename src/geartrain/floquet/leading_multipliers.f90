@@ -1,0 +1,199 @@
+!> The multipliers of largest magnitude of a large train by Arnoldi's method, from products of its monodromy matrix with a few
+!> vectors. No determinant checks the steps: the leading vector is carried again with steps of half the length instead.
+module geartrain_floquet_leading_multipliers
+   use geartrain_base_kinds, only: dp
+   use geartrain_floquet_motion_contacts, only: motion_contacts_type
+   use geartrain_floquet_vector_propagator, only: vector_propagator_type
+   use geartrain_linalg_arnoldi, only: arnoldi_type
+   use geartrain_model_system, only: system_type
+   implicit none (type, external)
+   private
+   public :: leading, leading_multipliers_type
+
+   !> So many multipliers are found, with residuals below `residual_limit` (the multipliers of a propagator good to 1e-9), in a
+   !> space of at most this share of the states.
+   integer, parameter :: leading = 16
+   real(dp), parameter :: residual_limit = 1e-9_dp, largest_share = 0.7_dp
+   !> Vectors that are carried together: a larger block makes a larger space, but finds more copies of a multiplier.
+   integer, parameter :: two = 2, four = 4
+   !> The space begins with vectors that have been carried over so many periods times the root of the states: what dies out
+   !> needs no dimension. Less often where their length grows or falls by more than this: the smaller multipliers would drown.
+   real(dp), parameter :: periods = 1, largest_change = 1e3_dp
+   !> First look at the residuals, in dimensions over the root of the states, with two vectors and with four. Copies show earlier.
+   real(dp), parameter :: first_look(2) = [2.5_dp, 4.5_dp]
+   !> Relative distance of multipliers that may be copies of each other, as of equal branches.
+   real(dp), parameter :: equal = 1e-6_dp
+   !> Largest difference that steps of half the length may make to the leading vector; how often steps are tried.
+   real(dp), parameter :: largest_defect = 1e-7_dp
+   integer, parameter :: most_attempts = 3
+
+   !> Work space of one branch.
+   type :: leading_multipliers_type
+      private
+      type(vector_propagator_type) :: propagator
+      type(arnoldi_type) :: space
+      integer :: states = 0
+      !> Time over which vectors are carried; contact events in order of time, the mesh and the contact after each, (event).
+      real(dp) :: period = 0
+      real(dp), allocatable :: instant(:)
+      integer, allocatable :: mesh(:), contact(:)
+      !> Contact of each mesh at the beginning and now, (mesh).
+      integer, allocatable :: first_contact(:), now(:)
+   contains
+      procedure :: setup
+      procedure :: find
+      procedure, private :: find_with
+      procedure, private :: begin
+      procedure, private :: carry
+   end type leading_multipliers_type
+
+contains
+
+   subroutine setup(self, system)
+      class(leading_multipliers_type), intent(inout) :: self
+      !> The train.
+      type(system_type), intent(in) :: system
+
+      self%states = 2*system%coordinates
+      call self%propagator%setup(system)
+      allocate (self%first_contact(system%meshes), self%now(system%meshes))
+   end subroutine setup
+
+   !> The leading multipliers over a period. No success: the space would become almost the whole; or a multiplier was found as often
+   !> as the space can hold it, and may be there more often.
+   subroutine find(self, motion, frequency_ratio, period, instant, mesh, contact, values, success)
+      class(leading_multipliers_type), intent(inout) :: self
+      !> The motion, whose contacts at the beginning of the period are used.
+      class(motion_contacts_type), intent(in) :: motion
+      !> Lambda [1]; time over which vectors are carried [1].
+      real(dp), intent(in) :: frequency_ratio, period
+      !> Contact events in order of time [1], (event).
+      real(dp), intent(in) :: instant(:)
+      !> Mesh of each event, and region of its law after the event, (event).
+      integer, intent(in) :: mesh(:), contact(:)
+      !> Largest magnitude first, (leading).
+      complex(dp), intent(out) :: values(:)
+      !> The values are the leading multipliers.
+      logical, intent(out) :: success
+      integer :: i
+
+      self%period = period
+      self%instant = instant
+      self%mesh = mesh
+      self%contact = contact
+      self%first_contact = 1
+      do i = 1, motion%unknowns
+         self%first_contact(motion%mesh(i)) = motion%contact(i)%first_contact
+      end do
+      call self%find_with(two, frequency_ratio, values, success)
+      if (.not. success) call self%find_with(four, frequency_ratio, values, success)
+   end subroutine find
+
+   !> `find` with a block of so many vectors.
+   subroutine find_with(self, block, frequency_ratio, values, success)
+      class(leading_multipliers_type), intent(inout) :: self
+      integer, intent(in) :: block
+      real(dp), intent(in) :: frequency_ratio
+      complex(dp), intent(out) :: values(:)
+      logical, intent(out) :: success
+      real(dp), dimension(self%states, block) :: vectors, products
+      real(dp) :: residuals(size(values))
+      integer :: attempt, check, most
+      logical :: independent
+
+      most = block*int(largest_share*self%states/block)
+      success = .false.
+      do attempt = 0, most_attempts - 1
+         call self%propagator%start(frequency_ratio, 2.0_dp**attempt)
+         call self%begin(block, most)
+         check = min(most, block*nint(first_look(block/two)*sqrt(real(self%states, dp))/block))
+         residuals = huge(1.0_dp)
+         do while (self%space%dimension < most .and. .not. self%propagator%system%interrupt%raised())
+            call self%space%latest(vectors)
+            call self%carry(vectors, products)
+            call self%space%extend(products, independent)
+            if (.not. independent) return
+            if (self%space%dimension < check) cycle
+            call self%space%ritz(values, residuals)
+            if (maxval(residuals) <= residual_limit) exit
+            if (most_copies(pack(values, residuals <= residual_limit)) >= block) return
+            check = min(most, next_check(self%space%dimension, maxval(residuals), block))
+         end do
+         if (.not. maxval(residuals) <= residual_limit .or. most_copies(values) >= block) return
+         call self%space%leading_vector(vectors(:, :two))
+         call self%propagator%start(frequency_ratio, 2.0_dp**(attempt + 1))
+         call self%carry(vectors(:, :two), products(:, :two))
+         products(:, 1) = products(:, 1) - values(1)%re*vectors(:, 1) + abs(values(1)%im)*vectors(:, 2)
+         products(:, 2) = products(:, 2) - values(1)%re*vectors(:, 2) - abs(values(1)%im)*vectors(:, 1)
+         success = norm2(products(:, :two)) < largest_defect
+         if (success) exit
+      end do
+   end subroutine find_with
+
+   !> Begins the space with vectors that have been carried over some periods.
+   subroutine begin(self, block, most)
+      class(leading_multipliers_type), intent(inout) :: self
+      integer, intent(in) :: block, most
+      real(dp), dimension(self%states, block) :: vectors, products
+      real(dp) :: length, least, greatest
+      integer :: i
+
+      call self%space%begin(self%states, most, block)
+      call self%space%latest(products)
+      least = huge(1.0_dp)
+      greatest = 0
+      do i = 1, nint(periods*sqrt(real(self%states, dp)))
+         if (self%propagator%system%interrupt%raised()) return
+         vectors = products
+         call self%carry(vectors, products)
+         length = norm2(products)
+         least = min(least, length)
+         greatest = max(greatest, length)
+         if (greatest > largest_change*least) exit
+      end do
+      call self%space%begin_with(products)
+   end subroutine begin
+
+   !> The dimension at which the residual should be small enough: its logarithm grows as the third to fourth power of the dimension.
+   pure integer function next_check(dimension, residual, block) result(check)
+      integer, intent(in) :: dimension, block
+      real(dp), intent(in) :: residual
+      real(dp) :: growth
+
+      growth = (log(0.1_dp*residual_limit)/min(log(residual), -0.5_dp))**(1/3.0_dp)
+      check = block*ceiling(dimension*max(1.05_dp, min(2.2_dp, growth))/block)
+   end function next_check
+
+   !> How often the multiplier that is there most often is among them.
+   pure integer function most_copies(values)
+      complex(dp), intent(in) :: values(:)
+      integer :: i
+
+      most_copies = 0
+      if (size(values) > 0) most_copies = maxval([(count(abs(values - values(i)) <= equal*abs(values(i))), i=1, size(values))])
+   end function most_copies
+
+   !> Products of the monodromy matrix with vectors, (2*coordinates, vector).
+   subroutine carry(self, vectors, products)
+      class(leading_multipliers_type), intent(inout) :: self
+      real(dp), intent(in) :: vectors(:, :)
+      real(dp), intent(out) :: products(:, :)
+      real(dp) :: time
+      integer :: i
+
+      call self%propagator%put_vectors(vectors)
+      self%now = self%first_contact
+      time = 0
+      do i = 1, size(self%instant)
+         call self%propagator%advance(time, self%instant(i), self%now)
+         time = self%instant(i)
+         associate (mesh => self%mesh(i))
+            call self%propagator%pass_wall(mesh, self%now(mesh), self%contact(i))
+            self%now(mesh) = self%contact(i)
+         end associate
+      end do
+      call self%propagator%advance(time, self%period, self%now)
+      call self%propagator%get_vectors(products)
+   end subroutine carry
+
+end module geartrain_floquet_leading_multipliers
