@@ -36,13 +36,15 @@ contains
       real(dp), intent(in) :: value
       !> Gets the problem.
       class(checker_type), intent(inout) :: checker
-      real(dp) :: decades, unit
+      real(dp) :: decades, least, unit
 
       if (.not. in_order(train, checker)) return
       ! By logarithms: the ratio itself may overflow.
       decades = log10(own_frequency(train)) - log10(train%characteristic_frequency)
       unit = 10.0_dp**nint(max(-300.0_dp, min(300.0_dp, decades)))
-      if (.not. value >= slowest*unit) call checker%complain(name, real_text(value), 'must be >= '//real_text(slowest*unit)// &
+      ! The fundamental of hunting teeth is as slow as many mesh periods are long.
+      least = slowest*unit/minval(train%meshes%order)
+      if (.not. value >= least) call checker%complain(name, real_text(value), 'must be >= '//real_text(least)// &
          ': the train vibrates too often in a slower mesh period')
       if (.not. value <= fastest*unit) call checker%complain(name, real_text(value), 'must be <= '//real_text(fastest*unit)// &
          ': the train does not follow a faster mesh frequency')
