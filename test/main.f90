@@ -43,6 +43,7 @@ program main
    use validation_mesh_law, only: mesh_law_tests
    use validation_mesh_load, only: mesh_load_tests
    use validation_network, only: network_tests
+   use validation_hunting, only: hunting_tests
    use validation_orders, only: orders_tests
    use validation_paper_train, only: paper_train_tests
    use validation_random_networks, only: random_networks_tests
@@ -76,6 +77,7 @@ program main
                    suite_type('validation_network', network_tests), &
                    suite_type('validation_ground', ground_tests), &
                    suite_type('validation_random_networks', random_networks_tests), &
+                   suite_type('validation_hunting', hunting_tests), &
                    suite_type('validation_orders', orders_tests), &
                    suite_type('validation_single_pair', single_pair_tests), &
                    suite_type('validation_whole_model', whole_model_tests), &

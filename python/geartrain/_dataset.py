@@ -41,7 +41,7 @@ def dataset(path: str, values: dict[str, Any], attributes: dict[str, Any], coord
             array, dimensions = np.stack([array.real, array.imag], axis=-1), (*dimensions, "complex")
         variables[name] = dimensions, array, {"units": unit, "description": description}
         for dimension, length in zip(dimensions, array.shape):
-            axes.setdefault(dimension, (dimension, _labels(dimension, length)))
+            axes.setdefault(dimension, (dimension, _labels(dimension, length, values.get("orders"))))
     told = {name: int(value) if isinstance(value, bool) else value for name, value in attributes.items()}
     found: Dataset = extra("xarray").Dataset(variables, {name: axis for name, axis in axes.items() if name not in variables}, told)
     for axis in found.coords.values():
@@ -51,8 +51,9 @@ def dataset(path: str, values: dict[str, Any], attributes: dict[str, Any], coord
     return found.set_coords([name for name in (*coordinates, *(f"{axis}_label" for axis in axes)) if name in variables])
 
 
-def _labels(dimension: str, length: int) -> Any:
+def _labels(dimension: str, length: int, orders: Any = None) -> Any:
     """The places along a dimension, as a results file has them."""
     if dimension == "coefficient":
-        return ["mean", *(f"{'cos' if place % 2 else 'sin'} {(place + 1) // 2}" for place in range(1, length))]
+        return ["mean", *(f"{name} {order}" for order in (range(1, (length + 1) // 2) if orders is None else orders)
+                          for name in ("cos", "sin"))]
     return ["real", "imaginary"] if dimension == "complex" else np.arange(1, length + 1, dtype=np.intc)

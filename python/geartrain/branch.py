@@ -343,7 +343,7 @@ class Branch(Curves):
         path = f"/branch_{place}" if place else "/response"
         attributes = {
             "ended": self.ended, "origin": self.origin or None, "complete": self.complete, "closed": self.closed,
-            "subharmonic": self.subharmonic, "harmonics": (self.coefficients.shape[-1] - 1) // 2,
+            "subharmonic": self.subharmonic, "harmonics": int(self.orders[-1]) if len(self.orders) else 0,
         }
         box.put(path, attributes, self.arrays(), like="/response")
         specials = self.special_points
@@ -355,6 +355,12 @@ class Branch(Curves):
                 "rms": np.stack([special.rms for special in specials]),
             }
             box.put(f"{path}/special_points", {}, columns, like="/response/special_points")
+
+    @property
+    def orders(self) -> NDArray[np.intc]:
+        """Harmonics of Lambda/subharmonic that ``coefficients`` has: all up to the highest, or the sets that were carried."""
+        dense = np.arange(1, (self.coefficients.shape[-1] + 1) // 2, dtype=np.intc)
+        return self.others.get("orders", dense)
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in self.__dict__.items() if name != "_kept"}

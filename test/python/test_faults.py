@@ -1,7 +1,7 @@
 """Broken machines: full disks, kills at any moment, two runs on one file, leaks; nothing computed is lost."""
 
-import gc
 import copy
+import gc
 import os
 import pickle
 import random

@@ -9,7 +9,7 @@ module geartrain_analyses_audit_point
    use geartrain_balance_repetition, only: repeat_motion
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
-   use geartrain_continuation_branch, only: branch_type
+   use geartrain_continuation_branch, only: branch_type, coefficients_of
    use geartrain_continuation_orbit_corrector, only: orbit_corrector_type, orbit_test_type, orbit_type, resolution
    use geartrain_continuation_waveform_error, only: harmonics_told, rounding_of, waveform_error
    use geartrain_floquet_multipliers, only: is_neutral, is_stable
@@ -103,7 +103,7 @@ contains
       motion%frequency_ratio = orbit%frequency_ratio
       motion%period = corrector%period
       motion%state = orbit%states(:, 1)
-      associate (balance => branch%coefficients(:, :, row%point))
+      associate (balance => coefficients_of(branch, row%point))
          told = harmonics_told(balance, corrector%period*corrector%times)
          call measure(corrector%system, told, motion)
          if (corrector%times > 1) call repeat_motion(corrector%times, corrector%times*told, motion)
@@ -255,7 +255,7 @@ contains
 
       motion%frequency_ratio = branch%frequency_ratio(i)
       motion%period = branch%subharmonic
-      motion%coefficients = branch%coefficients(:, :, i)
+      motion%coefficients = coefficients_of(branch, i)
       call corrector%first_guess(motion, orbit)
    end subroutine guess_from_point
 

@@ -8,7 +8,7 @@ module geartrain_analyses_response
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: visitor_type
-   use geartrain_continuation_branch, only: branch_type, response_settings_type
+   use geartrain_continuation_branch, only: branch_type, carried_by, has_sets, response_settings_type
    use geartrain_continuation_contact_ranges, only: back_collision_ranges, separation_ranges
    use geartrain_continuation_decided, only: rests_on_undecided
    use geartrain_continuation_fields, only: visit_branch
@@ -162,8 +162,14 @@ contains
       real(dp), allocatable :: at_fold(:)
       character(label_length + 24) :: column(0:size(train%meshes)), name
       integer :: mesh, i, first
+      integer, allocatable :: carried(:)
 
       if (branch%points > 0) then
+         if (has_sets(branch)) then
+            carried = [(size(carried_by(branch, i, i)), i=1, branch%points)]
+            write (unit, '(a, i0, a, i0, a, i0)') '    harmonics carried, each because it matters: ', minval(carried), ' to ', &
+               maxval(carried), ', the highest ', branch%harmonics
+         end if
          call name_meshes(train, column)
          first = len(column) + 1 - max(8, 4 + maxval(len_trim(column)))
          column = adjustr(column)

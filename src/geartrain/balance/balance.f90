@@ -35,16 +35,21 @@ module geartrain_balance_balance
 contains
 
    !> Prepares the balance; samples = 0: exact coefficients.
-   subroutine setup(self, system, highest, eta, samples)
+   subroutine setup(self, system, highest, eta, samples, chosen)
       class(balance_type), intent(inout) :: self
       !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
       !> Highest harmonic of Lambda/eta to carry; sub-harmonic index; samples a period by which coefficients are found, 0: exact.
       integer, intent(in) :: highest, eta, samples
+      !> Harmonics to carry, ascending, up to `highest`; absent: those that the excitation reaches.
+      integer, intent(in), optional :: chosen(:)
+      logical :: misses(3*highest)
       integer :: r
 
-      call self%mesh_forces_type%setup(system, highest, eta, samples)
-      self%missing = pack([(r, r=1, 3*highest)], [(.not. any(self%harmonic == r), r=1, 3*highest)])
+      call self%mesh_forces_type%setup(system, highest, eta, samples, chosen)
+      misses = .true.
+      misses(self%harmonic) = .false.
+      self%missing = pack([(r, r=1, 3*highest)], misses)
       if (eta == 1) self%missing = pack(self%missing, mod(self%missing, system%excitation_order) == 0)
       self%left_out = eta*excited_harmonics(system)
       self%left_out = pack(self%left_out, self%left_out > highest)
@@ -213,10 +218,10 @@ contains
       class(balance_type), intent(in) :: self
       !> Coefficients of the unknown meshes over b_c [1], (block, unknown), and Lambda [1] of the last `evaluate`.
       real(dp), intent(in) :: u(:, :), frequency_ratio
-      !> Displacements over b_c [1], (1 + 2*highest, mesh): mean, cos 1, sin 1, ... of Lambda/eta.
+      !> Displacements over b_c [1], (block, mesh): mean, cos and sin of each carried harmonic.
       real(dp), intent(out) :: coefficients(:, :)
       complex(dp) :: p(self%system%elements)
-      integer :: i, k, r
+      integer :: i, k
 
       coefficients = 0
       associate (system => self%system)
@@ -229,16 +234,15 @@ contains
          end do
          coefficients(1, self%mesh) = u(1, :)
          do k = 1, size(self%harmonic)
-            r = self%harmonic(k)
             do i = 1, self%unknowns
                p(system%cut%element(i)) = cmplx(u(2*k, i), -u(2*k + 1, i), dp)
             end do
             if (self%unknowns < system%meshes) &
-               call linear_displacements(system, frequency_ratio, r, self%eta, cmplx(self%force(2*k, :), -self%force(2*k + 1, &
-                    :), dp), p)
+               call linear_displacements(system, frequency_ratio, self%harmonic(k), self%eta, &
+                                         cmplx(self%force(2*k, :), -self%force(2*k + 1, :), dp), p)
             do i = 1, system%meshes
-               coefficients(2*r, i) = real(p(system%mesh_element(i)), dp)
-               coefficients(2*r + 1, i) = -aimag(p(system%mesh_element(i)))
+               coefficients(2*k, i) = real(p(system%mesh_element(i)), dp)
+               coefficients(2*k + 1, i) = -aimag(p(system%mesh_element(i)))
             end do
          end do
       end associate

@@ -6,6 +6,7 @@
 module geartrain_balance_bordered_system
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_linear_flow, only: linear_flow_type, suits
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_bordered, only: bordered_type
    use geartrain_linalg_graph, only: factor_scalars, solve_scalars
@@ -15,7 +16,9 @@ module geartrain_balance_bordered_system
 
    !> Least residual of GMRES relative to the right-hand side; iterations after which more harmonics are made explicit.
    real(dp), parameter :: tolerance = 1e-10_dp
-   integer, parameter :: most_iterations = 40
+   integer, parameter :: most_iterations = 40, most_iterations_in_time = 100
+   !> Least residual with the linearised train in time as preconditioner: a tangent need not be more exact.
+   real(dp), parameter :: tolerance_in_time = 1e-6_dp
 
    type :: bordered_system_type
       !> Border column and row, (block, unknown), and their corner: the caller sets row and corner between `linearize` and
@@ -30,6 +33,11 @@ module geartrain_balance_bordered_system
       type(bordered_type), private :: lowest
       !> Factors of each harmonic that is not explicit, (entries of the graph, harmonic).
       complex(dp), allocatable, private :: factors(:, :)
+      !> The linearised train in time, which takes the place of `lowest` and `factors` for sets of many harmonics.
+      type(linear_flow_type), private :: flow
+      logical, private :: flows = .false., suits_flow = .false.
+      !> Iterations of GMRES after which other ways are taken.
+      integer, private :: most = most_iterations
       !> Orthonormal basis of GMRES, (block, unknown, vector), and its entries in the border row, (vector).
       real(dp), allocatable, private :: basis(:, :, :), basis_y(:)
    contains
@@ -53,8 +61,11 @@ contains
       if (allocated(self%column)) deallocate (self%column, self%row)
       allocate (self%column(balance%block, balance%unknowns), self%row(balance%block, balance%unknowns))
       if (allocated(self%basis)) deallocate (self%basis, self%basis_y)
+      self%suits_flow = balance%chosen .and. .not. balance%is_direct()
+      if (self%suits_flow) self%suits_flow = suits(balance%system)
+      self%most = merge(most_iterations_in_time, most_iterations, self%suits_flow)
       if (balance%is_direct()) return
-      allocate (self%basis(balance%block, balance%unknowns, most_iterations + 1), self%basis_y(most_iterations + 1))
+      allocate (self%basis(balance%block, balance%unknowns, self%most + 1), self%basis_y(self%most + 1))
    end subroutine setup
 
    !> Takes dS/du at the last `evaluate`, and dS/dLambda as the border column.
@@ -63,6 +74,7 @@ contains
       !> Balance after `evaluate`.
       type(balance_type), intent(in) :: balance
 
+      self%flows = self%suits_flow
       call balance%jacobian(self%lowest)
       self%column = balance%d_frequency
    end subroutine linearize
@@ -76,6 +88,11 @@ contains
       logical, intent(out) :: regular
       integer :: info
 
+      if (self%flows) then
+         call self%flow%factor(balance, self%column, self%row, self%corner, regular)
+         self%orientation = self%flow%orientation
+         return
+      end if
       associate (n => self%lowest%block)
          self%lowest%column = self%column(:n, :)
          self%lowest%row = self%row(:n, :)
@@ -97,10 +114,12 @@ contains
       !> Residual relative to the right-hand side at which GMRES ends [1]; 1e-10 unless it is given, and at least.
       real(dp), intent(in), optional :: accuracy
       real(dp) :: enough
+      integer :: held
       logical :: done
 
       enough = tolerance
-      if (present(accuracy)) enough = max(tolerance, accuracy)
+      if (self%flows) enough = tolerance_in_time
+      if (present(accuracy)) enough = max(enough, accuracy)
       self%iterations = 0
       do while (.not. balance%is_direct())
          call self%iterate(balance, enough, x, y, done)
@@ -110,9 +129,12 @@ contains
             x = y
             return
          end if
-         call balance%make_explicit(2*balance%explicit)
+         if (.not. self%flows) call balance%make_explicit(2*balance%explicit)
+         self%flows = .false.
          call balance%jacobian(self%lowest)
+         held = self%orientation
          call self%factor(balance, done)
+         if (self%suits_flow) self%orientation = held
       end do
       call self%lowest%solve(x, y)
    end subroutine solve
@@ -144,6 +166,10 @@ contains
       complex(dp) :: p(balance%unknowns)
       integer :: k, m
 
+      if (self%flows) then
+         call self%flow%solve(balance, self%column, self%row, x, y)
+         return
+      end if
       call self%lowest%solve(x(:self%lowest%block, :), y)
       do m = 1, size(self%factors, 2)
          k = balance%explicit + m
@@ -161,8 +187,8 @@ contains
       real(dp), intent(in) :: enough
       real(dp), intent(inout) :: x(:, :), y
       logical, intent(out) :: converged
-      real(dp) :: h(most_iterations + 1, most_iterations), g(most_iterations + 1), cosine(most_iterations), &
-                  sine(most_iterations), z(size(x, 1), size(x, 2)), zy, length, held
+      real(dp) :: h(self%most + 1, self%most), g(self%most + 1), cosine(self%most), sine(self%most), &
+                  z(size(x, 1), size(x, 2)), zy, length, held
       integer :: i, j, n
 
       length = sqrt(sum(x**2) + y**2)
@@ -173,7 +199,7 @@ contains
          vy(1) = y/length
          g = 0
          g(1) = length
-         do n = 1, most_iterations
+         do n = 1, self%most
             if (balance%system%interrupt%raised()) return
             z = v(:, :, n)
             zy = vy(n)
@@ -204,7 +230,7 @@ contains
             converged = abs(g(n + 1)) <= enough*length
             if (converged) exit
          end do
-         self%iterations = min(n, most_iterations)
+         self%iterations = min(n, self%most)
          if (.not. converged) return
          do i = n, 1, -1
             g(i) = (g(i) - dot_product(h(i, i + 1:n), g(i + 1:n)))/h(i, i)

@@ -42,10 +42,11 @@ module geartrain_balance_error_estimate
       !> Root of the sum of squares of the amplitudes above harmonic r of all unknown meshes [1], (0:near*highest).
       real(dp), allocatable :: remainder(:)
       !> Number of harmonics in the tail; highest index of the spectra.
-      integer, private :: count = 0, longest = -1
+      integer :: count = 0
+      integer, private :: longest = -1
       !> Harmonics of Lambda/eta in the tail; their amplitudes [1], (tail, unknown); spectra of contact, (unknown).
-      integer, allocatable, private :: harmonic(:)
-      complex(dp), allocatable, private :: tail(:, :)
+      integer, allocatable :: harmonic(:)
+      complex(dp), allocatable :: tail(:, :)
       type(spectra_type), allocatable, private :: spectra(:)
       !> Error of the carried coefficients with the sign of a first-order correction [1], (block, unknown).
       real(dp), allocatable, private :: error(:, :)
@@ -204,7 +205,7 @@ contains
       !> unknown).
       complex(dp), intent(in) :: force(:, :), tail(:, :)
       complex(dp) :: phi(balance%unknowns), p(balance%system%elements)
-      real(dp) :: coefficients(1 + 2*balance%highest, balance%system%meshes), missing
+      real(dp) :: coefficients(balance%block, balance%system%meshes), missing
       logical :: is_linear(balance%system%meshes)
       integer :: i, m
 

@@ -16,14 +16,19 @@ module geartrain_balance_mesh_forces
    !> With at most `most_direct` harmonics d phi/du is a matrix. With more only its block of the lowest `explicit_of_many`
    !> harmonics is, and the whole derivative is applied by FFT.
    integer, parameter :: most_direct = 16, explicit_of_many = 10
+   !> Likewise where harmonics are carried by their amplitudes: the lowest of a sparse set reach no farther than the highest natural
+   !> frequency, below which harmonics are coupled strongly.
+   integer, parameter :: most_direct_chosen = 160, explicit_of_many_chosen = 80
 
    !> The contacts are those at the last `find_forces`.
    type, extends(motion_contacts_type) :: mesh_forces_type
       !> Carried harmonics of Lambda/eta, ascending; coefficients of a mesh, 1 + 2*size(harmonic).
       integer, allocatable :: harmonic(:)
       integer :: block = 1
-      !> Highest harmonic asked for; carried are all of 1..highest where eta > 1, else those that the excitation reaches.
+      !> Highest harmonic asked for; carried are all of 1..highest where eta > 1, else those that the excitation reaches, or a set
+      !> that the caller chose.
       integer :: highest = 0
+      logical :: chosen = .false.
       !> Samples a period by which the coefficients are found; 0: the coefficients are exact.
       integer :: samples = 0
       !> phi [1], (block, unknown), and d phi/du [1], (1 + 2*explicit, 1 + 2*explicit, unknown), of the mean and the lowest
@@ -33,7 +38,7 @@ module geartrain_balance_mesh_forces
       !> d phi/dLambda at constant coefficients [1], (block, unknown).
       real(dp), allocatable :: force_rate(:, :)
       !> Lambda [1] at the last `find_forces`.
-      real(dp), private :: frequency_ratio = 0
+      real(dp) :: frequency_ratio = 0
       !> Plan of the waveforms of the meshes; where not all harmonics are explicit also the plan of products, and stiffness in
       !> contact [1], (sample, unknown), with damping [1] where it changes with the contact.
       type(transform_type), private :: fine, products
@@ -54,12 +59,14 @@ module geartrain_balance_mesh_forces
 contains
 
    !> Chooses the carried harmonics and prepares work space and plans for `find_forces`.
-   subroutine setup(self, system, highest, eta, samples)
+   subroutine setup(self, system, highest, eta, samples, chosen)
       class(mesh_forces_type), intent(inout) :: self
       !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
       !> Highest harmonic of Lambda/eta to carry; sub-harmonic index; samples a period by which coefficients are found, 0: exact.
       integer, intent(in) :: highest, eta, samples
+      !> Harmonics to carry, ascending, up to `highest`; absent: those that the excitation reaches.
+      integer, intent(in), optional :: chosen(:)
       integer :: i, r
 
       self%system = system
@@ -67,7 +74,12 @@ contains
       self%highest = highest
       self%samples = samples
       self%harmonic = [(r, r=1, highest)]
-      if (eta == 1) self%harmonic = needed_harmonics(system, highest)
+      self%chosen = present(chosen)
+      if (present(chosen)) then
+         self%harmonic = chosen
+      else if (eta == 1) then
+         self%harmonic = needed_harmonics(system, highest)
+      end if
       self%block = 1 + 2*size(self%harmonic)
       self%mesh = system%cut%mesh
       self%unknowns = size(self%mesh)
@@ -81,7 +93,11 @@ contains
       if (allocated(self%force)) deallocate (self%force, self%force_rate, self%wave, self%damping_wave, self%tangent)
       allocate (self%force(self%block, self%unknowns), self%force_rate(self%block, self%unknowns))
       self%explicit = size(self%harmonic)
-      if (self%explicit > most_direct) self%explicit = explicit_of_many
+      if (self%chosen) then
+         if (self%explicit > most_direct_chosen) self%explicit = explicit_of_many_chosen
+      else
+         if (self%explicit > most_direct) self%explicit = explicit_of_many
+      end if
       ! No alias of a product with spectra up to twice the highest harmonic reaches a carried harmonic.
       if (.not. self%is_direct()) call self%products%plan(transform_length(4*self%harmonic(size(self%harmonic)) + 1))
       allocate (self%wave(merge(0, self%products%samples, self%is_direct()), self%unknowns))

@@ -90,7 +90,8 @@ contains
       bad = findloc(variable%allows(value), .false., dim=1)
       if (bad > 0) call self%complain(variable%name, real_text(value(bad)), trim(variable%expectation(value(bad))), bad)
       if (variable%values > 0 .and. size(value) > 0 .and. size(value) /= variable%values) &
-         call self%complain(variable%name, integer_text(size(value))//' values', 'must be '//integer_text(variable%values)//' values')
+         call self%complain(variable%name, integer_text(size(value))//' values', &
+                            'must be '//integer_text(variable%values)//' values')
    end subroutine check_list
 
    subroutine check_names(self, variable, value)

@@ -3,6 +3,7 @@
 module geartrain_continuation_adaptive_corrector
    use geartrain_balance_chosen_harmonics, only: fewest_harmonics, most_harmonics
    use geartrain_balance_error_estimate, only: find_error_estimate, harmonics_for, error_estimate_type
+   use geartrain_balance_harmonic_set, only: next_set
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: response_settings_type
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
@@ -13,9 +14,11 @@ module geartrain_continuation_adaptive_corrector
    public :: adaptive_corrector_type
 
    !> Share of the tolerance aimed at, so that the next points keep within the tolerance too.
-   real(dp), parameter :: tolerance_share = 0.3_dp
+   real(dp), parameter :: tolerance_share = 0.3_dp, set_share = 0.6_dp
    !> Ratio of new to present number of harmonics above which the number is not lowered: each change plans the balance anew.
    real(dp), parameter :: worth_lowering = 0.75_dp
+   !> Most harmonics of a set.
+   integer, parameter :: largest_set = 2000
 
    type :: adaptive_corrector_type
       !> Settings that the branch is traced with.
@@ -27,6 +30,8 @@ module geartrain_continuation_adaptive_corrector
       type(error_estimate_type) :: estimate
       !> Change of the tangent's Lambda part per length of the branch at the latest step [1], in the metric of the branch.
       real(dp) :: curvature = 0
+      !> Carried are sets of harmonics, see geartrain_balance_harmonic_set.
+      logical :: chooses_sets = .false.
       !> Evaluations of the balance at the latest error estimate; -1: none yet.
       integer, private :: estimated = -1
    contains
@@ -37,18 +42,26 @@ module geartrain_continuation_adaptive_corrector
 contains
 
    !> Plans balance and corrector for a number of harmonics.
-   subroutine prepare(self, harmonics)
+   subroutine prepare(self, harmonics, set)
       class(adaptive_corrector_type), intent(inout) :: self
       !> Highest harmonic of Lambda/subharmonic to carry.
       integer, intent(in) :: harmonics
+      !> Harmonics to carry, ascending up to `harmonics`, where sets are chosen; else those that the excitation reaches.
+      integer, intent(in), optional :: set(:)
       integer :: samples
+      logical :: chosen
 
       samples = 0
       if (self%settings%coefficients == 'sampled') then
          samples = self%settings%samples
          if (samples == 0) samples = max(1024, transform_length(16*harmonics))
       end if
-      call self%corrector%balance%setup(self%system, harmonics, self%settings%subharmonic, samples)
+      chosen = self%chooses_sets .and. present(set)
+      if (chosen) then
+         call self%corrector%balance%setup(self%system, harmonics, self%settings%subharmonic, samples, set)
+      else
+         call self%corrector%balance%setup(self%system, harmonics, self%settings%subharmonic, samples)
+      end if
       call self%corrector%setup()
       self%corrector%local_control = self%settings%control == 'local'
    end subroutine prepare
@@ -79,11 +92,13 @@ contains
       !> Keeps Lambda of `solution` as it is; false unless it is given.
       logical, intent(in), optional :: fixed
       type(solution_point_type) :: before(3)
+      integer, allocatable :: first_set(:), larger(:)
       integer :: highest, most, first
 
       success = .true.
       if (self%settings%harmonics > 0) return
       first = self%corrector%balance%highest
+      first_set = self%corrector%balance%harmonic
       most = most_harmonics(self%system, self%settings%subharmonic)
       before(1) = solution
       if (present(here)) before(2) = here
@@ -91,16 +106,24 @@ contains
       do
          call self%estimate_error(solution)
          highest = self%corrector%balance%highest
-         if (self%estimate%limited <= self%settings%tolerance .or. highest >= most) return
-         call self%prepare(min(most, max(highest + self%system%excitation_order, harmonics_for(self%estimate, &
-                                         tolerance_share*self%settings%tolerance/self%estimate%limited))))
+         if (self%estimate%limited <= self%settings%tolerance) return
+         if (self%chooses_sets) then
+            if (size(self%corrector%balance%harmonic) >= largest_set) return
+            larger = next_set(self%corrector%balance, solution%u, self%estimate, &
+                              set_share*self%settings%tolerance/self%estimate%limited)
+            call self%prepare(larger(size(larger)), larger)
+         else
+            if (highest >= most) return
+            call self%prepare(min(most, max(highest + self%system%excitation_order, harmonics_for(self%estimate, &
+                                            tolerance_share*self%settings%tolerance/self%estimate%limited))))
+         end if
          call self%corrector%refit(solution)
          if (present(here)) call self%corrector%refit(here)
          if (present(origin)) call self%corrector%refit(origin)
          call self%solve_again(solution, success, fixed)
          if (.not. success) exit
       end do
-      call self%prepare(first)
+      call self%prepare(first, first_set)
       solution = before(1)
       if (present(here)) here = before(2)
       if (present(origin)) origin = before(3)
@@ -133,21 +156,35 @@ contains
       !> Latest point, to which `estimate` belongs; where the branch began. Both are put onto the new harmonics.
       type(solution_point_type), intent(inout) :: here, origin
       type(solution_point_type) :: before(2)
+      integer, allocatable :: set(:), smaller(:)
+      real(dp) :: share
       integer :: highest, fewer
       logical :: success
 
       if (self%settings%harmonics > 0) return
       highest = self%corrector%balance%highest
-      fewer = max(fewest_harmonics(self%system, self%settings%subharmonic), highest/2, harmonics_for(self%estimate, &
-                  tolerance_share*self%settings%tolerance/max(self%estimate%limited, tiny(1.0_dp))))
-      if (fewer > worth_lowering*highest) return
+      share = tolerance_share*self%settings%tolerance/max(self%estimate%limited, tiny(1.0_dp))
+      set = self%corrector%balance%harmonic
+      fewer = max(fewest_harmonics(self%system, self%settings%subharmonic), highest/2, harmonics_for(self%estimate, share))
+      if (self%chooses_sets) then
+         share = set_share*self%settings%tolerance/max(self%estimate%limited, tiny(1.0_dp))
+         if (share < 1) return
+         smaller = next_set(self%corrector%balance, here%u, self%estimate, share)
+         if (size(smaller) > worth_lowering*size(set)) return
+      else
+         if (fewer > worth_lowering*highest) return
+      end if
       before = [here, origin]
-      call self%prepare(fewer)
+      if (self%chooses_sets) then
+         call self%prepare(smaller(size(smaller)), smaller)
+      else
+         call self%prepare(fewer)
+      end if
       call self%corrector%refit(here)
       call self%corrector%refit(origin)
       call self%corrector%correct(here, success)
       if (success) return
-      call self%prepare(highest)
+      call self%prepare(highest, set)
       here = before(1)
       origin = before(2)
    end subroutine relax

@@ -12,8 +12,8 @@ module geartrain_continuation_branch
    use geartrain_model_frequency_unit, only: unit_length
    implicit none (type, external)
    private
-   public :: arrange_points, branch_type, contact_edge_type, response_settings_type, special_point_type, trace_state_type, &
-      visit_points
+   public :: arrange_points, branch_type, carried_by, coefficients_of, contact_edge_type, dense_coefficients, has_sets, &
+      response_settings_type, special_point_type, trace_state_type, visit_points, widen
 
    !> The variables of &response; from and to are `start` and `stop`.
    type :: response_settings_type
@@ -106,7 +106,10 @@ module geartrain_continuation_branch
       integer :: points = 0, meshes = 0, shafts = 0, states = 0, harmonics = 0, subharmonic = 1
       !> Lambda, (point).
       real(dp), allocatable :: frequency_ratio(:)
-      !> (1 + 2*harmonics, mesh, point), see motion_type.
+      !> Harmonics of Lambda/subharmonic that `coefficients` has room for, ascending: 1 .. harmonics; where balances carry sets of
+      !> harmonics, those that any point carries.
+      integer, allocatable :: orders(:)
+      !> (1 + 2*orders, mesh, point), mean, cos and sin of each order, see motion_type.
       real(dp), allocatable :: coefficients(:, :, :)
       !> (mesh, point), see motion_type.
       real(dp), allocatable :: rms(:, :), mean(:, :), minimum(:, :), maximum(:, :)
@@ -160,22 +163,99 @@ module geartrain_continuation_branch
 contains
 
    !> Allocates the arrays of the points anew and puts chosen points into them, in a chosen order.
-   subroutine arrange_points(branch, order, room, highest)
+   subroutine arrange_points(branch, order, room)
       !> The branch; special points and other components stay as they are.
       type(branch_type), intent(inout), target :: branch
       !> Old index of each point that is kept, in the new order.
       integer, intent(in) :: order(:)
-      !> Number of points and highest harmonic that the new arrays have room for.
-      integer, intent(in) :: room, highest
+      !> Number of points that the new arrays have room for.
+      integer, intent(in) :: room
       type(fields_type) :: fields
 
       fields%way = arranging
       fields%order = order
       call fields%expect('point', room)
-      call fields%expect('coefficient', 1 + 2*highest)
+      call fields%expect('coefficient', 1 + 2*size(branch%orders))
       call visit_points(branch, fields)
-      branch%harmonics = highest
    end subroutine arrange_points
+
+   !> Makes room for the coefficients of further harmonics.
+   subroutine widen(branch, orders)
+      !> The branch.
+      type(branch_type), intent(inout) :: branch
+      !> Harmonics of Lambda/subharmonic, ascending.
+      integer, intent(in) :: orders(:)
+      real(dp), allocatable :: wider(:, :, :)
+      integer, allocatable :: both(:)
+      logical :: listed(maxval([0, branch%orders, orders]))
+      integer :: i, k, r
+
+      listed = .false.
+      listed(branch%orders) = .true.
+      listed(orders) = .true.
+      if (count(listed) == size(branch%orders)) return
+      both = pack([(r, r=1, size(listed))], listed)
+      allocate (wider(1 + 2*size(both), branch%meshes, size(branch%frequency_ratio)), source=0.0_dp)
+      wider(1, :, :) = branch%coefficients(1, :, :)
+      i = 0
+      do k = 1, size(both)
+         if (i == size(branch%orders)) exit
+         if (branch%orders(i + 1) /= both(k)) cycle
+         i = i + 1
+         wider(2*k:2*k + 1, :, :) = branch%coefficients(2*i:2*i + 1, :, :)
+      end do
+      call move_alloc(wider, branch%coefficients)
+      call move_alloc(both, branch%orders)
+      branch%harmonics = size(listed)
+   end subroutine widen
+
+   !> Whether the balances of the branch carry sets of harmonics.
+   pure logical function has_sets(branch)
+      !> A branch.
+      type(branch_type), intent(in) :: branch
+
+      has_sets = size(branch%orders) < branch%harmonics
+   end function has_sets
+
+   !> Harmonics that either of two points carries, ascending.
+   pure function carried_by(branch, i, j) result(harmonic)
+      !> A branch.
+      type(branch_type), intent(in) :: branch
+      !> Indices of the points.
+      integer, intent(in) :: i, j
+      integer, allocatable :: harmonic(:)
+      integer :: k
+
+      harmonic = pack(branch%orders, [(any(abs(branch%coefficients(2*k:2*k + 1, :, i)) > 0) .or. &
+                                       any(abs(branch%coefficients(2*k:2*k + 1, :, j)) > 0), k=1, size(branch%orders))])
+   end function carried_by
+
+   !> Coefficients of every harmonic up to the highest, (1 + 2*harmonics, mesh), from those of `orders`.
+   pure function dense_coefficients(branch, coefficients) result(dense)
+      !> A branch.
+      type(branch_type), intent(in) :: branch
+      !> Coefficients of its orders, (1 + 2*orders, mesh).
+      real(dp), intent(in) :: coefficients(:, :)
+      real(dp) :: dense(1 + 2*branch%harmonics, size(coefficients, 2))
+      integer :: k
+
+      dense = 0
+      dense(1, :) = coefficients(1, :)
+      do k = 1, size(branch%orders)
+         dense(2*branch%orders(k):2*branch%orders(k) + 1, :) = coefficients(2*k:2*k + 1, :)
+      end do
+   end function dense_coefficients
+
+   !> Coefficients of every harmonic of a point up to the highest harmonic of the branch, (1 + 2*harmonics, mesh).
+   pure function coefficients_of(branch, i) result(dense)
+      !> A branch.
+      type(branch_type), intent(in) :: branch
+      !> Index of the point.
+      integer, intent(in) :: i
+      real(dp) :: dense(1 + 2*branch%harmonics, size(branch%coefficients, 2))
+
+      dense = dense_coefficients(branch, branch%coefficients(:, :, i))
+   end function coefficients_of
 
    !> Visits the fields of the points, in the order along the branch: to write, to read, to enlarge or to reorder the arrays.
    subroutine visit_points(branch, fields)
@@ -185,14 +265,29 @@ contains
       class(fields_type), intent(inout) :: fields
       real(dp), allocatable :: ac(:, :)
       logical, allocatable :: untried(:)
-      integer :: terms
+      integer, allocatable :: orders(:)
+      integer :: k
       logical :: none
 
       call fields%index_axis('point', branch%points, 'point, in the order along the branch')
       call fields%index_axis('mesh', branch%meshes, about_mesh)
-      terms = 0
-      if (allocated(branch%coefficients)) terms = size(branch%coefficients, 1)
-      if (terms > 0 .or. fields%way == listing) call coefficient_axis(terms, 'subharmonic', fields)
+      if (fields%way == reading) then
+         branch%orders = [(k, k=1, branch%harmonics)]
+      else if (.not. allocated(branch%orders)) then
+         branch%orders = [(k, k=1, branch%harmonics)]
+      end if
+      if (fields%way /= arranging) then
+         if (fields%has('orders', has_sets(branch))) then
+            orders = branch%orders
+            k = size(orders)
+            call fields%index_axis('carried', k, 'harmonic that points carry, ascending')
+            call carry(fields, row('orders', 'carried', '1', 'harmonics of Lambda/subharmonic of the coefficients', &
+                                   'where the program chooses sets of them', least=1, &
+                                   most=branch%harmonics), orders)
+            if (fields%way == reading .and. allocated(orders)) branch%orders = orders
+         end if
+      end if
+      if (allocated(branch%coefficients) .or. fields%way == listing) call coefficient_axis(branch%orders, 'subharmonic', fields)
       ! A branch of which only the origin is known so far has no points and nothing else.
       none = branch%points == 0
       call carry(fields, row('frequency', 'point', '1', about_frequency, optional=none), branch%frequency_ratio)
@@ -237,7 +332,7 @@ contains
       end if
       if (fields%has('stable', allocated(branch%stable))) call visit_stability(branch, fields)
       if (fields%way /= reading .or. allocated(fields%wrong) .or. .not. allocated(branch%coefficients)) return
-      call fields%check(size(branch%coefficients, 1) == 1 + 2*branch%harmonics, 'coefficients')
+      call fields%check(size(branch%coefficients, 1) == 1 + 2*size(branch%orders), 'coefficients')
    end subroutine visit_points
 
    pure integer function count_of(flags)

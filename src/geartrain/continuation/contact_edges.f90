@@ -2,7 +2,7 @@
 module geartrain_continuation_contact_edges
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
-   use geartrain_continuation_branch, only: branch_type, contact_edge_type, response_settings_type
+   use geartrain_continuation_branch, only: branch_type, carried_by, contact_edge_type, response_settings_type
    use geartrain_continuation_contact_ranges, only: depth_below
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_decided, only: joined
@@ -99,7 +99,8 @@ contains
          integer :: m
 
          associate (highest => maxval(branch%point_harmonics(i:i + 1)))
-            if (highest /= tracer%corrector%balance%highest) call tracer%prepare(highest)
+            if (highest /= tracer%corrector%balance%highest .or. tracer%chooses_sets) &
+               call tracer%prepare(highest, carried_by(branch, i, i + 1))
          end associate
          call transform%plan(fine_samples(tracer%corrector%balance%highest))
          piece%nodes = 2
@@ -184,11 +185,10 @@ contains
          type(solution_point_type), intent(in) :: solution
          integer, intent(in) :: j
          logical, intent(in) :: back
-         real(dp) :: coefficients(1 + 2*tracer%corrector%balance%highest, branch%meshes), smallest, largest
-         integer :: k
+         real(dp) :: coefficients(tracer%corrector%balance%block, branch%meshes), smallest, largest
 
          call tracer%corrector%balance%full_coefficients(solution%u, solution%frequency_ratio, coefficients)
-         call extremes(coefficients(:, j), [(k, k=1, tracer%corrector%balance%highest)], transform, smallest, largest)
+         call extremes(coefficients(:, j), tracer%corrector%balance%harmonic, transform, smallest, largest)
          depth_at = depth_below(smallest, largest, branch%half_backlash(j), back)
       end function depth_at
 

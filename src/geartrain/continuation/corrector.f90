@@ -16,6 +16,9 @@ module geartrain_continuation_corrector
    !> Relative accuracy of the iterative solution of a Newton step: of the first step, and as a share of the residual that the step
    !> is expected to leave [1]; the least residual to solve for [units_type].
    real(dp), parameter :: first_accuracy = 1e-4_dp, accuracy_share = 0.01_dp, least_residual = 1e-13_dp
+   !> `converged` and `first_accuracy` of a balance that carries a set of harmonics, whose iterative solutions cost most of its
+   !> time: the harmonics left out are an error of 1e-6 or more.
+   real(dp), parameter :: converged_set = 1e-8_dp, first_accuracy_set = 1e-2_dp
 
    !> A point of a branch: a solution of the balance, or a guess, and the unit tangent of the branch.
    type :: solution_point_type
@@ -157,14 +160,15 @@ contains
       type(solution_point_type), intent(inout) :: solution
       real(dp), intent(in) :: row(:, :), row_frequency, longest
       logical, intent(out) :: success
-      real(dp) :: y, length, before, tolerance, defect, defect_before, accuracy
+      real(dp) :: y, length, before, tolerance, defect, defect_before, accuracy, first
       integer :: iteration
       logical :: last, regular
 
       success = .false.
       last = .false.
       before = huge(1.0_dp)
-      accuracy = first_accuracy
+      first = merge(first_accuracy_set, first_accuracy, self%balance%chosen)
+      accuracy = first
       defect_before = 0
       do iteration = 1, max_iterations
          if (self%balance%system%interrupt%raised()) return
@@ -182,7 +186,7 @@ contains
          y = 0
          defect = self%length_of(self%step)
          ! The residual is expected to shrink by the square of its last ratio.
-         if (iteration > 1) accuracy = min(first_accuracy, accuracy_share*(defect/defect_before)**2)
+         if (iteration > 1) accuracy = min(first, accuracy_share*(defect/defect_before)**2)
          accuracy = max(accuracy, least_residual/max(defect, converged))
          defect_before = defect
          call self%matrix%solve(self%balance, self%step, y, accuracy)
@@ -284,7 +288,8 @@ contains
       do i = 1, size(u, 2)
          squares = squares + (abs(u(1, i)) - self%balance%system%half_backlash(self%balance%mesh(i)))**2 + 0.5_dp*sum(u(2:, i)**2)
       end do
-      tolerance = max(converged*(2 + sqrt(squares)/self%units%length), rounding*self%length_of(u))
+      tolerance = merge(converged_set, converged, self%balance%chosen)*(2 + sqrt(squares)/self%units%length)
+      tolerance = max(tolerance, rounding*self%length_of(u))
    end function tolerance_at
 
    !> Inner product of coefficients: products of the means plus half of all other products. Over the square of the unit of length:

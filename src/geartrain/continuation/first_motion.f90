@@ -3,7 +3,7 @@ module geartrain_continuation_first_motion
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
-   use geartrain_continuation_branch, only: branch_type, response_settings_type
+   use geartrain_continuation_branch, only: branch_type, coefficients_of, response_settings_type
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_start, only: begin_trace, solution_of, resting
    use geartrain_continuation_tracer, only: reached_end, tracer_type
@@ -183,7 +183,7 @@ contains
       success = outcome == reached_end
       motion%frequency_ratio = to
       motion%period = settings%subharmonic
-      motion%coefficients = way%coefficients(:, :, way%points)
+      motion%coefficients = coefficients_of(way, way%points)
    end subroutine follow_branch
 
 end module geartrain_continuation_first_motion

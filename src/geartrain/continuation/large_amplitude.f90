@@ -149,7 +149,7 @@ contains
    real(dp) function amplitude(tracer, solution)
       type(tracer_type), intent(inout) :: tracer
       type(solution_point_type), intent(in) :: solution
-      real(dp) :: coefficients(1 + 2*tracer%corrector%balance%highest, tracer%system%meshes)
+      real(dp) :: coefficients(tracer%corrector%balance%block, tracer%system%meshes)
       integer :: j
 
       call tracer%corrector%balance%full_coefficients(solution%u, solution%frequency_ratio, coefficients)

@@ -3,7 +3,7 @@ module geartrain_continuation_points
    use geartrain_balance_motion, only: motion_type
    use geartrain_balance_same_motion, only: is_same_motion
    use geartrain_base_kinds, only: dp
-   use geartrain_continuation_branch, only: arrange_points, branch_type, special_point_type
+   use geartrain_continuation_branch, only: arrange_points, branch_type, coefficients_of, has_sets, special_point_type
    implicit none (type, external)
    private
    public :: drop_first, is_same_point, motion_of, put_in_front
@@ -19,7 +19,7 @@ contains
 
       motion%period = branch%subharmonic
       motion%frequency_ratio = branch%frequency_ratio(i)
-      motion%coefficients = branch%coefficients(:, :, i)
+      motion%coefficients = coefficients_of(branch, i)
    end function motion_of
 
    !> Reverses the points after number `forward` and puts them before the others, so that the branch is one curve.
@@ -89,7 +89,7 @@ contains
       is_same_point = .false.
       if (abs(branch%frequency_ratio(i) - branch%frequency_ratio(j)) > 0) return
       uncertainty = 0
-      if (branch%point_harmonics(i) /= branch%point_harmonics(j)) &
+      if (branch%point_harmonics(i) /= branch%point_harmonics(j) .or. has_sets(branch)) &
          uncertainty = 3*(branch%error_estimate(i) + branch%error_estimate(j))
       is_same_point = is_same_motion(branch%coefficients(:, :, i), branch%coefficients(:, :, j), uncertainty)
    end function is_same_point
@@ -99,7 +99,7 @@ contains
       type(branch_type), intent(inout), target :: branch
       integer, intent(in) :: order(:)
 
-      call arrange_points(branch, order, size(branch%frequency_ratio), branch%harmonics)
+      call arrange_points(branch, order, size(branch%frequency_ratio))
       branch%points = size(order)
    end subroutine take_points
 

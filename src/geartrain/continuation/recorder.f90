@@ -5,7 +5,7 @@ module geartrain_continuation_recorder
    use geartrain_balance_mesh_load, only: force_reader_type
    use geartrain_balance_shaft_torque, only: find_shaft_torques
    use geartrain_base_kinds, only: dp
-   use geartrain_continuation_branch, only: arrange_points, branch_type
+   use geartrain_continuation_branch, only: arrange_points, branch_type, widen
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_stability_assessment, only: assess, assessment_type
    use geartrain_floquet_monodromy, only: monodromy_type
@@ -24,7 +24,6 @@ module geartrain_continuation_recorder
       complex(dp), allocatable :: multipliers(:)
       type(transform_type), private :: transform
       type(force_reader_type), private :: reader
-      integer, allocatable, private :: harmonic(:)
    contains
       procedure :: setup
       procedure :: add
@@ -44,6 +43,7 @@ contains
       type(branch_type), intent(inout), target :: branch
       !> Torques of shafts are wanted; absent: they are not.
       logical, intent(in), optional :: shaft_torque
+      integer :: k
 
       self%stability = stability
       self%shaft_torque = .false.
@@ -54,6 +54,8 @@ contains
       branch%half_backlash = balance%system%half_backlash
       branch%subharmonic = balance%eta
       branch%harmonics = balance%highest
+      branch%orders = [(k, k=1, balance%highest)]
+      if (balance%chosen) branch%orders = [integer ::]
       allocate (branch%special_points(0))
       if (stability) then
          call self%monodromy%setup(balance%system)
@@ -61,7 +63,7 @@ contains
          allocate (self%multipliers(branch%states), branch%stable(0))
       end if
       if (self%shaft_torque) allocate (branch%shaft_torque_mean(0, 0))
-      call arrange_points(branch, [integer ::], 16, balance%highest)
+      call arrange_points(branch, [integer ::], 16)
    end subroutine setup
 
    !> Appends a point.
@@ -77,24 +79,31 @@ contains
       integer, intent(in) :: segment
       !> The branch.
       type(branch_type), intent(inout), target :: branch
-      real(dp) :: coefficients(1 + 2*balance%highest, balance%system%meshes)
+      real(dp) :: coefficients(balance%block, balance%system%meshes)
       type(assessment_type) :: assessment
-      integer :: j, k, n
+      integer :: i, j, k, n
 
-      if (branch%points == size(branch%frequency_ratio) .or. balance%highest > branch%harmonics) then
-         n = size(branch%frequency_ratio)
-         if (branch%points == n) n = 2*n
-         call arrange_points(branch, [(k, k=1, branch%points)], n, max(balance%highest, branch%harmonics))
+      if (branch%points == size(branch%frequency_ratio)) &
+         call arrange_points(branch, [(k, k=1, branch%points)], 2*branch%points)
+      if (balance%chosen) then
+         call widen(branch, balance%harmonic)
+      else if (balance%highest > branch%harmonics) then
+         call widen(branch, [(k, k=1, balance%highest)])
       end if
       call balance%full_coefficients(solution%u, solution%frequency_ratio, coefficients)
       n = branch%points + 1
-      if (.not. allocated(self%harmonic)) allocate (self%harmonic(0))
-      if (size(self%harmonic) /= balance%highest) self%harmonic = [(k, k=1, balance%highest)]
       call self%transform%plan(fine_samples(balance%highest))
       call self%reader%setup(balance%system, balance%eta, self%transform%samples)
       branch%frequency_ratio(n) = solution%frequency_ratio
       branch%coefficients(:, :, n) = 0
-      branch%coefficients(:size(coefficients, 1), :, n) = coefficients
+      branch%coefficients(1, :, n) = coefficients(1, :)
+      i = 0
+      do k = 1, size(branch%orders)
+         if (i == size(balance%harmonic)) exit
+         if (branch%orders(k) /= balance%harmonic(i + 1)) cycle
+         i = i + 1
+         branch%coefficients(2*k:2*k + 1, :, n) = coefficients(2*i:2*i + 1, :)
+      end do
       branch%error_estimate(n) = estimate%relative
       branch%estimate_doubtful(n) = estimate%doubtful
       branch%point_harmonics(n) = balance%highest
@@ -103,12 +112,14 @@ contains
          branch%rms(j, n) = rms(coefficients(:, j))
          branch%mean(j, n) = coefficients(1, j)
          ! `extremes` leaves the samples of p in self%transform, which the reader of forces uses: other samples come after it.
-         call extremes(coefficients(:, j), self%harmonic, self%transform, branch%minimum(j, n), branch%maximum(j, n))
+         call extremes(coefficients(:, j), balance%harmonic, self%transform, branch%minimum(j, n), branch%maximum(j, n))
          if (balance%system%law(j)%jumps) then
-            call self%reader%read(balance%system, j, solution%frequency_ratio, coefficients(:, j), self%harmonic, self%transform, &
+            call self%reader%read(balance%system, j, solution%frequency_ratio, coefficients(:, j), balance%harmonic, &
+                                  self%transform, &
                                   branch%mesh_load(j, n), balance%contact(findloc(balance%mesh, j, 1)))
          else
-            call self%reader%read(balance%system, j, solution%frequency_ratio, coefficients(:, j), self%harmonic, self%transform, &
+            call self%reader%read(balance%system, j, solution%frequency_ratio, coefficients(:, j), balance%harmonic, &
+                                  self%transform, &
                                   branch%mesh_load(j, n))
          end if
          branch%mesh_load(j, n)%separation = 0
@@ -142,7 +153,7 @@ contains
       type(branch_type), intent(inout), target :: branch
       integer :: i
 
-      call arrange_points(branch, [(i, i=1, branch%points)], branch%points, branch%harmonics)
+      call arrange_points(branch, [(i, i=1, branch%points)], branch%points)
    end subroutine finish
 
 end module geartrain_continuation_recorder

@@ -5,7 +5,7 @@ module geartrain_continuation_refinement
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
-   use geartrain_continuation_branch, only: branch_type
+   use geartrain_continuation_branch, only: branch_type, coefficients_of
    use geartrain_continuation_waveform_error, only: harmonics_told, waveform_error
    use geartrain_flow_shooting, only: refine
    use geartrain_model_check, only: check_train
@@ -89,12 +89,12 @@ contains
       do attempt = 1, merge(1, 2, branch%estimate_doubtful(i))
          motion%frequency_ratio = branch%frequency_ratio(i)
          motion%period = branch%subharmonic
-         motion%coefficients = branch%coefficients(:, :, i)
+         motion%coefficients = coefficients_of(branch, i)
          if (allocated(motion%state)) deallocate (motion%state)
          call refine(train, motion, error, attempt == 2, &
-                     harmonics_told(branch%coefficients(:, :, i), branch%subharmonic))
+                     harmonics_told(coefficients_of(branch, i), branch%subharmonic))
          if (allocated(error)) cycle
-         correction = waveform_error(branch%coefficients(:, :, i), motion%coefficients, .false.)
+         correction = waveform_error(coefficients_of(branch, i), motion%coefficients, .false.)
          if (correction <= max(another*branch%error_estimate(i), rounding)) return
          correction = -1
       end do
@@ -105,10 +105,14 @@ contains
       type(motion_type), intent(in) :: motion
       integer, intent(in) :: i
       type(branch_type), intent(inout), target :: branch
-      integer :: n
+      integer :: k
 
-      n = min(size(branch%coefficients, 1), size(motion%coefficients, 1))
-      branch%coefficients(:n, :, i) = motion%coefficients(:n, :)
+      branch%coefficients(1, :, i) = motion%coefficients(1, :)
+      do k = 1, size(branch%orders)
+         associate (r => branch%orders(k))
+            if (2*r < size(motion%coefficients, 1)) branch%coefficients(2*k:2*k + 1, :, i) = motion%coefficients(2*r:2*r + 1, :)
+         end associate
+      end do
       branch%rms(:, i) = motion%rms
       branch%mean(:, i) = motion%mean
       branch%minimum(:, i) = motion%minimum

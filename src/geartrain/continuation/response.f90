@@ -9,7 +9,7 @@ module geartrain_continuation_response
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
    use geartrain_continuation_both_ways, only: trace_both_ways
-   use geartrain_continuation_branch, only: branch_type, response_settings_type, special_point_type
+   use geartrain_continuation_branch, only: branch_type, coefficients_of, response_settings_type, special_point_type
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_first_motion, only: find_start
    use geartrain_continuation_interruption, only: drop_step
@@ -181,14 +181,23 @@ contains
       type(tracer_type), intent(inout) :: tracer
       type(solution_point_type), intent(in) :: solution
       type(branch_type), intent(in) :: branch
-      real(dp) :: coefficients(1 + 2*tracer%corrector%balance%highest, tracer%system%meshes)
-      integer :: n
+      real(dp) :: coefficients(tracer%corrector%balance%block, tracer%system%meshes)
+      real(dp), allocatable :: last(:, :), dense(:, :)
+      integer :: k, n
 
       is_last_point = .false.
       if (abs(branch%frequency_ratio(branch%points) - solution%frequency_ratio) > 0) return
       call tracer%corrector%balance%full_coefficients(solution%u, solution%frequency_ratio, coefficients)
-      n = min(size(coefficients, 1), size(branch%coefficients, 1))
-      is_last_point = is_same_motion(branch%coefficients(:n, :, branch%points), coefficients(:n, :))
+      associate (harmonic => tracer%corrector%balance%harmonic)
+         allocate (dense(1 + 2*tracer%corrector%balance%highest, tracer%system%meshes), source=0.0_dp)
+         dense(1, :) = coefficients(1, :)
+         do k = 1, size(harmonic)
+            dense(2*harmonic(k):2*harmonic(k) + 1, :) = coefficients(2*k:2*k + 1, :)
+         end do
+      end associate
+      last = coefficients_of(branch, branch%points)
+      n = min(size(dense, 1), size(last, 1))
+      is_last_point = is_same_motion(last(:n, :), dense(:n, :))
    end function is_last_point
 
    !> Traces both ways from a seed and puts the backward points in front, so that the branch is one curve.

@@ -63,7 +63,13 @@ contains
          integer, intent(in) :: highest, eta
 
          own%units = corrector%units
-         call own%balance%setup(corrector%balance%system, highest, eta, corrector%balance%samples*eta/corrector%balance%eta)
+         associate (balance => corrector%balance)
+            if (balance%chosen .and. eta == balance%eta) then
+               call own%balance%setup(balance%system, highest, eta, balance%samples, balance%harmonic)
+            else
+               call own%balance%setup(balance%system, highest, eta, balance%samples*eta/balance%eta)
+            end if
+         end associate
          call own%setup()
       end subroutine plan
 

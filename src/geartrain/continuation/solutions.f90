@@ -5,7 +5,8 @@ module geartrain_continuation_solutions
    use geartrain_base_error, only: error_type, fatal
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
-   use geartrain_continuation_branch, only: branch_type, response_settings_type
+   use geartrain_continuation_branch, only: branch_type, carried_by, coefficients_of, dense_coefficients, has_sets, &
+      response_settings_type
    use geartrain_continuation_corrector, only: inner, solution_point_type
    use geartrain_continuation_start, only: begin_trace, solution_of
    use geartrain_continuation_tracer, only: tracer_type
@@ -71,7 +72,8 @@ contains
          share = 0
          if (abs(branch%frequency_ratio(i + 1) - branch%frequency_ratio(i)) > 0) &
             share = (frequency_ratio - branch%frequency_ratio(i))/(branch%frequency_ratio(i + 1) - branch%frequency_ratio(i))
-         if (tracer%settings%harmonics == 0) call tracer%prepare(maxval(branch%point_harmonics(i:i + 1)))
+         if (tracer%settings%harmonics == 0) &
+            call tracer%prepare(maxval(branch%point_harmonics(i:i + 1)), carried_by(branch, i, i + 1))
          call solve_between(tracer, branch, i, share, frequency_ratio, solution, success)
          if (.not. success) cycle
          call tracer%corrector%orient(solution, 1)
@@ -121,12 +123,13 @@ contains
       if (allocated(branch%correction)) drift = maxval(branch%correction(i:i + 1))*norm2(branch%coefficients(2:, :, i))
       do attempt = 1, 3
          weight = merge(share, real(attempt - 2, dp), attempt == 1)
-         motion%coefficients = (1 - weight)*branch%coefficients(:, :, i) + weight*branch%coefficients(:, :, i + 1)
+         motion%coefficients = dense_coefficients(branch, (1 - weight)*branch%coefficients(:, :, i) &
+                                                  + weight*branch%coefficients(:, :, i + 1))
          solution = solution_of(tracer, motion)
          call tracer%corrector%solve_at(solution, success)
          if (.not. success) cycle
          ! A solution between two neighbours is no farther from each than twice the distance of the two.
-         motion%coefficients = branch%coefficients(:, :, i)
+         motion%coefficients = coefficients_of(branch, i)
          start = solution_of(tracer, motion)
          success = sqrt(inner(solution%u - start%u, solution%u - start%u)) <= 2*(chord + max(drift, 0.0_dp)) &
                    + 1e-9_dp*tracer%corrector%units%length
@@ -150,7 +153,7 @@ contains
       motion%period = branch%subharmonic
       do j = 1, 2
          motion%frequency_ratio = branch%frequency_ratio(i + j - 1)
-         motion%coefficients = branch%coefficients(:, :, i + j - 1)
+         motion%coefficients = coefficients_of(branch, i + j - 1)
          ends(j) = solution_of(tracer, motion)
       end do
       solution = ends(merge(1, 2, abs(frequency_ratio - ends(1)%frequency_ratio) <= 0))
@@ -172,7 +175,7 @@ contains
          associate (motion => motions(i))
             motion%frequency_ratio = found%frequency_ratio(i)
             motion%period = settings%subharmonic
-            motion%coefficients = found%coefficients(:, :, i)
+            motion%coefficients = coefficients_of(found, i)
             motion%rms = found%rms(:, i)
             motion%mean = found%mean(:, i)
             motion%minimum = found%minimum(:, i)
@@ -209,6 +212,7 @@ contains
       type(branch_type) :: solved
       type(motion_type), allocatable :: motions(:), here(:)
       type(error_type), allocatable :: error
+      real(dp) :: uncertainty
       logical :: success
       integer :: i
 
@@ -216,7 +220,8 @@ contains
       if (branch%subharmonic /= motion%period .or. branch%points < 2) return
       same_balance = settings
       same_balance%stability = .false.
-      if (settings%harmonics == 0) same_balance%harmonics = branch%harmonics
+      ! Balances of sets differ by their sets, and so by their errors.
+      if (settings%harmonics == 0 .and. .not. has_sets(branch)) same_balance%harmonics = branch%harmonics
       call begin_trace(train, same_balance, tracer)
       solution = solution_of(tracer, motion)
       call tracer%corrector%solve_at(solution, success)
@@ -226,7 +231,9 @@ contains
       call tracer%record(solution, solved)
       call solutions_at(train, same_balance, branch, motion%frequency_ratio, motions, error)
       call gather(solved, same_balance, here)
-      lies_on = any([(is_same_motion(here(1), motions(i)), i=1, size(motions))])
+      uncertainty = 0
+      if (has_sets(branch)) uncertainty = 3*maxval([here%error_estimate, motions%error_estimate])
+      lies_on = any([(is_same_motion(here(1), motions(i), uncertainty), i=1, size(motions))])
    end function lies_on
 
    !> Whether the rms of a motion is above the amplitude limit, where no branch is recorded.

@@ -1,6 +1,7 @@
 !> Where a branch begins: a tracer for a train, and solution points to start it from.
 module geartrain_continuation_start
    use geartrain_balance_chosen_harmonics, only: first_harmonics
+   use geartrain_balance_harmonic_set, only: first_set, has_sparse_motions
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: response_settings_type
@@ -29,6 +30,7 @@ contains
       type(response_settings_type), intent(in) :: settings
       !> Becomes ready to solve, its settings in Lambda; its recorder is set up separately.
       type(tracer_type), intent(inout) :: tracer
+      integer, allocatable :: set(:)
 
       tracer%settings = settings
       associate (factor => lambda_per(train, settings%unit))
@@ -46,7 +48,14 @@ contains
          tracer%amplitude_limit = linear_amplitude_limit*largest_unit(tracer%system)
       end if
       tracer%estimate%natural_frequency = natural_frequencies(tracer%system)
-      call tracer%prepare(merge(settings%harmonics, first_harmonics(tracer%system, settings%subharmonic), settings%harmonics > 0))
+      tracer%chooses_sets = settings%harmonics == 0 .and. has_sparse_motions(tracer%system, settings%subharmonic)
+      if (tracer%chooses_sets) then
+         set = first_set(tracer%system)
+         call tracer%prepare(set(size(set)), set)
+      else
+         call tracer%prepare(merge(settings%harmonics, first_harmonics(tracer%system, settings%subharmonic), &
+                                   settings%harmonics > 0))
+      end if
    end subroutine begin_trace
 
    !> The train at rest under its mean load as a first guess of a solution point: every mesh on the flank that bears its load.

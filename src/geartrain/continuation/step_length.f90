@@ -9,8 +9,9 @@ module geartrain_continuation_step_length
 
    !> Angle between tangents of neighbouring points aimed at [rad], and first Newton correction over the step aimed at [1]: (1) as a
    !> rule; (2) on branches of longer periods, whose period doublings lie closer together with each generation, and above the
-   !> amplitude `large`.
-   real(dp), parameter :: angle_aim(2) = [0.25_dp, 0.2_dp], correction_aim(2) = [0.08_dp, 0.05_dp]
+   !> amplitude `large`; (3) of balances that carry sets of harmonics, each point of which costs more: the path of their many
+   !> harmonics bends, seldom back.
+   real(dp), parameter :: angle_aim(3) = [0.25_dp, 0.2_dp, 0.4_dp], correction_aim(3) = [0.08_dp, 0.05_dp, 0.2_dp]
    !> First Newton correction over the step from which on a step is refused [1].
    real(dp), parameter :: correction_limit = 0.35_dp
    !> Length of a step below which a change of orientation is no jump to another branch: there another branch crosses.
@@ -57,6 +58,7 @@ contains
       integer :: i
 
       i = merge(1, 2, corrector%balance%eta == 1 .and. corrector%length_of(next%u) < large)
+      if (i == 1 .and. corrector%balance%chosen) i = 3
       angle = acos(max(-1.0_dp, min(1.0_dp, cosine(here, next, corrector%units))))
       next_step = h*max(0.4_dp, min(1.8_dp, angle_aim(i)/max(angle, 1e-8_dp), &
                                     sqrt(correction_aim(i)/max(corrector%correction, 1e-8_dp))))

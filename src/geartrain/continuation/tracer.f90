@@ -250,7 +250,11 @@ contains
       !> State with harmonics, curvature and missed points.
       type(trace_state_type), intent(in) :: state
 
-      if (self%corrector%balance%highest /= state%harmonics) call self%prepare(state%harmonics)
+      if (self%chooses_sets .and. state%steps > 0) then
+         call self%prepare(state%harmonics, state%here%harmonic)
+      else if (self%corrector%balance%highest /= state%harmonics .and. .not. self%chooses_sets) then
+         call self%prepare(state%harmonics)
+      end if
       self%curvature = state%curvature
       self%missed = state%missed
    end subroutine restore_state
@@ -288,8 +292,8 @@ contains
       type(solution_point_type), intent(inout) :: fold
       real(dp), intent(out) :: fold_at
       type(branch_type), intent(inout), target :: branch
-      integer :: highest
-      logical :: success, enough
+      integer, allocatable :: carried(:)
+      logical :: success, enough, kept
 
       fold_at = 0
       if (sense_of(here, self%corrector%units) == 0) then
@@ -300,9 +304,11 @@ contains
          fold = next
          call locate_fold(self%corrector, here, next, h, fold, fold_at, success)
          if (.not. success) exit
-         highest = self%corrector%balance%highest
+         carried = self%corrector%balance%harmonic
          call self%adapt(fold, enough, here, origin)
-         if (self%corrector%balance%highest == highest) exit
+         kept = size(carried) == size(self%corrector%balance%harmonic)
+         if (kept) kept = all(carried == self%corrector%balance%harmonic)
+         if (kept) exit
          ! With more harmonics the fold lies elsewhere.
          call self%corrector%refit(next)
       end do

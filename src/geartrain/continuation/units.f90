@@ -1,5 +1,5 @@
-!> Units of the metric of a branch: powers of ten nearest to the displacements and the frequency of the train itself. Steps,
-!> tolerances and guards so depend neither on the characteristic values given for a train nor on its size.
+!> Units of the metric of a branch: powers of ten nearest to the displacements of the train and to the Lambda at which a mesh
+!> excites its own vibration. Steps, tolerances and guards so depend neither on characteristic values nor on the size of a train.
 module geartrain_continuation_units
    use geartrain_base_kinds, only: dp
    use geartrain_model_network, only: stiffening
@@ -24,13 +24,15 @@ contains
       !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
       real(dp) :: drive, gap, stiff(system%elements)
+      integer :: j
 
       drive = max(largest_load(system), largest_error(system))
       gap = maxval(system%half_backlash)
       if (drive > 0) gap = min(gap, rattle*drive)
       units%length = decade(max(drive, gap))
       stiff = stiffening(system%network)
-      units%frequency_ratio = decade(sqrt(minval(system%own(system%mesh_element)*stiff(system%mesh_element))))
+      units%frequency_ratio = decade(minval([(sqrt(system%own(system%mesh_element(j))*stiff(system%mesh_element(j))) &
+                                              /system%law(j)%order, j=1, system%meshes)]))
    end function units_of
 
    !> Unit of displacement of motions that cross the gap, over characteristic length [1]: amplitude limits are multiples of it.

@@ -14,7 +14,7 @@ module geartrain_continuation_variables
    public :: visit_response, check_response, check_response_consistency, settings_for
 
    real(dp), parameter :: zero = 0, one = 1
-   integer, parameter :: most_harmonics = 1000, most_samples = 1048576
+   integer, parameter :: most_harmonics = 1000, most_samples = 1048576, highest_of_sets = 100000
 
 contains
 
@@ -113,7 +113,9 @@ contains
       call check_unit(train, settings%unit, checker)
       call check_frequency(train, 'from', settings%start, checker, settings%unit)
       call check_frequency(train, 'to', settings%stop, checker, settings%unit)
-      call check_harmonics(train, settings%harmonics, settings%subharmonic, most_harmonics, checker)
+      ! Where the orders are high the program carries sets of harmonics, however high, but for longer periods.
+      call check_harmonics(train, settings%harmonics, settings%subharmonic, &
+                           merge(highest_of_sets, most_harmonics, settings%harmonics == 0 .and. settings%subharmonic == 1), checker)
       if (settings%samples > 0) then
          if (settings%harmonics == 0) then
             call checker%complain('samples', integer_text(settings%samples), 'must be 0 where harmonics = 0: with the harmonics &

@@ -90,7 +90,7 @@ contains
             if (allocated(motions(i)%state)) coordinates = max(coordinates, size(motions(i)%state))
             if (allocated(motions(i)%multipliers)) states = max(states, size(motions(i)%multipliers))
          end do
-         call coefficient_axis(terms, 'period', fields)
+         call coefficient_axis([(i, i=1, terms/2)], 'period', fields)
       end if
       call fields%index_axis('mesh', meshes, about_mesh)
       torques_there = fields%has('shaft_torque_mean', shafts > 0)
@@ -174,20 +174,21 @@ contains
    end subroutine visit_motion
 
    !> Adds the axis of coefficients with the labels mean, cos 1, sin 1, cos 2, ...
-   subroutine coefficient_axis(terms, period, fields)
-      !> Number of coefficients.
-      integer, intent(in) :: terms
+   subroutine coefficient_axis(orders, period, fields)
+      !> Harmonics of the coefficients, ascending.
+      integer, intent(in) :: orders(:)
       !> Name of the divisor of Lambda in the frequency of the first harmonic: 'period' or 'subharmonic'.
       character(*), intent(in) :: period
       !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
-      character(16) :: labels(terms)
+      character(16) :: labels(1 + 2*size(orders))
       integer :: i
 
-      do i = 1, terms
-         write (labels(i), '(a, i0)') merge('cos ', 'sin ', mod(i, 2) == 0), i/2
+      labels(1) = 'mean'
+      do i = 1, size(orders)
+         write (labels(2*i), '(a, i0)') 'cos ', orders(i)
+         write (labels(2*i + 1), '(a, i0)') 'sin ', orders(i)
       end do
-      if (terms > 0) labels(1) = 'mean'
       call fields%text_axis('coefficient', labels, 'order of the coefficient in multiples of Lambda/'//period)
    end subroutine coefficient_axis
 

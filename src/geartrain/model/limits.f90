@@ -40,7 +40,7 @@ contains
       !> 'Lambda', 'rpm' or 'Hz'; absent: Lambda.
       character(*), intent(in), optional :: unit
       type(train_type) :: train
-      real(dp) :: decades, own, factor
+      real(dp) :: decades, own, factor, least
 
       call plain_train(given, train)
       if (.not. in_order(train, checker)) return
@@ -50,7 +50,9 @@ contains
       if (present(unit)) factor = lambda_per(given, unit)
       if (.not. factor > 0) return
       own = 10.0_dp**nint(max(-300.0_dp, min(300.0_dp, decades)))/factor
-      if (.not. value >= slowest*own) call checker%complain(name, real_text(value), 'must be >= '//real_text(slowest*own)// &
+      ! The fundamental of hunting teeth is as slow as many periods of a mesh are long.
+      least = slowest*own/minval(train%meshes%order)
+      if (.not. value >= least) call checker%complain(name, real_text(value), 'must be >= '//real_text(least)// &
          ': the train vibrates too often in a slower period')
       if (.not. value <= fastest*own) call checker%complain(name, real_text(value), 'must be <= '//real_text(fastest*own)// &
          ': the train does not follow a faster frequency')

@@ -1,0 +1,123 @@
+!> Sets of harmonics that a balance carries because they matter, not because they come next: where the fundamental is that of
+!> hunting teeth, 71 and 19 of them a turn, a motion lives on sums k 71 + l 19, few of the thousands of harmonics below the highest.
+module geartrain_balance_harmonic_set
+   use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_error_estimate, only: error_estimate_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_model_excitation, only: excited_harmonics, reach_of_sources
+   use geartrain_model_system, only: system_type
+   implicit none (type, external)
+   private
+   public :: first_set, has_sparse_motions, next_set
+
+   !> Lowest harmonic of a source of excitation, over the greatest common divisor of all orders, above which motions are sparse.
+   integer, parameter :: lowest_sparse = 6
+   !> A set grows to at most twice its size, and by `least_growth` anyhow: the tail beyond is known to first order only.
+   integer, parameter :: least_growth = 24
+   !> Steps of bisection for the least amplitude of a set: a factor of 2 in 2**64 within 3e-3.
+   integer, parameter :: halvings = 14
+
+contains
+
+   !> Whether balances of a train carry sets of harmonics where the program chooses their number.
+   pure logical function has_sparse_motions(system, subharmonic)
+      !> Dimensionless system of the train.
+      type(system_type), intent(in) :: system
+      !> Sub-harmonic index, period over mesh period.
+      integer, intent(in) :: subharmonic
+
+      has_sparse_motions = subharmonic == 1 .and. reach_of_sources(system) > lowest_sparse*system%excitation_order
+   end function has_sparse_motions
+
+   !> Harmonics to begin with, ascending: the excitation, and sums and differences of two of its harmonics.
+   pure function first_set(system) result(harmonic)
+      !> Dimensionless system of the train.
+      type(system_type), intent(in) :: system
+      integer, allocatable :: harmonic(:)
+      integer, allocatable :: excited(:)
+      logical, allocatable :: carried(:)
+      integer :: i, r
+
+      excited = excited_harmonics(system)
+      allocate (carried(0:2*maxval(excited)), source=.false.)
+      carried(excited) = .true.
+      do i = 1, size(excited)
+         carried(abs(excited - excited(i))) = .true.
+         carried(excited + excited(i)) = .true.
+      end do
+      harmonic = pack([(r, r=1, ubound(carried, 1))], carried(1:))
+   end function first_set
+
+   !> The carried harmonics and, of the tail, the harmonics of largest amplitude, ascending: what is left out afterwards is `share`
+   !> of what is left out now. Above 1 carried harmonics of small amplitude are left out.
+   pure function next_set(balance, u, estimate, share) result(harmonic)
+      !> Balance, solved.
+      type(balance_type), intent(in) :: balance
+      !> Its solution [1], (block, unknown).
+      real(dp), intent(in) :: u(:, :)
+      !> Error estimate of the solution.
+      type(error_estimate_type), intent(in) :: estimate
+      !> Root of the sum of squares left out afterwards over the present one [1].
+      real(dp), intent(in) :: share
+      integer, allocatable :: harmonic(:)
+      real(dp) :: square(max(balance%highest, maxval([0, estimate%harmonic(:estimate%count)]))), left
+      logical :: carried(size(square))
+      integer :: k, r
+
+      square = 0
+      do k = 1, estimate%count
+         square(estimate%harmonic(k)) = sum(estimate%tail(k, :)%re**2 + estimate%tail(k, :)%im**2)
+      end do
+      left = sum(square)
+      carried = .false.
+      if (share > 1) then
+         square = 0
+         do k = 1, size(balance%harmonic)
+            square(balance%harmonic(k)) = sum(u(2*k:2*k + 1, :)**2)
+         end do
+         carried = busiest(square, (share**2 - 1)*left, size(square))
+      else
+         carried = busiest(square, share**2*left, max(size(balance%harmonic), least_growth))
+         carried(balance%harmonic) = .true.
+      end if
+      call carry_sources(balance%system, carried)
+      harmonic = pack([(r, r=1, size(carried))], carried)
+   end function next_set
+
+   !> Which harmonics have the largest amplitudes.
+   pure function busiest(square, left, most) result(carried)
+      !> Squared amplitude of every harmonic [1], (harmonic); sum of the squares that may be left out.
+      real(dp), intent(in) :: square(:), left
+      !> Most harmonics.
+      integer, intent(in) :: most
+      logical :: carried(size(square))
+      real(dp) :: above, below, middle
+      integer :: i
+
+      ! Between `below`, above which there are too many or leave out no more than is allowed, and `above`.
+      above = 2*maxval([tiny(left), square])
+      below = 2.0_dp**(-128)*above
+      do i = 1, halvings
+         middle = sqrt(above*below)
+         if (sum(square, square <= middle) > left .and. count(square > middle) < most) then
+            above = middle
+         else
+            below = middle
+         end if
+      end do
+      carried = square > merge(below, above, count(square > below) <= most)
+   end function busiest
+
+   !> Adds the sources of excitation, because a linear mesh moves at the carried harmonics only.
+   pure subroutine carry_sources(system, carried)
+      !> Dimensionless system of the train.
+      type(system_type), intent(in) :: system
+      !> Which harmonics are carried, (harmonic).
+      logical, intent(inout) :: carried(:)
+      integer, allocatable :: sources(:)
+
+      sources = excited_harmonics(system)
+      carried(pack(sources, sources <= size(carried))) = .true.
+   end subroutine carry_sources
+
+end module geartrain_balance_harmonic_set
