@@ -75,7 +75,7 @@ contains
             joint%damping_apart = merge(joint%damping, 0.0_dp, mesh%damping_acts == 'always')
             joint%back_stiffness = merge(mesh%back_stiffness, mesh%stiffness, mesh%back_stiffness > 0)
             joint%back_phase = mesh%back_phase
-            joint%order = mesh%order
+            joint%order = max(1, mesh%order)
             joint%kappa = both(mesh%stiffness_cos, mesh%stiffness_sin)
             joint%error = both(mesh%error_cos, mesh%error_sin)
          end associate

@@ -42,7 +42,8 @@ contains
       if (.not. all(train%meshes%driving_radius > 0 .and. train%meshes%driven_radius > 0)) return
       call check_joints(train, shaft_ends, mesh_ends, checker)
       call check_elastic(train, shaft_ends, mesh_ends, checker)
-      if (checker%problems%count == before) call check_rest(train, checker)
+      ! Numbers that a wrong drawing gave have no rest.
+      if (checker%problems%count == 0) call check_rest(train, checker)
    end subroutine check_network
 
    !> A train with bodies has no values of the variables of a chain.

@@ -5,6 +5,7 @@
 !> train as given.
 module geartrain_model_drawing
    use geartrain_base_kinds, only: dp, pi
+   use geartrain_base_variable, only: largest, smallest
    use geartrain_mesh_law_law, only: law_type
    use geartrain_model_bodies, only: find_ends
    use geartrain_model_body, only: body_type
@@ -126,16 +127,22 @@ contains
       if (is_given(mesh%elastic_modulus)) pair%elastic_modulus = mesh%elastic_modulus
    end function pair_of
 
-   !> Whether teeth and module of a gear pair are given, and no list of its drawing has a wrong number of values.
+   !> Whether teeth and module of a gear pair are given, no list of its drawing has a wrong number of values, and all values are in
+   !> the ranges of their variables.
    pure logical function has_geometry(mesh)
       !> The mesh as given.
       type(mesh_type), intent(in) :: mesh
 
-      has_geometry = is_given(mesh%teeth) .and. mesh%normal_module > 0
+      has_geometry = is_given(mesh%teeth) .and. mesh%normal_module >= smallest
       if (has_geometry) has_geometry = size(mesh%teeth) == 2 .and. pair(mesh%profile_shift) .and. pair(mesh%tip_diameter) .and. &
-                                       pair(mesh%elastic_modulus) .and. pair(mesh%bore) .and. &
-                                       mesh%pressure_angle > 0 .and. mesh%pressure_angle < 90 .and. abs(mesh%helix_angle) < 90
-      if (has_geometry) has_geometry = all(mesh%teeth >= 1 .and. mesh%teeth <= 1e5_dp)
+                                       pair(mesh%elastic_modulus) .and. pair(mesh%bore)
+      if (has_geometry) has_geometry = all(mesh%teeth >= 1 .and. mesh%teeth <= 1e5_dp) .and. &
+         mesh%pressure_angle >= 10 .and. mesh%pressure_angle <= 35 .and. mesh%helix_angle >= 0 .and. mesh%helix_angle <= 60 .and. &
+         all([mesh%normal_module, mesh%centre_distance, mesh%backlash, mesh%face_width, mesh%density] >= 0 .and. &
+             [mesh%normal_module, mesh%centre_distance, mesh%backlash, mesh%face_width, mesh%density] <= largest) .and. &
+         mesh%dedendum >= 1 .and. mesh%dedendum <= 2 .and. within(mesh%profile_shift, -2.0_dp, 2.0_dp) .and. &
+         within(mesh%tip_diameter, 0.0_dp, largest) .and. within(mesh%bore, 0.0_dp, largest) .and. &
+         within(mesh%elastic_modulus, smallest, largest)
       if (has_geometry .and. mesh%internal) has_geometry = nint(mesh%teeth(1)) /= nint(mesh%teeth(2))
 
    contains
@@ -198,7 +205,9 @@ contains
 
       has_sections = is_given(shaft%diameter) .and. is_given(shaft%length)
       if (has_sections) has_sections = size(shaft%diameter) == size(shaft%length)
-      if (has_sections) has_sections = fits(shaft%bore, size(shaft%diameter))
+      if (has_sections) has_sections = fits(shaft%bore, size(shaft%diameter)) .and. within(shaft%diameter, smallest, largest) &
+         .and. within(shaft%length, smallest, largest) .and. within(shaft%bore, 0.0_dp, largest) .and. &
+         shaft%shear_modulus > 0 .and. shaft%shear_modulus <= largest
       if (has_sections) has_sections = all(values_of(shaft%bore, size(shaft%diameter), 0.0_dp) < shaft%diameter)
    end function has_sections
 
@@ -219,9 +228,20 @@ contains
 
       has_discs = is_given(body%outer_diameter) .and. is_given(body%width)
       if (has_discs) has_discs = size(body%outer_diameter) == size(body%width)
-      if (has_discs) has_discs = fits(body%bore, size(body%width)) .and. fits(body%density, size(body%width))
+      if (has_discs) has_discs = fits(body%bore, size(body%width)) .and. fits(body%density, size(body%width)) .and. &
+         within(body%outer_diameter, 0.0_dp, largest) .and. within(body%width, 0.0_dp, largest) .and. &
+         within(body%bore, 0.0_dp, largest) .and. within(body%density, 0.0_dp, largest)
       if (has_discs) has_discs = all(values_of(body%bore, size(body%width), 0.0_dp) < body%outer_diameter)
    end function has_discs
+
+   !> Whether all values of a list are in a range; true without values.
+   pure logical function within(list, least, most)
+      real(dp), allocatable, intent(in) :: list(:)
+      real(dp), intent(in) :: least, most
+
+      within = .true.
+      if (is_given(list)) within = all(list >= least .and. list <= most)
+   end function within
 
    !> Whether a list has no value, one value for all or n values.
    pure logical function fits(list, n)

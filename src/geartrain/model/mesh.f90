@@ -2,6 +2,7 @@
 module geartrain_model_mesh
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_series, only: make_series, series_type
+   use geartrain_base_variable, only: largest
    use geartrain_mesh_law_law, only: law_type
    use geartrain_model_body, only: name_length
    implicit none (type, external)
@@ -93,7 +94,7 @@ contains
          ! A rectangular wave: one more tooth pair is in contact during the share contact_ratio - 1 of the cycle.
          plain%stiffness_cos = [(2*sin(h*pi*(mesh%contact_ratio - 1))/(h*pi*mesh%contact_ratio), h=1, mesh%stiffness_harmonics)]
       else if (has_table(mesh)) then
-         call transform(mesh%stiffness_table, plain)
+         if (all(mesh%stiffness_table > 0 .and. mesh%stiffness_table <= largest)) call transform(mesh%stiffness_table, plain)
       end if
       plain%contact_ratio = 0
       if (allocated(plain%stiffness_table)) deallocate (plain%stiffness_table)
