@@ -8,7 +8,7 @@ from dataclasses import replace
 import matplotlib
 import numpy as np
 import pytest
-from conftest import paper_train
+from conftest import paper_train, single_pair
 
 import geartrain as gt
 
@@ -343,3 +343,9 @@ def test_parts_are_not_joined(branch):
 
     pieces = list(runs([True, True, False, False, True], [1, 1, 1, 2, 2]))
     assert pieces == [(slice(0, 3), True), (slice(2, 3), False), (slice(3, 5), False), (slice(4, 5), True)]
+
+
+def test_a_linear_pair_without_damping_is_not_chaotic():
+    """Its exponent is rounding, 1e-17, and so is what that is uncertain by."""
+    motion = single_pair(0.4, damping_ratio=0.0, error_cos=[0.05]).integrate(2**0.5, max_periods=300)
+    assert motion.kind in ("quasi-periodic", "periodic")

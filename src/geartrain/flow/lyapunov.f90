@@ -22,6 +22,9 @@ module geartrain_flow_lyapunov
    integer, parameter :: blocks = 6
    real(dp), parameter :: student = 2.57_dp
 
+   !> Magnitude of an exponent over Lambda that is rounding [1]: tangents of a motion without damping keep their length to this.
+   real(dp), parameter :: rounding = 1e-13_dp
+
 contains
 
    !> Kind of a motion without known period, see `kind` of geartrain_balance_motion.
@@ -34,8 +37,8 @@ contains
 
       kind = 'undecided'
       if (error < largest_neutral*frequency_ratio/(2*pi)) kind = 'quasi-periodic'
-      if (exponent > error) kind = 'chaotic'
-      if (exponent < -error) kind = 'still settling'
+      if (exponent > max(error, rounding*frequency_ratio)) kind = 'chaotic'
+      if (exponent < -max(error, rounding*frequency_ratio)) kind = 'still settling'
    end function kind_of
 
    !> Averages over 3000 units of time or 200 periods of the fundamental, whichever is longer, then over twice the time, and so on,
