@@ -2,8 +2,8 @@
 module cases
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_null_char, c_ptr
    use arguments, only: file_name_type
-   use geartrain, only: case_type, error_type, explanation_text, read_case, results_type, run_case, status_ended_early, &
-      status_input, warnings_text
+   use geartrain, only: case_type, error_type, explanation_text, read_case, results_type, run_case, speed_text, &
+      status_ended_early, status_input, warnings_text
    use geartrain_analyses_analysis, only: analysis_type
    use geartrain_analyses_list, only: analyses, find_analysis
    use geartrain_analyses_response, only: report_branches
@@ -263,8 +263,11 @@ contains
       type(results_type), intent(in), target :: results
       type(progress_type), intent(in) :: progress
       class(analysis_type), allocatable :: analysis
+      character(:), allocatable :: text
       integer :: i
 
+      call speed_text(job%case%train, text)
+      if (text /= '') write (output_unit, '(a)') text
       do i = 1, size(analyses)
          call find_analysis(i, job%case, results, analysis)
          if (analysis%begun) call analysis%report(job%case%train, output_unit, progress%seconds(i))

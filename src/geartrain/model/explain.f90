@@ -9,6 +9,7 @@ module geartrain_model_explain
    use geartrain_model_bodies, only: find_ends
    use geartrain_model_drawing, only: gears_of, has_discs, has_geometry, has_sections, has_stiffness, pair_of, plain_train, &
       reduce_light_loads
+   use geartrain_model_frequency_unit, only: speed_per_lambda
    use geartrain_model_gear_pair, only: find_geometry, find_stiffness, light_load, pair_geometry_type, pair_stiffness_type
    use geartrain_model_kinematics, only: all_toothed, find_kinematics, kinematics_type
    use geartrain_model_labels, only: label_length, mesh_labels, shaft_labels
@@ -17,7 +18,7 @@ module geartrain_model_explain
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: explain_train, explanation_text, warnings_text
+   public :: explain_train, explanation_text, speed_text, warnings_text
 
    !> Largest line load of ISO 6336-1, method B [N/m].
    real(dp), parameter :: heavy_load = 1.6e6_dp
@@ -94,6 +95,24 @@ contains
          end if
       end associate
    end subroutine explain_whole
+
+   !> What Lambda and the fundamental are, of a train whose meshes all have teeth, as a line: 'Lambda = 1: 1 rpm of motor; the
+   !> fundamental is one turn of wheel 1'.
+   subroutine speed_text(train, text)
+      !> A train that has passed `check_train`.
+      type(train_type), intent(in) :: train
+      !> The line; '' where not every mesh has teeth.
+      character(:), allocatable, intent(out) :: text
+      type(context_type) :: context
+      character(:), allocatable :: period
+
+      text = ''
+      if (.not. all_toothed(train)) return
+      call prepare(train, context)
+      call tell_fundamental(context, period)
+      text = 'Lambda = 1: '//short(speed_per_lambda(context%plain))//' rpm of '//trim(speed_name(context))// &
+             '; the period of the fundamental is '//period
+   end subroutine speed_text
 
    !> Period of the fundamental in words: 'one turn of wheel 1', or 'the time of 71/23 turns of motor'.
    subroutine tell_fundamental(context, words)
