@@ -17,6 +17,7 @@ module geartrain_analyses_response
    use geartrain_continuation_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
    use geartrain_continuation_summary_fields, only: visit_summary
    use geartrain_continuation_variables, only: check_response_consistency, visit_response
+   use geartrain_model_drawing, only: plain_train
    use geartrain_model_labels, only: label_length, mesh_labels
    use geartrain_model_network, only: state_count
    use geartrain_model_train, only: train_type
@@ -114,11 +115,13 @@ contains
       class(fields_type), intent(inout) :: fields
       !> Whether the figures (peaks, jumps, ...) are computed and visited as well.
       logical, intent(in) :: summary
+      type(train_type) :: plain
 
       call visit_branch(branch, home, fields)
       if (fields%way == reading) then
          call fields%check(branch%states <= state_count(train), home)
-         branch%half_backlash = train%meshes%half_backlash/train%characteristic_length
+         call plain_train(train, plain)
+         branch%half_backlash = plain%meshes%half_backlash/plain%characteristic_length
       else if (summary .and. (branch%points > 0 .or. fields%way == listing)) then
          call visit_summary(branch, home, fields)
       end if
