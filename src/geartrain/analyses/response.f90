@@ -255,12 +255,15 @@ contains
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: unit
       type(jump_type), allocatable :: found(:)
+      character(20) :: form
       integer :: i
 
       found = jumps(branch)
+      form = '(4x, a, f9.4, 2x)'
+      if (any(found%frequency_ratio >= 1000)) form = '(4x, a, f13.4, 2x)'
       if (size(found) > 0) write (unit, '(a)') '    speed    Lambda  to the nearest stable motion, rms of the meshes'
       do i = 1, size(found)
-         write (unit, '(4x, a, f9.4, 2x)', advance='no') merge('rising ', 'falling', found(i)%rising), found(i)%frequency_ratio
+         write (unit, form, advance='no') merge('rising ', 'falling', found(i)%rising), found(i)%frequency_ratio
          if (found(i)%kind == 'leaves') then
             write (unit, '(3a)', advance='no') 'leaves the branch (', trim(found(i)%cause), ')'
          else

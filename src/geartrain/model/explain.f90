@@ -160,8 +160,8 @@ contains
             words = 'of its discs, sum of pi rho b (D^4 - d^4)/32'
             if (.not. has_discs(body)) then
                call find_ends(context%given, shaft_ends, mesh_ends)
-               words = 'as '//integer_text(size(gears_of(context%given, mesh_ends, i), 2))//' gear(s), each a disc of its pitch &
-                       &diameter, pi rho b (d^4 - bore^4)/32; equal gears in several meshes count once'
+               words = 'as discs of the pitch diameters, pi rho b (d^4 - bore^4)/32; gears: '// &
+                       integer_text(size(gears_of(context%given, mesh_ends, i), 2))//', equal ones in several meshes counted once'
             end if
          end if
          call carry(fields, field_type('inertia', '', 'kg m^2', words), context%plain%bodies(i)%inertia)
@@ -316,7 +316,7 @@ contains
                   values = ''
                   if (allocated(field%reals)) then
                      do k = 1, size(field%reals)
-                        values = values//', '//short(field%reals(k))
+                        values = values//', '//short(field%reals(k) + 0)
                      end do
                   else if (allocated(field%integers)) then
                      values = ', '//integer_text(field%integers(1))
@@ -407,8 +407,8 @@ contains
          if (.not. line_load > 0) then
             call add('it bears no load, for which ISO 6336-1 has no stiffness: that of a full load is taken')
          else if (line_load < 0.01_dp*light_load) then
-            call add('its line load is '//short(line_load/1000)//' N/mm: the stiffness by ISO 6336-1 for light loads, (load/100 &
-               &N/mm)^0.25 = '//short(context%light(i))//', is far from what was measured')
+            call add('its line load is '//short(line_load/1000)//' N/mm, far below the loads that ISO 6336-1 is for: the stiffness by &
+               &its rule for light loads, (load/100 N/mm)^0.25 = '//short(context%light(i))//' of the full one, is a guess')
          end if
       end associate
 

@@ -189,6 +189,10 @@ contains
          do k = 1, size(cut%part)
             associate (part => cut%part(k))
                if (size(part%mass) == 1 .and. .not. part%dragged) cycle
+               if (size(part%mass) == 2 .and. .not. part%dragged) then
+                  call displace_two(system, k, omega, harmonic, eta, phi, p)
+                  cycle
+               end if
                allocate (x(size(part%mass)), dx(size(part%mass)), difference(part%graph%slots))
                call find_sources(system, k, omega, harmonic, eta, x, dx)
                do i = 1, size(part%at)
@@ -214,6 +218,38 @@ contains
          end do
       end associate
    end subroutine linear_displacements
+
+   !> Sets the displacements of the elements of a part of two masses on a spring, in closed form.
+   pure subroutine displace_two(system, k, omega, harmonic, eta, phi, p)
+      type(system_type), intent(in) :: system
+      !> Number of the part; harmonic of Lambda/eta; sub-harmonic index.
+      integer, intent(in) :: k, harmonic, eta
+      real(dp), intent(in) :: omega
+      complex(dp), intent(in) :: phi(:)
+      complex(dp), intent(inout) :: p(:)
+      complex(dp) :: force(2), d_force(2), difference
+      integer :: first, i, n
+
+      associate (cut => system%cut, part => system%cut%part(k))
+         force = 0
+         if (part%excited) call find_sources(system, k, omega, harmonic, eta, force, d_force)
+         do i = 1, size(part%at)
+            associate (mass => part%at(i), unknown => part%unknown(i))
+               force(mass) = force(mass) - part%weight(i)*system%stiffness(cut%element(unknown))*phi(unknown)
+            end associate
+         end do
+         ! From -omega**2 m x = force -+ spring (x_1 - x_2); the sign is that of part%solve.
+         first = part%graph%order(1)
+         difference = (force(first)/part%mass(first) - force(3 - first)/part%mass(3 - first)) &
+                      /(cmplx(part%stiffness(1), omega*part%damping(1), dp)*sum(1/part%mass) - omega**2)
+         do i = 1, size(part%element)
+            n = part%element(i)
+            p(n) = cut%scale(n)*difference
+            if (system%element_mesh(n) > 0) &
+               p(n) = p(n) + amplitude_at(system%transmission_error(system%element_mesh(n)), harmonic, eta)
+         end do
+      end associate
+   end subroutine displace_two
 
    !> Complex amplitude of a series at a harmonic of Lambda/eta; 0 where the series does not have the harmonic.
    pure complex(dp) function amplitude_at(series, harmonic, eta)
