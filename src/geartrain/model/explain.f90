@@ -407,8 +407,9 @@ contains
          if (.not. line_load > 0) then
             call add('it bears no load, for which ISO 6336-1 has no stiffness: that of a full load is taken')
          else if (line_load < 0.01_dp*light_load) then
-            call add('its line load is '//short(line_load/1000)//' N/mm, far below the loads that ISO 6336-1 is for: the stiffness by &
-               &its rule for light loads, (load/100 N/mm)^0.25 = '//short(context%light(i))//' of the full one, is a guess')
+            call add('its line load is '//short(line_load/1000)//' N/mm, far below the loads that ISO 6336-1 is for: the &
+               &stiffness by its rule for light loads, (load/100 N/mm)^0.25 = '//short(context%light(i))// &
+               ' of the full one, is a guess')
          end if
       end associate
 
