@@ -290,6 +290,8 @@ contains
       call told(', tip_diameter = 0.0605, 0.1845', 'teeth = 23, 71: must give a transverse contact ratio > 1: it is')
       call told(', half_backlash = 1e-5', 'backlash = 6.0e-5: contradicts half_backlash, along the line of action: leave out one &
                 &of the two')
+      call told(', driving_radius = 0.03', 'driving_radius = 0.03: contradicts teeth: with the other radius 0.085979 m the ratio &
+                &must be 23/71')
       call told(', bore = 0.01', 'bore = 1 values: must be 2 values')
 
    contains

@@ -40,10 +40,11 @@ from .case import Case, Results, read_case, read_results
 from .errors import DrawingWarning, InputError, Interrupted, SolverError
 from .explanation import Explanation
 from .modes import Modes
-from .motion import Motion, Sweep
+from .motion import Motion
 from .run_up import RunUp
 from .stability_map import StabilityMap
 from .summary import Jump, Peak, Peaks
+from .sweep import Sweep
 from .train import Train
 from .trajectory import Trajectory
 from .variables import Body, Mesh, Shaft

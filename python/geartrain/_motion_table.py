@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._box import Box, Group
+from ._dataset import dataset
 from ._motion_check import NUMBERS, TORQUES, VALUES, check_motion
+from ._units import hertz_of, speed_of
+from .description import mesh_names, shaft_names
 from .errors import InputError
 
-__all__ = ["ATTRACTORS", "INTEGRATION", "as_columns", "motions_of", "put_motions", "put_table"]
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+__all__ = ["ATTRACTORS", "INTEGRATION", "motions_dataset", "motions_of", "put_motions", "put_table"]
 
 Array = NDArray[Any]
 
@@ -102,6 +108,22 @@ def as_columns(motions: Sequence[Any]) -> dict[str, Any]:
         "stable": np.array([bool(motion.stable) for motion in motions]) if known else None,
         "undecided": np.array([bool(motion.undecided) for motion in motions]) if known else None,
     }
+
+
+def motions_dataset(
+    path: str, motions: Sequence[Any], coordinates: tuple[str, ...] = (), attributes: Mapping[str, Any] | None = None,
+    **columns: Any,
+) -> Dataset:
+    """Motions as the table of a group of the results file."""
+    train, frequency = motions[0].train if motions else None, np.array([motion.frequency for motion in motions])
+    values = as_columns(motions)
+    torque = values["shaft_torque_mean"]
+    labels = {
+        "mesh_label": mesh_names(train, len(motions[0].rms)) if motions else None,
+        "shaft_label": None if torque is None else shaft_names(train, torque.shape[1]),
+    }
+    speeds = {"speed": speed_of(train, frequency), "fundamental_frequency": hertz_of(train, frequency)}
+    return dataset(path, {**values, **labels, **speeds, **columns}, dict(attributes or {}), coordinates)
 
 
 def _padded(rows: list[Any]) -> Array | None:

@@ -6,10 +6,10 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from ._box import Box
-from ._motion_table import ATTRACTORS, motions_of, put_table
+from ._motion_table import ATTRACTORS, motions_dataset, motions_of, put_table
 from .branch import Branch
 from .description import Description
-from .motion import Motion, table
+from .motion import Motion
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -70,7 +70,7 @@ class Attractors(list[Motion]):
         """The motions as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
         attributes = self._attributes()
         del attributes["frequency"]
-        return table(ATTRACTORS, self, ("speed", "fundamental_frequency"), attributes)
+        return motions_dataset(ATTRACTORS, self, ("speed", "fundamental_frequency"), attributes)
 
     def __repr__(self) -> str:
         return f"<{len(self)} attractors from {self.starts} starts, {self.unsettled:.1%} unsettled: {self.ended}>"

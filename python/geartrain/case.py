@@ -18,9 +18,9 @@ from ._watch import watched
 from .attractors import Attractors
 from .branch import Branch
 from .modes import Modes
-from .motion import Sweep
 from .run_up import RunUp
 from .stability_map import StabilityMap
+from .sweep import Sweep
 from .train import Train
 from .variables import ANALYSES, PARTS
 

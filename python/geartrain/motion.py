@@ -1,9 +1,9 @@
-"""Periodic motions, one by one and in a sweep over frequency."""
+"""A steady motion: its figures, its course over time, and the same orbit to integration accuracy."""
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Mapping, Sequence, Sized
+from collections.abc import Sequence, Sized
 from dataclasses import dataclass, field
 from functools import cached_property
 from numbers import Integral
@@ -13,22 +13,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._box import Box, fortran
-from ._dataset import dataset
 from ._motion_check import check_motion, check_states
-from ._motion_table import INTEGRATION, as_columns, motions_of, put_motions, put_table
-from ._units import Unit, hertz_of, speed_of
+from ._motion_table import INTEGRATION, motions_dataset, motions_of, put_motions
+from ._units import hertz_of, speed_of
 from ._watch import watched
-from .description import Description, mesh_names, shaft_names
+from .description import Description
 from .errors import InputError, SolverError, shown
 from .motion_plot import Pictures
-from .response_plot import plot_visits
 from .trajectory import Trajectory
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from xarray import Dataset
 
-__all__ = ["Motion", "Sweep", "from_state", "table"]
+__all__ = ["Motion", "from_state"]
 
 Array = NDArray[np.float64]
 
@@ -299,7 +296,7 @@ class Motion(Pictures):
 
     def to_dataset(self) -> Dataset:
         """The motion as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
-        return table("/integration", [self]).isel(point=0, drop=True)
+        return motions_dataset(INTEGRATION, [self]).isel(point=0, drop=True)
 
     def _box(self, what: str = "motion") -> Box:
         """A box of the motion; ``what`` is what messages call it."""
@@ -320,110 +317,6 @@ class Motion(Pictures):
 def _check_count(name: str, number: Any, least: int) -> None:
     if isinstance(number, bool) or not isinstance(number, Integral) or not least <= int(number) < 2**31:
         raise InputError(f"{name} = {shown(number)}: must be a whole number >= {least} and below {2**31}")
-
-
-class Sweep(list[Motion]):
-    """Motions over frequency, in the order in which they were visited: a list of `Motion`.
-
-    Where a motion grew without bound (`Motion.unbounded`) its figures are nan, and the sweep goes on from rest.
-
-    Attributes
-    ----------
-    direction : tuple of str
-        ``'up'`` or ``'down'``, one a motion.
-    ended : str
-        Why it ended, in words, and that the train floats in its gaps where it does.
-    complete : bool
-        Whether it got to its end.
-    """
-
-    def __init__(
-        self, motions: Iterable[Motion], direction: tuple[str, ...] = (), ended: str = "", complete: bool = False
-    ) -> None:
-        super().__init__(motions)
-        self.direction = direction
-        self.ended = ended
-        self.complete = complete
-
-    @property
-    def frequency(self) -> Array:
-        """Lambda, (motions,)."""
-        return np.array([motion.frequency for motion in self])
-
-    @property
-    def rms(self) -> Array:
-        """(motions, meshes)."""
-        return np.array([motion.rms for motion in self])
-
-    @property
-    def dynamic_factor(self) -> Array:
-        """(motions, meshes)."""
-        return np.array([motion.dynamic_factor for motion in self])
-
-    @property
-    def speed(self) -> Array | None:
-        """Speed [rpm] of the body that `Train.speed_name` tells, (motions,); None where not every mesh has teeth."""
-        return speed_of(self[0].train if self else None, self.frequency)
-
-    @property
-    def fundamental_frequency(self) -> Array | None:
-        """Frequency of the fundamental [Hz], (motions,); None without a train."""
-        return hertz_of(self[0].train if self else None, self.frequency)
-
-    def plot(
-        self, mesh: int | None = None, ax: Axes | None = None, *, quantity: str = "rms", shaft: int | None = None,
-        unit: Unit | None = None, **style: Any,
-    ) -> Axes:
-        """Draw a quantity over the speed: a triangle for each motion, upwards and full with rising, downwards with falling speed.
-
-        ``mesh``, ``ax``, ``quantity``, ``shaft``, ``unit`` and ``style`` are those of `Branch.plot`.
-
-        Examples
-        --------
-        >>> ax = train.sweep(start=0.4, stop=0.8, points=3, direction="both").plot(quantity="mesh_force")
-        >>> ax.get_ylabel()
-        'largest mesh force  [N]'
-        """
-        return plot_visits(self, self[0].train if self else None, mesh, ax, quantity, shaft, unit, style)
-
-    def to_dataset(self) -> Dataset:
-        """The motions as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
-        attributes = {"ended": self.ended, "complete": self.complete}
-        coordinates = ("frequency", "speed", "fundamental_frequency", "direction")
-        return table("/integration", self, coordinates, attributes, direction=list(self.direction))
-
-    def __repr__(self) -> str:
-        return f"<Sweep of {len(self)} motions: {self.ended}>"
-
-    @classmethod
-    def _from(cls, box: Box, train: Description) -> Sweep:
-        group = box.results()[INTEGRATION]
-        motions = [Motion(train=train, **fields) for fields in motions_of(box, INTEGRATION)]
-        ended, complete = group.attributes["ended"], group.attributes["complete"]
-        return cls(motions, tuple(group.arrays.get("direction", ())), ended, complete)
-
-    def _put(self, box: Box) -> None:
-        """Put it into a box as its result."""
-        if len(self.direction) != len(self) or not {*self.direction} <= {"up", "down"}:
-            raise InputError(f"integration: direction: must be 'up' or 'down' of each of the {len(self)} motions")
-        attributes = {"ended": self.ended, "complete": self.complete}
-        put_table(box, INTEGRATION, "point", self, attributes, {"direction": list(self.direction)}, "integration")
-
-
-def table(
-    path: str, motions: Sequence[Motion], coordinates: tuple[str, ...] = (), attributes: Mapping[str, Any] | None = None,
-    **columns: Any,
-) -> Dataset:
-    """Motions as the table of a group of the results file."""
-    train, frequency = motions[0].train if motions else None, np.array([motion.frequency for motion in motions])
-    values = as_columns(motions)
-    torque = values["shaft_torque_mean"]
-    labels = {
-        "mesh_label": mesh_names(train, len(motions[0].rms)) if motions else None,
-        "shaft_label": None if torque is None else shaft_names(train, torque.shape[1]),
-    }
-    speeds = {"speed": speed_of(train, frequency), "fundamental_frequency": hertz_of(train, frequency)}
-    return dataset(path, {**values, **labels, **speeds, **columns}, dict(attributes or {}), coordinates)
 
 
 def from_state(state: ArrayLike, meshes: int, states: int, what: str = "start") -> Motion:

@@ -20,10 +20,11 @@ from .campbell import Campbell
 from .description import Description
 from .errors import InputError, SolverError, shown
 from .modes import Modes
-from .motion import Motion, Sweep, from_state
+from .motion import Motion, from_state
 from .run_up import RunUp
 from .schematic import draw_schematic, figure_size
 from .stability_map import StabilityMap
+from .sweep import Sweep
 from .variables import (
     VARIABLES,
     AttractorsKeywords,

@@ -5,7 +5,7 @@ module geartrain_flow_orbit
    use geartrain_base_kinds, only: dp, pi
    use geartrain_flow_floating, only: is_floating
    use geartrain_flow_flow, only: flow_type
-   use geartrain_flow_shaft_torque, only: add_torques, forces_now, linear_forces
+   use geartrain_flow_shaft_torque, only: add_torques, linear_forces
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: transform_length
    use geartrain_model_excitation, only: excited_harmonics, reach_of_sources
@@ -102,7 +102,7 @@ contains
       end do
       if (present(torque)) then
          allocate (phi(size(displacement, 1), system%elements), source=0.0_dp)
-         call forces_now(flow, phi(1, :))
+         call linear_forces(flow, phi(1, :))
       end if
       spent = 0
       if (present(largest)) largest = 0
@@ -129,7 +129,7 @@ contains
                      displacement(q, j) = flow%displacement(j, t - begun)
                      velocity(q, j) = flow%velocity(j, t - begun)
                   end do
-                  if (present(torque)) call linear_forces(flow, t - begun, phi(q, :))
+                  if (present(torque)) call linear_forces(flow, phi(q, :), t - begun)
                end associate
                q = q + 1
             end do

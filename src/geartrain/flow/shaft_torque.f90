@@ -8,48 +8,34 @@ module geartrain_flow_shaft_torque
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: add_torques, forces_now, linear_forces
+   public :: add_torques, linear_forces
 
 contains
 
-   !> Sets the forces of shafts and of damping to ground within the latest step; those of meshes stay.
-   pure subroutine linear_forces(flow, tau, phi)
-      !> The flow after a step.
+   !> Sets the forces of shafts and of damping to ground, at present or within the latest step; those of meshes stay.
+   pure subroutine linear_forces(flow, phi, tau)
+      !> The flow, started; with `tau` after a step.
       type(flow_type), intent(in) :: flow
-      !> Time since the beginning of the step, 0 to `length` [1].
-      real(dp), intent(in) :: tau
       !> Forces over k b_c [1], (element).
       real(dp), intent(inout) :: phi(:)
+      !> Time since the beginning of the step, 0 to `length` [1]; absent: at present.
+      real(dp), intent(in), optional :: tau
       real(dp) :: p, v
       integer :: n
 
       associate (system => flow%system)
          do n = 1, system%elements
             if (system%element_mesh(n) > 0) cycle
-            p = series_value(flow%p(1, n, :), tau)
-            v = series_value(flow%v(1, n, :), tau)
+            if (present(tau)) then
+               p = series_value(flow%p(1, n, :), tau)
+               v = series_value(flow%v(1, n, :), tau)
+            else
+               call flow%element_now(n, p, v)
+            end if
             phi(n) = system%static_force(n) + system%spring(n)*p + system%damping(n)*v
          end do
       end associate
    end subroutine linear_forces
-
-   !> Sets the forces of shafts and of damping to ground at the present time; those of meshes stay.
-   pure subroutine forces_now(flow, phi)
-      !> The flow, started.
-      type(flow_type), intent(in) :: flow
-      !> Forces over k b_c [1], (element).
-      real(dp), intent(inout) :: phi(:)
-      real(dp) :: p, v
-      integer :: n
-
-      associate (system => flow%system)
-         do n = 1, system%elements
-            if (system%element_mesh(n) > 0) cycle
-            call flow%element_now(n, p, v)
-            phi(n) = system%static_force(n) + system%spring(n)*p + system%damping(n)*v
-         end do
-      end associate
-   end subroutine forces_now
 
    !> Adds up the torques of shafts at equidistant instants from time 0 on.
    pure subroutine add_torques(system, spacing, phi, torque)

@@ -4,7 +4,7 @@ module geartrain_flow_waveform
    use geartrain_base_kinds, only: dp, pi
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_orbit, only: flow_order, flow_tolerance, sample_orbit
-   use geartrain_flow_shaft_torque, only: add_torques, forces_now
+   use geartrain_flow_shaft_torque, only: add_torques, linear_forces
    use geartrain_flow_start_state, only: states_of
    use geartrain_linalg_trigonometric, only: evaluate
    use geartrain_model_system, only: build_system, system_type
@@ -94,7 +94,7 @@ contains
       do q = 1, size(time)
          flow%x(1, :) = states(:, q)
          call flow%start(motion%frequency_ratio, time(q))
-         call forces_now(flow, force(q, :))
+         call linear_forces(flow, force(q, :))
       end do
       force(:, system%mesh_element) = phi
       call add_torques(system, 2*pi*motion%period/size(time), force, torque)

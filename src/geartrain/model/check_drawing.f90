@@ -14,7 +14,7 @@ module geartrain_model_check_drawing
    private
    public :: check_drawing
 
-   !> By how much the flanks may overlap, over the module [1]: rounding of a centre distance on a drawing.
+   !> Rounding of a drawing: by how much the flanks may overlap, over the module, and relative to a ratio of radii [1].
    real(dp), parameter :: rounding = 1e-3_dp
 
 contains
@@ -85,6 +85,7 @@ contains
       integer :: i
 
       call check_alone()
+      call check_ratio()
       if (mesh%backlash > 0 .and. mesh%half_backlash > 0) call checker%complain('backlash', real_text(mesh%backlash), &
          'contradicts half_backlash, along the line of action: leave out one of the two')
       if (.not. has_geometry(mesh)) then
@@ -124,6 +125,25 @@ contains
       end associate
 
    contains
+
+      !> Given radii have the ratio of the teeth: else speeds and orders would be of another train than forces.
+      subroutine check_ratio()
+         real(dp) :: radius(2)
+
+         if (.not. is_given(mesh%teeth)) return
+         if (size(mesh%teeth) /= 2) return
+         radius = [mesh%driving_radius, mesh%driven_radius]
+         if (has_geometry(mesh)) then
+            call find_geometry(pair_of(mesh), geometry)
+            where (.not. abs(radius) > 0) radius = geometry%base_radius
+         end if
+         if (.not. all(radius > 0 .and. mesh%teeth > 0)) return
+         if (abs(radius(1)/radius(2)*(mesh%teeth(2)/mesh%teeth(1)) - 1) <= rounding) return
+         call checker%complain(trim(merge('driving_radius', 'driven_radius ', abs(mesh%driving_radius) > 0)), &
+                               real_text(merge(radius(1), radius(2), abs(mesh%driving_radius) > 0)), 'contradicts teeth: with the &
+                               &other radius '//text(merge(radius(2), radius(1), abs(mesh%driving_radius) > 0))// &
+                               ' m the ratio must be '//integer_text(nint(mesh%teeth(1)))//'/'//integer_text(nint(mesh%teeth(2))))
+      end subroutine check_ratio
 
       !> Values that belong to a gear pair with teeth and module have these.
       subroutine check_alone()

@@ -10,7 +10,7 @@ module geartrain_model_kinematics
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: kinematics_type, find_kinematics, all_toothed
+   public :: kinematics_type, all_toothed, find_kinematics, greatest_divisor
 
    !> Largest whole number of a rate: the product of two such numbers and a number of teeth does not overflow.
    integer(int64), parameter :: most = 2_int64**22
@@ -170,6 +170,7 @@ contains
 
    !> Greatest common divisor of two numbers >= 0, of which one may be 0.
    elemental integer(int64) function greatest_divisor(a, b) result(divisor)
+      !> The numbers.
       integer(int64), intent(in) :: a, b
       integer(int64) :: x, y, rest
 

@@ -6,11 +6,13 @@
 !>    p'' = -W phi + s(t) + e''      (equations (5) with their signs and indices put right)
 !> with W = B I^-1 B^T K; W_nm is not 0 only where the elements n and m have a node in common.
 module geartrain_model_system
+   use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_base_interrupt, only: interrupt_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_series, only: make_series, series_type
    use geartrain_mesh_law_law, only: law_type
    use geartrain_model_cut, only: cut_network, cut_type
+   use geartrain_model_kinematics, only: greatest_divisor
    use geartrain_model_mean, only: mean_rows, mean_type
    use geartrain_model_drawing, only: plain_train, reduce_light_loads
    use geartrain_model_mesh, only: is_given, put_law
@@ -296,24 +298,11 @@ contains
          integer :: h
 
          do h = 1, size(series%amplitude)
-            if (abs(series%amplitude(h)) > 0) common_order = greatest_common_divisor(common_order, h*series%order)
+            if (abs(series%amplitude(h)) > 0) &
+               common_order = int(greatest_divisor(int(common_order, int64), int(h*series%order, int64)))
          end do
       end subroutine add
 
    end function common_order
-
-   pure integer function greatest_common_divisor(a, b) result(divisor)
-      integer, intent(in) :: a, b
-      integer :: x, y, rest
-
-      x = a
-      y = b
-      do while (y /= 0)
-         rest = mod(x, y)
-         x = y
-         y = rest
-      end do
-      divisor = x
-   end function greatest_common_divisor
 
 end module geartrain_model_system
