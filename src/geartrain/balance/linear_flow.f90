@@ -12,7 +12,6 @@ module geartrain_balance_linear_flow
    use geartrain_base_kinds, only: dp, pi
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
    use geartrain_linalg_fftw, only: transform_type
-   use geartrain_linalg_lapack, only: dgemv
    use geartrain_linalg_trigonometric, only: sample, transform_length
    use geartrain_model_system, only: system_type
    implicit none (type, external)
@@ -21,8 +20,12 @@ module geartrain_balance_linear_flow
 
    !> Longest step over the time in which the fastest mesh vibrates by 1 rad.
    real(dp), parameter :: longest = 0.8_dp
-   !> Elements are taken in blocks of this width. A step costs the square of their number.
-   integer, parameter :: width = 4, most_elements = 24
+   !> The period is cut into this many segments: their steps do not wait for each other.
+   integer, parameter :: segments = 8
+   !> Fours of steps fill the segments.
+   integer, parameter :: least_samples = 1024
+   !> A step costs the square of the number of elements.
+   integer, parameter :: most_elements = 24
 
    type :: linear_flow_type
       integer :: elements = 0
@@ -30,18 +33,21 @@ module geartrain_balance_linear_flow
       real(dp) :: h = 0
       !> Element of each unknown mesh, (unknown).
       integer, allocatable :: element(:)
-      !> h W, (element in blocks, element); stiffness of the linear elements, 0 of unknown meshes, and damping, (element in blocks).
-      real(dp), allocatable :: kick(:, :, :), spring(:, :), damper(:, :)
+      !> Stiffness of the linear elements, 0 of unknown meshes, and damping, (element).
+      real(dp), allocatable :: spring(:), damper(:)
+      !> W_mn of each neighbour m of element n [1], (neighbour).
+      real(dp), allocatable :: back(:)
       !> Damping of each unknown mesh over twice the length of a step, (unknown).
       real(dp), allocatable :: drag(:)
-      !> Stiffness along the motion and border row as weights of the samples of y, (unknown, sample).
+      !> Stiffness along the motion and border row as weights of the samples of y, (sample, unknown).
       real(dp), allocatable :: stiffness(:, :), row(:, :)
-      !> Right-hand side and border column without their means, their means, force by the right-hand side, and the displacement y,
-      !> (unknown, sample).
-      real(dp), allocatable :: rho(:, :), column(:, :), force(:, :), y(:, :)
-      real(dp), allocatable :: rho_mean(:), column_mean(:)
-      !> End state and entry in the border row per force on an unknown mesh at a step, (2*elements + 1, unknown, sample).
-      real(dp), allocatable :: influence(:, :, :)
+      !> Force by the right-hand side and by the border column, and the displacement y, (sample, unknown).
+      real(dp), allocatable :: force(:, :), column_force(:, :), y(:, :)
+      !> End state of a segment and entry in the border row per force on an unknown mesh at a step,
+      !> (2*elements + 1, sample, unknown); by the state at the beginning of a segment, (2*elements + 1, 2*elements, segment).
+      real(dp), allocatable :: influence(:, :, :), map(:, :, :)
+      !> End states and entries in the border row by `column_force`, (2*elements + 1, segment).
+      real(dp), allocatable :: column_added(:, :)
       !> Factors of the equations of state at the beginning and the entry in the border row.
       real(dp), allocatable :: matrix(:, :)
       integer, allocatable :: pivot(:)
@@ -55,7 +61,7 @@ module geartrain_balance_linear_flow
       procedure, private :: carry
       procedure, private :: carry_back
       procedure, private :: find_force
-      procedure, private :: find_waveform
+      procedure, private :: join
    end type linear_flow_type
 
 contains
@@ -79,8 +85,7 @@ contains
       real(dp), intent(in) :: column(:, :), row(:, :), corner
       !> Whether the flow determines a solution.
       logical, intent(out) :: regular
-      real(dp) :: functionals(2*balance%system%elements + 1, 2*balance%system%elements), u(size(row, 1)), &
-                  added(2*balance%system%elements + 1)
+      real(dp) :: u(size(row, 1)), added(2*balance%system%elements + 1)
       integer :: i, info, n
 
       call self%prepare(balance)
@@ -89,18 +94,21 @@ contains
          u = 2*row(:, i)
          u(1) = row(1, i)
          call sample(u, balance%harmonic, self%transform)
-         self%row(i, :) = self%transform%sample/self%transform%samples
+         self%row(:, i) = self%transform%sample/self%transform%samples
       end do
-      call self%carry_back(functionals)
-      self%matrix(:, :n) = functionals
-      self%matrix(:n, :n) = -functionals(:n, :)
+      call self%carry_back(balance%system)
+      self%matrix = 0
       do i = 1, n
+         added = 0
+         added(i) = 1
+         call self%join(added)
+         self%matrix(:n, i) = -added(:n)
+         self%matrix(n + 1, i) = added(n + 1)
          self%matrix(i, i) = self%matrix(i, i) + 1
       end do
-      call self%find_waveform(balance, column, self%column, self%column_mean)
-      self%rho = self%column
-      self%rho_mean = self%column_mean
-      call self%find_force(added)
+      call self%find_force(balance, column, self%column_force, self%column_added)
+      added = 0
+      call self%join(added, self%column_added)
       self%matrix(:n, n + 1) = added(:n)
       self%matrix(n + 1, n + 1) = corner - added(n + 1) - sum(row(2:, :)*column(2:, :))
       call factor_matrix(n + 1, self%matrix, self%pivot, info)
@@ -120,25 +128,24 @@ contains
       real(dp), intent(in) :: column(:, :), row(:, :)
       !> Right-hand side, afterwards the solution, (block, unknown), and its entry in the border row.
       real(dp), intent(inout) :: x(:, :), y
-      real(dp) :: added(2*self%elements + 1), b(2*self%elements + 1, 1)
+      real(dp) :: added(2*self%elements + 1, segments), b(2*self%elements + 1, 1)
       integer :: i, k, n
 
       n = 2*self%elements
-      call self%find_waveform(balance, x, self%rho, self%rho_mean)
-      call self%find_force(added)
-      b(:n, 1) = added(:n)
-      b(n + 1, 1) = y - added(n + 1) - sum(row(2:, :)*x(2:, :))
+      call self%find_force(balance, x, self%force, added)
+      b = 0
+      call self%join(b(:, 1), added)
+      b(n + 1, 1) = y - b(n + 1, 1) - sum(row(2:, :)*x(2:, :))
       call solve_factored(n + 1, 1, self%matrix, self%pivot, b)
       y = b(n + 1, 1)
-      self%rho = self%rho - y*self%column
-      self%rho_mean = self%rho_mean - y*self%column_mean
-      call self%find_force()
-      call self%carry(b(:n, 1))
+      self%force = self%force - y*self%column_force
+      added = added - y*self%column_added
+      call self%carry(balance%system, b(:n, 1), added)
       x = x - y*column
       x(1, :) = 0
       do i = 1, balance%unknowns
          associate (t => self%transform)
-            t%sample = self%y(i, :)/t%samples
+            t%sample = self%y(:, i)/t%samples
             call t%to_coefficients()
             x(1, i) = t%coefficient(1)%re
             do k = 1, size(balance%harmonic)
@@ -156,7 +163,7 @@ contains
       type(balance_type), intent(in) :: balance
       real(dp) :: fastest, period, share(balance%system%elements), decay, omega
       real(dp), allocatable :: wave(:)
-      integer :: i, k, n, samples, blocks
+      integer :: i, j, k, n, samples
 
       associate (system => balance%system, e => balance%system%elements, u => balance%unknowns)
          self%elements = e
@@ -166,183 +173,214 @@ contains
          do i = 1, u
             fastest = max(fastest, sqrt(system%own(self%element(i))*balance%contact(i)%law%stiffest()))
          end do
-         samples = transform_length(max(4*balance%highest + 2, ceiling(period*fastest/longest)))
-         blocks = (e + width - 1)/width
-         if (self%transform%samples /= samples .or. .not. allocated(self%rho)) then
+         samples = max(transform_length(max(4*balance%highest + 2, ceiling(period*fastest/longest))), least_samples)
+         if (self%transform%samples /= samples .or. .not. allocated(self%force)) then
             call self%transform%plan(samples)
-            if (allocated(self%rho)) deallocate (self%rho, self%column, self%force, self%y, self%stiffness, self%row, &
-                                               self%influence)
-            allocate (self%rho(u, samples), self%column(u, samples), self%force(u, samples), self%y(u, samples), &
-                      self%stiffness(u, samples), self%row(u, samples), self%influence(2*e + 1, u, samples))
+            if (allocated(self%force)) deallocate (self%force, self%column_force, self%y, self%stiffness, self%row, self%influence)
+            allocate (self%force(samples, u), self%column_force(samples, u), self%y(samples, u), self%stiffness(samples, u), &
+                      self%row(samples, u), self%influence(2*e + 1, samples, u))
          end if
-         if (.not. allocated(self%kick)) then
-            allocate (self%kick(width, blocks, e), self%spring(width, blocks), self%damper(width, blocks), source=0.0_dp)
-            allocate (self%matrix(2*e + 1, 2*e + 1), self%pivot(2*e + 1))
+         if (.not. allocated(self%matrix)) then
+            allocate (self%spring(e), self%damper(e), self%matrix(2*e + 1, 2*e + 1), self%pivot(2*e + 1))
+            allocate (self%map(2*e + 1, 2*e, segments), self%column_added(2*e + 1, segments))
          end if
          self%h = period/samples
          do n = 1, e
-            self%kick(mod(n - 1, width) + 1, (n - 1)/width + 1, n) = self%h*system%own(n)
-            do k = system%first(n), system%first(n + 1) - 1
-               self%kick(mod(n - 1, width) + 1, (n - 1)/width + 1, system%neighbour(k)) = self%h*system%coupling(k)
-            end do
             decay = system%own(n)*system%damping(n)*self%h
             omega = sqrt(max(system%own(n)*system%spring(n)*self%h**2 - decay**2/4, 0.0_dp))
             share(n) = 1
             if (omega > 0) share(n) = (1 + exp(-decay) - 2*exp(-decay/2)*cos(omega))/(system%own(n)*self%h**2)
-            self%spring(mod(n - 1, width) + 1, (n - 1)/width + 1) = share(n)*system%spring(n)
-            self%damper(mod(n - 1, width) + 1, (n - 1)/width + 1) = (1 - exp(-decay))/(system%own(n)*self%h)
+            self%spring(n) = share(n)*system%spring(n)
+            self%damper(n) = (1 - exp(-decay))/(system%own(n)*self%h)
          end do
          self%drag = system%damping(self%element)/(2*self%h)
+         self%back = system%coupling
+         do n = 1, e
+            do k = system%first(n), system%first(n + 1) - 1
+               associate (m => system%neighbour(k))
+                  j = system%first(m) + findloc(system%neighbour(system%first(m):system%first(m + 1) - 1), n, 1) - 1
+               end associate
+               self%back(k) = system%coupling(j)
+            end do
+         end do
          allocate (wave(samples))
          do i = 1, u
-            associate (n => self%element(i))
-               self%spring(mod(n - 1, width) + 1, (n - 1)/width + 1) = 0
-               call find_wave(balance%harmonic, balance%contact(i)%spectra%stiffness, self%transform, wave)
-               self%stiffness(i, :) = share(n)*wave
-            end associate
+            self%spring(self%element(i)) = 0
+            call find_wave(balance%harmonic, balance%contact(i)%spectra%stiffness, self%transform, wave)
+            self%stiffness(:, i) = share(self%element(i))*wave
          end do
       end associate
    end subroutine prepare
 
-   !> Samples of coefficients without their means, and the means.
-   subroutine find_waveform(self, balance, x, rho, mean)
+   !> Force on the unknown meshes by the waveform of coefficients without their means, less the means.
+   subroutine find_force(self, balance, x, force, added)
       class(linear_flow_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
       real(dp), intent(in) :: x(:, :)
-      real(dp), intent(inout) :: rho(:, :)
-      real(dp), allocatable, intent(inout) :: mean(:)
+      !> Force at each step, (sample, unknown).
+      real(dp), intent(inout) :: force(:, :)
+      !> What it adds to the end state of each segment and to the entry in the border row, (2*elements + 1, segment).
+      real(dp), intent(out) :: added(:, :)
       real(dp) :: u(size(x, 1))
-      integer :: i
+      integer :: i, j, n, steps
 
-      mean = x(1, :)
+      n = self%transform%samples
+      steps = n/segments
+      added = 0
       do i = 1, size(x, 2)
          u = x(:, i)
          u(1) = 0
          call sample(u, balance%harmonic, self%transform)
-         rho(i, :) = self%transform%sample
-      end do
-   end subroutine find_waveform
-
-   !> Force on the unknown meshes by `rho`.
-   subroutine find_force(self, added)
-      class(linear_flow_type), intent(inout) :: self
-      !> What it adds to the end state and to the entry in the border row, (2*elements + 1).
-      real(dp), intent(out), optional :: added(:)
-      integer :: i, n
-
-      n = self%transform%samples
-      associate (rho => self%rho)
-         do i = 1, size(self%element)
-            self%force(i, :) = self%stiffness(i, :)*rho(i, :) - self%rho_mean(i)
-            self%force(i, 2:n - 1) = self%force(i, 2:n - 1) + self%drag(i)*(rho(i, 3:) - rho(i, :n - 2))
-            self%force(i, 1) = self%force(i, 1) + self%drag(i)*(rho(i, 2) - rho(i, n))
-            self%force(i, n) = self%force(i, n) + self%drag(i)*(rho(i, 1) - rho(i, n - 1))
+         associate (rho => self%transform%sample)
+            force(2:n - 1, i) = self%stiffness(2:n - 1, i)*rho(2:n - 1) - x(1, i) + self%drag(i)*(rho(3:) - rho(:n - 2))
+            force(1, i) = self%stiffness(1, i)*rho(1) - x(1, i) + self%drag(i)*(rho(2) - rho(n))
+            force(n, i) = self%stiffness(n, i)*rho(n) - x(1, i) + self%drag(i)*(rho(1) - rho(n - 1))
+         end associate
+         do j = 1, segments
+            call add_influence(2*self%elements + 1, steps, self%influence(:, (j - 1)*steps + 1:j*steps, i), &
+                               force((j - 1)*steps + 1:j*steps, i), added(:, j))
          end do
-      end associate
-      if (.not. present(added)) return
-      call dgemv('N', size(added), size(self%force), 1.0_dp, self%influence, size(added), self%force, 1, 0.0_dp, added, 1)
+      end do
    end subroutine find_force
 
-   !> Finds y under `force`, from a state at the beginning.
-   subroutine carry(self, state)
-      class(linear_flow_type), intent(inout) :: self
-      !> Displacements, then velocities, (2*elements).
-      real(dp), intent(in) :: state(:)
-      real(dp), dimension(width*size(self%kick, 2)) :: p, v
+   !> Adds what forces at each step of a segment add.
+   pure subroutine add_influence(n, steps, influence, force, added)
+      integer, intent(in) :: n, steps
+      real(dp), intent(in) :: influence(n, steps), force(steps)
+      real(dp), intent(inout) :: added(n)
+      integer :: k, l
 
+      do k = 1, steps, 4
+         do l = 1, n
+            added(l) = added(l) + force(k)*influence(l, k) + force(k + 1)*influence(l, k + 1) &
+                       + force(k + 2)*influence(l, k + 2) + force(k + 3)*influence(l, k + 3)
+         end do
+      end do
+   end subroutine add_influence
+
+   !> State at the end of the period and entry in the border row, from the state at its beginning and what forces add.
+   pure subroutine join(self, state, added, start)
+      class(linear_flow_type), intent(in) :: self
+      !> Displacements, velocities, entry in the border row, (2*elements + 1).
+      real(dp), intent(inout) :: state(:)
+      !> What forces add in each segment, (2*elements + 1, segment); 0 unless they are given.
+      real(dp), intent(in), optional :: added(:, :)
+      !> State at the beginning of each segment, (2*elements, segment).
+      real(dp), intent(out), optional :: start(:, :)
+      real(dp) :: before
+      integer :: j, n
+
+      n = 2*self%elements
+      do j = 1, segments
+         if (present(start)) start(:, j) = state(:n)
+         before = state(n + 1)
+         state = matmul(self%map(:, :, j), state(:n))
+         state(n + 1) = state(n + 1) + before
+         if (present(added)) state = state + added(:, j)
+      end do
+   end subroutine join
+
+   !> Finds y under `force`, from a state at the beginning.
+   subroutine carry(self, system, state, added)
+      class(linear_flow_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      !> Displacements, then velocities, (2*elements); what the force adds in each segment, (2*elements + 1, segment).
+      real(dp), intent(in) :: state(:), added(:, :)
+      real(dp) :: start(2*self%elements, segments), joined(2*self%elements + 1)
+
+      joined = [state, 0.0_dp]
+      call self%join(joined, added, start)
       associate (e => self%elements)
-         p = 0
-         v = 0
-         p(:e) = state(:e)
-         v(:e) = state(e + 1:)
-         call take_steps(size(self%kick, 2), e, size(self%element), self%transform%samples, self%element, self%h, self%kick, &
-                         self%spring, self%damper, self%stiffness, self%force, self%y, p, v)
+         call take_steps(e, size(self%element), self%transform%samples/segments, self%element, self%h, system%own, system%first, &
+                         system%neighbour, system%coupling, self%spring, self%damper, self%stiffness, self%force, self%y, &
+                         transpose(start(:e, :)), transpose(start(e + 1:, :)))
       end associate
    end subroutine carry
 
-   !> The steps of `carry`.
-   pure subroutine take_steps(blocks, e, unknowns, samples, element, h, kick, spring, damper, stiffness, drive, y, p, v)
-      integer, intent(in) :: blocks, e, unknowns, samples, element(unknowns)
-      real(dp), intent(in) :: h, kick(width*blocks, e), spring(width*blocks), damper(width*blocks), &
-                              stiffness(unknowns, samples), drive(unknowns, samples)
-      real(dp), intent(out) :: y(unknowns, samples)
-      real(dp), intent(inout) :: p(width*blocks), v(width*blocks)
-      real(dp) :: force(width*blocks)
+   !> The steps of `carry`, of all segments side by side.
+   pure subroutine take_steps(e, unknowns, steps, element, h, own, first, neighbour, coupling, spring, damper, stiffness, drive, &
+                              y, p_start, v_start)
+      integer, intent(in) :: e, unknowns, steps, element(unknowns), first(:), neighbour(:)
+      real(dp), intent(in) :: h, own(:), coupling(:), spring(e), damper(e), stiffness(steps, segments, unknowns), &
+                              drive(steps, segments, unknowns), p_start(segments, e), v_start(segments, e)
+      real(dp), intent(out) :: y(steps, segments, unknowns)
+      real(dp) :: p(segments, e), v(segments, e), force(segments, e), kick(segments)
       integer :: i, k, l, m, n
 
-      do k = 1, samples
-         do l = 0, width*(blocks - 1), width
-            do n = 1, width
-               force(l + n) = spring(l + n)*p(l + n) + damper(l + n)*v(l + n)
+      p = p_start
+      v = v_start
+      do k = 1, steps
+         do n = 1, e
+            do l = 1, segments
+               force(l, n) = spring(n)*p(l, n) + damper(n)*v(l, n)
             end do
          end do
          do i = 1, unknowns
             n = element(i)
-            y(i, k) = p(n)
-            force(n) = force(n) + stiffness(i, k)*p(n) + drive(i, k)
+            do l = 1, segments
+               y(k, l, i) = p(l, n)
+               force(l, n) = force(l, n) + stiffness(k, l, i)*p(l, n) + drive(k, l, i)
+            end do
          end do
-         do l = 0, width*(blocks - 1), width
-            do m = 1, e
-               do n = 1, width
-                  v(l + n) = v(l + n) - kick(l + n, m)*force(m)
+         do n = 1, e
+            do l = 1, segments
+               kick(l) = own(n)*force(l, n)
+            end do
+            do m = first(n), first(n + 1) - 1
+               do l = 1, segments
+                  kick(l) = kick(l) + coupling(m)*force(l, neighbour(m))
                end do
             end do
-            do n = 1, width
-               p(l + n) = p(l + n) + h*v(l + n)
+            do l = 1, segments
+               v(l, n) = v(l, n) - h*kick(l)
+               p(l, n) = p(l, n) + h*v(l, n)
             end do
          end do
       end do
    end subroutine take_steps
 
-   !> Carries the functionals that give the end state and the entry in the border row back over the period, and keeps what a force
-   !> on an unknown mesh at any step adds to them.
-   pure subroutine carry_back(self, functionals)
+   !> Carries the functionals that give the end state of a segment and the entry in the border row back over the segment, and keeps
+   !> what a force on an unknown mesh at any step and the state at the beginning add to them.
+   pure subroutine carry_back(self, system)
       class(linear_flow_type), intent(inout) :: self
-      !> End state and entry in the border row, (2*elements + 1), by the state at the beginning, (2*elements).
-      real(dp), intent(out) :: functionals(:, :)
+      type(system_type), intent(in) :: system
       real(dp), dimension(2*self%elements + 1, self%elements) :: p, v, force
-      real(dp), dimension(self%elements, self%elements) :: kick
-      real(dp), dimension(self%elements) :: spring, damper
-      integer :: i, k, m, n
+      integer :: i, j, k, m, n, steps
 
+      steps = self%transform%samples/segments
       associate (e => self%elements)
-         do n = 1, e
-            spring(n) = self%spring(mod(n - 1, width) + 1, (n - 1)/width + 1)
-            damper(n) = self%damper(mod(n - 1, width) + 1, (n - 1)/width + 1)
-            do m = 1, e
-               kick(m, n) = self%kick(mod(m - 1, width) + 1, (m - 1)/width + 1, n)
-            end do
-         end do
-         p = 0
-         v = 0
-         do n = 1, e
-            p(n, n) = 1
-            v(e + n, n) = 1
-         end do
-         do k = self%transform%samples, 1, -1
+         do j = 1, segments
+            p = 0
+            v = 0
             do n = 1, e
-               v(:, n) = v(:, n) + self%h*p(:, n)
+               p(n, n) = 1
+               v(e + n, n) = 1
             end do
-            do m = 1, e
-               force(:, m) = 0
+            do k = j*steps, (j - 1)*steps + 1, -1
                do n = 1, e
-                  if (abs(kick(n, m)) > 0) force(:, m) = force(:, m) - kick(n, m)*v(:, n)
+                  v(:, n) = v(:, n) + self%h*p(:, n)
+               end do
+               do n = 1, e
+                  force(:, n) = -self%h*system%own(n)*v(:, n)
+                  do m = system%first(n), system%first(n + 1) - 1
+                     force(:, n) = force(:, n) - self%h*self%back(m)*v(:, system%neighbour(m))
+                  end do
+               end do
+               do n = 1, e
+                  p(:, n) = p(:, n) + self%spring(n)*force(:, n)
+                  v(:, n) = v(:, n) + self%damper(n)*force(:, n)
+               end do
+               do i = 1, size(self%element)
+                  associate (n => self%element(i))
+                     p(:, n) = p(:, n) + self%stiffness(k, i)*force(:, n)
+                     p(2*e + 1, n) = p(2*e + 1, n) + self%row(k, i)
+                     self%influence(:, k, i) = force(:, n)
+                  end associate
                end do
             end do
-            do n = 1, e
-               p(:, n) = p(:, n) + spring(n)*force(:, n)
-               v(:, n) = v(:, n) + damper(n)*force(:, n)
-            end do
-            do i = 1, size(self%element)
-               associate (n => self%element(i))
-                  p(:, n) = p(:, n) + self%stiffness(i, k)*force(:, n)
-                  p(2*e + 1, n) = p(2*e + 1, n) + self%row(i, k)
-                  self%influence(:, i, k) = force(:, n)
-               end associate
-            end do
+            self%map(:, :e, j) = p
+            self%map(:, e + 1:, j) = v
          end do
-         functionals(:, :e) = p
-         functionals(:, e + 1:) = v
       end associate
    end subroutine carry_back
 

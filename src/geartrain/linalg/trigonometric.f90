@@ -7,6 +7,9 @@ module geartrain_linalg_trigonometric
    private
    public :: evaluate, sample, extremes, next_maximum, least_height, rms, fine_samples, transform_length
 
+   !> Powers of exp(i theta) in a table.
+   integer, parameter :: span = 64
+
 contains
 
    !> Number of samples that resolve all harmonics: at least eight in a period of the highest harmonic.
@@ -17,7 +20,8 @@ contains
       fine_samples = max(32, transform_length(8*highest))
    end function fine_samples
 
-   !> Smallest power of two that is at least `least`: planning transforms of other lengths takes longer than they save.
+   !> Number of samples, at least `least`, whose transforms are fast: a power of two, or 3 or 5 times a power of two where that
+   !> saves more than planning takes.
    pure integer function transform_length(least) result(length)
       !> Number of samples needed.
       integer, intent(in) :: least
@@ -26,6 +30,12 @@ contains
       do while (length < least)
          length = 2*length
       end do
+      if (length <= 1024) return
+      if (5*(length/8) >= least) then
+         length = 5*(length/8)
+      else if (3*(length/4) >= least) then
+         length = 3*(length/4)
+      end if
    end function transform_length
 
    !> Value and derivatives of p at an angle.
@@ -41,14 +51,18 @@ contains
       complex(dp) :: z, power, advance, term
       integer :: k, step
 
+      if (present(third)) third = 0
+      p = u(1)
+      slope = 0
+      curvature = 0
+      if (size(harmonic) > span) then
+         call evaluate_many(u, harmonic, theta, p, slope, curvature, third)
+         return
+      end if
       z = cmplx(cos(theta), sin(theta), dp)
       power = 1
       step = 0
       advance = 1
-      p = u(1)
-      slope = 0
-      curvature = 0
-      if (present(third)) third = 0
       do k = 1, size(harmonic)
          if (k == 1) then
             step = harmonic(1)
@@ -65,6 +79,36 @@ contains
          if (present(third)) third = third + real(harmonic(k), dp)**3*term%im
       end do
    end subroutine evaluate
+
+   !> `evaluate` of many harmonics: the power of each is a product of two from tables, so none waits for the power before.
+   pure subroutine evaluate_many(u, harmonic, theta, p, slope, curvature, third)
+      real(dp), intent(in) :: u(:), theta
+      integer, intent(in) :: harmonic(:)
+      real(dp), intent(inout) :: p, slope, curvature
+      real(dp), intent(inout), optional :: third
+      complex(dp) :: z, term, low(0:span - 1), high(0:harmonic(size(harmonic))/span)
+      real(dp) :: h
+      integer :: k
+
+      z = cmplx(cos(theta), sin(theta), dp)
+      low(0) = 1
+      do k = 1, span - 1
+         low(k) = low(k - 1)*z
+      end do
+      z = low(span - 1)*z
+      high(0) = 1
+      do k = 1, ubound(high, 1)
+         high(k) = high(k - 1)*z
+      end do
+      do k = 1, size(harmonic)
+         h = harmonic(k)
+         term = cmplx(u(2*k), -u(2*k + 1), dp)*(high(harmonic(k)/span)*low(modulo(harmonic(k), span)))
+         p = p + term%re
+         slope = slope - h*term%im
+         curvature = curvature - h**2*term%re
+         if (present(third)) third = third + h**3*term%im
+      end do
+   end subroutine evaluate_many
 
    !> Values of p at theta = 2 pi (q-1)/samples.
    subroutine sample(u, harmonic, transform, derivative)

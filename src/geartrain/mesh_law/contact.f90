@@ -192,15 +192,16 @@ contains
             f0 = side*(self%p(q) - wall)
             f1 = side*(self%p(next) - wall)
             if ((f0 > 0) .neqv. (f1 > 0)) then
-               call add_event(self, crossing(self, u, wall, (q - 1)*spacing, q*spacing, self%p(q) - wall), &
-                              merge(beyond, inside, f1 > 0), first)
+               call add_event(self, crossing(self, u, wall, (q - 1)*spacing, q*spacing, [self%p(q), self%p(next)] - wall, &
+                                             [self%slope(q), self%slope(next)]), merge(beyond, inside, f1 > 0), first)
             else if (abs(f0) < spacing*abs(self%slope(q)) .and. abs(f1) < spacing*abs(self%slope(next)) .and. &
                      (self%p(q) - wall)*self%slope(q) < 0 .and. (self%p(q) - wall)*self%slope(next) > 0) then
                call turning(self, u, wall, (q - 1)*spacing, q*spacing, turn, f_turn)
                if ((side*f_turn > 0) .eqv. (f0 > 0)) cycle
-               call add_event(self, crossing(self, u, wall, (q - 1)*spacing, turn, self%p(q) - wall), &
-                              merge(inside, beyond, f0 > 0), first)
-               call add_event(self, crossing(self, u, wall, turn, q*spacing, f_turn), merge(beyond, inside, f0 > 0), first)
+               call add_event(self, crossing(self, u, wall, (q - 1)*spacing, turn, [self%p(q) - wall, f_turn], &
+                                             [self%slope(q), 0.0_dp]), merge(inside, beyond, f0 > 0), first)
+               call add_event(self, crossing(self, u, wall, turn, q*spacing, [f_turn, self%p(next) - wall], &
+                                             [0.0_dp, self%slope(next)]), merge(beyond, inside, f0 > 0), first)
             end if
          end do
       end do
@@ -237,20 +238,20 @@ contains
       self%contact(i) = contact
    end subroutine add_event
 
-   !> Root of p - wall in [left, right] by Newton's method, kept in the bracket by bisection. p - wall has different signs at both
-   !> ends; `f_left` is its value at the left end.
-   pure real(dp) function crossing(self, u, wall, left, right, f_left) result(theta)
+   !> Root of p - wall in [left, right] by Newton's method, kept in the bracket by bisection, from the root of the cubic with the
+   !> values `f` of p - wall and the slopes at both ends. The values have different signs.
+   pure real(dp) function crossing(self, u, wall, left, right, f, slopes) result(theta)
       class(contact_type), intent(in) :: self
-      real(dp), intent(in) :: u(:), wall, left, right, f_left
+      real(dp), intent(in) :: u(:), wall, left, right, f(2), slopes(2)
       real(dp) :: a, b, p, slope, curvature, new
       integer :: i
 
       a = left
       b = right
-      theta = (a + b)/2
+      theta = left + (right - left)*cubic_root(f, (right - left)*slopes)
       do i = 1, 60
          call evaluate(u, self%harmonic, theta, p, slope, curvature)
-         if ((p - wall > 0) .eqv. (f_left > 0)) then
+         if ((p - wall > 0) .eqv. (f(1) > 0)) then
             a = theta
          else
             b = theta
@@ -262,6 +263,23 @@ contains
          theta = new
       end do
    end function crossing
+
+   !> Approximate root in [0, 1] of the cubic that has values of different signs, and slopes, at 0 and 1.
+   pure real(dp) function cubic_root(f, slopes) result(x)
+      real(dp), intent(in) :: f(2), slopes(2)
+      real(dp) :: value, slope, second, third
+      integer :: i
+
+      second = 3*(f(2) - f(1)) - 2*slopes(1) - slopes(2)
+      third = slopes(1) + slopes(2) - 2*(f(2) - f(1))
+      x = f(1)/(f(1) - f(2))
+      do i = 1, 3
+         value = f(1) + x*(slopes(1) + x*(second + x*third))
+         slope = slopes(1) + x*(2*second + 3*x*third)
+         if (.not. abs(slope) > abs(value)) return
+         x = min(max(x - value/slope, 0.0_dp), 1.0_dp)
+      end do
+   end function cubic_root
 
    !> Finds the extreme of p in [left, right], at whose ends the slope has different signs, and p - wall at the extreme.
    pure subroutine turning(self, u, wall, left, right, theta, f)

@@ -12,6 +12,9 @@ module geartrain_mesh_law_spectra
    private
    public :: spectra_type, find_spectra
 
+   !> Neighbouring coefficients that are found side by side.
+   integer, parameter :: strands = 4
+
    type :: spectra_type
       !> Fourier coefficients [1], (0:highest). Damping and impulse are allocated only where the force jumps: else all regions have
       !> equal damping.
@@ -99,31 +102,25 @@ contains
       real(dp), intent(in) :: instant(:)
       integer, intent(in) :: region(:)
       type(spectra_type), intent(inout) :: spectra
-      !> Coefficients of chi, (index, region); powers of exp(-i theta) of an event in the last column.
-      complex(dp) :: chi(0:n + stride*size(law%amplitude, 1), law%lowest:law%highest + 1), z, factor, kappa
+      !> Coefficients of chi, (index, region).
+      complex(dp) :: chi(0:strands*((n + stride*size(law%amplitude, 1) + strands - 1)/strands), law%lowest:law%highest), &
+                     factor, kappa
       real(dp) :: last
-      integer :: h, i, k, now, powers, s
+      integer :: h, i, k, now, s
 
-      powers = law%highest + 1
       do s = law%lowest, law%highest
          if (law%acts(s)) chi(:, s) = 0
       end do
       last = 0
       now = first
       do i = 1, size(instant)
-         z = cmplx(cos(instant(i)), -sin(instant(i)), dp)
-         factor = cmplx(0, -1/(2*pi), dp)
-         do k = 1, ubound(chi, 1)
-            factor = factor*z
-            chi(k, powers) = factor
-         end do
          if (law%acts(now)) then
             chi(0, now) = chi(0, now) + (instant(i) - last)/(2*pi)
-            chi(1:, now) = chi(1:, now) - chi(1:, powers)
+            call add_jump(-1, instant(i), chi(1:, now))
          end if
          last = instant(i)
          now = region(i)
-         if (law%acts(now)) chi(1:, now) = chi(1:, now) + chi(1:, powers)
+         if (law%acts(now)) call add_jump(1, instant(i), chi(1:, now))
       end do
       if (law%acts(now)) chi(0, now) = chi(0, now) + (2*pi - last)/(2*pi)
       do s = law%lowest, law%highest
@@ -154,5 +151,27 @@ contains
          end do
       end do
    end subroutine add_pieces
+
+   !> Adds a jump of chi at theta, without the division of each coefficient by its index. Products of `strands` neighbours do not
+   !> wait for each other.
+   pure subroutine add_jump(jump, theta, chi)
+      integer, intent(in) :: jump
+      real(dp), intent(in) :: theta
+      !> Coefficients from index 1 on; their number is a multiple of `strands`.
+      complex(dp), contiguous, intent(inout) :: chi(:)
+      complex(dp) :: factor(strands), z
+      integer :: k
+
+      z = cmplx(cos(theta), -sin(theta), dp)
+      factor(1) = cmplx(0, -jump/(2*pi), dp)*z
+      do k = 2, strands
+         factor(k) = factor(k - 1)*z
+      end do
+      z = z**strands
+      do k = 1, size(chi), strands
+         chi(k:k + strands - 1) = chi(k:k + strands - 1) + factor
+         factor = factor*z
+      end do
+   end subroutine add_jump
 
 end module geartrain_mesh_law_spectra
