@@ -159,8 +159,9 @@ contains
          type(train_type) :: train
          type(run_up_type) :: found
          type(error_type), allocatable :: error
+         type(system_type) :: system
          !> Inertias of both ends of each shaft [kg m^2], angular acceleration [rad/s^2] and torque [N m] of each shaft.
-         real(dp) :: inertia(2, 3), speed(3), torque(3), force(2)
+         real(dp) :: inertia(2, 3), speed(3), torque(3), force(2), more(3)
          integer :: i, j
 
          train = toothed_reducer(motor_balances)
@@ -200,6 +201,15 @@ contains
             end do
          end do
          if (present(reached)) reached = found%shaft_torque(:, 1)
+         if (rigid .or. motor_balances) return
+         ! A state has the twists less those at constant speed.
+         call build_system(train, system)
+         more = (torque - 90*[1.0_dp, 71/23.0_dp, 71*80/(23*19.0_dp)])/train%shafts%stiffness
+         do i = 1, system%displacements
+            if (system%element_shaft(i) > 0) &
+               call tests%is_close(found%state(i), more(system%element_shaft(i))*system%network%elements(i)%radius(1)/1e-6_dp, &
+                                   1e-7_dp, name//': twist of a shaft')
+         end do
       end subroutine one
 
    end subroutine acceleration

@@ -384,7 +384,7 @@ contains
          end associate
          if (abs(mean - usual) > worth_telling*abs(usual)) then
             words = words//'; mean '//text(mean)//', without the acceleration of the inertias '//text(usual)
-            if (abs(usual) > 0) words = words//': '//fixed(100*(mean - usual)/abs(usual), 1)//' %'
+            if (abs(mean - usual) < 10*abs(usual)) words = words//': '//fixed(100*(mean - usual)/abs(usual), 1)//' %'
             if (mean*usual < 0) words = words//', the load is reversed'
          end if
          write (unit, '(a)') words
