@@ -5,7 +5,7 @@ module independent
    use geartrain_base_kinds, only: pi
    implicit none (type, external)
    private
-   public :: machine_type, build_machine, contacts, displacements, fly, joint_forces
+   public :: machine_type, accelerate, build_machine, contacts, displacements, fly, joint_forces
 
    type :: joint_type
       integer :: a = 0, b = 0
@@ -23,6 +23,8 @@ module independent
       type(joint_type), allocatable :: joint(:)
       !> Fundamental mesh frequency at time 0 and its rate of change [rad/s, rad/s^2]; a step.
       real(dp) :: omega = 0, acceleration = 0, step = 0
+      !> Turns of each body per cycle of the fundamental: the angles are absolute; 0: the speed is not known.
+      real(dp), allocatable :: turns(:)
    end type machine_type
 
    !> Substeps of the midpoint rule that are extrapolated.
@@ -43,7 +45,7 @@ contains
       machine%inertia = train%bodies%inertia
       machine%torque = train%bodies%torque
       machine%drag = train%bodies%damping_to_ground
-      allocate (machine%fluctuation(n), source=0.0_dp)
+      allocate (machine%fluctuation(n), machine%turns(n), source=0.0_dp)
       do i = 1, n
          if (allocated(train%bodies(i)%torque_cos)) machine%fluctuation(i) = train%bodies(i)%torque_cos(1)
       end do
@@ -91,6 +93,23 @@ contains
       end do
       machine%step = 1/sqrt(2*fastest)
    end subroutine build_machine
+
+   !> A ramp of bodies whose turns are known: the balancing body gives what accelerates them all, by the power at the mean speeds.
+   subroutine accelerate(train, turns, acceleration, machine, y)
+      type(train_type), intent(in) :: train
+      !> Turns per cycle of the fundamental, (body); rate of its frequency [rad/s^2].
+      real(dp), intent(in) :: turns(:), acceleration
+      type(machine_type), intent(inout) :: machine
+      !> Vibration at time 0; gets the mean speeds.
+      real(dp), intent(inout) :: y(:)
+
+      machine%acceleration = acceleration
+      machine%turns = turns
+      associate (b => findloc(train%bodies%balances, .true., 1), n => size(turns))
+         machine%torque(b) = machine%torque(b) + acceleration*sum(machine%inertia*turns**2)/turns(b)
+         y(n + 1:) = y(n + 1:) + turns*machine%omega
+      end associate
+   end subroutine accelerate
 
    integer function number(train, name)
       type(train_type), intent(in) :: train
@@ -180,7 +199,8 @@ contains
       n = size(machine%inertia)
       force = joint_forces(machine, contact, t, y)
       slope(:n) = y(n + 1:)
-      slope(n + 1:) = machine%torque + machine%fluctuation*cos(phase_of(machine, t)) - machine%drag*y(n + 1:)
+      slope(n + 1:) = machine%torque + machine%fluctuation*cos(phase_of(machine, t)) &
+                      - machine%drag*(y(n + 1:) - machine%turns*(machine%omega + machine%acceleration*t))
       do i = 1, size(contact)
          associate (joint => machine%joint(i))
             slope(n + joint%a) = slope(n + joint%a) - joint%ra*force(i)

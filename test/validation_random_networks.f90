@@ -8,8 +8,9 @@ module validation_random_networks
    use geartrain_flow_orbit, only: propagate
    use geartrain_flow_start_state, only: resting_state
    use geartrain_linalg_lapack, only: dgeev
+   use geartrain_model_bodies, only: find_ends
    use geartrain_model_system, only: build_system, system_type
-   use independent, only: build_machine, contacts, displacements, fly, joint_forces, machine_type
+   use independent, only: accelerate, build_machine, contacts, displacements, fly, joint_forces, machine_type
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -23,6 +24,7 @@ contains
       if (tests%runs('another_code')) call random_networks(tests)
       if (tests%runs('damping_to_ground')) call dragged_networks(tests)
       if (tests%runs('run_ups')) call run_ups(tests)
+      if (tests%runs('accelerated')) call accelerated(tests)
    end subroutine random_networks_tests
 
    !> Random trees and loops of up to 12 meshes: their settled motions close in the other code over a period, with the rms and
@@ -61,13 +63,26 @@ contains
       call one_run_up(tests, 5, 1, 2, dragged=2, laws=.true., linear=.false., to=0.3_dp)
    end subroutine run_ups
 
+   !> Likewise with teeth, by which the inertias accelerate with the speed: so fast that loads are reversed on
+   !> the way up.
+   subroutine accelerated(tests)
+      class(tests_type), intent(inout) :: tests
+
+      call one_run_up(tests, 4, 0, 1, dragged=0, laws=.false., linear=.true., to=1.6_dp, toothed=.true.)
+      call one_run_up(tests, 8, 2, 4, dragged=2, laws=.false., linear=.false., to=1.6_dp, toothed=.true.)
+      call one_run_up(tests, 6, 0, 3, dragged=0, laws=.false., linear=.false., to=1.6_dp, toothed=.true.)
+      call one_run_up(tests, 8, 2, 4, dragged=1, laws=.true., linear=.false., to=0.3_dp, toothed=.true.)
+   end subroutine accelerated
+
    !> Displacements, mesh forces and shaft torques at every sample as the other code has them, extremes of the windows.
-   subroutine one_run_up(tests, bodies, loops, seed, dragged, laws, linear, to)
+   subroutine one_run_up(tests, bodies, loops, seed, dragged, laws, linear, to, toothed)
       class(tests_type), intent(inout) :: tests
       integer, intent(in) :: bodies, loops, seed, dragged
       logical, intent(in) :: laws, linear
       !> Lambda at the end.
       real(dp), intent(in) :: to
+      !> The meshes have teeth.
+      logical, intent(in), optional :: toothed
       real(dp), parameter :: from = 0.8_dp
       type(train_type) :: train
       type(system_type) :: system
@@ -76,7 +91,7 @@ contains
       type(error_type), allocatable :: error
       type(motion_type) :: start
       real(dp), allocatable :: y(:), p(:), v(:), force(:), worst(:), displacement(:, :), mesh_force(:, :), torque(:, :)
-      real(dp) :: duration
+      real(dp) :: duration, turns(bodies)
       character(60) :: name
       integer, allocatable :: contact(:)
       integer :: i, n
@@ -86,6 +101,8 @@ contains
       call random_network(bodies, loops, seed, train)
       if (laws) call draw_laws(seed, train)
       if (linear) train%meshes%half_backlash = 0
+      if (present(toothed)) name = trim(name)//', teeth'
+      if (present(toothed)) call give_teeth(train, turns)
       train%bodies(bodies - dragged + 1:)%damping_to_ground = [(0.3_dp*i, i=1, dragged)]
       call build_system(train, system)
       duration = 6.4_dp*2*pi/(0.5_dp*(from + to)*train%characteristic_frequency)
@@ -96,11 +113,12 @@ contains
       if (allocated(error)) return
       call tests%is_true(found%complete .and. found%windows == 7, trim(name)//': all of it')
       call build_machine(train, from, machine)
-      machine%acceleration = (to - from)*train%characteristic_frequency/duration
       allocate (p(size(machine%joint)), v(size(machine%joint)))
       n = size(found%time)
       allocate (displacement(size(train%meshes), n), mesh_force(size(train%meshes), n), torque(size(train%shafts), n))
       y = bodies_of_state(train, system, machine, start%state)
+      machine%acceleration = (to - from)*train%characteristic_frequency/duration
+      if (present(toothed)) call accelerate(train, turns, machine%acceleration, machine, y)
       do i = 1, n
          if (i > 1) call fly(machine, found%time(i - 1), found%time(i), y)
          call displacements(machine, found%time(i), y, p, v)
@@ -112,6 +130,7 @@ contains
       end do
       call tests%is_true(linear .or. any(abs(displacement)*train%characteristic_length < spread(train%meshes%half_backlash, 2, &
                                                                                                 n)), trim(name)//': teeth separate')
+      if (present(toothed)) call tests%is_true(to < from .or. any(sum(mesh_force, 2) < 0), trim(name)//': a load is reversed')
       worst = [maxval(abs(found%displacement - displacement))/maxval(abs(displacement)), &
                maxval(abs(found%mesh_force - mesh_force))/maxval(abs(mesh_force)), &
                maxval([0.0_dp, abs(found%shaft_torque - torque)/maxval(abs(torque))])]
@@ -123,6 +142,29 @@ contains
       call tests%is_true(all(maxval(found%torque_maximum, 2) >= maxval(found%shaft_torque, 2)) .and. &
                          all(minval(found%force_minimum, 2) <= minval(found%mesh_force, 2)), trim(name)//': extremes')
    end subroutine one_run_up
+
+   !> Gives every mesh teeth and the radii that go with them, the meshes in turn frequencies of 1 and 2 times the fundamental.
+   subroutine give_teeth(train, turns)
+      type(train_type), intent(inout) :: train
+      !> Of each body per cycle of the fundamental.
+      real(dp), intent(out) :: turns(:)
+      integer, parameter :: teeth(*) = [24, 45, 30, 72, 36, 60, 40, 48]
+      integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
+      integer :: i
+
+      call find_ends(train, shaft_ends, mesh_ends)
+      turns = 1.0_dp/teeth(:size(turns))
+      do i = 1, size(train%shafts)
+         turns(shaft_ends(2, i)) = turns(shaft_ends(1, i))
+      end do
+      do i = 1, size(train%meshes)
+         associate (mesh => train%meshes(i))
+            mesh%order = 1 + mod(i + 1, 2)
+            mesh%teeth = anint(mesh%order/turns(mesh_ends(:, i)))
+            mesh%driven_radius = mesh%driving_radius*mesh%teeth(2)/mesh%teeth(1)
+         end associate
+      end do
+   end subroutine give_teeth
 
    subroutine one_network(tests, bodies, loops, seed, dragged, laws)
       class(tests_type), intent(inout) :: tests

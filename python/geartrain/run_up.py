@@ -38,8 +38,9 @@ _ROWS = 600
 class RunUp(Table):
     """The motion of a train while Lambda goes linearly in time from one value to another.
 
-    The ramp is kinematic: the given torques hold the train in balance at every instant, and what accelerates the inertias as the
-    speed rises is not part of the forces.
+    The speed is prescribed. Forces and torques have the part that accelerates the inertias where every mesh has teeth, which tell
+    how fast each body turns; given torques stay as they are, and the body that balances takes what remains. Without teeth the
+    ramp is of the frequency only.
 
     Attributes
     ----------
@@ -54,9 +55,10 @@ class RunUp(Table):
     displacement : ndarray, (samples, meshes)
         Over the characteristic length.
     mesh_force : ndarray, (samples, meshes)
-        [N], damping included.
+        [N], damping and the acceleration of the inertias included.
     shaft_torque : ndarray, (samples, shafts)
-        [N m], damping and static torque included; NaN where rigid shafts side by side leave it undetermined.
+        [N m], damping, static torque and the acceleration of the inertias included; NaN where rigid shafts side by side leave
+        it undetermined.
     window_time : ndarray, (windows,)
         Middle of each window [s]; a window is a tooth period of the slowest mesh.
     mesh_force_minimum, mesh_force_maximum : ndarray, (windows, meshes)

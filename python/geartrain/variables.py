@@ -39,7 +39,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "revolution_torque_cos": Variable("revolution_torque_cos", "reals", "Series", None, False, "Cosine amplitudes of its torque, orders 1, 2, ... of its own revolution; every mesh must have teeth; [N m]"),
         "revolution_torque_sin": Variable("revolution_torque_sin", "reals", "Series", None, False, "Sine amplitudes, likewise; [N m]"),
         "damping_to_ground": Variable("damping_to_ground", "real", "float", 0.0, False, "Damping of its vibration against the ground; none of its mean motion: a mean drag is a torque; [N m s/rad]; >= 0"),
-        "balances": Variable("balances", "logical", "bool", False, False, "Its mean torque balances those of all others; true for exactly one body"),
+        "balances": Variable("balances", "logical", "bool", False, False, "Its mean torque balances those of all others, in a run-up the acceleration of the inertias as well; true for exactly one body"),
     },
     "shaft": {
         "between": Variable("between", "names", "Sequence[str]", None, False, "Names of the two bodies that it joins; none in a chain"),

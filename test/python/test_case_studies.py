@@ -64,10 +64,10 @@ def test_reducer_phase_of_the_error():
 def test_reducer_run_up():
     case = study("reducer")
     run_up = case.train.run_up(**case.run_up)
-    np.testing.assert_allclose(largest(run_up, "mesh_force"), [9069, 13953], rtol=1e-3)
-    np.testing.assert_allclose(largest(run_up, "shaft_torque"), [246, 529, 1455], rtol=2e-3)
+    np.testing.assert_allclose(largest(run_up, "mesh_force"), [8996, 13719], rtol=1e-3)
+    np.testing.assert_allclose(largest(run_up, "shaft_torque"), [241.9, 520.6, 1422.9], rtol=2e-3)
     # The resonance of the load's shaft at 947 rpm, passed in seconds.
-    assert largest(run_up, "shaft_torque", 900, 1050)[2] == pytest.approx(1405, abs=2)
+    assert largest(run_up, "shaft_torque", 900, 1050)[2] == pytest.approx(1377, abs=2)
     steady = case.train.response(start=940, stop=955, harmonics=0, tolerance=1e-3).shaft_torque_maximum[:, 2].max()
     assert steady == pytest.approx(1853, abs=5)
 
@@ -92,18 +92,21 @@ def test_rattle_threshold():
 
 
 @pytest.mark.parametrize(("torque", "ranges", "force"), [
-    (10.0, [(1725, 1886), (5504, 5990), (14390, 16000)], 3251), (20.0, [(1798, 1886), (5739, 5946)], 2598),
-    (40.0, [(1868, 1894), (5938, 5989)], 4674), (60.0, [], 5872),
+    (10.0, [(1619, 2034), (5134, 6589), (11558, 15500)], 2615), (20.0, [(1780, 1886), (5668, 6013)], 1897),
+    (40.0, [(1851, 1894), (5905, 5987)], 4104), (60.0, [(1894, 1920)], 5682), (65.0, [], 5809),
 ])
 def test_electric_car(torque, ranges, force):
     case = study("electric_car")
     train = with_body(case.train, "motor", torque=torque)
     run_up = train.run_up(**case.run_up)
+    # Next to the end the smallest force of 20 N m is about 0.
     speed = apart(run_up, 1)
+    speed = speed[speed < 15500]
     pieces = np.split(speed, np.flatnonzero(np.diff(speed) > 500) + 1) if len(speed) else []
     np.testing.assert_allclose(np.ravel([(piece[0], piece[-1]) for piece in pieces]), np.ravel(ranges), atol=25)
     assert largest(run_up, "mesh_force")[0] == pytest.approx(force, rel=1e-2)
-    assert len(apart(run_up, 2)) == 0 or (torque == 10 and apart(run_up, 2)[0] == pytest.approx(14236, abs=25))
+    apart_at = {10.0: 5058, 20.0: 15723}
+    assert apart(run_up, 2)[:1] == pytest.approx([apart_at[torque]] if torque in apart_at else [], abs=25)
 
 
 @pytest.mark.parametrize(("torque", "speeds"), [(10.0, (1795, 5727)), (60.0, (1862, 5939))])

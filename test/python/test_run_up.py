@@ -12,6 +12,7 @@ from conftest import assert_equal_files, run
 from scipy.integrate import solve_ivp
 
 import geartrain as gt
+from case_studies import CASES
 
 mpl.use("Agg")
 
@@ -46,12 +47,13 @@ def test_extremes_hold_the_samples(ramp):
     assert (ramp.mesh_force >= ramp.mesh_force_minimum[inside] - scale).all()
 
 
-def test_against_scipy(train):
+@pytest.mark.parametrize("teeth", [(None, None), ([20, 40], [80, 160])])
+def test_against_scipy(train, teeth):
     """Figure 3's train with transmission errors, up and down: angles of the six bodies by DOP853, a
-    piece from contact event to contact event."""
+    piece from contact event to contact event. With teeth the bodies turn and accelerate, and the load takes what remains."""
     meshes = [gt.Mesh(**{**{name: getattr(mesh, name) for name in mesh.variables if getattr(mesh, name) is not None},
-                         "error_cos": [0.0, 1e-6], "error_sin": [2e-6], "order": order})
-              for mesh, order in zip(train.meshes, (1, 2))]
+                         "error_cos": [0.0, 1e-6], "error_sin": [2e-6], "order": order, **({"teeth": pair} if pair else {})})
+              for mesh, order, pair in zip(train.meshes, (1, 2), teeth)]
     varied = gt.Train(**{name: getattr(train, name) for name in ("input_torque", "prime_mover_inertia", "load_inertia",
                                                                "characteristic_length", "characteristic_frequency")},
                       shafts=train.shafts, meshes=meshes)
@@ -95,6 +97,10 @@ def by_scipy(train, start, stop, time, state):
     omega = start * train.characteristic_frequency
     acceleration = (stop - start) * train.characteristic_frequency / time[-1]
     half = first.half_backlash
+    turns = np.zeros(6)
+    if first.teeth is not None:
+        turns[:] = 1 / np.array([20, 20, 40, 40, 80, 80])
+        torque[-1] += acceleration * (inertia * turns**2).sum() / turns[-1]
 
     def phase(t):
         return omega * t + acceleration * t**2 / 2, omega + acceleration * t
@@ -137,6 +143,7 @@ def by_scipy(train, start, stop, time, state):
         speed = state[5 + place] * scale * rate - v0[place]
         y[place + 1] = (a * y[place] - moved) / b
         y[6 + place + 1] = (a * y[6 + place] - speed) / b
+    y[6:] += turns * omega
     table = {"displacement": np.zeros((len(time), 2)), "force": np.zeros((len(time), 2)), "torque": np.zeros((len(time), 3))}
     now, contact = 0.0, contacts(displacements(0.0, y)[0])
     while now < time[-1]:
@@ -234,6 +241,25 @@ def test_case_file_executable_and_python_agree(executable, tmp_path, train, ramp
     assert mine.mesh_force.dims == data.mesh_force.dims and {"frequency", "fundamental_frequency"} <= set(mine.coords)
     with h5py.File(tmp_path / "a.h5") as file:
         assert file["run_up/shaft_torque"].attrs["units"] in ("N m", b"N m")
+
+
+def test_terminal_tells_what_the_inertias_take(executable, tmp_path, train):
+    """90 N m of the motor, less 0.02 kg m^2 times 3800 rpm in 0.3 s, at the pinion's shaft; and what is not known."""
+    text = (CASES / "reducer.nml").read_text()
+    case = tmp_path / "reducer.nml"
+    case.write_text("\n".join(line for line in text.splitlines() if not line.startswith(("&modes", "&response", "&integration")))
+                    .replace("duration = 5.0", "duration = 0.3"))
+    done = run(executable, case, "--output", tmp_path / "a.h5")
+    line = next(line for line in done.stdout.splitlines() if "torque of motor - pinion 1" in line)
+    mean = float(line.split("; mean ")[1].split(",")[0])
+    assert mean == pytest.approx(90 - 0.02 * 3800 * 2 * np.pi / 60 / 0.3, rel=1e-6)
+    assert "without the acceleration of the inertias 90: -29.5 %" in line and "reversed" not in line
+    case.write_text(case.read_text().replace("from = 200.0, to = 4000.0", "from = 4000.0, to = 200.0").replace("90.0", "-20.0"))
+    done = run(executable, case, "--output", tmp_path / "b.h5")
+    assert "without the acceleration of the inertias -20: 132.6 %, the load is reversed" in done.stdout, done
+    case.write_text(train.namelist(run_up=RAMP))
+    done = run(executable, case, "--output", tmp_path / "c.h5")
+    assert "without the acceleration of the inertias: not every mesh has teeth" in done.stdout, done
 
 
 def test_hertz(train, ramp):

@@ -23,6 +23,7 @@ module geartrain_analyses_run_up
    use geartrain_model_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
    use geartrain_model_labels, only: label_length, mesh_labels, shaft_labels
    use geartrain_model_limits, only: check_frequency
+   use geartrain_model_rest, only: largest_residual
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -30,10 +31,13 @@ module geartrain_analyses_run_up
    public :: run_up, run_up_analysis_type, run_up_row, run_up_settings_type
 
    type(group_row_type), parameter :: run_up_row = group_row_type('run_up', &
-      'Asks for the motion while Lambda goes linearly in time from one value to another, a run-up or a coast-down.', &
+      'Asks for the motion while Lambda goes linearly in time from one value to another, a run-up or a coast-down. Where every &
+      &mesh has teeth, inertias take torques to accelerate.', &
       steps='periods', set_aside=.true.)
 
    real(dp), parameter :: zero = 0, one = 1
+   !> Least share of the acceleration in a mean force or torque that is told [1].
+   real(dp), parameter :: worth_telling = 0.01_dp
 
    !> The variables of &run_up.
    type :: run_up_settings_type
@@ -174,8 +178,9 @@ contains
       type(run_up_settings_type), target :: copy
       type(run_up_analysis_type) :: analysis
       type(run_up_type) :: empty
-      type(system_type) :: system
+      type(system_type) :: steady, system
       type(ramp_type) :: ramp
+      real(dp), allocatable :: shift(:)
       character(:), allocatable :: note
       logical :: stopped
       integer :: samples
@@ -187,33 +192,54 @@ contains
       analysis%settings => copy
       call analysis%check_alone(train, error)
       if (allocated(error)) return
-      call build_system(train, system)
-      associate (factor => lambda_per(train, settings%unit))
-         ramp = make_ramp(factor*settings%start, factor*settings%stop, settings%duration*system%characteristic_frequency, &
-                          minval(system%law%order))
-      end associate
+      call build_systems(train, settings, ramp, steady, system)
+      if (.not. system%rest_residual < largest_residual) then
+         call fatal(error, 'run up: how the loops share the torques that accelerate the inertias was not found: take a longer &
+                    &duration', status_ended_early)
+         return
+      end if
+      ! A state has the twists of shafts less those at rest, which the acceleration changes.
+      allocate (shift(system%states), source=0.0_dp)
+      where (system%element_shaft(:system%displacements) > 0) &
+         shift(:system%displacements) = steady%static_force(:system%displacements) - system%static_force(:system%displacements)
       samples = settings%samples
       if (samples == 0) samples = automatic_samples(system, ramp)
       call make_room(system, ramp, samples, size(train%shafts), result, error)
       if (allocated(error)) return
       if (.not. allocated(result%state)) then
-         call find_start(system, settings, ramp%start, result, error, stopped, start, observer)
+         call find_start(steady, system, shift, settings, ramp%start, result, error, stopped, start, observer)
          if (allocated(error)) return
          if (stopped) then
             result%ended = 'cancelled before the motion at Lambda = '//text(ramp%start)//' was steady'
             return
          end if
       end if
-      call follow_ramp(system, ramp, result, observer)
+      call follow_ramp(system, shift, ramp, result, observer)
       if (result%start_period > 0) return
       note = '; no steady motion was found at Lambda = '//text(ramp%start)//': the run-up begins with the state after ' &
              //text(settings%max_periods)//' periods of the fundamental'
       if (settings%max_periods > 0) result%ended = result%ended//note
    end subroutine run_up
 
-   !> Finds the state with which the run-up begins.
-   subroutine find_start(system, settings, frequency_ratio, result, error, stopped, start, observer)
-      type(system_type), intent(in) :: system
+   !> Makes the ramp, and the system of a train at constant speed and on the ramp.
+   subroutine build_systems(train, settings, ramp, steady, system)
+      type(train_type), intent(in) :: train
+      type(run_up_settings_type), intent(in) :: settings
+      type(ramp_type), intent(out) :: ramp
+      type(system_type), intent(out) :: steady, system
+
+      call build_system(train, steady)
+      associate (factor => lambda_per(train, settings%unit))
+         ramp = make_ramp(factor*settings%start, factor*settings%stop, settings%duration*steady%characteristic_frequency, &
+                          minval(steady%law%order))
+      end associate
+      call build_system(train, system, ramp%acceleration)
+   end subroutine build_systems
+
+   !> Finds the state with which the run-up begins: of the steady motion under the mean torques of the ramp.
+   subroutine find_start(steady, system, shift, settings, frequency_ratio, result, error, stopped, start, observer)
+      type(system_type), intent(in) :: steady, system
+      real(dp), intent(in) :: shift(:)
       type(run_up_settings_type), intent(in) :: settings
       real(dp), intent(in) :: frequency_ratio
       !> Gets state and start_period.
@@ -231,7 +257,8 @@ contains
       if (present(start)) then
          call check_start(system, start, error)
          if (allocated(error)) return
-         call state_of(system, start, state)
+         call state_of(steady, start, state)
+         state = state + shift
       end if
       if (settings%max_periods > 0) then
          settling%max_periods = settings%max_periods
@@ -244,7 +271,7 @@ contains
          end if
          result%start_period = motion%period
       end if
-      result%state = state
+      result%state = state - shift
    end subroutine find_start
 
    subroutine visit_fields(self, train, fields, summary)
@@ -281,9 +308,10 @@ contains
          call carry(fields, field('frequency', 'time', '1', about_frequency), result%frequency_ratio)
          call carry(fields, field('displacement', 'time mesh', '1', 'mesh displacement / characteristic_length'), &
                     result%displacement)
-         call carry(fields, field('mesh_force', 'time mesh', 'N', 'mesh force, damping included'), result%mesh_force)
-         call carry(fields, field('shaft_torque', 'time shaft', 'N m', 'torque of the shaft, damping and static torque included; &
-                                  &NaN for a rigid shaft'), result%shaft_torque)
+         call carry(fields, field('mesh_force', 'time mesh', 'N', 'mesh force, damping and acceleration of inertias &
+                                  &included'), result%mesh_force)
+         call carry(fields, field('shaft_torque', 'time shaft', 'N m', 'torque of the shaft, damping, static torque and &
+                                  &acceleration of inertias included; NaN for a rigid shaft'), result%shaft_torque)
          call carry(fields, field('window_time', 'window', 's', 'middle of the window'), result%window_time)
          call carry(fields, field('mesh_force_minimum', 'window mesh', 'N', &
                                   'smallest mesh force over the window, between samples as well'), result%force_minimum)
@@ -309,8 +337,11 @@ contains
       integer, intent(in) :: unit
       real(dp), intent(in) :: seconds
       character(label_length) :: meshes(size(train%meshes)), shafts(size(train%shafts))
+      type(system_type) :: steady, system
+      type(ramp_type) :: ramp
       integer :: i, n
 
+      call build_systems(train, self%settings, ramp, steady, system)
       meshes = mesh_labels(train)
       shafts = shaft_labels(train)
       associate (result => self%result)
@@ -318,22 +349,45 @@ contains
          write (unit, '(2(a, i0), 3a)') 'Run-up: ', n, ' tooth periods of the slowest mesh, ', result%samples, ' samples, in ', &
             fixed(seconds, 2), ' s'
          do i = 1, merge(size(train%meshes), 0, n > 0)
-            call tell('force of '//trim(meshes(i)), result%force_minimum(i, :n), result%force_maximum(i, :n), 'N')
+            call tell('force of '//trim(meshes(i)), result%force_minimum(i, :n), result%force_maximum(i, :n), 'N', &
+                      system%mesh_element(i), 1.0_dp)
          end do
          do i = 1, merge(size(train%shafts), 0, n > 0)
             if (train%shafts(i)%rigid) cycle
-            call tell('torque of '//trim(shafts(i)), result%torque_minimum(i, :n), result%torque_maximum(i, :n), 'N m')
+            associate (element => findloc(system%element_shaft, i, 1))
+               call tell('torque of '//trim(shafts(i)), result%torque_minimum(i, :n), result%torque_maximum(i, :n), 'N m', &
+                         element, system%network%elements(element)%radius(1))
+            end associate
          end do
+         if (abs(ramp%acceleration) > 0 .and. .not. any(abs(system%network%acceleration) > 0)) &
+            write (unit, '(a)') '    without the acceleration of the inertias: not every mesh has teeth, which tell the speeds of &
+                                &the bodies'
          if (allocated(result%ended)) write (unit, '(2a)') '    ended: ', result%ended
       end associate
 
    contains
 
-      subroutine tell(what, low, high, of)
+      !> Tells extremes, and the mean by the mean torques where the acceleration of the inertias changes it by more than 1 %.
+      subroutine tell(what, low, high, of, element, radius)
          character(*), intent(in) :: what, of
          real(dp), intent(in) :: low(:), high(:)
+         integer, intent(in) :: element
+         !> Radius of the force [m]; 1 for a force.
+         real(dp), intent(in) :: radius
+         character(:), allocatable :: words
+         real(dp) :: usual, mean
 
-         write (unit, '(8a)') '    ', what, ' from ', text(minval(low)), ' to ', text(maxval(high)), ' ', of
+         words = '    '//what//' from '//text(minval(low))//' to '//text(maxval(high))//' '//of
+         associate (scale => system%stiffness(element)*system%characteristic_length*radius)
+            usual = scale*steady%static_force(element)
+            mean = scale*system%static_force(element)
+         end associate
+         if (abs(mean - usual) > worth_telling*abs(usual)) then
+            words = words//'; mean '//text(mean)//', without the acceleration of the inertias '//text(usual)
+            if (abs(mean - usual) < 10*abs(usual)) words = words//': '//fixed(100*(mean - usual)/abs(usual), 1)//' %'
+            if (mean*usual < 0) words = words//', the load is reversed'
+         end if
+         write (unit, '(a)') words
       end subroutine tell
 
    end subroutine report

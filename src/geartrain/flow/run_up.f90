@@ -41,7 +41,8 @@ module geartrain_flow_run_up
       !> Extremes over each window, not only of the samples, of the mesh forces [N], (mesh, window), and of the torques of the
       !> shafts [N m], (shaft, window).
       real(dp), allocatable :: force_minimum(:, :), force_maximum(:, :), torque_minimum(:, :), torque_maximum(:, :)
-      !> State at the end of the last window that is done [1], (state).
+      !> State at the end of the last window that is done [1], (state); the twists of shafts are less those at rest at constant
+      !> speed.
       real(dp), allocatable :: state(:)
       !> Why the run-up ended; not allocated: it is under way.
       character(:), allocatable :: ended
@@ -127,9 +128,11 @@ contains
    end subroutine widen
 
    !> Follows the ramp window by window, from the windows done on, and says why it ended.
-   subroutine follow_ramp(system, ramp, result, observer)
-      !> The train.
+   subroutine follow_ramp(system, shift, ramp, result, observer)
+      !> The train, accelerating.
       type(system_type), intent(in) :: system
+      !> State of the system less the state as it is told [1], (state).
+      real(dp), intent(in) :: shift(:)
       !> The ramp.
       type(ramp_type), intent(in) :: ramp
       !> With room for all samples, and the state at the end of the windows done.
@@ -142,7 +145,7 @@ contains
       logical :: keep_going
 
       call flow%setup(system, 1, flow_order, flow_tolerance)
-      flow%x(1, :) = result%state
+      flow%x(1, :) = result%state + shift
       limit = unbounded*max(1.0_dp, maxval(abs(resting_state(system))), maxval(abs(result%state)))
       reached = ramp%speed_of(result%windows + 1)
       keep_going = .true.
@@ -155,7 +158,9 @@ contains
             exit
          end if
          result%windows = window
-         result%state = flow%x(1, :)
+         result%state = flow%x(1, :) - shift
+         ! To the bits with which a checkpoint goes on.
+         flow%x(1, :) = result%state + shift
          reached = merge(ramp%speed_of(window + 1), ramp%stop, window < ramp%windows)
          if (present(observer)) call observer%on_step('run up', window, reached, keep_going)
       end do

@@ -9,7 +9,7 @@ module geartrain_model_network
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: network_type, element_type, build_network, join_rigid, state_count, stiffening
+   public :: network_type, element_type, accelerate, build_network, join_rigid, state_count, stiffening
 
    !> A shaft or a mesh with the displacement p = radius(1) theta_from - radius(2) theta_to; or damping to ground.
    type :: element_type
@@ -31,8 +31,11 @@ module geartrain_model_network
    type :: network_type
       !> Node of each body of the train (geartrain_model_bodies), (body).
       integer, allocatable :: node(:)
-      !> Inertia [kg m^2], given mean torque [N m] and reduced radius [m], (node).
-      real(dp), allocatable :: inertia(:), torque(:), radius(:)
+      !> Inertia [kg m^2] and reduced radius [m], (node).
+      real(dp), allocatable :: inertia(:), radius(:)
+      !> Mean angular acceleration [rad/s^2], 0 but in a run-up; given mean torque less the torque that accelerates the inertia
+      !> [N m], (node).
+      real(dp), allocatable :: acceleration(:), torque(:)
       !> Sum of the magnitudes of the torques on the bodies of a node [N m], (node): the scale of the rounding of `torque`.
       real(dp), allocatable :: magnitude(:)
       !> Damping to ground [N m s/rad], (node).
@@ -71,6 +74,22 @@ contains
       call find_loops(network)
    end subroutine build_network
 
+   !> Lets the whole train accelerate: the torques that accelerate the inertias are taken from the mean torques.
+   pure subroutine accelerate(network, body, rate)
+      !> The network of a train at constant speed.
+      type(network_type), intent(inout) :: network
+      !> A body of the train.
+      integer, intent(in) :: body
+      !> Its mean angular acceleration [rad/s^2].
+      real(dp), intent(in) :: rate
+
+      network%acceleration = rate*network%radius(network%node(body))/network%radius
+      associate (taken => network%inertia*network%acceleration)
+         network%torque = network%torque - taken
+         network%magnitude = network%magnitude + abs(taken)
+      end associate
+   end subroutine accelerate
+
    !> Number of values of a state: displacements and velocities of the elements of the tree and, with damping to ground, one more
    !> velocity. 0 for a train without bodies.
    pure integer function state_count(train)
@@ -88,7 +107,7 @@ contains
    pure subroutine join_rigid(train, network)
       !> The train.
       type(train_type), intent(in) :: train
-      !> Gets node, inertia, torque, magnitude, damping and balancing.
+      !> Gets node, inertia, acceleration, torque, magnitude, damping and balancing.
       type(network_type), intent(out) :: network
       real(dp), dimension(body_count(train)) :: inertia, torque
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
@@ -109,7 +128,8 @@ contains
          if (root(i) == i) nodes = nodes + 1
          network%node(i) = merge(nodes, network%node(root(i)), root(i) == i)
       end do
-      allocate (network%inertia(nodes), network%torque(nodes), network%magnitude(nodes), network%damping(nodes), source=0.0_dp)
+      allocate (network%inertia(nodes), network%acceleration(nodes), network%torque(nodes), network%magnitude(nodes), &
+                network%damping(nodes), source=0.0_dp)
       do i = 1, size(root)
          associate (node => network%node(i))
             network%inertia(node) = network%inertia(node) + inertia(i)

@@ -12,11 +12,11 @@ module geartrain_model_system
    use geartrain_base_series, only: make_series, series_type
    use geartrain_mesh_law_law, only: law_type
    use geartrain_model_cut, only: cut_network, cut_type
-   use geartrain_model_kinematics, only: greatest_divisor
+   use geartrain_model_kinematics, only: find_kinematics, greatest_divisor, kinematics_type
    use geartrain_model_mean, only: mean_rows, mean_type
    use geartrain_model_drawing, only: plain_train, reduce_light_loads
    use geartrain_model_mesh, only: is_given, put_law
-   use geartrain_model_network, only: build_network, network_type
+   use geartrain_model_network, only: accelerate, build_network, network_type
    use geartrain_model_rest, only: rest_forces
    use geartrain_model_torque_paths, only: find_torque_paths, torque_paths_type
    use geartrain_model_train, only: train_type
@@ -41,6 +41,8 @@ module geartrain_model_system
       integer, allocatable :: first(:), neighbour(:)
       !> gamma = c omega_c/k [1], for a mesh on its drive flank; static force over k b_c [1], (element).
       real(dp), allocatable :: damping(:), static_force(:)
+      !> Misfit of the static displacements round loops [1], see `rest_forces`.
+      real(dp) :: rest_residual = 0
       !> Displacement of each element that closes a loop where the coordinates and the transmission errors are 0 [1], (loop): the
       !> coordinates leave out the static twists of the shafts.
       real(dp), allocatable :: loop_offset(:)
@@ -75,13 +77,17 @@ module geartrain_model_system
 contains
 
    !> Makes the dimensionless system of a train.
-   pure subroutine build_system(given, system)
+   pure subroutine build_system(given, system, acceleration)
       !> A train that has passed `check_train`.
       type(train_type), intent(in) :: given
       !> The system.
       type(system_type), intent(out) :: system
+      !> Rate of change of Lambda over time times characteristic frequency [1]; absent: 0. The mean torques are less by what
+      !> accelerates the inertias where the teeth tell how fast the bodies turn. The meshes keep their stiffness, which follows the
+      !> given torques.
+      real(dp), intent(in), optional :: acceleration
       type(train_type) :: train
-      real(dp) :: residual
+      type(kinematics_type) :: kinematics
       integer :: i, j, n
 
       call plain_train(given, train)
@@ -92,6 +98,11 @@ contains
       system%half_backlash = train%meshes%half_backlash/train%characteristic_length
       call put_excitation(train, system)
       call build_network(train, system%network)
+      if (present(acceleration)) then
+         call find_kinematics(given, kinematics)
+         if (kinematics%known) call accelerate(system%network, kinematics%speed_body, &
+                                               kinematics%speed_ratio*acceleration*train%characteristic_frequency**2)
+      end if
       associate (elements => system%network%elements)
          system%elements = size(elements)
          system%coordinates = system%network%coordinates
@@ -111,7 +122,8 @@ contains
       end do
       call couple(system%network, system)
       allocate (system%static_force(system%elements))
-      call rest_forces(system%network, system%law, system%characteristic_length, system%static_force, residual)
+      call rest_forces(system%network, system%law, system%characteristic_length, system%static_force, &
+                       system%rest_residual)
       system%static_force = system%static_force/(system%stiffness*system%characteristic_length)
       system%loop_offset = matmul(system%network%loop, merge(system%static_force(:system%coordinates), 0.0_dp, &
                                                              system%element_shaft(:system%coordinates) > 0))

@@ -15,7 +15,7 @@ module geartrain_model_torque_paths
       integer :: shafts = 0
       !> .false.: a rigid shaft beside other rigid shafts between the same bodies, whose torque nothing determines, (shaft).
       logical, allocatable :: known(:)
-      !> Mean torque of the bodies [N m], (shaft): 0 for an elastic shaft.
+      !> Mean torque of the bodies, less what accelerates their inertias [N m], (shaft): 0 for an elastic shaft.
       real(dp), allocatable :: constant(:)
       !> Elements and gains of shaft s stand at first(s):first(s + 1) - 1: numbers of the elements; torque per force of the
       !> element [m].
@@ -44,6 +44,7 @@ contains
 
       call bodies_of(train, inertia, torque, balancing)
       ! The mean torque that balances the others, in the balance of power.
+      torque = torque - inertia*network%acceleration(network%node)
       torque(balancing) = 0
       torque(balancing) = -network%radius(network%node(balancing))*sum(torque/network%radius(network%node))
       call find_ends(train, shaft_ends, mesh_ends)

@@ -104,7 +104,8 @@ contains
       call v%on_list(row('revolution_torque_sin', 'N m', 'sine amplitudes, likewise'), body%revolution_torque_sin)
       call v%on_real(row('damping_to_ground', 'N m s/rad', 'damping of its vibration against the ground; none of its mean &
                          &motion: a mean drag is a torque', least=zero), body%damping_to_ground)
-      call v%on_logical(row('balances', '', 'its mean torque balances those of all others; true for exactly one body'), &
+      call v%on_logical(row('balances', '', 'its mean torque balances those of all others, in a run-up the &
+                               &acceleration of the inertias as well; true for exactly one body'), &
                         body%balances)
       call v%leave()
    end subroutine visit_body
