@@ -58,7 +58,7 @@ contains
       integer :: i
 
       call keep_branches(case)
-      call begin_progress(progress, shown=alone)
+      call begin_progress(progress, case, shown=alone)
       call run_case(case, '', results, error, progress)
       status = 0
       if (allocated(error)) status = error%status
@@ -101,7 +101,7 @@ contains
          lines = lines//error%message//new_line('a')
          status = max(status, error%status)
       else
-         call audit_text(found, table)
+         call audit_text(found, case%train, case%response%unit, table)
          lines = lines//table//new_line('a')
          if (.not. found%ok) status = max(status, status_ended_early)
       end if
