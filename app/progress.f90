@@ -53,10 +53,11 @@ contains
       progress%pause = progress%rate/10
       progress%told = frequency_text(case%train, 'Lambda', 0.0_dp)
       if (allocated(case%response)) call tell('response', case%response%unit)
-      if (allocated(case%response)) progress%told(0) = progress%told(number_of('response'))
+      progress%told(0) = progress%told(number_of('response'))
       if (allocated(case%integration)) call tell('integration', case%integration%unit)
       if (allocated(case%attractors)) call tell('attractors', case%attractors%unit)
       if (allocated(case%run_up)) call tell('run_up', case%run_up%unit)
+      where (progress%told%unit /= 'Lambda') progress%told%decimals = 2
 
    contains
 

@@ -98,8 +98,8 @@ contains
       end associate
    end subroutine explain_whole
 
-   !> What speeds and the fundamental are, of a train whose meshes all have teeth, as a line: 'Speeds are those of motor; the period of
-   !> the fundamental is one turn of wheel 1'.
+   !> What speeds and the fundamental are, of a train whose meshes all have teeth, as a line: 'Speeds are those of motor; the period
+   !> of the fundamental is one turn of wheel 1'.
    subroutine speed_text(train, text)
       !> A train that has passed `check_train`.
       type(train_type), intent(in) :: train
