@@ -181,6 +181,8 @@ class Readings:
 
     def _at_ends(self, mesh: int) -> Iterator[tuple[Peak, str]]:
         """The ends of the range at which rms or force of a mesh are largest, the force of stable motions where these are known."""
+        if not len(self.frequency):
+            return
         force = self.mesh_force_maximum[:, mesh - 1]
         if self.stable is not None and self.stable.any():
             force = np.where(self.stable, force, -np.inf)
