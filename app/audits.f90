@@ -1,9 +1,10 @@
 !> Audits case files: what their branches say is checked by shooting. Writes no results.
 module audits
    use arguments, only: file_name_type
-   use geartrain, only: audit_branch, audit_text, audit_type, branch_type, case_type, error_type, read_case, results_type, &
+   use geartrain, only: audit_branch, audit_text, audit_type, branch_type, case_type, dp, error_type, read_case, results_type, &
                         run_case, status_ended_early, status_input
    use geartrain_analyses_dependencies, only: keep_branches
+   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
    use progress, only: begin_progress, progress_type
    use terminal, only: complain, hand_over, output_unit
    implicit none (type, external)
@@ -54,20 +55,23 @@ contains
       type(results_type) :: results
       type(error_type), allocatable :: error
       type(progress_type) :: progress
-      character(:), allocatable :: lines
+      type(frequency_text_type) :: told
+      character(:), allocatable :: lines, origin
       integer :: i
 
       call keep_branches(case)
-      call begin_progress(progress, shown=alone)
+      call begin_progress(progress, case, shown=alone)
       call run_case(case, '', results, error, progress)
       status = 0
       if (allocated(error)) status = error%status
       lines = ''
       if (allocated(results%response)) call audit_one(case, results%response, 'Response', progress, lines, status)
       if (allocated(results%branches)) then
+         told = frequency_text(case%train, case%response%unit, 0.0_dp)
          do i = 1, size(results%branches)
+            call told%of_words(results%branches(i)%origin, origin)
             call audit_one(case, results%branches(i), 'Branch '//number(i)//', period '//number(results%branches(i)%subharmonic) &
-                           //': '//results%branches(i)%origin, progress, lines, status)
+                           //': '//origin, progress, lines, status)
          end do
       end if
       !$omp critical (terminal)
@@ -101,7 +105,7 @@ contains
          lines = lines//error%message//new_line('a')
          status = max(status, error%status)
       else
-         call audit_text(found, table)
+         call audit_text(found, case%train, case%response%unit, table)
          lines = lines//table//new_line('a')
          if (.not. found%ok) status = max(status, status_ended_early)
       end if

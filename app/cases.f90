@@ -5,8 +5,8 @@ module cases
    use geartrain, only: case_type, error_type, explanation_text, read_case, results_type, run_case, speed_text, &
       status_ended_early, status_input, warnings_text
    use geartrain_analyses_analysis, only: analysis_type
+   use geartrain_analyses_branch_report, only: report_branches
    use geartrain_analyses_list, only: analyses, find_analysis
-   use geartrain_analyses_response, only: report_branches
    use progress, only: begin_progress, progress_type
    use terminal, only: complain, hand_over, output_unit, say, tell_of_interrupts
    implicit none (type, external)
@@ -241,7 +241,7 @@ contains
             '.partial; the run begins anew'
          call hand_over()
       end if
-      call begin_progress(progress, shown=alone)
+      call begin_progress(progress, job%case, shown=alone)
       call run_case(job%case, job%path, results, error, progress, checkpoint)
       if (allocated(error)) job%status = error%status
       !$omp critical (terminal)
@@ -272,8 +272,8 @@ contains
          call find_analysis(i, job%case, results, analysis)
          if (analysis%begun) call analysis%report(job%case%train, output_unit, progress%seconds(i))
       end do
-      if (allocated(results%branches)) &
-         call report_branches(results%branches, job%case%train, output_unit, progress%branch_seconds)
+      if (allocated(results%branches) .and. allocated(job%case%response)) call report_branches(results%branches, &
+         job%case%response, job%case%train, output_unit, progress%branch_seconds)
       if (job%status == 0 .or. job%status == status_ended_early) write (output_unit, '(2a)') 'Written: ', job%path
       call hand_over()
    end subroutine report

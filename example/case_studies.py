@@ -73,7 +73,7 @@ def draw_reducer(folder: Path) -> None:
     """Response and run-up of the two-stage reducer."""
     case = gt.read_case(CASES / "reducer.nml")
     response = case.train.response(start=200, stop=4000, unit="rpm", harmonics=0, tolerance=1e-3)
-    print(response.peaks(1), response.peaks(2), *response.jumps, response.ended, sep="\n")
+    print(response.peaks(1), response.peaks(2), response.jumps, response.ended, sep="\n")
     figure, axes = plt.subplots(2, 1, figsize=(8, 7), sharex=True, constrained_layout=True)
     response.plot(ax=axes[0], quantity="mesh_force", jumps=True)
     response.plot(ax=axes[1], quantity="shaft_torque")

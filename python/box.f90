@@ -17,7 +17,8 @@ module geartrain_python_box
    use geartrain_flow_fields, only: visit_motions
    use geartrain_input_check, only: check_analyses
    use geartrain_model_drawing, only: plain_train
-   use geartrain_model_explain, only: explain_train, explanation_text, warnings_text
+   use geartrain_model_drawing_warnings, only: warnings_text
+   use geartrain_model_explain, only: explain_train, explanation_text
    use geartrain_model_frequency_unit, only: hertz_per_lambda, speed_per_lambda
    use geartrain_model_labels, only: body_labels, mesh_labels, shaft_labels
    use geartrain_model_train, only: train_type
@@ -194,7 +195,7 @@ contains
       case ('warnings')
          call warnings_text(box%case%train, text)
       case ('audit')
-         call audit_text(box%audit, text)
+         call audit_text(box%audit, box%case%train, box%case%response%unit, text)
       case ('fields')
          call list_fields(box%fields, text)
       end select

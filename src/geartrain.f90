@@ -35,7 +35,8 @@ module geartrain
    use geartrain_input_text, only: case_text
    use geartrain_model_body, only: body_type
    use geartrain_model_check, only: check_train
-   use geartrain_model_explain, only: explain_train, explanation_text, speed_text, warnings_text
+   use geartrain_model_drawing_warnings, only: warnings_text
+   use geartrain_model_explain, only: explain_train, explanation_text, speed_text
    use geartrain_model_mesh, only: mesh_type
    use geartrain_model_modes, only: modes_type, natural_modes
    use geartrain_model_shaft, only: shaft_type

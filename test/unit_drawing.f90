@@ -2,6 +2,7 @@
 module unit_drawing
    use geartrain, only: branch_type, case_type, dp, error_type, explanation_text, motion_type, read_case_text, response, &
                         response_settings_type, train_type, warnings_text
+   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type, in_width, length_unit
    use geartrain_base_kinds, only: pi
    use geartrain_model_drawing, only: plain_train, reduce_light_loads
    use geartrain_model_frequency_unit, only: lambda_per
@@ -39,6 +40,8 @@ contains
       if (tests%runs('reducer')) call reducer(tests)
       if (tests%runs('kinematics')) call kinematics(tests)
       if (tests%runs('units')) call units(tests)
+      if (tests%runs('words_in_a_unit')) call words_in_a_unit(tests)
+      if (tests%runs('teeth_that_meet')) call teeth_that_meet(tests)
       if (tests%runs('given_wins')) call given_wins(tests)
       if (tests%runs('contradictions')) call contradictions(tests)
       if (tests%runs('warnings')) call warnings(tests)
@@ -257,6 +260,56 @@ contains
       call tests%is_close(lambda_per(train, 'rpm'), 0.0_dp, 1e-300_dp, 'no speed without teeth')
    end subroutine units
 
+   !> What a report says of frequencies, in the unit asked for; rpm where Lambda is the speed in rpm.
+   subroutine words_in_a_unit(tests)
+      class(tests_type), intent(inout) :: tests
+      type(train_type) :: train
+      type(frequency_text_type) :: told
+      character(:), allocatable :: text
+
+      call read(first//second, train, text)
+      told = frequency_text(train, 'Lambda', 1500.0_dp)
+      call tests%is_text(trim(told%unit), 'rpm', 'Lambda is the speed')
+      call tests%is_text(trim(told%number(1500.126_dp)), '1500.13', 'two digits')
+      call told%of_words('from Lambda = 1450.5: closed; from Lambda = 0.5 to 1600; left the range', text)
+      call tests%is_text(text, 'from 1450.5 rpm: closed; from 0.5 to 1600 rpm; left the range', 'numbers in words')
+      call told%of_words('step below 1e-9 at Lambda = 1.5e-4.', text)
+      call tests%is_text(text, 'step below 1e-9 at 0.00015 rpm.', 'other numbers stay, and a full stop')
+      told = frequency_text(train, 'Hz', 0.0_dp)
+      call told%of_words('reached Lambda = 1500', text)
+      call tests%is_text(text, 'reached 8.098592 Hz', '1500/60 times 23/71')
+      call tests%is_text(in_width(told%number(1500.0_dp), 9), '   8.0986', 'a column')
+      call tests%is_text(in_width('123456789', 9), ' 123456789', 'a column that is too narrow')
+      call tests%is_text(trim(length_unit(train)), ' [um]', 'lengths are in um')
+      train%characteristic_frequency = 1000
+      train%characteristic_length = 1e-5_dp
+      told = frequency_text(train, 'Lambda', 0.0_dp)
+      call told%of_words('reached Lambda = 1.5', text)
+      call tests%is_text(text, 'reached Lambda = 1.5', 'a Lambda of its own')
+      call told%with_unit('1 to 2', text)
+      call tests%is_text(text, 'Lambda 1 to 2', 'likewise a range')
+      call tests%is_text(trim(length_unit(train)), '', 'a length of its own')
+   end subroutine words_in_a_unit
+
+   !> Teeth that hunt and teeth that do not, what repeats, and the orders that a mesh excites.
+   subroutine teeth_that_meet(tests)
+      class(tests_type), intent(inout) :: tests
+      type(train_type) :: train
+      character(:), allocatable :: text
+
+      call read(first//second, train, text)
+      call explanation_text(train, text)
+      call tests%is_true(index(text, '23:71, hunting: no common divisor, every tooth meets every tooth of the mate; two teeth meet &
+         &again after 71 turns of the driving gear') > 0, 'stage 1 hunts')
+      call tests%is_true(index(text, 'excited_orders            71, 142, 213   (') > 0, 'three harmonics of stage 1')
+      call tests%is_true(index(text, 'excited_orders            19, 38, 57   (') > 0, 'three of stage 2')
+      call tests%is_true(index(text, 'fundamental_frequency     5.399061 Hz   (at 1000 rpm of motor') > 0, '1000/60 times 23/71')
+      call read(replaced(first, 'teeth = 23, 71', 'teeth = 24, 72')//second, train, text)
+      call explanation_text(train, text)
+      call tests%is_true(index(text, '24:72, not hunting: common divisor 24, a tooth meets every 24th tooth of the mate alone; two &
+         &teeth meet again after 3 turns of the driving gear') > 0, 'three teeth of the wheel, each in its turn')
+   end subroutine teeth_that_meet
+
    !> What is given directly wins.
    subroutine given_wins(tests)
       class(tests_type), intent(inout) :: tests
@@ -323,6 +376,15 @@ contains
       call read(replaced(first, 'teeth = 23, 71', 'teeth = 12, 71')//second, train, text)
       call warnings_text(train, text)
       call tests%is_true(index(text, '&mesh 1: the gear of 12 teeth is undercut') == 1, 'undercut: '//text)
+      call read(first//second, train, text)
+      train%bodies(1)%torque = 0
+      call warnings_text(train, text)
+      call tests%is_true(index(text, '&mesh 1: it bears no load') == 1 .and. index(text, 'stiffness [N/m] gives another') > 0, &
+                         'no load, and what to do about it: '//text)
+      train%meshes(1)%stiffness = 1e8_dp
+      train%meshes(2)%stiffness = 1e8_dp
+      call warnings_text(train, text)
+      call tests%is_text(text, '', 'a stiffness that is given')
    end subroutine warnings
 
    !> A chain from its drawing: inertias of the gears, rpm of the driving end.

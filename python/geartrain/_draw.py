@@ -14,7 +14,7 @@ from .errors import InputError, shown
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["check_number", "draw_curve", "draw_lines", "line_style", "new_axes", "runs"]
+__all__ = ["check_number", "draw_curve", "draw_lines", "draw_range", "line_style", "new_axes", "put_legend", "runs"]
 
 
 def runs(stable: ArrayLike | None, segment: ArrayLike) -> Iterator[tuple[slice, bool]]:
@@ -53,6 +53,25 @@ def draw_curve(
             **{"linestyle": "-" if is_stable else (0, (3, 1.5)), "color": color, **style},
             label=label if i == named else None,
         )
+
+
+def draw_range(
+    ax: Axes, frequency: ArrayLike, low: ArrayLike, high: ArrayLike, stable: ArrayLike | None, segment: ArrayLike, color: Any,
+) -> None:
+    """Shade what lies between two curves of stable motions; the curve does not turn within a piece of them."""
+    frequency, low, high = np.asarray(frequency), np.asarray(low), np.asarray(high)
+    for piece, is_stable in runs(stable, segment):
+        if is_stable:
+            ax.fill_between(frequency[piece], low[piece], high[piece], color=color, alpha=0.15, linewidth=0)
+
+
+def put_legend(ax: Axes, own: bool, raised: float = 0.0) -> None:
+    """A legend: above axes that were made for the picture, where it hides nothing; on others where it hides least."""
+    entries = len(ax.get_legend_handles_labels()[0])
+    if not own:
+        ax.legend(loc="best")
+    elif entries:
+        ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0 + raised), ncols=min(3, entries), frameon=False)
 
 
 def draw_lines(ax: Axes, places: ArrayLike, heights: ArrayLike, shift: float, color: Any) -> None:

@@ -2,10 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, TypeVar
 
-__all__ = ["text_table"]
+import numpy as np
+
+__all__ = ["Rows", "text_table"]
+
+Row = TypeVar("Row")
+
+
+class Rows(list[Row]):
+    """A list of results that is printed as a table; ``length`` is the unit of displacements in its headings."""
+
+    length: str
+
+    def __init__(self, rows: Iterable[Row] = (), length: str = "") -> None:
+        super().__init__(rows)
+        self.length = length
+
+    def _table(self) -> Mapping[str, Sequence[Any]]:
+        """The columns by their headings."""
+        raise NotImplementedError
+
+    def __str__(self) -> str:
+        return text_table(self._table())
+
+    __repr__ = __str__
 
 
 def text_table(columns: Mapping[str, Sequence[Any]]) -> str:
@@ -22,4 +45,6 @@ def _text(value: Any) -> str:
         return ""
     if isinstance(value, bool):
         return "yes" if value else "no"
+    if isinstance(value, np.ndarray):
+        return "" if np.isnan(value).any() else "  ".join(f"{number:.5g}" for number in value)
     return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from .description import Description
 from .errors import InputError, shown
 
-__all__ = ["Unit", "Units", "hertz_of", "lambda_of", "own_lambda", "speed_of", "units_of"]
+__all__ = ["Unit", "Units", "hertz_of", "lambda_of", "length_unit", "own_lambda", "speed_of", "units_of"]
 
 Unit = Literal["Lambda", "rpm", "Hz"]
 Numbers = TypeVar("Numbers", float, "NDArray[np.float64]")
@@ -37,6 +37,12 @@ def hertz_of(train: Description | None, frequency: Numbers) -> Numbers | None:
 def own_lambda(frequency: float, speed: float | None) -> float | None:
     """Lambda in a table; None where it is the speed in rpm, which the table has."""
     return None if speed is not None and abs(frequency - speed) <= 1e-9 * speed else frequency
+
+
+def length_unit(train: Description | None) -> str:
+    """Unit of displacements over the characteristic length where it has a name, as the head of a column has it."""
+    length = train._outline["characteristic_length"] if isinstance(train, Description) else 0.0
+    return " [um]" if abs(length - 1e-6) < 1e-18 else " [m]" if abs(length - 1.0) < 1e-12 else ""
 
 
 def _at_one(train: Description | None, unit: Any) -> float:

@@ -7,7 +7,6 @@ import contextlib
 import sys
 import threading
 import time
-import warnings
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
@@ -15,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._extras import missing
+from ._warn import warn
 from .errors import Interrupted
 
 __all__ = ["watched"]
@@ -119,7 +119,7 @@ def _bar(name: str, total: int | None, begin: float, unit: str) -> Any:
         from tqdm.auto import tqdm
     except ImportError:
         if sys.stderr.isatty():
-            warnings.warn(f"no progress bar without {missing('tqdm')}", stacklevel=3)
+            warn(f"no progress bar without {missing('tqdm')}")
         return None
     bar = tqdm(desc=name, total=total, unit=f" {unit}", disable=None, leave=False)
     bar.start_t = time.time() - (time.monotonic() - begin)

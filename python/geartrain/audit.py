@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._box import Box
+from ._units import hertz_of, speed_of
+from .description import Description
 
 __all__ = ["Audit"]
 
@@ -26,6 +28,12 @@ class Audit:
         ``'point'``, or the kind of a special point.
     frequency, exact_frequency : ndarray, (rows,)
         Lambda as the branch has it, and of the special point of the exact branch; nan for a point and where none was found.
+    speed, exact_speed : ndarray, (rows,), or None
+        Both in rpm; None where not every mesh has teeth.
+    fundamental_frequency, exact_fundamental_frequency : ndarray, (rows,), or None
+        Both in Hz.
+    unit : str
+        Of the frequencies in the table: what the branch was asked in, rpm where Lambda is the speed in rpm.
     point : ndarray of int, (rows,)
         Index of the point; of a special point other than a fold that of the point before it.
     error_estimate, error, ratio : ndarray, (rows,)
@@ -74,6 +82,11 @@ class Audit:
     wrong_verdicts: int
     ok: bool
     table: str
+    unit: str
+    speed: Array | None = None
+    exact_speed: Array | None = None
+    fundamental_frequency: Array | None = None
+    exact_fundamental_frequency: Array | None = None
 
     def __len__(self) -> int:
         return len(self.frequency)
@@ -85,7 +98,12 @@ class Audit:
         return self.table
 
     @classmethod
-    def _from(cls, box: Box) -> Audit:
+    def _from(cls, box: Box, train: Description) -> Audit:
         group = box.show("audit")["/audit"]
         values = {**group.values(), "point": group.arrays["point"] - 1, "table": box.text("audit")}
+        for name in ("", "exact_"):
+            frequency = values[f"{name}frequency"]
+            values[f"{name}speed"] = speed_of(train, frequency)
+            values[f"{name}fundamental_frequency"] = hertz_of(train, frequency)
+        values["unit"] = values["table"].split(maxsplit=1)[0]
         return cls(**{item.name: values[item.name] for item in fields(cls)})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from numbers import Integral, Real
@@ -15,13 +15,15 @@ from numpy.typing import NDArray
 from ._box import Box, Group, described
 from ._dataset import dataset
 from ._motion_table import motions_of
-from ._units import Unit, hertz_of, lambda_of, speed_of
+from ._text_table import Rows
+from ._units import Unit, hertz_of, lambda_of, length_unit, speed_of
 from ._watch import watched
 from .audit import Audit
 from .description import Description, mesh_names, shaft_names
 from .errors import InputError, SolverError, shown
 from .motion import Motion
 from .response_plot import Curves
+from .summary import speeds
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -60,6 +62,18 @@ class SpecialPoint:
     undecided: bool = False
     speed: float | None = None
     fundamental_frequency: float | None = None
+
+
+class SpecialPoints(Rows[SpecialPoint]):
+    """Special points of a branch: a list of `SpecialPoint` that is printed as a table."""
+
+    def _table(self) -> Mapping[str, Sequence[Any]]:
+        return {
+            "kind": [special.kind for special in self],
+            **speeds(self),
+            f"rms{self.length}": [special.rms for special in self],
+            "undecided": [special.undecided or None for special in self],
+        }
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -232,10 +246,14 @@ class Branch(Curves):
             if isinstance(value, bool) or not isinstance(value, Integral) or not least <= value < 2**31:
                 raise InputError(f"{name} = {shown(value)}: must be an integer from {least} to {2**31 - 1}")
 
+        train = self.train
+        if train is None:
+            raise ValueError("this branch has no train")
+
         def work(progress: NDArray[np.float64]) -> Audit:
             with self._box() as box:
                 box.check(box.work("audit", progress, points, random_seed))
-                return Audit._from(box)
+                return Audit._from(box, train)
 
         return watched(work, "audit", min(points, len(self)) + len(self.special_points))
 
@@ -380,13 +398,13 @@ class Branch(Curves):
         if "frequency" not in group.arrays or not (place or len(group.arrays["frequency"])):
             return None
         rows = box.results().get(f"{path}/special_points", Group())
-        specials = [
+        specials = SpecialPoints((
             SpecialPoint(
                 kind, float(frequency), int(point) - 1, rms, bool(undecided), speed_of(train, float(frequency)),
                 hertz_of(train, float(frequency)),
             )
             for kind, frequency, point, undecided, rms in rows.rows("kind", "frequency", "after_point", "undecided", "rms")
-        ]
+        ), length_unit(train))
         known = {item.name for item in fields(cls)}
         # Axes, and what follows from other fields or the train, are no fields of their own; an attribute may have an array's name.
         arrays = {name: values for name, values in group.arrays.items()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import zip_longest
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ._box import Box
 from ._namelist import group, in_words_of_the_call, values
 from ._variable import Part
+from ._warn import warn
 from .errors import DrawingWarning, InputError, shown
 from .explanation import Explanation
 from .variables import PARTS, VARIABLES, TrainVariables
@@ -36,7 +36,7 @@ class Description(TrainVariables):
             object.__setattr__(self, name, tuple(parts))
         super().__post_init__()
         for told in self.warnings:  # which checks the train
-            warnings.warn(told, DrawingWarning, stacklevel=3)
+            warn(told, DrawingWarning)
 
     def namelist(self, **analyses: Unpack[Analyses]) -> str:
         """The train, and the analyses wanted, as a case file's text.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence, Sized
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -16,6 +15,7 @@ from ._box import Box, fortran
 from ._motion_check import check_motion, check_states
 from ._motion_table import INTEGRATION, motions_dataset, motions_of, put_motions
 from ._units import hertz_of, speed_of
+from ._warn import warn
 from ._watch import watched
 from .description import Description
 from .errors import InputError, SolverError, shown
@@ -287,10 +287,9 @@ class Motion(Pictures):
         refined = watched(work, "refinement")
         moved = float(np.abs(refined.rms - self.rms).max() / max(refined.rms.max(), np.finfo(float).tiny))
         if moved > max(10 * self.error_estimate, 1e-6):
-            warnings.warn(
+            warn(
                 f"refine: the rms moved by {moved:.2g} (relative) at Lambda = {self.frequency:g}, where the estimated error is "
-                f"{self.error_estimate:.2g}: the orbit may be another one",
-                stacklevel=2,
+                f"{self.error_estimate:.2g}: the orbit may be another one"
             )
         return refined
 

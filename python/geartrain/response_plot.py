@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._box import described
-from ._draw import check_number, draw_curve, line_style, new_axes
+from ._draw import check_number, draw_curve, draw_range, line_style, new_axes, put_legend
 from ._units import Unit, Units, units_of
 from .description import Description, mesh_names
 from .errors import InputError, shown
@@ -57,6 +57,8 @@ class Quantity:
     def label(self, units: Units) -> str:
         """Of its axis."""
         words = "largest mesh force" if self.name.startswith("mesh_force") else self.name.replace("_", " ")
+        if len(self.values) > 1:
+            words = f"{words}, smallest to largest"
         if self.name in _LENGTHS:
             return f"mesh displacement  {words} {units.length}"
         return words if self.unit == "1" else f"{words}  [{self.unit}]"
@@ -119,7 +121,7 @@ class Curves(Readings):
         units = units_of(self.train, unit)
         curves = [Quantity.of(quantity, branch.train, "/response", partial(_field, branch)) for branch in (self, *self.branches)]
         columns = curves[0].chosen(mesh, shaft)
-        ax = new_axes(ax)
+        own, ax = ax is None, new_axes(ax)
         style = line_style(style)
         label = style.pop("label", None)
         colors = []
@@ -132,16 +134,20 @@ class Curves(Readings):
                     draw_curve(ax, frequency, values[:, column], branch.stable, branch.segment, name, **{**thin, **style})
                     # The same colour, whether it was given or the next of the cycle.
                     thin = {"color": ax.lines[-1].get_color()}
+                if len(curve.values) > 1:
+                    low, high = (values[:, column] for values in curve.values)
+                    draw_range(ax, frequency, low, high, branch.stable, branch.segment, thin["color"])
                 thin["linewidth"] = 0.8
             colors.append(thin["color"])
         if jumps:
             self._mark_jumps(ax, units, columns if quantity == "rms" else None)
+        strips = 0.0
         if ranges:
-            self._mark_ranges(ax, units, columns if curves[0].along == "mesh" else range(self.rms.shape[1]), colors)
+            strips = self._mark_ranges(ax, units, columns if curves[0].along == "mesh" else range(self.rms.shape[1]), colors)
         ax.set_xlabel(units.frequency)
         ax.set_ylabel(curves[0].label(units))
         if len(columns) > 1 or jumps or ranges:
-            ax.legend()
+            put_legend(ax, own, strips)
         return ax
 
     def _mark_jumps(self, ax: Axes, units: Units, columns: Sequence[int] | None) -> None:
@@ -156,8 +162,11 @@ class Curves(Readings):
                 ax.axvline(at, color="0.35", linewidth=0.8, linestyle=":")
         ax.plot([], [], color="0.35", linewidth=0.9, linestyle="-" if columns is not None else ":", label="jump")
 
-    def _mark_ranges(self, ax: Axes, units: Units, columns: Sequence[int], colors: Sequence[Any]) -> None:
-        """Strips above the axes, a row for each mesh that has any: light where teeth separate, dark where back flanks collide."""
+    def _mark_ranges(self, ax: Axes, units: Units, columns: Sequence[int], colors: Sequence[Any]) -> float:
+        """Strips above the axes, a row for each mesh that has any: light where teeth separate, dark where back flanks collide.
+
+        Gives their height over that of the axes.
+        """
         known = self.stable is not None
         row, named = 0, set[str]()
         for place, column in enumerate(columns):
@@ -171,6 +180,7 @@ class Curves(Readings):
                     if name not in named:
                         named.add(name)
                         ax.fill_between([], [], color="0.3", alpha=alpha, linewidth=0, label=name)
+        return 0.012 * bool(row) + 0.026 * row
 
 
 def plot_visits(
@@ -181,7 +191,7 @@ def plot_visits(
     units = units_of(train, unit)
     curve = Quantity.of(quantity, train, "/integration", lambda name: _column(motions, name))
     columns = curve.chosen(mesh, shaft)
-    ax = new_axes(ax)
+    own_axes, ax = ax is None, new_axes(ax)
     style = line_style(style)
     label = style.pop("label", None)
     ways = np.array(motions.direction, object)
@@ -196,13 +206,16 @@ def plot_visits(
                 name = None if color else label or curve.names[column]
                 (line,) = ax.plot(frequency[there], values[there, column], label=name, **own)
                 color = {"color": line.get_color()}
+            if len(curve.values) > 1:
+                low, high = (values[there, column] for values in curve.values)
+                ax.vlines(frequency[there], low, high, colors=[color["color"]], alpha=0.25, linewidth=0.8)
     if len({*motions.direction}) > 1:
         ax.plot([], [], "k^", markersize=4, label="rising")
         ax.plot([], [], "kv", markersize=4, fillstyle="none", label="falling")
     ax.set_xlabel(units.frequency)
     ax.set_ylabel(curve.label(units))
     if ax.get_legend_handles_labels()[0]:
-        ax.legend()
+        put_legend(ax, own_axes)
     return ax
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._dataset import dataset
-from ._extras import extra
+from ._draw import new_axes, put_legend
 from ._table import Table
 from ._units import Unit, units_of
 from .description import Description
@@ -143,15 +143,14 @@ class RunUp(Table):
         else:
             low, high = getattr(self, f"{what}_minimum"), getattr(self, f"{what}_maximum")
             frequency = np.interp(self.window_time, self.time, frequency)
-        if ax is None:
-            ax = extra("matplotlib.pyplot").subplots()[1]
+        own, ax = ax is None, new_axes(ax)
         for place, name in enumerate(getattr(self, f"{along}_label")):
             if not np.isnan(low[:, place]).any():
                 ax.fill_between(frequency, low[:, place], high[:, place], **{"alpha": 0.7, "lw": 1.0, "label": name, **style})
         ax.set_xlim(frequency[0], frequency[-1] if frequency[-1] != frequency[0] else None)
         ax.set_xlabel(units.frequency)
         ax.set_ylabel(f"{label}  {units.length}" if what == "displacement" else label)
-        ax.legend()
+        put_legend(ax, own)
         return ax
 
     def spectra(self, what: str = "mesh_force", number: int = 1, pictures: int = 200) -> tuple[Array, Array, Array]:
@@ -228,8 +227,7 @@ class RunUp(Table):
         time, lines, amplitude = self.spectra(what, number)
         along, _ = _one_of("what", what, _KINDS)
         units = units_of(self.train, unit)
-        if ax is None:
-            ax = extra("matplotlib.pyplot").subplots()[1]
+        ax = new_axes(ax)
         if highest is None:
             highest = float(lines[-1]) / 4
         count = max(2, int(np.searchsorted(lines, highest, side="right")))

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._box import Box, Group
 from ._draw import check_number
-from ._text_table import text_table
-from ._units import hertz_of, own_lambda, speed_of
+from ._text_table import Rows
+from ._units import hertz_of, lambda_of, length_unit, own_lambda, speed_of
 from .description import Description
 from .errors import InputError
 
-__all__ = ["Jump", "Peak", "Peaks", "Readings"]
+__all__ = ["Jump", "Jumps", "Peak", "Peaks", "Readings", "speeds"]
 
 Array = NDArray[np.float64]
 
@@ -54,22 +56,30 @@ class Peak:
     fundamental_frequency: float | None = None
 
 
-class Peaks(list[Peak]):
-    """Peaks of a branch: a list of `Peak` that is printed as a table."""
+class Peaks(Rows[Peak]):
+    """Peaks of a branch: a list of `Peak` that is printed as a table.
 
-    def __str__(self) -> str:
-        return text_table({
-            "mesh": [peak.mesh for peak in self],
-            "speed [rpm]": [peak.speed for peak in self],
-            "fundamental [Hz]": [peak.fundamental_frequency for peak in self],
-            "Lambda": [own_lambda(peak.frequency, peak.speed) for peak in self],
-            "rms": [peak.rms for peak in self],
-            "largest force [N]": [peak.mesh_force_maximum for peak in self],
-            "dynamic factor": [peak.dynamic_factor for peak in self],
-            "stable": [peak.stable for peak in self],
-        })
+    Attributes
+    ----------
+    ends : sequence of (Peak, str)
+        Where the rms or the force of a mesh is largest at an end of the range, so that there may be more beyond, and which of them:
+        rows below the peaks, and no peaks themselves.
+    """
 
-    __repr__ = __str__
+    ends: Sequence[tuple[Peak, str]] = ()
+
+    def _table(self) -> Mapping[str, Sequence[Any]]:
+        rows = [*self, *(peak for peak, _ in self.ends)]
+        ends = {"at the end of the range": [*[None] * len(self), *(words for _, words in self.ends)]} if self.ends else {}
+        return {
+            "mesh": [peak.mesh for peak in rows],
+            **speeds(rows),
+            f"rms{self.length}": [peak.rms for peak in rows],
+            "largest force [N]": [peak.mesh_force_maximum for peak in rows],
+            "dynamic factor": [peak.dynamic_factor for peak in rows],
+            "stable": [peak.stable for peak in rows],
+            **ends,
+        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,13 +123,31 @@ class Jump:
     fundamental_frequency: float | None = None
 
 
+class Jumps(Rows[Jump]):
+    """Jumps of a branch: a list of `Jump` that is printed as a table."""
+
+    def _table(self) -> Mapping[str, Sequence[Any]]:
+        return {
+            "sweep": [jump.direction for jump in self],
+            **speeds(self),
+            "what": [jump.kind for jump in self],
+            "cause": [jump.cause for jump in self],
+            f"rms{self.length} before": [jump.before for jump in self],
+            "after": [jump.after for jump in self],
+            "undecided": [jump.undecided or None for jump in self],
+        }
+
+
 class Readings:
     """What one reads off a branch: its peaks and jumps, and ranges of Lambda."""
 
     rms: Array
+    frequency: Array
     stable: NDArray[np.bool_] | None
+    undecided: NDArray[np.bool_] | None
     mesh_force_maximum: Array
     dynamic_factor: Array
+    settings: Mapping[str, Any]
     train: Description | None
 
     def _box(self) -> Box:
@@ -137,18 +165,40 @@ class Readings:
         """
         known = self.stable is not None
         rows = self._read_off("peaks", mesh or 1).rows("frequency", "rms", "point", "stable", "undecided", "mesh")
-        return Peaks(
-            Peak(
-                float(f), float(rms), int(point) - 1, bool(stable) if known else None, bool(undecided), int(number),
-                float(self.mesh_force_maximum[point - 1, number - 1]), float(self.dynamic_factor[point - 1, number - 1]),
-                *self._speeds(float(f)),
-            )
+        peaks = Peaks((
+            self._peak(float(f), float(rms), int(point) - 1, bool(stable) if known else None, bool(undecided), int(number))
             for f, rms, point, stable, undecided, number in rows
             if mesh is None or number == mesh
+        ), length_unit(self.train))
+        peaks.ends = [end for number in range(1, self.rms.shape[1] + 1) if mesh in {None, number} for end in self._at_ends(number)]
+        return peaks
+
+    def _peak(self, frequency: float, rms: float, point: int, stable: bool | None, undecided: bool, mesh: int) -> Peak:
+        return Peak(
+            frequency, rms, point, stable, undecided, mesh, float(self.mesh_force_maximum[point, mesh - 1]),
+            float(self.dynamic_factor[point, mesh - 1]), *self._speeds(frequency),
         )
 
+    def _at_ends(self, mesh: int) -> Iterator[tuple[Peak, str]]:
+        """The ends of the range at which rms or force of a mesh are largest, the force of stable motions where these are known."""
+        if not len(self.frequency):
+            return
+        force = self.mesh_force_maximum[:, mesh - 1]
+        if self.stable is not None and self.stable.any():
+            force = np.where(self.stable, force, -np.inf)
+        largest = {"rms": int(self.rms[:, mesh - 1].argmax()), "force": int(force.argmax())}
+        for point in dict.fromkeys(largest.values()):
+            at = float(self.frequency[point])
+            ends = [lambda_of(self.train, self.settings[name], self.settings.get("unit")) for name in ("start", "stop")
+                    if self.settings.get(name)]
+            if any(abs(at - end) <= 1e-9 * max(ends) for end in ends):
+                words = " and ".join(f"largest {name}" for name, place in largest.items() if place == point)
+                stable = None if self.stable is None else bool(self.stable[point])
+                undecided = self.undecided is not None and bool(self.undecided[point])
+                yield self._peak(at, float(self.rms[point, mesh - 1]), point, stable, undecided, mesh), words
+
     @cached_property
-    def jumps(self) -> list[Jump]:
+    def jumps(self) -> Jumps:
         """Where a sweep in speed jumps, by frequency; empty where stability was not asked for.
 
         Examples
@@ -159,10 +209,10 @@ class Readings:
         rising, 1.6645: jump up, [0.47 0.12] -> [0.73 0.11]
         """
         names = ("frequency", "kind", "direction", "cause", "rms_before", "rms_after", "candidates", "undecided")
-        return [
+        return Jumps((
             Jump(float(at), kind, direction, cause, before, after, int(candidates), bool(undecided), *self._speeds(float(at)))
             for at, kind, direction, cause, before, after, candidates, undecided in self._read_off("jumps").rows(*names)
-        ]
+        ), length_unit(self.train))
 
     @property
     def bands_without_stability(self) -> Array:
@@ -219,6 +269,15 @@ class Readings:
         found = self._read_off(what)
         ends: Array = _ends(found)[(found.column("mesh") == mesh) & (found.column("stable") == stable)]
         return ends
+
+
+def speeds(rows: Iterable[Any]) -> dict[str, list[float | None]]:
+    """The columns of a table that tell at which speed its rows are."""
+    return {
+        "speed [rpm]": [row.speed for row in rows],
+        "fundamental [Hz]": [row.fundamental_frequency for row in rows],
+        "Lambda": [own_lambda(row.frequency, row.speed) for row in rows],
+    }
 
 
 def _ends(ranges: Group) -> Array:

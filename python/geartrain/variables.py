@@ -72,7 +72,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "driving_inertia": Variable("driving_inertia", "real", "float", None, False, "In a chain: polar moment of inertia of the driving gear; or as a disc of its pitch diameter; [kg m^2]; > 0"),
         "driven_inertia": Variable("driven_inertia", "real", "float", None, False, "In a chain: polar moment of inertia of the driven gear; or as a disc of its pitch diameter; [kg m^2]; > 0"),
         "internal": Variable("internal", "logical", "bool", False, False, "An internal gear pair: both gears turn in one sense"),
-        "stiffness": Variable("stiffness", "real", "float", None, False, "Mean mesh stiffness along the line of action in the transverse plane; or by stiffness_table, or by ISO 6336-1 where the drawing is given; [N/m]; > 0"),
+        "stiffness": Variable("stiffness", "real", "float", None, False, "Mean mesh stiffness along the line of action in the transverse plane; or by stiffness_table, or by ISO 6336-1 where the drawing is given, less below a line load of 100 N/mm; [N/m]; > 0"),
         "damping_ratio": Variable("damping_ratio", "real", "float", 0.0, False, "c/(2 sqrt(k m)) with m = I_a I_b/(r_a^2 I_b + r_b^2 I_a); >= 0"),
         "damping": Variable("damping", "real", "float", None, False, "Damping coefficient, instead of damping_ratio; [N s/m]; >= 0"),
         "damping_acts": Variable("damping_acts", "text", "Literal['always', 'contact']", "always", False, "At all times, or in contact only: not while the teeth are apart; 'always' or 'contact'"),

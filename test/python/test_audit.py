@@ -4,7 +4,7 @@ import pickle
 
 import numpy as np
 import pytest
-from conftest import ROOT, run, single_pair
+from conftest import ROOT, reducer, run, single_pair
 
 import geartrain as gt
 
@@ -68,6 +68,22 @@ def test_the_call(branch):
     assert list(found.kind[12:]) == [special.kind for special in branch.special_points]
     assert str(pickle.loads(pickle.dumps(found))) == str(found)
     assert str(branch.audit(points=12, random_seed=3)) == str(found)
+
+
+def test_speeds_of_an_audit(branch):
+    """In rpm where the speed is known, in Hz always; the table is in the unit of the branch."""
+    found = branch.audit(points=2)
+    assert found.unit == "Lambda" and found.speed is None and found.exact_speed is None
+    np.testing.assert_allclose(found.fundamental_frequency, found.frequency * 9870 / (2 * np.pi))
+    drawn = reducer().response(start=1660, stop=1680, unit="rpm", harmonics=0, tolerance=1e-3)
+    found = drawn.audit(points=2)
+    assert found.unit == "rpm" == str(found).split()[0] and found.ok
+    np.testing.assert_allclose(found.speed, found.frequency)
+    np.testing.assert_allclose(found.exact_speed, found.exact_frequency)
+    np.testing.assert_allclose(found.fundamental_frequency, found.speed / 60 * 23 / 71)
+    hertz = reducer().response(start=9.0, stop=9.02, unit="Hz", harmonics=0, tolerance=1e-3).audit(points=1)
+    first = float(str(hertz).splitlines()[1].split()[0])
+    assert hertz.unit == "Hz" and first == pytest.approx(hertz.fundamental_frequency[0], abs=1e-6)
 
 
 @pytest.mark.parametrize("wrong", [{"points": -1}, {"points": 1.5}, {"points": True}, {"points": 10**12}, {"random_seed": "a"}])

@@ -3,11 +3,13 @@
 import copy
 import pickle
 import warnings
+from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import REDUCER, paper_train, reducer, run
+from conftest import REDUCER, ROOT, paper_train, reducer, run
 
 import geartrain as gt
 
@@ -70,6 +72,13 @@ def test_a_formula_outside_its_range_is_warned_of(drawn):
         warnings.simplefilter("error")
         paper_train()
         reducer()
+    rattle = ROOT / "namelists" / "rattle.nml"
+    with pytest.warns(gt.DrawingWarning, match="far below the loads that ISO 6336-1 is for.*stiffness") as told:
+        found = gt.read_case(rattle).train
+        replace(found, title="another")
+        copy.deepcopy(found)
+        gt.read_case(rattle)
+    assert {Path(warning.filename).name for warning in told} == {Path(__file__).name}
 
 
 def test_a_frequency_may_be_asked_for_in_rpm_and_hertz(drawn):

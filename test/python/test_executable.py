@@ -1,6 +1,10 @@
 """The executable as a user types it: options, messages, exit statuses (3 and 4: test_results_file.py)."""
 
+import contextlib
+import os
+import pty
 import re
+import subprocess
 
 import h5py
 import pytest
@@ -28,6 +32,53 @@ def test_template_runs_through_check(executable, tmp_path):
 def test_version_and_help(executable, tmp_path):
     assert run(executable, "--version", cwd=tmp_path).stdout == f"geartrain {gt.__version__}\n"
     assert "Exit status" in run(executable, "--help", cwd=tmp_path).stdout
+
+
+def test_the_report_is_in_the_unit_asked_for(executable, tmp_path):
+    """rpm where Lambda is the speed in rpm, though Lambda is asked for; Hz where asked for; um where lengths are in um."""
+    train = (ROOT / "namelists" / "reducer.nml").read_text().split("&modes")[0]
+    settings = "harmonics = 0, tolerance = 1e-3 /"
+    (tmp_path / "speed.nml").write_text(
+        f"{train}&modes /\n&response from = 1640.0, to = 1680.0, {settings}\n&run_up from = 1650.0, to = 1720.0, duration = 0.5 /\n"
+        "&integration from = 1500.0, to = 1510.0, points = 2 /\n&attractors frequency = 1500.0, starts = 2 /\n")
+    done = run(executable, "speed.nml", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "") and "Lambda" not in done.stdout
+    for words in ("peak at rpm    rms [um]", "at rpm, stable motions", "ended: reached 1680 rpm",
+                  "ended: reached 1720 rpm", "Attractors at 1500 rpm: ", "rms [um] of each mesh", "Speeds are those of motor",
+                  "separates at 1667.40 to 1680.00 rpm", "speed       rpm  to the nearest stable motion, rms [um] of the meshes",
+                  "damping_acts = 'contact' in &mesh"):
+        assert words in done.stdout, words
+    assert "at the end of the range" not in done.stdout
+    # Short of the jump at 1673 rpm: rms and force of either mesh are largest at the end.
+    (tmp_path / "end.nml").write_text(f"{train}&response from = 1640.0, to = 1672.0, {settings}\n")
+    done = run(executable, "end.nml", cwd=tmp_path)
+    assert done.stdout.count("1672.00") == done.stdout.count("at the end of the range: there may be more beyond") == 4
+    (tmp_path / "hertz.nml").write_text(f"{train}&response from = 8.9, to = 9.06, unit = 'Hz', {settings}\n")
+    done = run(executable, "hertz.nml", cwd=tmp_path)
+    assert done.returncode == 0 and "Lambda" not in done.stdout and "rpm" not in done.stdout
+    assert "folds at Hz" in done.stdout and "ended: reached 9.06 Hz" in done.stdout
+    folds = re.search("folds at Hz +(.*)", done.stdout).group(1).split()
+    assert float(folds[0]) == pytest.approx(1667.404 / 60 * 23 / 71, abs=1e-4)
+    done = run(executable, "--audit", "hertz.nml", cwd=tmp_path)
+    assert done.returncode == 0 and re.search("^ +Hz  what", done.stdout, re.MULTILINE)
+
+
+def test_progress_of_a_motion_that_does_not_settle(executable, tmp_path):
+    """On a terminal, in the unit of the analysis, from the second second on."""
+    train = (ROOT / "namelists" / "single_pair.nml").read_text().split("&modes")[0]
+    train = train.replace("stiffness_cos   = 0.3", "stiffness_cos = 0.6")
+    (tmp_path / "case.nml").write_text(
+        f"{train}&integration from = 1.9, to = 1.9, points = 1, unit = 'Lambda', max_periods = 300000 /\n")
+    leader, follower = pty.openpty()
+    with subprocess.Popen([executable, "case.nml"], cwd=tmp_path, stderr=follower, stdout=subprocess.DEVNULL) as process:
+        os.close(follower)
+        told = b""
+        with contextlib.suppress(OSError):
+            while (part := os.read(leader, 4096)) and told.count(b"settling: ") < 3:
+                told += part
+        process.kill()
+    os.close(leader)
+    assert re.search(rb"settling: \d+ periods, Lambda 1\.9000, 0 points done", told), told
 
 
 def test_every_problem_at_once_and_nothing_written(executable, tmp_path):

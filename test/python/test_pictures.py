@@ -1,5 +1,6 @@
 """Pictures: what is drawn are the results, on axes in their units; and what only pictures need."""
 
+import pickle
 from dataclasses import replace
 
 import matplotlib as mpl
@@ -75,7 +76,7 @@ def test_jumps_and_ranges_of_a_response(branch):
 
 
 def test_the_torque_of_the_shafts_over_speed(branch, monkeypatch):
-    """Smallest and largest in one colour, of shafts that are not rigid."""
+    """Smallest and largest in one colour, with what lies between them shaded, of shafts that are not rigid."""
     from geartrain import response_plot
     from geartrain._box import Group, described
 
@@ -85,11 +86,17 @@ def test_the_torque_of_the_shafts_over_speed(branch, monkeypatch):
     torque = np.array([100.0, np.nan, 300.0]) + 50 * branch.rms[:, :1]
     turned = replace(branch, others={**branch.others, **dict(zip(fields, (torque, 2 * torque), strict=True))})
     ax = turned.plot(quantity="shaft_torque")
-    assert ax.get_ylabel() == "shaft torque  [N m]"
+    assert ax.get_ylabel() == "shaft torque, smallest to largest  [N m]"
     assert [text.get_text() for text in ax.get_legend().get_texts()] == ["shaft 1", "shaft 3"]
     for color, column in (("C0", 0), ("C1", 2)):
         drawn = {y for line in ax.lines if mpl.colors.same_color(line.get_color(), color) for y in line.get_ydata()}
         assert drawn == {*torque[:, column], *(2 * torque[:, column])}
+        # What is shaded are the stable motions, each from the smallest to the largest torque.
+        shaded = [shade.get_paths()[0].vertices for shade in ax.collections
+                  if mpl.colors.same_color(shade.get_facecolor()[0, :3], color)]
+        assert shaded and {*np.concatenate(shaded)[:, 1]} <= drawn
+        stable = branch.frequency[branch.stable]
+        assert {*stable} <= {*np.concatenate(shaded)[:, 0]}
     assert len(turned.plot(quantity="shaft_torque", shaft=3).lines) == len(ax.lines) // 2
     with pytest.raises(gt.InputError, match="shaft = 4: must be 1 to 3"):
         turned.plot(quantity="shaft_torque", shaft=4)
@@ -115,7 +122,30 @@ def test_peaks_are_a_table(branch):
     highest = max(peaks, key=lambda peak: peak.rms)
     assert f"{highest.rms:.6g}" in rows[peaks.index(highest)] and rows[peaks.index(highest)].endswith("yes")
     assert highest.mesh_force_maximum == branch.mesh_force_maximum[highest.point, highest.mesh - 1]
-    assert str(branch.peaks(1)[:0]) == "[]"
+    assert str(branch.peaks(1)[:0]) == "[]" and not branch.peaks().ends
+
+
+def test_the_largest_at_an_end_of_the_range_is_no_peak_but_told(train):
+    """Mesh 2 of figure 3 peaks at 0.73: a range that ends before it has its largest rms and force at the end."""
+    part = train.response(start=0.62, stop=0.70, harmonics=6)
+    peaks = part.peaks(2)
+    ((end, what),) = peaks.ends
+    assert what == "largest rms and largest force" and end.frequency in {0.62, 0.7} and end.mesh == 2
+    assert end.rms == part.rms[:, 1].max() and end.mesh_force_maximum == part.mesh_force_maximum[part.stable, 1].max()
+    *_, last = str(peaks).splitlines()
+    assert last.endswith(what) and "at the end of the range" in str(peaks)
+    assert pickle.loads(pickle.dumps(peaks)) == peaks and str(pickle.loads(pickle.dumps(peaks))) == str(peaks)
+
+
+def test_jumps_and_special_points_are_tables(branch, drawn):
+    heading, *rows = str(branch.jumps).splitlines()
+    assert len(rows) == len(branch.jumps) and "jump down" in rows[0] and heading.split()[:3] == ["sweep", "fundamental", "[Hz]"]
+    heading, *rows = str(branch.special_points).splitlines()
+    assert len(rows) == len(branch.special_points) and rows[0].split()[0] == branch.special_points[0].kind == "fold"
+    assert isinstance(branch.jumps, list) and isinstance(branch.special_points, list)
+    fast = drawn.response(start=1660, stop=1680, unit="rpm", harmonics=0, tolerance=1e-3)
+    assert "speed [rpm]" in str(fast.jumps) and "rms [um] before" in str(fast.jumps) and "Lambda" not in str(fast.jumps)
+    assert "rms [um]" in str(fast.special_points) and "rms [um]" in str(fast.peaks())
 
 
 def test_a_stability_map_in_hertz(train):
@@ -202,6 +232,19 @@ def test_a_motion_of_the_reducer_in_ms_and_orders(drawn):
 
 
 # -------------------------------------------------------------------------------------------------- trains
+
+
+@pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
+def test_a_campbell_diagram_of_engine_and_meshes():
+    """Order 2 of the engine and three harmonics of each mesh: all that meet a natural frequency in the range."""
+    rattle = gt.read_case(ROOT / "namelists" / "rattle.nml").train
+    diagram = rattle.campbell(start=500.0, stop=6000.0, unit="rpm")
+    orders = sorted([2, *(teeth * harmonic for teeth in (22, 13, 29) for harmonic in (1, 2, 3))])
+    assert [order.order for order in diagram.orders] == orders
+    speeds = [60 * hertz / order for hertz in rattle.modes().natural_frequency_hertz for order in orders]
+    within = sorted(speed for speed in speeds if 500 <= speed <= 6000)
+    np.testing.assert_allclose([crossing.speed for crossing in diagram.crossings], within)
+    assert "2 x revolution of engine" in str(diagram)
 
 
 def test_a_campbell_diagram_of_the_reducer(drawn):

@@ -2,6 +2,7 @@
 !> through attractors that lie on no branch so far.
 module geartrain_analyses_attractors
    use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
+   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type, length_unit
    use geartrain_analyses_integration, only: most_harmonics
    use geartrain_balance_motion, only: motion_type
    use geartrain_balance_same_motion, only: is_same_motion
@@ -402,13 +403,17 @@ contains
       type(train_type), intent(in) :: train
       integer, intent(in) :: unit
       real(dp), intent(in) :: seconds
+      type(frequency_text_type) :: told
+      character(:), allocatable :: words
       integer :: i
 
       associate (found => self%result)
-         write (unit, '(3a, i0, a, i0, 5a)') 'Attractors at Lambda = ', fixed(found%frequency_ratio, 4), ': ', &
-              size(found%motions), &
+         told = frequency_text(train, self%settings%unit, 0.0_dp)
+         call told%of_words('Attractors at Lambda = '//fixed(found%frequency_ratio, 4), words)
+         write (unit, '(2a, i0, a, i0, 5a)') words, ': ', size(found%motions), &
             ' from ', found%starts, ' starts in ', fixed(seconds, 2), ' s, ', fixed(100*found%unsettled, 1), ' % did not settle'
-         if (size(found%motions) > 0) write (unit, '(a)') '    motion  period     share            rms of each mesh'
+         if (size(found%motions) > 0) write (unit, '(3a)') '    motion  period     share            rms', &
+            trim(length_unit(train)), ' of each mesh'
          do i = 1, size(found%motions)
             associate (motion => found%motions(i))
                write (unit, '(i10, i8, f8.1, a, 2x, a)', advance='no') i, motion%period, 100*motion%share, ' %', &
@@ -416,7 +421,9 @@ contains
                write (unit, '(*(f12.5))') motion%rms
             end associate
          end do
-         if (allocated(found%ended)) write (unit, '(2a)') '    ended: ', found%ended
+         if (.not. allocated(found%ended)) return
+         call told%of_words(found%ended, words)
+         write (unit, '(2a)') '    ended: ', words
       end associate
    end subroutine report
 

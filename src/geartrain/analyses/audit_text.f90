@@ -1,8 +1,10 @@
 !> An audit as text: a table with a line for each row, and a line with the sums.
 module geartrain_analyses_audit_text
    use geartrain_analyses_audit_result, only: audit_row_type, audit_type
+   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type, in_width
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
+   use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
    public :: audit_text
@@ -12,33 +14,42 @@ module geartrain_analyses_audit_text
 contains
 
    !> Writes an audit as text.
-   subroutine audit_text(audit, lines)
+   subroutine audit_text(audit, train, unit, lines)
       !> The audit.
       type(audit_type), intent(in) :: audit
+      !> The train of the branch.
+      type(train_type), intent(in) :: train
+      !> The unit that the branch is asked in: 'Lambda', 'rpm' or 'Hz'.
+      character(*), intent(in) :: unit
       !> The lines, without a newline after the last.
       character(:), allocatable, intent(out) :: lines
+      type(frequency_text_type) :: told
       integer :: i
 
-      lines = '      Lambda  what              estimate     error  ratio  balance    shooting   '//newline
+      told = frequency_text(train, unit, 0.0_dp)
+      told%decimals = 6
+      lines = in_width(told%unit, 12)//'  what              estimate     error  ratio  balance    shooting   '//newline
       do i = 1, size(audit%rows)
-         call add_row(audit%rows(i), lines)
+         call add_row(audit%rows(i), told, lines)
          lines = lines//newline
       end do
       call add_summary(audit, lines)
    end subroutine audit_text
 
    !> Adds one row of the table.
-   subroutine add_row(row, lines)
+   subroutine add_row(row, told, lines)
       type(audit_row_type), intent(in) :: row
+      type(frequency_text_type), intent(in) :: told
       character(:), allocatable, intent(inout) :: lines
       character(120) :: buffer
 
-      write (buffer, '(f12.6, 2x, a16, 3(1x, a), 2(2x, a9))') row%frequency_ratio, row%kind, number(row%estimate, '(es9.1)', 9), &
-         number(row%error, '(es9.1)', 9), number(row%ratio(), '(f6.2)', 6), row%verdict, row%exact_verdict
+      write (buffer, '(a, 2x, a16, 3(1x, a), 2(2x, a9))') in_width(told%number(row%frequency_ratio), 12), row%kind, &
+         number(row%estimate, '(es9.1)', 9), number(row%error, '(es9.1)', 9), number(row%ratio(), '(f6.2)', 6), row%verdict, &
+         row%exact_verdict
       lines = lines//trim(buffer)
       if (row%exact_frequency > 0) then
-         write (buffer, '(sp, es9.1)') row%exact_frequency - row%frequency_ratio
-         lines = lines//'  exact at '//text(row%exact_frequency)//' ('//trim(adjustl(buffer))//')'
+         write (buffer, '(sp, es9.1)') told%per_lambda*(row%exact_frequency - row%frequency_ratio)
+         lines = lines//'  exact at '//text(told%per_lambda*row%exact_frequency)//' ('//trim(adjustl(buffer))//')'
       end if
       if (row%finding /= '') lines = lines//'  '//trim(row%finding)
    end subroutine add_row

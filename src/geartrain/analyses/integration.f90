@@ -2,6 +2,7 @@
 !> begins with the last state of the frequency before; and to a steady motion at one frequency.
 module geartrain_analyses_integration
    use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
+   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_carry, only: carry, carry_text
    use geartrain_base_checker, only: checker_type
@@ -400,6 +401,8 @@ contains
       type(train_type), intent(in) :: train
       integer, intent(in) :: unit
       real(dp), intent(in) :: seconds
+      type(frequency_text_type) :: told
+      character(:), allocatable :: ended
       integer :: settled, period
 
       settled = count(self%result%motions%period > 0)
@@ -409,7 +412,10 @@ contains
          if (any(self%result%motions%period == period)) write (unit, '(a, i0, a, i0)') '    of period ', period, ': ', &
             count(self%result%motions%period == period)
       end do
-      if (allocated(self%result%ended)) write (unit, '(2a)') '    ended: ', self%result%ended
+      if (.not. allocated(self%result%ended)) return
+      told = frequency_text(train, self%settings%unit, 0.0_dp)
+      call told%of_words(self%result%ended, ended)
+      write (unit, '(2a)') '    ended: ', ended
    end subroutine report
 
 end module geartrain_analyses_integration

@@ -1,6 +1,7 @@
 !> The analysis &modes: natural frequencies, damping ratios and mode shapes of the mean system.
 module geartrain_analyses_modes
    use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
+   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_carry, only: carry
    use geartrain_base_error, only: error_type
@@ -104,9 +105,11 @@ contains
       integer, intent(in) :: unit
       real(dp), intent(in) :: seconds
       type(train_type) :: plain
+      type(frequency_text_type) :: told
 
       call plain_train(train, plain)
-      call list('Natural frequencies, Lambda', self%result%natural_frequency, 4)
+      told = frequency_text(train, 'Lambda', 0.0_dp)
+      if (told%unit == 'Lambda') call list('Natural frequencies, Lambda', self%result%natural_frequency, 4)
       call list('Natural frequencies, Hz', self%result%natural_frequency*hertz_per_lambda(plain), 2)
 
    contains

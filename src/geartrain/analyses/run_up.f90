@@ -1,6 +1,7 @@
 !> The analysis &run_up: Lambda goes linearly in time from one value to another, from the steady motion at the first value on.
 module geartrain_analyses_run_up
    use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
+   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_analyses_integration, only: check_start
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_carry, only: carry, carry_text
@@ -339,6 +340,8 @@ contains
       character(label_length) :: meshes(size(train%meshes)), shafts(size(train%shafts))
       type(system_type) :: steady, system
       type(ramp_type) :: ramp
+      type(frequency_text_type) :: told
+      character(:), allocatable :: ended
       integer :: i, n
 
       call build_systems(train, self%settings, ramp, steady, system)
@@ -362,7 +365,11 @@ contains
          if (abs(ramp%acceleration) > 0 .and. .not. any(abs(system%network%acceleration) > 0)) &
             write (unit, '(a)') '    without the acceleration of the inertias: not every mesh has teeth, which tell the speeds of &
                                 &the bodies'
-         if (allocated(result%ended)) write (unit, '(2a)') '    ended: ', result%ended
+         call tell_negative()
+         if (.not. allocated(result%ended)) return
+         told = frequency_text(train, self%settings%unit, 0.0_dp)
+         call told%of_words(result%ended, ended)
+         write (unit, '(2a)') '    ended: ', ended
       end associate
 
    contains
@@ -389,6 +396,27 @@ contains
          end if
          write (unit, '(a)') words
       end subroutine tell
+
+      !> Tells of forces below 0 of meshes whose back flanks do not touch, as far as the samples show.
+      subroutine tell_negative()
+         type(train_type) :: plain
+         character(:), allocatable :: note
+         integer :: i
+
+         call plain_train(train, plain)
+         associate (result => self%result, meshes => plain%meshes)
+            do i = 1, merge(size(meshes), 0, n > 0)
+               if (meshes(i)%half_backlash <= 0 .or. minval(result%force_minimum(i, :n)) >= 0) cycle
+               if (minval(result%displacement(i, :result%samples))*plain%characteristic_length < -meshes(i)%half_backlash) cycle
+               note = ''
+               if (meshes(i)%damping_acts == 'always') &
+                  note = " and while they are apart; damping_acts = 'contact' in &mesh leaves out the latter"
+               write (unit, '(3a)') '    forces below 0 without contact of the back flanks are those of the mesh damping as teeth &
+                  &part', note
+               return
+            end do
+         end associate
+      end subroutine tell_negative
 
    end subroutine report
 

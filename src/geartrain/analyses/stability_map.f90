@@ -6,6 +6,7 @@ module geartrain_analyses_stability_map
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64, int8
    use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
+   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_analyses_stability_grid, only: check_consistency, check_stability_map, map_row_type, &
       stability_map_settings_type, stability_map_type, train_with, unit_of, visit_map, visit_stability_map
    use geartrain_balance_balance, only: balance_type
@@ -109,11 +110,13 @@ contains
       type(train_type), intent(in) :: train
       integer, intent(in) :: unit
       real(dp), intent(in) :: seconds
+      type(frequency_text_type) :: told
       integer :: points
 
+      told = frequency_text(train, self%settings%unit, 0.0_dp)
       associate (map => self%result)
-         write (unit, '(a, 2(i0, a), 5a)') 'Stability map: ', size(map%parameter), ' values of ', size(map%frequency_ratio), &
-            ' frequencies each, ', map%name, ' and Lambda, in ', fixed(seconds, 2), ' s'
+         write (unit, '(a, 2(i0, a), 7a)') 'Stability map: ', size(map%parameter), ' values of ', size(map%frequency_ratio), &
+            ' frequencies each, ', map%name, ' and ', trim(told%unit), ', in ', fixed(seconds, 2), ' s'
          points = size(map%frequency_ratio)*count(map%done)
          if (points > 0) then
             call report_share('no stable motion', count(map%stable_motions == 0), points, unit)

@@ -1,6 +1,7 @@
 !> What a train is in numbers: what is derived from the drawing, each number with its formula and source, and warnings where a
 !> formula is used outside the range that its source gives.
 module geartrain_model_explain
+   use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_base_carry, only: carry, carry_text
    use geartrain_base_field, only: field_type, text_type
    use geartrain_base_fields, only: fields_type
@@ -9,19 +10,18 @@ module geartrain_model_explain
    use geartrain_model_bodies, only: find_ends
    use geartrain_model_drawing, only: gears_of, has_discs, has_geometry, has_sections, has_stiffness, pair_of, plain_train, &
       reduce_light_loads
+   use geartrain_model_drawing_warnings, only: find_warnings
    use geartrain_model_frequency_unit, only: speed_per_lambda
-   use geartrain_model_gear_pair, only: find_geometry, find_stiffness, light_load, pair_geometry_type, pair_stiffness_type
-   use geartrain_model_kinematics, only: all_toothed, find_kinematics, kinematics_type
+   use geartrain_model_gear_pair, only: find_geometry, find_stiffness, pair_geometry_type, pair_stiffness_type
+   use geartrain_model_kinematics, only: all_toothed, find_kinematics, greatest_divisor, kinematics_type
    use geartrain_model_labels, only: label_length, mesh_labels, shaft_labels
    use geartrain_model_mesh, only: has_table, is_given, mesh_type
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: explain_train, explanation_text, speed_text, warnings_text
+   public :: explain_train, explanation_text, speed_text
 
-   !> Largest line load of ISO 6336-1, method B [N/m].
-   real(dp), parameter :: heavy_load = 1.6e6_dp
    character(*), parameter :: as_given = 'as given'
 
    !> What the parts of an explanation share.
@@ -29,8 +29,6 @@ module geartrain_model_explain
       !> The train as given and in plain numbers, mesh stiffnesses reduced for light loads; its system.
       type(train_type) :: given, plain
       type(system_type) :: system
-      !> Factor of the mesh stiffness by a light load [1], (mesh).
-      real(dp), allocatable :: light(:)
       logical :: toothed = .false.
       type(kinematics_type) :: kinematics
    end type context_type
@@ -67,7 +65,7 @@ contains
 
       context%given = train
       call plain_train(train, context%plain)
-      call reduce_light_loads(context%plain, context%light)
+      call reduce_light_loads(context%plain)
       call build_system(train, context%system)
       context%toothed = all_toothed(train)
       if (context%toothed) then
@@ -79,6 +77,7 @@ contains
       type(context_type), intent(inout) :: context
       class(fields_type), intent(inout) :: fields
       character(:), allocatable :: words
+      real(dp) :: frequency
 
       if (.not. fields%enter('train', 'the train as a whole', .true.)) return
       associate (given => context%given, plain => context%plain)
@@ -90,14 +89,17 @@ contains
             call tell_fundamental(context, words)
             call carry_text(fields, field_type('fundamental', '', '', 'all mesh frequencies are multiples of its frequency; their &
                &greatest common divisor'), words)
+            frequency = 1000/60.0_dp/plain%speed_ratio
+            call carry(fields, field_type('fundamental_frequency', '', 'Hz', 'at 1000 rpm of '//trim(speed_name(context))//': one &
+               &over its period'), frequency)
             call carry(fields, field_type('speed_ratio', '', '1', 'turns of '//trim(speed_name(context))//', whose revolutions are &
                &the speed, per period of the fundamental'), plain%speed_ratio)
          end if
       end associate
    end subroutine explain_whole
 
-   !> What Lambda and the fundamental are, of a train whose meshes all have teeth, as a line: 'Lambda = 1: 1 rpm of motor; the
-   !> fundamental is one turn of wheel 1'.
+   !> What speeds and the fundamental are, of a train whose meshes all have teeth, as a line: 'Speeds are those of motor; the period
+   !> of the fundamental is one turn of wheel 1'.
    subroutine speed_text(train, text)
       !> A train that has passed `check_train`.
       type(train_type), intent(in) :: train
@@ -110,8 +112,12 @@ contains
       if (.not. all_toothed(train)) return
       call prepare(train, context)
       call tell_fundamental(context, period)
-      text = 'Lambda = 1: '//short(speed_per_lambda(context%plain))//' rpm of '//trim(speed_name(context))// &
-             '; the period of the fundamental is '//period
+      if (abs(train%characteristic_frequency) > 0) then
+         text = 'Lambda = 1: '//short(speed_per_lambda(context%plain))//' rpm of '//trim(speed_name(context))
+      else
+         text = 'Speeds are those of '//trim(speed_name(context))
+      end if
+      text = text//'; the period of the fundamental is '//period
    end subroutine speed_text
 
    !> Period of the fundamental in words: 'one turn of wheel 1', or 'the time of 71/23 turns of motor'.
@@ -207,6 +213,7 @@ contains
       type(pair_stiffness_type) :: stiffness
       character(:), allocatable :: words
       real(dp), allocatable :: list(:)
+      integer, allocatable :: orders(:)
       real(dp) :: force, line_load, angle
       integer :: n
 
@@ -278,9 +285,61 @@ contains
          words = as_given
          if (mesh%order == 0) words = 'mesh frequency as a multiple of the fundamental, by the teeth'
          call carry(fields, field_type('order', '', '1', words), plain%order)
+         orders = plain%order*excited(plain)
+         if (size(orders) > 0) call carry(fields, field_type('excited_orders', 'harmonic', '1', 'multiples of the fundamental &
+            &with an amplitude of its stiffness or transmission error'), orders)
+         if (context%toothed) then
+            call tell_teeth(nint(mesh%teeth), words)
+            call carry_text(fields, field_type('tooth_ratio', '', '', 'all teeth of a gear are alike here: the motion repeats with &
+               &the fundamental, not only when the teeth do'), words)
+         end if
          call carry(fields, field_type('mean_force', '', 'N', 'at rest, by the mean torques of the bodies'), force)
       end associate
    end subroutine explain_mesh
+
+   !> Harmonics of the mesh frequency with an amplitude, ascending.
+   pure function excited(mesh) result(harmonics)
+      type(mesh_type), intent(in) :: mesh
+      integer, allocatable :: harmonics(:)
+      integer :: h, most
+
+      most = max(count_of(mesh%stiffness_cos), count_of(mesh%stiffness_sin), count_of(mesh%error_cos), count_of(mesh%error_sin))
+      harmonics = pack([(h, h=1, most)], [(has(mesh%stiffness_cos, h) .or. has(mesh%stiffness_sin, h) .or. &
+                                           has(mesh%error_cos, h) .or. has(mesh%error_sin, h), h=1, most)])
+   end function excited
+
+   pure integer function count_of(list)
+      real(dp), allocatable, intent(in) :: list(:)
+
+      count_of = 0
+      if (allocated(list)) count_of = size(list)
+   end function count_of
+
+   !> Whether value h of a list is there and more than the rounding of one that is 0.
+   pure logical function has(list, h)
+      real(dp), allocatable, intent(in) :: list(:)
+      integer, intent(in) :: h
+
+      has = .false.
+      if (count_of(list) >= h) has = abs(list(h)) > 1e-12_dp
+   end function has
+
+   !> How the teeth of a pair meet, in words.
+   subroutine tell_teeth(teeth, words)
+      integer, intent(in) :: teeth(2)
+      character(:), allocatable, intent(out) :: words
+      integer :: common
+
+      common = int(greatest_divisor(int(teeth(1), int64), int(teeth(2), int64)))
+      words = integer_text(teeth(1))//':'//integer_text(teeth(2))
+      if (common == 1) then
+         words = words//', hunting: no common divisor, every tooth meets every tooth of the mate'
+      else
+         words = words//', not hunting: common divisor '//integer_text(common)//', a tooth meets every '//integer_text(common) &
+                 //'th tooth of the mate alone'
+      end if
+      words = words//'; two teeth meet again after '//integer_text(teeth(2)/common)//' turns of the driving gear'
+   end subroutine tell_teeth
 
    !> 'as given' for a value that is, else the formula.
    pure function source(given, formula) result(words)
@@ -319,7 +378,9 @@ contains
                         values = values//', '//short(field%reals(k) + 0)
                      end do
                   else if (allocated(field%integers)) then
-                     values = ', '//integer_text(field%integers(1))
+                     do k = 1, size(field%integers)
+                        values = values//', '//integer_text(field%integers(k))
+                     end do
                   else
                      values = ', '//field%texts(1)%text
                   end if
@@ -336,93 +397,5 @@ contains
          text = text//'Warning: '//warnings(i)%text//new_line('a')
       end do
    end subroutine explanation_text
-
-   !> The warnings as text, a line each.
-   subroutine warnings_text(train, text)
-      !> A train that has passed `check_train`.
-      type(train_type), intent(in) :: train
-      !> Lines; '' without warnings.
-      character(:), allocatable, intent(out) :: text
-      type(text_type), allocatable :: warnings(:)
-      integer :: i
-
-      call find_warnings(train, warnings)
-      text = ''
-      do i = 1, size(warnings)
-         text = text//warnings(i)%text//new_line('a')
-      end do
-   end subroutine warnings_text
-
-   !> Lists where a formula is used outside the range that its source gives, and where teeth are cut or meet as no involute.
-   subroutine find_warnings(train, warnings)
-      !> A train that has passed `check_train`.
-      type(train_type), intent(in) :: train
-      !> A sentence each.
-      type(text_type), allocatable, intent(out) :: warnings(:)
-      type(context_type) :: context
-      integer :: i
-
-      allocate (warnings(0))
-      if (.not. any([(has_geometry(train%meshes(i)), i=1, size(train%meshes))])) return
-      call prepare(train, context)
-      do i = 1, size(train%meshes)
-         if (has_geometry(train%meshes(i))) call warn_of_mesh(context, i, warnings)
-      end do
-   end subroutine find_warnings
-
-   subroutine warn_of_mesh(context, i, warnings)
-      type(context_type), intent(in) :: context
-      integer, intent(in) :: i
-      type(text_type), allocatable, intent(inout) :: warnings(:)
-      type(pair_geometry_type) :: geometry
-      real(dp) :: shift(2), line_load
-      integer :: k, n
-
-      n = context%system%mesh_element(i)
-      associate (mesh => context%given%meshes(i), g => geometry, system => context%system)
-         call find_geometry(pair_of(mesh), geometry)
-         do k = 1, 2
-            if (g%undercut(k) > 0) call add('the gear of '//integer_text(nint(mesh%teeth(k)))//' teeth is undercut: its profile &
-               &shift is '//short(g%undercut(k))//' below the least without undercut; contact ratio and stiffness hold for whole &
-               &involutes')
-         end do
-         if (g%clear_of_base < 0) call add('the tip of a gear reaches '//short(-g%clear_of_base)//' m beyond the base circle of &
-            &its mate along the line of action: the flanks interfere')
-         if (.not. has_stiffness(mesh)) return
-         shift = 0
-         if (is_given(mesh%profile_shift)) shift = mesh%profile_shift
-         if (mesh%teeth(1) > mesh%teeth(2)) shift = shift([2, 1])
-         if (shift(1) < shift(2)) call add('the stiffness by ISO 6336-1 is for a profile shift of the pinion not below that of the &
-            &wheel, and they are '//short(shift(1))//' and '//short(shift(2)))
-         if (sum(shift) < -0.5_dp .or. sum(shift) > 2) call add('the stiffness by ISO 6336-1 is for profile shifts with a sum from &
-            &-0.5 to 2, and it is '//short(sum(shift)))
-         if (abs(mesh%helix_angle) > 30) call add('the mesh stiffness by ISO 6336-1 is for helix angles up to 30 degrees, and it &
-                                                  &is '//short(mesh%helix_angle))
-         if (g%contact_ratio < 1.2_dp) call add('the mesh stiffness by ISO 6336-1 is for contact ratios from 1.2 on, and it is '// &
-                                                short(g%contact_ratio))
-         line_load = abs(system%static_force(n)*system%stiffness(n)*system%characteristic_length)*cos(g%transverse_angle) &
-                     /mesh%face_width
-         if (line_load > heavy_load) call add('the stiffness by ISO 6336-1 is for line loads up to 1600 N/mm, and it is '// &
-                                              short(line_load/1000)//' N/mm')
-         if (.not. line_load > 0) then
-            call add('it bears no load, for which ISO 6336-1 has no stiffness: that of a full load is taken')
-         else if (line_load < 0.01_dp*light_load) then
-            call add('its line load is '//short(line_load/1000)//' N/mm, far below the loads that ISO 6336-1 is for: the &
-               &stiffness by its rule for light loads, (load/100 N/mm)^0.25 = '//short(context%light(i))// &
-               ' of the full one, is a guess')
-         end if
-      end associate
-
-   contains
-
-      subroutine add(sentence)
-         character(*), intent(in) :: sentence
-         type(text_type) :: warning
-
-         warning%text = '&mesh '//integer_text(i)//': '//sentence
-         warnings = [warnings, warning]
-      end subroutine add
-
-   end subroutine warn_of_mesh
 
 end module geartrain_model_explain

@@ -171,7 +171,8 @@ contains
       ! Where both are given, both are written, so that `check_stiffness` finds the contradiction again.
       plain = .not. abs(mesh%stiffness) <= 0
       call v%on_real(row('stiffness', 'N/m', 'mean mesh stiffness along the line of action in the transverse plane; or by &
-                         &stiffness_table, or by ISO 6336-1 where the drawing is given', above=zero), mesh%stiffness, plain)
+                         &stiffness_table, or by ISO 6336-1 where the drawing is given, less below a line load of 100 N/mm', &
+                         above=zero), mesh%stiffness, plain)
       by_ratio = .not. mesh%damping_given
       call v%on_real(row('damping_ratio', '', 'c/(2 sqrt(k m)) with m = I_a I_b/(r_a^2 I_b + r_b^2 I_a)', least=zero), &
                      mesh%damping_ratio, by_ratio)

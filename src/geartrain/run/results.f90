@@ -12,7 +12,7 @@ module geartrain_run_results
    use geartrain_base_numbers, only: text
    use geartrain_input_text, only: case_text
    use geartrain_model_drawing, only: plain_train
-   use geartrain_model_explain, only: warnings_text
+   use geartrain_model_drawing_warnings, only: warnings_text
    use geartrain_model_frequency_unit, only: hertz_per_lambda, speed_per_lambda
    use geartrain_model_labels, only: mesh_labels, shaft_labels
    use geartrain_model_network, only: state_count

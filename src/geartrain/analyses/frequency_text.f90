@@ -1,0 +1,147 @@
+!> Frequencies and lengths as a report tells them: in the unit that the case asks for, the speed in rpm where Lambda is the speed in
+!> rpm.
+module geartrain_analyses_frequency_text
+   use geartrain_analyses_analysis, only: fixed
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: short => text
+   use geartrain_model_drawing, only: plain_train
+   use geartrain_model_frequency_unit, only: lambda_per, speed_per_lambda, unit_length
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: frequency_text_type, frequency_text, in_width, length_unit
+
+   !> From here on numbers have two digits after the point, else four.
+   real(dp), parameter :: large = 1000
+
+   type :: frequency_text_type
+      !> 'Lambda', 'rpm' or 'Hz'; its value at Lambda = 1.
+      character(unit_length) :: unit = 'Lambda'
+      real(dp) :: per_lambda = 1
+      !> Digits after the point.
+      integer :: decimals = 4
+   contains
+      procedure :: number
+      procedure :: with_unit
+      procedure :: of_words
+   end type frequency_text_type
+
+contains
+
+   !> How the frequencies of an analysis are told.
+   pure type(frequency_text_type) function frequency_text(train, unit, largest) result(told)
+      !> The train as given.
+      type(train_type), intent(in) :: train
+      !> The unit that the analysis is asked in.
+      character(*), intent(in) :: unit
+      !> Largest Lambda to be told [1].
+      real(dp), intent(in) :: largest
+      type(train_type) :: plain
+
+      told%unit = unit
+      if (unit == 'Lambda') then
+         call plain_train(train, plain)
+         if (.not. abs(train%characteristic_frequency) > 0 .and. speed_per_lambda(plain) > 0) told%unit = 'rpm'
+      else
+         told%per_lambda = 1/lambda_per(train, unit)
+      end if
+      if (largest*told%per_lambda >= large) told%decimals = 2
+   end function frequency_text
+
+   !> A frequency as a number, with blanks at the end.
+   pure function number(self, frequency_ratio) result(text)
+      class(frequency_text_type), intent(in) :: self
+      !> Lambda [1].
+      real(dp), intent(in) :: frequency_ratio
+      character(32) :: text
+
+      text = fixed(frequency_ratio*self%per_lambda, self%decimals)
+   end function number
+
+   !> Numbers with their unit: 'Lambda 0.5', '1500 to 1600 rpm'.
+   subroutine with_unit(self, numbers, text)
+      class(frequency_text_type), intent(in) :: self
+      !> The numbers, of any form.
+      character(*), intent(in) :: numbers
+      !> The text.
+      character(:), allocatable, intent(out) :: text
+
+      if (self%unit == 'Lambda') then
+         text = 'Lambda '//trim(numbers)
+      else
+         text = trim(numbers)//' '//trim(self%unit)
+      end if
+   end subroutine with_unit
+
+   !> Words of a result, such as 'reached Lambda = 1550' or 'from Lambda = 1 to 2', in the unit: 'reached 1550 rpm'.
+   subroutine of_words(self, words, text)
+      class(frequency_text_type), intent(in) :: self
+      !> The words.
+      character(*), intent(in) :: words
+      !> The words in the unit.
+      character(:), allocatable, intent(out) :: text
+      character(*), parameter :: mark = 'Lambda = ', to = ' to '
+      integer :: first, at, length
+
+      text = ''
+      first = 1
+      do
+         at = index(words(first:), mark)
+         if (at == 0 .or. self%unit == 'Lambda') exit
+         text = text//words(first:first + at - 2)
+         first = first + at - 1 + len(mark)
+         call take_number()
+         if (index(words(first:), to) == 1) then
+            if (scan(words(first + len(to):first + len(to)), '0123456789') == 1) then
+               text = text//to
+               first = first + len(to)
+               call take_number()
+            end if
+         end if
+         text = text//' '//trim(self%unit)
+      end do
+      text = text//words(first:)
+
+   contains
+
+      !> Adds the number that the words have at `first`, in the unit, and passes it.
+      subroutine take_number()
+         real(dp) :: value
+         integer :: status
+
+         length = verify(words(first:)//' ', '0123456789.e-') - 1
+         if (length > 0) then
+            if (words(first + length - 1:first + length - 1) == '.') length = length - 1
+         end if
+         read (words(first:first + length - 1), *, iostat=status) value
+         if (status == 0) text = text//short(value*self%per_lambda)
+         first = first + length
+      end subroutine take_number
+
+   end subroutine of_words
+
+   !> A number at the right end of a column, at least a blank before it.
+   pure function in_width(number, width) result(text)
+      !> The number; blanks at its end do not count.
+      character(*), intent(in) :: number
+      !> Width of the column.
+      integer, intent(in) :: width
+      character(max(width, len_trim(number) + 1)) :: text
+
+      text = adjustr(repeat(' ', len(text) - len_trim(number))//trim(number))
+   end function in_width
+
+   !> Unit of displacements over the characteristic length where it has a name, as the head of a column has it: ' [um]', ' [m]'.
+   pure function length_unit(train) result(unit)
+      !> The train as given.
+      type(train_type), intent(in) :: train
+      character(5) :: unit
+      type(train_type) :: plain
+
+      call plain_train(train, plain)
+      unit = ''
+      if (abs(plain%characteristic_length - 1e-6_dp) < 1e-18_dp) unit = ' [um]'
+      if (abs(plain%characteristic_length - 1) < 1e-12_dp) unit = ' [m]'
+   end function length_unit
+
+end module geartrain_analyses_frequency_text
