@@ -26,6 +26,8 @@ module geartrain_continuation_tracer
 
    !> Length of the first step, and of the smallest one, in the metric of the branch.
    real(dp), parameter :: first_step = 0.01_dp, smallest_step = 1e-9_dp
+   !> Length of a step that is as good as the fold in it.
+   real(dp), parameter :: fold_itself = 1e-6_dp
 
    type, extends(adaptive_corrector_type) :: tracer_type
       !> Largest rms of a mesh over characteristic length [1].
@@ -135,8 +137,18 @@ contains
          fold_at = 0
          ! A branch that meets the branch of half its period goes on as its own mirror image: Lambda only seems to turn there.
          meets = passes_half_period(here, next, self%settings%subharmonic)
-         if (sense*sense_of(next, self%corrector%units) < 0 .and. .not. (meets .or. crosses)) &
-            call self%add_fold(here, next, origin, way, before, fold, fold_at, branch)
+         if (sense*sense_of(next, self%corrector%units) < 0 .and. .not. (meets .or. crosses)) then
+            call self%add_fold(here, next, origin, way, at_bound, before, fold, fold_at, branch, success)
+            if (.not. success) then
+               h = h/3
+               ! `here` may have been put onto more harmonics.
+               call self%corrector%correct(here, success)
+               if (success .and. h >= smallest_step) cycle
+               outcome = stuck
+               reason = 'no fold where Lambda turns, at Lambda = '//text(here%frequency_ratio)
+               return
+            end if
+         end if
          if (sense_of(next, self%corrector%units) /= 0) sense = sense_of(next, self%corrector%units)
          call self%record(next, branch)
          steps = steps + 1
@@ -282,22 +294,31 @@ contains
 
    !> Records the fold between `here` and `next`, a distance h apart, as a point of the branch, and solves `next` again, so that the
    !> corrector worked on `next` last.
-   subroutine add_fold(self, here, next, origin, h, point, fold, fold_at, branch)
+   subroutine add_fold(self, here, next, origin, h, at_bound, point, fold, fold_at, branch, success)
       class(tracer_type), intent(inout) :: self
       type(solution_point_type), intent(inout) :: here, next, origin
       real(dp), intent(in) :: h
+      !> Lambda of `next` is a bound.
+      logical, intent(in) :: at_bound
       !> Number of the point of the branch that `here` is.
       integer, intent(in) :: point
-      !> The fold and its distance from `here`; fold_at = 0: it was not found, or is `here` itself.
+      !> The fold and its distance from `here`; fold_at = 0: it is no point of its own.
       type(solution_point_type), intent(inout) :: fold
       real(dp), intent(out) :: fold_at
       type(branch_type), intent(inout), target :: branch
+      !> False where there is no fold between `here` and `next`, or no `next`, with the harmonics that the fold needs: nothing is
+      !> recorded, and a shorter step shows where Lambda turns.
+      logical, intent(out) :: success
       integer, allocatable :: carried(:)
-      logical :: success, enough, kept
+      integer :: kept(2), turned
+      logical :: enough, same
 
+      kept = [branch%points, size(branch%special_points)]
+      turned = sense_of(next, self%corrector%units)
       fold_at = 0
       if (sense_of(here, self%corrector%units) == 0) then
          call add_special_point(branch, 'fold', here%frequency_ratio, point, branch%rms(:, point))
+         success = .true.
          return
       end if
       do
@@ -306,9 +327,9 @@ contains
          if (.not. success) exit
          carried = self%corrector%balance%harmonic
          call self%adapt(fold, enough, here, origin)
-         kept = size(carried) == size(self%corrector%balance%harmonic)
-         if (kept) kept = all(carried == self%corrector%balance%harmonic)
-         if (kept) exit
+         same = size(carried) == size(self%corrector%balance%harmonic)
+         if (same) same = all(carried == self%corrector%balance%harmonic)
+         if (same) exit
          ! With more harmonics the fold lies elsewhere.
          call self%corrector%refit(next)
       end do
@@ -317,8 +338,20 @@ contains
          call add_special_point(branch, 'fold', fold%frequency_ratio, branch%points, branch%rms(:, branch%points))
       else
          fold_at = 0
+         if (h < fold_itself) call add_special_point(branch, 'fold', here%frequency_ratio, point, branch%rms(:, point))
+         success = h < fold_itself
       end if
-      call self%corrector%advance(here, h, next, success)
+      if (success .and. at_bound) then
+         call self%corrector%solve_at(next, success)
+         if (success) call self%corrector%orient(next, turned)
+      else if (success) then
+         call self%corrector%advance(here, h, next, success)
+         if (success) success = sense_of(next, self%corrector%units)*turned >= 0
+      end if
+      if (success) return
+      fold_at = 0
+      branch%points = kept(1)
+      branch%special_points = branch%special_points(:kept(2))
    end subroutine add_fold
 
    !> Lists a branch point between the latest two points, unless it is listed already: the sign of the determinant, found by the
