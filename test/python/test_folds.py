@@ -1,0 +1,43 @@
+"""Folds are listed wherever the frequency turns, also where the number of harmonics changes at the fold."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import ROOT
+
+import geartrain as gt
+
+
+def turns(branch):
+    """Frequencies at which the points of each segment turn."""
+    found = []
+    for segment in np.unique(branch.segment):
+        frequency = branch.frequency[branch.segment == segment]
+        way = np.sign(np.diff(frequency))
+        found += list(frequency[1:-1][way[1:] * way[:-1] < 0])
+    return sorted(found)
+
+
+def folds(branch):
+    return sorted(special.frequency for special in branch.special_points if special.kind == "fold")
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-5])
+def test_as_many_turns_as_folds(tolerance):
+    train = gt.read_case(ROOT / "namelists" / "fig03.nml").train
+    branch = train.response(start=0.4, stop=1.2, harmonics=0, tolerance=tolerance)
+    assert len(folds(branch)) == 6
+    assert turns(branch) == pytest.approx(folds(branch), rel=1e-9)
+
+
+@pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
+def test_fold_that_needs_more_harmonics_than_the_branch_before():
+    # Below the fold mesh 1 is in contact and some 40 harmonics do; at the fold it parts, and more than 1000 are carried.
+    train = gt.read_case(ROOT / "namelists" / "reducer.nml").train
+    train = replace(train, meshes=[replace(mesh, stiffness_harmonics=5) for mesh in train.meshes])
+    branch = train.response(start=824, stop=826, unit="rpm", harmonics=0, tolerance=1e-3)
+    # A rising sweep by integration jumps between 824.8 and 824.9 rpm.
+    assert folds(branch) == pytest.approx([824.873], abs=2e-3)
+    assert turns(branch) == pytest.approx(folds(branch), rel=1e-9)
+    assert branch.at(824.95, unit="rpm")[0].rms[0] > 6
