@@ -45,6 +45,8 @@ module geartrain_balance_bordered_system
       procedure :: linearize
       procedure :: factor
       procedure :: solve
+      procedure :: solves_in_time
+      procedure :: solve_tail
       procedure, private :: factor_tail
       procedure, private :: precondition
       procedure, private :: iterate
@@ -138,6 +140,28 @@ contains
       end do
       call self%lowest%solve(x, y)
    end subroutine solve
+
+   !> Whether the linearised train in time is at hand, which knows all harmonics.
+   pure logical function solves_in_time(self)
+      class(bordered_system_type), intent(in) :: self
+
+      solves_in_time = self%flows
+   end function solves_in_time
+
+   !> Error of the balance to first order, by the residual at the harmonics of a tail, where `solves_in_time`.
+   subroutine solve_tail(self, balance, harmonic, tail, x, y)
+      class(bordered_system_type), intent(inout) :: self
+      !> Balance as at `factor`.
+      type(balance_type), intent(in) :: balance
+      !> Harmonics of the tail.
+      integer, intent(in) :: harmonic(:)
+      !> Right-hand side at the tail, afterwards the solution, (tail, unknown).
+      complex(dp), intent(inout) :: tail(:, :)
+      !> Solution at the carried harmonics, (block, unknown), and the entry in the border row.
+      real(dp), intent(out) :: x(:, :), y
+
+      call self%flow%solve_tail(balance, self%column, harmonic, tail, x, y)
+   end subroutine solve_tail
 
    !> Factors the matrix of each harmonic that is not explicit, each mesh with its mean stiffness in contact.
    subroutine factor_tail(self, balance)

@@ -107,11 +107,15 @@ contains
          call find_forces(balance, u, frequency_ratio, harmonic(:n), reach, estimate%spectra, estimate%wide, tail)
          condensed = size(balance%left_out) > 0 .and. balance%unknowns < balance%system%meshes
          if (condensed) force = tail
-         call find_tail(balance, frequency_ratio, harmonic(:n), tail)
+         call find_tail(balance, frequency_ratio, harmonic(:n), .not. matrix%solves_in_time(), tail)
+         if (matrix%solves_in_time()) then
+            call matrix%solve_tail(balance, harmonic(:n), tail, correction, y)
+         else
+            call find_shift(balance, frequency_ratio, harmonic(:n), reach, estimate%spectra, estimate%wide, tail, correction)
+            y = 0
+            call matrix%solve(balance, correction, y, accuracy)
+         end if
          call find_remainder(balance, u, harmonic(:n), tail, estimate%remainder)
-         call find_shift(balance, frequency_ratio, harmonic(:n), reach, estimate%spectra, estimate%wide, tail, correction)
-         y = 0
-         call matrix%solve(balance, correction, y, accuracy)
          scale = sqrt(max(sum(u(2:, :)**2), tiny(1.0_dp)))
          way = -y/sign(max(abs(slope), steepest*unit), slope)
          error = correction + way*tangent
@@ -337,11 +341,13 @@ contains
    end subroutine find_forces
 
    !> Replaces the forces at the tail by the displacements of the tail, (tail, unknown). Each harmonic is solved by itself, with the
-   !> meshes coupled and with their mean stiffness, because a harmonic near a natural frequency resonates.
-   pure subroutine find_tail(balance, frequency_ratio, harmonic, tail)
+   !> meshes coupled and with their mean stiffness, because a harmonic near a natural frequency resonates; or by the forces as if
+   !> the meshes had no stiffness besides.
+   pure subroutine find_tail(balance, frequency_ratio, harmonic, stiff, tail)
       type(balance_type), intent(in) :: balance
       real(dp), intent(in) :: frequency_ratio
       integer, intent(in) :: harmonic(:)
+      logical, intent(in) :: stiff
       complex(dp), intent(inout) :: tail(:, :)
       type(receptance_type) :: local
       complex(dp) :: force(balance%unknowns), p(balance%unknowns), matrix(balance%system%cut%graph%entries)
@@ -351,16 +357,18 @@ contains
          do m = 1, size(harmonic)
             force = tail(m, :)
             call find_receptance(balance%system, frequency_ratio, harmonic(m), balance%eta, local, derivatives=.false.)
-            ! The diagonal is near 1 except at a resonance.
-            call balance%mean_matrix(harmonic(m), local, matrix)
             p = local%a
             do i = 1, balance%unknowns
                do n = graph%row(i), graph%row(i + 1) - 1
                   p(i) = p(i) - local%h(graph%entry(n))*force(graph%column(n))
                end do
             end do
-            call factor_scalars(graph, matrix)
-            call solve_scalars(graph, matrix, p)
+            if (stiff) then
+               ! The diagonal is near 1 except at a resonance.
+               call balance%mean_matrix(harmonic(m), local, matrix)
+               call factor_scalars(graph, matrix)
+               call solve_scalars(graph, matrix, p)
+            end if
             tail(m, :) = p
          end do
       end associate

@@ -8,6 +8,7 @@
 !> strongly where teeth separate; eliminated together they would cost the cube of their number, here they cost their number.
 module geartrain_balance_linear_flow
    use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_flow_steps, only: add_influence, segments, take_steps
    use geartrain_balance_products, only: find_wave
    use geartrain_base_kinds, only: dp, pi
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
@@ -20,8 +21,6 @@ module geartrain_balance_linear_flow
 
    !> Longest step over the time in which the fastest mesh vibrates by 1 rad.
    real(dp), parameter :: longest = 0.8_dp
-   !> The period is cut into this many segments: their steps do not wait for each other.
-   integer, parameter :: segments = 8
    !> Fours of steps fill the segments.
    integer, parameter :: least_samples = 1024
    !> A step costs the square of the number of elements.
@@ -57,10 +56,14 @@ module geartrain_balance_linear_flow
    contains
       procedure :: factor
       procedure :: solve
+      procedure :: solve_tail
       procedure, private :: prepare
+      procedure, private :: close_period
+      procedure, private :: add_path
       procedure, private :: carry
       procedure, private :: carry_back
       procedure, private :: find_force
+      procedure, private :: press
       procedure, private :: join
    end type linear_flow_type
 
@@ -128,33 +131,95 @@ contains
       real(dp), intent(in) :: column(:, :), row(:, :)
       !> Right-hand side, afterwards the solution, (block, unknown), and its entry in the border row.
       real(dp), intent(inout) :: x(:, :), y
-      real(dp) :: added(2*self%elements + 1, segments), b(2*self%elements + 1, 1)
-      integer :: i, k, n
+      real(dp) :: added(2*self%elements + 1, segments)
+      integer :: i
+
+      call self%find_force(balance, x, self%force, added)
+      y = y - sum(row(2:, :)*x(2:, :))
+      call self%close_period(balance%system, added, y)
+      x = x - y*column
+      x(1, :) = 0
+      do i = 1, balance%unknowns
+         call self%add_path(balance%harmonic, i, x(:, i))
+      end do
+   end subroutine solve
+
+   !> Error of the balance to first order, by the residual at the harmonics of a tail: of all harmonics coupled, not of the carried
+   !> ones alone.
+   subroutine solve_tail(self, balance, column, harmonic, tail, x, y)
+      class(linear_flow_type), intent(inout) :: self
+      !> Balance as at `factor`.
+      type(balance_type), intent(in) :: balance
+      !> Border column as at `factor`.
+      real(dp), intent(in) :: column(:, :)
+      !> Harmonics of the tail.
+      integer, intent(in) :: harmonic(:)
+      !> Right-hand side at the tail, afterwards the solution as far as there are samples for the harmonic, (tail, unknown).
+      complex(dp), intent(inout) :: tail(:, :)
+      !> Solution at the carried harmonics, (block, unknown), and the entry in the border row.
+      real(dp), intent(out) :: x(:, :), y
+      real(dp) :: added(2*self%elements + 1, segments)
+      integer :: i, known
+
+      known = count(harmonic < self%transform%samples/2)
+      added = 0
+      do i = 1, balance%unknowns
+         associate (t => self%transform)
+            t%coefficient = 0
+            t%coefficient(harmonic(:known) + 1) = tail(:known, i)/2
+            call t%to_samples()
+         end associate
+         call self%press(i, 0.0_dp, self%force(:, i), added)
+      end do
+      y = 0
+      call self%close_period(balance%system, added, y)
+      x = -y*column
+      x(1, :) = 0
+      do i = 1, balance%unknowns
+         call self%add_path(balance%harmonic, i, x(:, i))
+         tail(:known, i) = tail(:known, i) + 2*self%transform%coefficient(harmonic(:known) + 1)
+      end do
+   end subroutine solve_tail
+
+   !> Adds the coefficients of the displacement y of an unknown mesh, which are in `transform` afterwards.
+   subroutine add_path(self, harmonic, i, x)
+      class(linear_flow_type), intent(inout) :: self
+      integer, intent(in) :: harmonic(:), i
+      real(dp), intent(inout) :: x(:)
+      integer :: k
+
+      associate (t => self%transform)
+         t%sample = self%y(:, i)/t%samples
+         call t%to_coefficients()
+         x(1) = x(1) + t%coefficient(1)%re
+         do k = 1, size(harmonic)
+            x(2*k) = x(2*k) + 2*t%coefficient(harmonic(k) + 1)%re
+            x(2*k + 1) = x(2*k + 1) - 2*t%coefficient(harmonic(k) + 1)%im
+         end do
+      end associate
+   end subroutine add_path
+
+   !> Finds the displacement under `force` that the period brings back to itself.
+   subroutine close_period(self, system, added, y)
+      class(linear_flow_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      !> What the force adds in each segment, (2*elements + 1, segment).
+      real(dp), intent(inout) :: added(:, :)
+      !> Right-hand side of the border row without the part of `force`, afterwards the multiple of the border column.
+      real(dp), intent(inout) :: y
+      real(dp) :: b(2*self%elements + 1, 1)
+      integer :: n
 
       n = 2*self%elements
-      call self%find_force(balance, x, self%force, added)
       b = 0
       call self%join(b(:, 1), added)
-      b(n + 1, 1) = y - b(n + 1, 1) - sum(row(2:, :)*x(2:, :))
+      b(n + 1, 1) = y - b(n + 1, 1)
       call solve_factored(n + 1, 1, self%matrix, self%pivot, b)
       y = b(n + 1, 1)
       self%force = self%force - y*self%column_force
       added = added - y*self%column_added
-      call self%carry(balance%system, b(:n, 1), added)
-      x = x - y*column
-      x(1, :) = 0
-      do i = 1, balance%unknowns
-         associate (t => self%transform)
-            t%sample = self%y(:, i)/t%samples
-            call t%to_coefficients()
-            x(1, i) = t%coefficient(1)%re
-            do k = 1, size(balance%harmonic)
-               x(2*k, i) = x(2*k, i) + 2*t%coefficient(balance%harmonic(k) + 1)%re
-               x(2*k + 1, i) = x(2*k + 1, i) - 2*t%coefficient(balance%harmonic(k) + 1)%im
-            end do
-         end associate
-      end do
-   end subroutine solve
+      call self%carry(system, b(:n, 1), added)
+   end subroutine close_period
 
    !> Chooses the steps and finds what they need. Steps of this length change frequency and decay of a vibration: stiffness and
    !> damping of each element are such that the element by itself has its own.
@@ -222,41 +287,37 @@ contains
       !> What it adds to the end state of each segment and to the entry in the border row, (2*elements + 1, segment).
       real(dp), intent(out) :: added(:, :)
       real(dp) :: u(size(x, 1))
-      integer :: i, j, n, steps
+      integer :: i
 
-      n = self%transform%samples
-      steps = n/segments
       added = 0
       do i = 1, size(x, 2)
          u = x(:, i)
          u(1) = 0
          call sample(u, balance%harmonic, self%transform)
-         associate (rho => self%transform%sample)
-            force(2:n - 1, i) = self%stiffness(2:n - 1, i)*rho(2:n - 1) - x(1, i) + self%drag(i)*(rho(3:) - rho(:n - 2))
-            force(1, i) = self%stiffness(1, i)*rho(1) - x(1, i) + self%drag(i)*(rho(2) - rho(n))
-            force(n, i) = self%stiffness(n, i)*rho(n) - x(1, i) + self%drag(i)*(rho(1) - rho(n - 1))
-         end associate
-         do j = 1, segments
-            call add_influence(2*self%elements + 1, steps, self%influence(:, (j - 1)*steps + 1:j*steps, i), &
-                               force((j - 1)*steps + 1:j*steps, i), added(:, j))
-         end do
+         call self%press(i, x(1, i), force(:, i), added)
       end do
    end subroutine find_force
 
-   !> Adds what forces at each step of a segment add.
-   pure subroutine add_influence(n, steps, influence, force, added)
-      integer, intent(in) :: n, steps
-      real(dp), intent(in) :: influence(n, steps), force(steps)
-      real(dp), intent(inout) :: added(n)
-      integer :: k, l
+   !> Force on an unknown mesh by the waveform in `transform`, less a mean.
+   subroutine press(self, i, mean, force, added)
+      class(linear_flow_type), intent(in) :: self
+      integer, intent(in) :: i
+      real(dp), intent(in) :: mean
+      real(dp), intent(inout) :: force(:), added(:, :)
+      integer :: j, n, steps
 
-      do k = 1, steps, 4
-         do l = 1, n
-            added(l) = added(l) + force(k)*influence(l, k) + force(k + 1)*influence(l, k + 1) &
-                       + force(k + 2)*influence(l, k + 2) + force(k + 3)*influence(l, k + 3)
-         end do
+      n = self%transform%samples
+      steps = n/segments
+      associate (rho => self%transform%sample)
+         force(2:n - 1) = self%stiffness(2:n - 1, i)*rho(2:n - 1) - mean + self%drag(i)*(rho(3:) - rho(:n - 2))
+         force(1) = self%stiffness(1, i)*rho(1) - mean + self%drag(i)*(rho(2) - rho(n))
+         force(n) = self%stiffness(n, i)*rho(n) - mean + self%drag(i)*(rho(1) - rho(n - 1))
+      end associate
+      do j = 1, segments
+         call add_influence(2*self%elements + 1, steps, self%influence(:, (j - 1)*steps + 1:j*steps, i), &
+                            force((j - 1)*steps + 1:j*steps), added(:, j))
       end do
-   end subroutine add_influence
+   end subroutine press
 
    !> State at the end of the period and entry in the border row, from the state at its beginning and what forces add.
    pure subroutine join(self, state, added, start)
@@ -296,48 +357,6 @@ contains
                          transpose(start(:e, :)), transpose(start(e + 1:, :)))
       end associate
    end subroutine carry
-
-   !> The steps of `carry`, of all segments side by side.
-   pure subroutine take_steps(e, unknowns, steps, element, h, own, first, neighbour, coupling, spring, damper, stiffness, drive, &
-                              y, p_start, v_start)
-      integer, intent(in) :: e, unknowns, steps, element(unknowns), first(:), neighbour(:)
-      real(dp), intent(in) :: h, own(:), coupling(:), spring(e), damper(e), stiffness(steps, segments, unknowns), &
-                              drive(steps, segments, unknowns), p_start(segments, e), v_start(segments, e)
-      real(dp), intent(out) :: y(steps, segments, unknowns)
-      real(dp) :: p(segments, e), v(segments, e), force(segments, e), kick(segments)
-      integer :: i, k, l, m, n
-
-      p = p_start
-      v = v_start
-      do k = 1, steps
-         do n = 1, e
-            do l = 1, segments
-               force(l, n) = spring(n)*p(l, n) + damper(n)*v(l, n)
-            end do
-         end do
-         do i = 1, unknowns
-            n = element(i)
-            do l = 1, segments
-               y(k, l, i) = p(l, n)
-               force(l, n) = force(l, n) + stiffness(k, l, i)*p(l, n) + drive(k, l, i)
-            end do
-         end do
-         do n = 1, e
-            do l = 1, segments
-               kick(l) = own(n)*force(l, n)
-            end do
-            do m = first(n), first(n + 1) - 1
-               do l = 1, segments
-                  kick(l) = kick(l) + coupling(m)*force(l, neighbour(m))
-               end do
-            end do
-            do l = 1, segments
-               v(l, n) = v(l, n) - h*kick(l)
-               p(l, n) = p(l, n) + h*v(l, n)
-            end do
-         end do
-      end do
-   end subroutine take_steps
 
    !> Carries the functionals that give the end state of a segment and the entry in the border row back over the segment, and keeps
    !> what a force on an unknown mesh at any step and the state at the beginning add to them.
