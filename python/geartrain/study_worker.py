@@ -1,0 +1,161 @@
+"""A batch of a study, computed by whichever process is asked to: `compute_batch` is what every executor runs."""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+import warnings
+from collections.abc import Iterator
+from functools import lru_cache
+from multiprocessing.connection import Connection
+from typing import Any
+
+from .errors import DrawingWarning
+from .study_plan import Plan
+from .study_store import DONE, FAILED, SET_ASIDE, Record, Store
+
+__all__ = ["BUSY", "OVER", "STOPPED", "compute_batch", "follow_client", "record_of"]
+
+#: What became of a batch: all its points are in the folder; a living process computes it; told to stop before its end.
+OVER, BUSY, STOPPED = "over", "busy", "stopped"
+
+_stopping = threading.Event()
+_LONGEST = 10.0  # s after which the points so far are written: so much a kill may lose
+
+
+def compute_batch(folder: str, digest: str, block: int) -> str:
+    """Compute the points of a batch that are not yet in the folder, and write them there.
+
+    Parameters
+    ----------
+    folder : str
+    digest : str
+        Of the plan.
+    block : int
+        Number of the batch.
+    """
+    if _stopping.is_set():
+        return STOPPED
+    store, plan = _opened(folder, digest)
+    name = f"{digest}-{block:06d}"
+    keys = {plan.key(point): point for point in plan.block(block)}
+    for key in keys.keys() & store.statuses(name).keys():
+        del keys[key]
+    if not keys:
+        return OVER
+    with store.claim(name) as claim:
+        if claim is None:
+            return BUSY
+        for key in keys.keys() & store.statuses(name).keys():  # another process has been faster
+            del keys[key]
+        records: list[Record] = []
+        written = time.monotonic()
+        try:
+            with _stoppable(), warnings.catch_warnings():
+                warnings.simplefilter("ignore", DrawingWarning)
+                for key, point in keys.items():
+                    alone = store.is_suspect(key)
+                    claim.at(b"" if alone else key)
+                    records += _alone(store, plan, point) if alone else [record_of(plan, point)]
+                    if time.monotonic() - written > _LONGEST and records:
+                        store.write(name, records)
+                        records, written = [], time.monotonic()
+        except KeyboardInterrupt:
+            if multiprocessing.parent_process() is None:
+                raise
+            return STOPPED
+        finally:
+            claim.at(b"")
+            if records:
+                store.write(name, records)
+    return OVER
+
+
+def record_of(plan: Plan, point: int) -> Record:
+    """What becomes of a point; an error of the call is a failure of the point."""
+    begun = time.perf_counter()
+    status, message, kept = DONE, "", {}
+    try:
+        kept = plan.compute(point)
+    except Exception as error:  # noqa: BLE001 (a failed point is a result)
+        status, message = FAILED, f"{type(error).__name__}: {error}"
+    return Record(plan.key(point), status, message, time.perf_counter() - begun, kept)
+
+
+@lru_cache(maxsize=2)
+def _opened(folder: str, digest: str) -> tuple[Store, Plan]:
+    store = Store(folder)
+    store.statuses()
+    return store, store.plan(digest)
+
+
+def _alone(store: Store, plan: Plan, point: int) -> list[Record]:
+    """Compute a suspect in a process of its own, which writes what it finds; the record of its death where it dies."""
+    key, begun = plan.key(point), time.perf_counter()
+    command = [sys.executable, "-m", "geartrain.study_worker", str(store.folder), plan.digest, str(point)]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+    with subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as child:
+        try:
+            _, said = child.communicate()
+        except BaseException:
+            child.kill()
+            raise
+    if child.returncode == 0:
+        store.clear(key)
+        return []
+    if child.returncode < 0:
+        why = f"killed its process twice, the second time by signal {-child.returncode} ({signal.strsignal(-child.returncode)})"
+    else:
+        why = f"ended its process with status {child.returncode}: {said.strip().splitlines()[-1] if said.strip() else ''}"
+    return [Record(key, SET_ASIDE, why, time.perf_counter() - begun, {})]
+
+
+@contextlib.contextmanager
+def _stoppable() -> Iterator[None]:
+    """In the main thread of a child process an interrupt and a termination end the batch, with the points so far written."""
+    if multiprocessing.parent_process() is None or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def stop(*_: Any) -> None:
+        for number in before:
+            signal.signal(number, signal.SIG_IGN)
+        raise KeyboardInterrupt
+
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        for number in before:
+            signal.signal(number, stop)
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def follow_client(line: Connection) -> None:
+    """For processes of our own pool: quiet on Ctrl-C between batches, and ended when the client closes the line or is gone."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    def wait() -> None:
+        with contextlib.suppress(OSError):
+            line.poll(None)
+        _stopping.set()
+        while True:
+            os.kill(os.getpid(), signal.SIGTERM)
+            time.sleep(1)
+
+    threading.Thread(target=wait, name="geartrain client", daemon=True).start()
+
+
+if __name__ == "__main__":
+    _folder, _digest, _point = sys.argv[1:]
+    _store, _plan = _opened(_folder, _digest)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DrawingWarning)
+        _store.write(f"{_digest}-alone", [record_of(_plan, int(_point))])
