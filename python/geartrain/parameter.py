@@ -76,7 +76,7 @@ def _targets(name: str, train: Train, analysis: str, settings: Mapping[str, Any]
     if name == _VARIATION:
         return _variation(train, relative)
     places = _places(train, analysis)
-    parsed = re.fullmatch(r"(?:(.+) )??(\w+)(?: (\d+))?", name)
+    parsed = re.fullmatch(r"(?:(.+) )??([a-z]\w*)(?: (\d+))?", name)
     place, variable, element = (parsed[1] or "train", parsed[2], int(parsed[3] or 0)) if parsed else ("", "", 0)
     words = places.get(place, ())
     if not words or variable not in _variables(words[0], settings if place == analysis else {}):

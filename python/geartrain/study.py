@@ -6,6 +6,7 @@ import inspect
 import os
 import tempfile
 import time
+import warnings
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -17,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from ._extras import extra
 from .branch import Branch
 from .case import read_results
-from .errors import InputError, Interrupted, shown
+from .errors import InputError, Interrupted, SolverError, shown
 from .quantity import check_kept
 from .space import Space
 from .study_dataset import dataset_of
@@ -210,7 +211,12 @@ class Study:
         store, plan = self._begun(folder, cores())
         store.mend()
         run_plan(plan, store, range(plan.blocks), executor, retry=retry, progress=progress)
-        return dataset_of(plan, store)
+        found = dataset_of(plan, store)
+        failed = np.flatnonzero(found.status.values != DONE)
+        if len(failed):
+            message = found.message.values.flat[failed[0]]
+            warnings.warn(f"{len(failed)} of {len(self)} points failed, the first with {message}", stacklevel=2)
+        return found
 
     def prepare(self, folder: str | os.PathLike[str], parts: int = 1) -> None:
         """Write what ``geartrain-study FOLDER --part 1/PARTS`` computes, without computing it.
@@ -339,9 +345,14 @@ def run_plan(
             compute_all(str(store.folder), plan.digest, left, executor, workers or _workers(plan, left), told, patient)
             told()
         except KeyboardInterrupt as error:
-            done = f"{told.look()} of {len(plan.distinct)} points are in {store.folder}: the same call goes on from there"
-            raise Interrupted(f"study stopped by Ctrl-C; {done}") from error
+            raise Interrupted(f"study stopped by Ctrl-C; {_there(told.look(), plan, store)}") from error
+        except SolverError as error:
+            raise SolverError(f"{error}; {_there(told.look(), plan, store)}") from error
     return told
+
+
+def _there(points: int, plan: Plan, store: Store) -> str:
+    return f"{points} of {len(plan.distinct)} points are in {store.folder}: the same call goes on from there"
 
 
 def _workers(plan: Plan, left: Sequence[int]) -> int:

@@ -54,7 +54,10 @@ def compute_all(
         elif executor is None:
             left = _in_own_pools(folder, digest, left, workers, tell)
         else:
-            left = _on(_executor_of(executor), folder, digest, left, tell)
+            try:
+                left = _on(_executor_of(executor), folder, digest, left, tell)
+            except BrokenExecutor as error:
+                raise SolverError(f"the executor is broken: {error}") from None
         if not patient:
             return
         if left:
@@ -148,15 +151,15 @@ def _on(executor: Any, folder: str, digest: str, blocks: Sequence[int], tell: Ca
 
 def _outcome(future: Future[str], block: int, attempts: dict[int, int]) -> str:
     """Nothing where the batch is over; ``BUSY``; or another word where it is to be computed again."""
-    try:
+    error = None if future.cancelled() else future.exception()
+    if future.cancelled() or isinstance(error, CancelledError):
+        raise SolverError("the executor has given up the work: its scheduler or its workers are gone")
+    if isinstance(error, (BrokenExecutor, OSError)):
+        raise error
+    if error is None:
         status = future.result()
-    except (BrokenExecutor, OSError):
-        raise
-    except CancelledError:
-        raise SolverError("the executor has given up the work: its scheduler or its workers are gone") from None
-    except Exception as error:  # as Dask tells of a worker that was killed
-        attempts[block] += 1
-        if attempts[block] == _ATTEMPTS:
-            raise SolverError(f"batch {block} failed {_ATTEMPTS} times, at last with {type(error).__name__}: {error}") from error
-        return "failed"
-    return "" if status == OVER else status
+        return "" if status == OVER else status
+    attempts[block] += 1  # as Dask tells of a worker that was killed
+    if attempts[block] == _ATTEMPTS:
+        raise SolverError(f"batch {block} failed {_ATTEMPTS} times, at last with {type(error).__name__}: {error}") from error
+    return "failed"

@@ -49,27 +49,33 @@ def compute_batch(folder: str, digest: str, block: int) -> str:
         del keys[key]
     if not keys:
         return OVER
-    with store.claim(name) as claim:
-        if claim is None:
-            return BUSY
-        for key in keys.keys() & store.statuses(name).keys():  # another process has been faster
-            del keys[key]
-        records: list[Record] = []
-        written = time.monotonic()
+    with _stoppable():
         try:
-            with _stoppable(), warnings.catch_warnings():
-                warnings.simplefilter("ignore", DrawingWarning)
-                for key, point in keys.items():
-                    alone = store.is_suspect(key)
-                    claim.at(b"" if alone else key)
-                    records += _alone(store, plan, point) if alone else [record_of(plan, point)]
-                    if time.monotonic() - written > _LONGEST and records:
-                        store.write(name, records)
-                        records, written = [], time.monotonic()
+            return _compute(store, plan, name, keys)
         except KeyboardInterrupt:
             if multiprocessing.parent_process() is None:
                 raise
             return STOPPED
+
+
+def _compute(store: Store, plan: Plan, name: str, keys: dict[bytes, int]) -> str:
+    """Compute points, unless a living process has claimed them."""
+    with store.claim(name) as claim:
+        if claim is None:
+            return BUSY
+        records: list[Record] = []
+        written = time.monotonic()
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", DrawingWarning)
+                there = store.statuses(name).keys()  # another process may have been faster
+                for key in [key for key in keys if key not in there]:
+                    alone = store.is_suspect(key)
+                    claim.at(b"" if alone else key)
+                    records += _alone(store, plan, keys[key]) if alone else [record_of(plan, keys[key])]
+                    if time.monotonic() - written > _LONGEST and records:
+                        store.write(name, records)
+                        records, written = [], time.monotonic()
         finally:
             claim.at(b"")
             if records:
@@ -99,7 +105,8 @@ def _alone(store: Store, plan: Plan, point: int) -> list[Record]:
     """Compute a suspect in a process of its own, which writes what it finds; the record of its death where it dies."""
     key, begun = plan.key(point), time.perf_counter()
     command = [sys.executable, "-m", "geartrain.study_worker", str(store.folder), plan.digest, str(point)]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+    paths = [*filter(None, sys.path), os.environ.get("PYTHONPATH", "")]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, paths))}
     with subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as child:
         try:
             _, said = child.communicate()
@@ -118,15 +125,18 @@ def _alone(store: Store, plan: Plan, point: int) -> list[Record]:
 
 @contextlib.contextmanager
 def _stoppable() -> Iterator[None]:
-    """In the main thread of a child process an interrupt and a termination end the batch, with the points so far written."""
+    """In the main thread of a child process one interrupt or termination ends the batch; further ones do not break its end."""
     if multiprocessing.parent_process() is None or threading.current_thread() is not threading.main_thread():
         yield
         return
 
+    stopped = False
+
     def stop(*_: Any) -> None:
-        for number in before:
-            signal.signal(number, signal.SIG_IGN)
-        raise KeyboardInterrupt
+        nonlocal stopped
+        if not stopped:
+            stopped = True
+            raise KeyboardInterrupt
 
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
