@@ -48,16 +48,17 @@ def compute_all(
         Whether to wait for the batches that other processes have claimed.
     """
     left = list(blocks)
+    theirs = None if executor is None else _executor_of(executor)
     while left:
-        if executor is None and workers == 1:
-            left = _in_this_process(folder, digest, left, tell)
-        elif executor is None:
-            left = _in_own_pools(folder, digest, left, workers, tell)
-        else:
+        if theirs is not None:
             try:
-                left = _on(_executor_of(executor), folder, digest, left, tell)
+                left = _on(theirs, folder, digest, left, tell)
             except BrokenExecutor as error:
                 raise SolverError(f"the executor is broken: {error}") from None
+        elif workers == 1:
+            left = _in_this_process(folder, digest, left, tell)
+        else:
+            left = _in_own_pools(folder, digest, left, workers, tell)
         if not patient:
             return
         if left:

@@ -41,7 +41,8 @@ def test_samples_come_in_any_form():
 
 
 def test_spaces_multiply():
-    space = gt.Space({"input_torque": [50.0, 100.0]}) * gt.Space(sample={"load_inertia": [1.0, 2.0], "prime_mover_inertia": [3.0, 4.0]})
+    ends = gt.Space(sample={"load_inertia": [1.0, 2.0], "prime_mover_inertia": [3.0, 4.0]})
+    space = gt.Space({"input_torque": [50.0, 100.0]}) * ends
     assert space.shape == (2, 2)
     assert points_of(space) == [(50, 1, 3), (50, 2, 4), (100, 1, 3), (100, 2, 4)]
     twice = gt.Space(sample={"input_torque": [1.0]}) * gt.Space(sample={"load_inertia": [2.0, 3.0]})
@@ -82,11 +83,12 @@ def test_what_is_no_space_is_told(arguments, told):
 def test_a_parameter_is_named_as_in_the_case():
     train = paper_train()
     first, second = train.meshes
+    ends, middle = train.shafts[::2], train.shafts[1]
     for parameters, expected in (
         ({"input_torque": 90.0}, replace(train, input_torque=90.0)),
         ({"mesh 2 half_backlash": 1e-5}, replace(train, meshes=(first, replace(second, half_backlash=1e-5)))),
         ({"mesh * damping_ratio": 0.1}, replace(train, meshes=[replace(mesh, damping_ratio=0.1) for mesh in train.meshes])),
-        ({"shaft 2 stiffness": 1e6}, replace(train, shafts=(train.shafts[0], replace(train.shafts[1], stiffness=1e6), train.shafts[2]))),
+        ({"shaft 2 stiffness": 1e6}, replace(train, shafts=(ends[0], replace(middle, stiffness=1e6), ends[1]))),
         ({("mesh 1 damping_ratio", "mesh 2 damping_ratio"): 0.1},
          replace(train, meshes=[replace(mesh, damping_ratio=0.1) for mesh in train.meshes])),
         ({"mesh 1 stiffness_cos": 0.2}, replace(train, meshes=(replace(first, stiffness_cos=0.2), second))),

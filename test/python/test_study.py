@@ -61,7 +61,7 @@ def test_every_point_is_what_the_calls_give(whole):
 def test_everything_has_its_unit(whole, tmp_path):
     assert whole.rms.attrs["units"] == "1" and "rms of Al-shyyab" in whole.rms.attrs["description"]
     assert whole.input_torque.attrs == {
-        "units": "N m", "description": "Mean torque on the driving end of a chain; the load torque balances it by itself".split(";")[0],
+        "units": "N m", "description": "Mean torque on the driving end of a chain",
     }
     assert whole.peak_mesh_force_maximum.attrs["units"] == "N"
     assert whole.attrs["analysis"] == "response" and "stiffness_cos" in whole.attrs["case"]
@@ -261,7 +261,8 @@ def test_an_executor_is_one():
 
 def test_the_csv_of_a_user(tmp_path):
     generator = np.random.default_rng(1)
-    table = pd.DataFrame({"input_torque": generator.uniform(0.2, 0.5, 500), "mesh 1 damping_ratio": generator.uniform(0.03, 0.1, 500)})
+    ranges = {"input_torque": (0.2, 0.5), "mesh 1 damping_ratio": (0.03, 0.1)}
+    table = pd.DataFrame({name: generator.uniform(*ends, 500) for name, ends in ranges.items()})
     table.to_csv(tmp_path / "samples.csv", index=False)
     train = single_pair(0.4, stiffness_cos=[0.3])
     study = gt.Study(train, gt.Space(sample=pd.read_csv(tmp_path / "samples.csv")), modes={}, keep=["damping_ratio"])
