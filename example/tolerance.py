@@ -102,7 +102,7 @@ def draw_indices(found: Mapping[str, Mapping[str, Any]], path: Path) -> None:
         picture = axes.imshow(table, vmin=0, vmax=1, cmap="Blues", aspect="auto")
         for (row, column), value in np.ndenumerate(table):
             color = "white" if value > 0.6 else "black"
-            axes.text(column, row, f"{abs(value):.2f}", ha="center", va="center", color=color, fontsize=8)
+            axes.text(column, row, f"{round(value, 2) + 0:.2f}", ha="center", va="center", color=color, fontsize=8)
         names = [name.replace("_", " ") for name in PARAMETERS]
         axes.set_xticks(range(len(names)), names, rotation=35, ha="right", fontsize=8)
         axes.set_yticks(range(len(found)), [name.replace("_", " ") for name in found], fontsize=8)
