@@ -61,8 +61,10 @@ def by_joblib(points, workers, folder):
 
 
 def by_dask(points, workers, folder):
+    import dask
     from dask.distributed import Client, LocalCluster
 
+    dask.config.set({"distributed.worker.profile.enabled": False})
     with LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
         study_of(points).run(folder, client)
 

@@ -42,8 +42,10 @@ def run(study: gt.Study, folder: Path, engine: str) -> Dataset:
     """Compute what is not yet in the folder."""
     if engine == "processes":
         return study.run(folder)
+    import dask
     from dask.distributed import Client, LocalCluster
 
+    dask.config.set({"distributed.worker.profile.enabled": False})  # it looks at the workers a hundred times a second
     with LocalCluster(threads_per_worker=1) as cluster, Client(cluster) as client:
         print(f"dashboard: {client.dashboard_link}")
         return study.run(folder, client)

@@ -59,6 +59,15 @@ class Space:
     relative : bool
         Values are multiples of the train's own: ``"mesh * stiffness"`` of 0.9 is each mesh's stiffness less 10 %.
 
+    Attributes
+    ----------
+    axes : tuple of Axis
+        The dimensions, each with the parameters that go along it.
+    relative : dict
+        By parameters, whether values are multiples of the train's own.
+    distributions : dict
+        By parameters.
+
     Examples
     --------
     >>> space = gt.Space({"input_torque": [50.0, 100.0, 150.0], "mesh 2 half_backlash": np.linspace(10e-6, 60e-6, 11)})

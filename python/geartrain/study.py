@@ -94,6 +94,14 @@ class Study:
         A call of the train with its keywords, one of them: ``response=dict(start=0.2, stop=2.6)``, ``modes={}``,
         ``integrate=dict(frequency=0.9)``, ...
 
+    Attributes
+    ----------
+    train, space, keep
+    call : str
+        Name of the call.
+    settings : dict
+        All its keywords, defaults included.
+
     Raises
     ------
     InputError

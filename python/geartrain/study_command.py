@@ -27,8 +27,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if told.status:
             print(read_study(told.folder).explain())
             return 0
-        store.mend()
         number, parts = told.part
+        if parts == 1:
+            store.mend()
         blocks = range(number - 1, plan.blocks, parts)
         workers = told.workers or (1 if parts > 1 else 0)
         there = run_plan(plan, store, blocks, workers=workers, retry=told.retry, patient=parts == 1)

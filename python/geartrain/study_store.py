@@ -70,6 +70,7 @@ class Store:
         self.plans, self.batches, self.claims, self.suspects, self.branches = (
             self.folder / name for name in ("plans", "batches", "claims", "suspects", "branches")
         )
+        self._lock = threading.Lock()
         self._seen: dict[str, int] = {}
         self._known: dict[bytes, str] = {}
 
@@ -184,6 +185,10 @@ class Store:
 
     def statuses(self, prefix: str = "") -> Mapping[bytes, str]:
         """Keys with their statuses, after a look at the batch files whose names begin with ``prefix``; each is read once."""
+        with self._lock:
+            return self._look(prefix)
+
+    def _look(self, prefix: str = "") -> Mapping[bytes, str]:
         anew = False
         for path in self.paths(prefix):
             with contextlib.suppress(*_DAMAGED):
@@ -199,7 +204,7 @@ class Store:
                         self._known[key] = told
         if anew:
             self._seen, self._known = {}, {}
-            return self.statuses()
+            return self._look()
         return self._known
 
     def forget(self, keys: Collection[bytes]) -> None:

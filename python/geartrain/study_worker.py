@@ -44,9 +44,8 @@ def compute_batch(folder: str, digest: str, block: int) -> str:
         return STOPPED
     store, plan = _opened(folder, digest)
     name = f"{digest}-{block:06d}"
-    keys = {plan.key(point): point for point in plan.block(block)}
-    for key in keys.keys() & store.statuses(name).keys():
-        del keys[key]
+    there = store.statuses(name)
+    keys = {key: point for point in plan.block(block) if (key := plan.key(point)) not in there}
     if not keys:
         return OVER
     with _stoppable():
@@ -68,7 +67,7 @@ def _compute(store: Store, plan: Plan, name: str, keys: dict[bytes, int]) -> str
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", DrawingWarning)
-                there = store.statuses(name).keys()  # another process may have been faster
+                there = store.statuses(name)  # another process may have been faster
                 for key in [key for key in keys if key not in there]:
                     alone = store.is_suspect(key)
                     claim.at(b"" if alone else key)
