@@ -277,7 +277,7 @@ class Study:
         outputs : sequence of str
             Numbers, as in ``keep``: ``"largest dynamic_factor"``, ``"first jump up"``.
         folder : path-like, optional
-            Where results are kept, and taken from; else they are forgotten.
+            Where results are kept, and taken from; else they are forgotten. Workers on other machines need one that they see.
         executor : Executor or Client, optional
             As in `run`.
 

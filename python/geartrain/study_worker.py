@@ -20,7 +20,7 @@ from .errors import DrawingWarning
 from .study_plan import Plan
 from .study_store import DONE, FAILED, SET_ASIDE, Record, Store
 
-__all__ = ["BUSY", "OVER", "STOPPED", "compute_batch", "follow_client", "record_of"]
+__all__ = ["BUSY", "OVER", "STOPPED", "compute_alone", "compute_batch", "follow_client", "record_of"]
 
 #: What became of a batch: all its points are in the folder; a living process computes it; told to stop before its end.
 OVER, BUSY, STOPPED = "over", "busy", "stopped"
@@ -100,10 +100,19 @@ def _opened(folder: str, digest: str) -> tuple[Store, Plan]:
     return store, store.plan(digest)
 
 
+def compute_alone(folder: str, digest: str, point: str) -> None:
+    """Compute one point, in a process that it may kill."""
+    store, plan = _opened(folder, digest)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DrawingWarning)
+        store.write(f"{digest}-alone", [record_of(plan, int(point))])
+
+
 def _alone(store: Store, plan: Plan, point: int) -> list[Record]:
     """Compute a suspect in a process of its own, which writes what it finds; the record of its death where it dies."""
     key, begun = plan.key(point), time.perf_counter()
-    command = [sys.executable, "-m", "geartrain.study_worker", str(store.folder), plan.digest, str(point)]
+    code = "import sys; from geartrain.study_worker import compute_alone; compute_alone(*sys.argv[1:])"
+    command = [sys.executable, "-c", code, str(store.folder), plan.digest, str(point)]
     paths = [*filter(None, sys.path), os.environ.get("PYTHONPATH", "")]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, paths))}
     with subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as child:
@@ -160,11 +169,3 @@ def follow_client(line: Connection) -> None:
             time.sleep(1)
 
     threading.Thread(target=wait, name="geartrain client", daemon=True).start()
-
-
-if __name__ == "__main__":
-    _folder, _digest, _point = sys.argv[1:]
-    _store, _plan = _opened(_folder, _digest)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DrawingWarning)
-        _store.write(f"{_digest}-alone", [record_of(_plan, int(_point))])

@@ -93,10 +93,20 @@ def test_the_array_job(tmp_path):
     assert (study.dataset(tmp_path).status == "done").all() and not any(Store(tmp_path).suspects.iterdir())
 
 
+def test_a_queue_of_this_machine(tmp_path):
+    pytest.importorskip("dask_jobqueue")
+    study = pair_study()
+    study.prepare(tmp_path, parts=3)
+    command = [sys.executable, ROOT / "example" / "study_jobqueue.py", tmp_path, "local", "2"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300)
+    assert done.returncode == 0 and done.stdout == "6 of 6 points done\n", done.stderr
+    assert len(computed(tmp_path)) == len(set(computed(tmp_path))) == 6
+
+
 def test_the_lines_of_the_page_run(tmp_path, monkeypatch):
-    """Those of docs/studies.md, block after block; but what needs a cluster of its own."""
+    """Those of docs/studies.md, block after block."""
     text = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")
-    blocks = [block for block in re.findall(r"```python\n(.*?)```", text, re.DOTALL) if "SLURMCluster" not in block]
+    blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
     assert len(blocks) >= 3
     monkeypatch.chdir(tmp_path)
     (tmp_path / "namelists").symlink_to(ROOT / "namelists")
