@@ -92,8 +92,8 @@ class Store:
         path.unlink()
         return now
 
-    def _put(self, path: Path, text: bytes, anew: bool = True) -> bool:
-        """Write a file beside and rename it; whether it was not there before, where it is not to be written ``anew``."""
+    def _put(self, path: Path, text: bytes, anew: bool = True) -> None:
+        """Write a file beside and rename it; leave one that is there alone where it is not to be written ``anew``."""
         beside = path.with_name(f"{uuid.uuid4().hex}.tmp")
         try:
             with beside.open("xb") as file:
@@ -101,13 +101,11 @@ class Store:
                 file.flush()
                 os.fsync(file.fileno())
             if not anew:
-                with contextlib.suppress(FileExistsError, OSError):  # a file system without links
+                with contextlib.suppress(OSError):  # a file system without links
                     os.link(beside, path)
-                    return True
                 if path.exists():
-                    return False
+                    return
             os.replace(beside, path)
-            return True
         finally:
             with contextlib.suppress(OSError):
                 beside.unlink()
@@ -117,10 +115,13 @@ class Store:
     def put_plan(self, plan: Plan) -> Plan:
         """Make a plan the folder's latest; gives it in the batches in which it has been begun."""
         path = self.plans / f"{plan.digest}.npz"
-        if not path.exists():
-            self._put(path, plan.dump(), anew=False)
+        try:
+            known = self.plan(plan.digest)
+        except OSError:  # not there, or damaged
+            self._put(path, plan.dump(), anew=path.exists())
+            known = self.plan(plan.digest)
         os.utime(path)
-        return self.plan(plan.digest)
+        return known
 
     def plan(self, digest: str = "") -> Plan:
         """A plan of the folder, the latest unless told."""

@@ -204,6 +204,13 @@ def computed_quietly(folder):
     return keys
 
 
+def test_a_damaged_plan_is_told_and_written_again(folder, whole, capsys):
+    path, = (folder / "plans").iterdir()
+    path.write_bytes(path.read_bytes()[:2000])
+    assert main([str(folder)]) == 4 and "is damaged" in capsys.readouterr().err
+    assert study().run(folder).identical(whole) and main([str(folder)]) == 0
+
+
 def test_a_full_disk_is_told_and_the_rest_kept(folder, whole):
     process = subprocess.run(
         ["bash", "-c", 'ulimit -f 2; exec "$@"', "bash", sys.executable, "-m", "geartrain.study_command", folder, "--workers", "1"],
