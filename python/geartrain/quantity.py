@@ -14,10 +14,10 @@ from ._box import described
 from .branch import Branch
 from .errors import InputError, shown
 
-__all__ = ["CALLS", "Quantity", "check_kept", "taken"]
+__all__ = ["Quantity", "check_kept", "taken"]
 
 #: Calls of a train whose group in a results file is not of the same name.
-CALLS = {"integrate": "integration", "sweep": "integration", "continuation": "response"}
+_GROUPS = {"integrate": "integration", "sweep": "integration"}
 
 #: Lists read off a branch: what each is asked for as, the group that describes it, what a row of it is called.
 _LISTS = {
@@ -44,9 +44,9 @@ class Quantity(NamedTuple):
 
 def check_kept(keep: Sequence[str], call: str) -> None:
     """Raise an error where a study cannot keep something of the results of a call."""
-    group = described().get(f"/{CALLS.get(call, call)}")
+    group = described().get(f"/{_GROUPS.get(call, call)}")
     fields = [] if group is None else [name for name in group.about if not name.endswith("_label")]
-    of_branch = group is not None and CALLS.get(call, call) == "response"
+    of_branch = call == "response"
     known = [*fields, *((*_LISTS, _SPECIAL) if of_branch else ())]
     for name in keep:
         extreme = _EXTREME.fullmatch(name)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 
 from ._box import Box
 from ._namelist import parse
-from .errors import InputError, shown
+from .errors import DrawingWarning, InputError, shown
 from .parameter import Target, assigned, checked_column, own_value, targets_of
 from .quantity import Quantity, taken
 from .space import Axis, Space
@@ -97,7 +98,9 @@ class Plan:
     @cached_property
     def train(self) -> Train:
         """The train with its own values."""
-        return Train._of(parse(self.case))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DrawingWarning)  # told when the train was made
+            return Train._of(parse(self.case))
 
     @cached_property
     def digest(self) -> str:

@@ -247,6 +247,12 @@ def test_a_folder_that_vanishes_is_told(folder, whole):
     assert is_whole(folder.with_name("moved"), whole)
 
 
+def test_long_work_is_written_as_it_goes(folder, whole, monkeypatch):
+    monkeypatch.setattr("geartrain.study_worker._LONGEST", 0.0)
+    study().run(folder)
+    assert len(Store(folder).paths()) == POINTS and study().dataset(folder).identical(whole)
+
+
 def test_a_claim_is_left_alone_while_its_owner_lives(folder, monkeypatch):
     store = Store(folder)
     digest = store.plan().digest
