@@ -22,7 +22,7 @@ from .errors import InputError, Interrupted, SolverError, shown
 from .quantity import check_kept
 from .space import Space
 from .study_dataset import dataset_of
-from .study_engine import compute_all, cores
+from .study_engine import compute_all, cores, executor_of
 from .study_plan import Plan
 from .study_progress import Progress
 from .study_store import DONE, Store
@@ -215,10 +215,11 @@ class Study:
         OSError
             Where the folder cannot be written; likewise.
         """
+        theirs = executor_of(executor)
         self._folder = os.fspath(folder)
         store, plan = self._begun(folder, cores())
         store.mend()
-        run_plan(plan, store, range(plan.blocks), executor, retry=retry, progress=progress)
+        run_plan(plan, store, range(plan.blocks), theirs, retry=retry, progress=progress)
         found = dataset_of(plan, store)
         failed = np.flatnonzero(found.status.values != DONE)
         if len(failed):

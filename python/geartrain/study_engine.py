@@ -13,7 +13,7 @@ from typing import Any
 from .errors import InputError, SolverError, shown
 from .study_worker import BUSY, OVER, compute_batch, follow_client
 
-__all__ = ["compute_all", "cores"]
+__all__ = ["compute_all", "cores", "executor_of"]
 
 _MOST = 512  # batches handed to an executor at a time: so the client stays small
 _POLL = 1.0  # s
@@ -38,8 +38,8 @@ def compute_all(
         As for `compute_batch`.
     blocks : sequence of int
         Numbers of the batches.
-    executor : None, Executor or Client
-        None: a pool of processes of our own. Else an executor of ``concurrent.futures``, or a client of Dask.
+    executor : None or Executor
+        As `executor_of` gives it; None: a pool of processes of our own.
     workers : int
         Size of our own pool; 1: in this process.
     tell : callable
@@ -48,11 +48,10 @@ def compute_all(
         Whether to wait for the batches that other processes have claimed.
     """
     left = list(blocks)
-    theirs = None if executor is None else _executor_of(executor)
     while left:
-        if theirs is not None:
+        if executor is not None:
             try:
-                left = _on(theirs, folder, digest, left, tell)
+                left = _on(executor, folder, digest, left, tell)
             except BrokenExecutor as error:
                 raise SolverError(f"the executor is broken: {error}") from None
         elif workers == 1:
@@ -115,8 +114,10 @@ def _one_thread_each() -> Iterator[None]:
             os.environ.pop(name, None)
 
 
-def _executor_of(executor: Any) -> Any:
-    """Something with ``submit`` that gives futures of ``concurrent.futures``."""
+def executor_of(executor: Any) -> Any:
+    """Something with ``submit`` that gives futures of ``concurrent.futures``, of an executor or a client of Dask; None of None."""
+    if executor is None:
+        return None
     if hasattr(executor, "get_executor"):  # a client of Dask; points are pure, but a lost one must not be taken from its memory
         return executor.get_executor(pure=False, retries=0)
     if isinstance(executor, Executor) or hasattr(executor, "submit"):

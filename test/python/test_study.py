@@ -254,9 +254,10 @@ def test_what_is_no_study_is_told(arguments, told):
         gt.Study(single_pair(0.4), gt.Space({"input_torque": [1.0]}), **arguments)
 
 
-def test_an_executor_is_one():
+def test_an_executor_is_one(tmp_path):
     with pytest.raises(gt.InputError, match="executor = 4: must be None"):
-        pair_study().run("never", executor=4)
+        pair_study().run(tmp_path / "never", executor=4)
+    assert not any(tmp_path.iterdir())
 
 
 def test_the_csv_of_a_user(tmp_path):
