@@ -42,7 +42,9 @@ from .explanation import Explanation
 from .modes import Modes
 from .motion import Motion
 from .run_up import RunUp
+from .space import Space
 from .stability_map import StabilityMap
+from .study import Study, StudyExplanation, read_study
 from .summary import Jump, Peak, Peaks
 from .sweep import Sweep
 from .train import Train
@@ -72,13 +74,17 @@ __all__ = [
     "RunUp",
     "Shaft",
     "SolverError",
+    "Space",
     "SpecialPoint",
     "StabilityMap",
+    "Study",
+    "StudyExplanation",
     "Sweep",
     "Train",
     "Trajectory",
     "read_case",
     "read_results",
+    "read_study",
 ]
 
 with _box.Box() as _opened:

@@ -98,7 +98,7 @@ class Box:
         self.close()
 
     def __del__(self) -> None:
-        if fortran is not None:  # as at the end of the interpreter
+        if getattr(fortran, "close_box", None) is not None:  # as at the end of the interpreter
             self.close()
 
     def close(self) -> None:

@@ -12,7 +12,7 @@ from ._extras import extra
 if TYPE_CHECKING:
     from xarray import Dataset
 
-__all__ = ["dataset"]
+__all__ = ["dataset", "labels_along"]
 
 
 def dataset(path: str, values: dict[str, Any], attributes: dict[str, Any], coordinates: tuple[str, ...] = ()) -> Dataset:
@@ -41,7 +41,7 @@ def dataset(path: str, values: dict[str, Any], attributes: dict[str, Any], coord
             array, dimensions = np.stack([array.real, array.imag], axis=-1), (*dimensions, "complex")
         variables[name] = dimensions, array, {"units": unit, "description": description}
         for dimension, length in zip(dimensions, array.shape):
-            axes.setdefault(dimension, (dimension, _labels(dimension, length, values.get("orders"))))
+            axes.setdefault(dimension, (dimension, labels_along(dimension, length, values.get("orders"))))
     told = {name: int(value) if isinstance(value, bool) else value for name, value in attributes.items()}
     found: Dataset = extra("xarray").Dataset(variables, {name: axis for name, axis in axes.items() if name not in variables}, told)
     for axis in found.coords.values():
@@ -51,7 +51,7 @@ def dataset(path: str, values: dict[str, Any], attributes: dict[str, Any], coord
     return found.set_coords([name for name in (*coordinates, *(f"{axis}_label" for axis in axes)) if name in variables])
 
 
-def _labels(dimension: str, length: int, orders: Any = None) -> Any:
+def labels_along(dimension: str, length: int, orders: Any = None) -> Any:
     """The places along a dimension, as a results file has them."""
     if dimension == "coefficient":
         return ["mean", *(f"{name} {order}" for order in (range(1, (length + 1) // 2) if orders is None else orders)

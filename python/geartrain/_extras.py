@@ -8,7 +8,7 @@ from typing import Any
 __all__ = ["extra", "missing"]
 
 #: The optional dependencies of pyproject.toml that bring them.
-_EXTRAS = {"matplotlib": "plot", "tqdm": "progress", "h5py": "data", "xarray": "data"}
+_EXTRAS = {"matplotlib": "plot", "tqdm": "progress", "h5py": "data", "xarray": "data", "scipy": "study"}
 
 
 def extra(module: str) -> Any:

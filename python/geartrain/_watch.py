@@ -17,7 +17,7 @@ from ._extras import missing
 from ._warn import warn
 from .errors import Interrupted
 
-__all__ = ["watched"]
+__all__ = ["progress_bar", "watched"]
 
 Result = TypeVar("Result")
 
@@ -80,7 +80,7 @@ def watched(
             try:
                 done.wait(_TICK)
                 if wanted and bar is None and time.monotonic() - begin > _PATIENCE:
-                    bar = _bar(name, total, begin, unit)
+                    bar = progress_bar(name, total, begin, unit)
                     wanted = bar is not None
                 if bar is not None:
                     bar.n = int(progress[1])
@@ -111,7 +111,7 @@ def watched(
     return cast(Result, result)
 
 
-def _bar(name: str, total: int | None, begin: float, unit: str) -> Any:
+def progress_bar(name: str, total: int | None, begin: float, unit: str) -> Any:
     """A bar on a terminal or in a notebook; None without tqdm or without a standard error to write it to."""
     if sys.stderr is None or sys.stderr.closed:
         return None

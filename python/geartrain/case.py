@@ -22,7 +22,7 @@ from .run_up import RunUp
 from .stability_map import StabilityMap
 from .sweep import Sweep
 from .train import Train
-from .variables import ANALYSES, PARTS
+from .variables import ANALYSES
 
 __all__ = ["Case", "Results", "read_case", "read_results"]
 
@@ -179,11 +179,8 @@ class Case:
         text = box.text("case")
         groups = parse(text)
         one = dict(groups)
-        lists: dict[str, Any] = {
-            parts: [kind(**values) for name, values in groups if name == group] for group, (parts, kind) in PARTS.items()
-        }
         return cls(
-            train=Train(**one["train"], **lists),
+            train=Train._of(groups),
             modes="modes" in one,
             response=one.get("response"),
             integration=one.get("integration"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from numbers import Real
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -26,6 +26,7 @@ from .schematic import draw_schematic, figure_size
 from .stability_map import StabilityMap
 from .sweep import Sweep
 from .variables import (
+    PARTS,
     VARIABLES,
     AttractorsKeywords,
     IntegrateKeywords,
@@ -396,6 +397,14 @@ class Train(Description):
                 return found
 
         return watched(work, "run up", unit="periods")
+
+    @classmethod
+    def _of(cls, groups: Sequence[tuple[str, dict[str, Any]]]) -> Train:
+        """The train of a case's groups, as `_namelist.parse` gives them."""
+        lists: dict[str, Any] = {
+            parts: [kind(**values) for name, values in groups if name == group] for group, (parts, kind) in PARTS.items()
+        }
+        return cls(**dict(groups)["train"], **lists)
 
     @staticmethod
     def _put_start(box: Box, start: Motion | ArrayLike | None, what: str) -> None:
