@@ -79,7 +79,7 @@ def draw_reducer(folder: Path) -> None:
     response.plot(ax=axes[1], quantity="shaft_torque")
     axes[0].set_xlabel("")
     for ax in axes:
-        ax.legend(loc=(0.46, 0.72))
+        ax.legend(loc=(0.46, 0.64))
     figure.savefig(folder / "reducer_response.png", dpi=80)
     run_up = case.train.run_up(**case.run_up)
     figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.2), constrained_layout=True)

@@ -78,9 +78,9 @@ def draw_figure(folder: Path, dpi: int = 160) -> Path:
     return picture
 
 
-_MARKS: dict[str, Any] = {"ls": "none", "marker": "s", "ms": 4.0, "mfc": "none", "mec": _RED, "mew": 0.9}
-_OTHER_MARKS: dict[str, Any] = {**_MARKS, "marker": "D", "ms": 3.2, "mec": "#d98a1f"}
-_LINEAR_MARKS: dict[str, Any] = {**_MARKS, "ms": 2.6, "mec": "0.35", "mew": 0.7}
+_MARKS: dict[str, Any] = {"ls": "none", "marker": "s", "ms": 2.4, "mfc": "none", "mec": _RED, "mew": 0.6}
+_OTHER_MARKS: dict[str, Any] = {**_MARKS, "marker": "D", "ms": 2.4, "mec": "#d98a1f"}
+_LINEAR_MARKS: dict[str, Any] = {**_MARKS, "ms": 1.8, "mec": "0.35", "mew": 0.5}
 
 
 def _draw_panel(

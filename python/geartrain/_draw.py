@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +14,13 @@ from .errors import InputError, shown
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["check_number", "draw_curve", "draw_lines", "draw_range", "line_style", "new_axes", "put_legend", "runs"]
+__all__ = [
+    "UNSTABLE", "add_keys", "check_number", "draw_curve", "draw_lines", "draw_range", "line_style", "new_axes", "put_legend",
+    "runs",
+]
+
+#: Line style of unstable motions.
+UNSTABLE = (0, (3, 1.5))
 
 
 def runs(stable: ArrayLike | None, segment: ArrayLike) -> Iterator[tuple[slice, bool]]:
@@ -50,7 +56,7 @@ def draw_curve(
         ax.plot(
             frequency[piece],
             values[piece],
-            **{"linestyle": "-" if is_stable else (0, (3, 1.5)), "color": color, **style},
+            **{"linestyle": "-" if is_stable else UNSTABLE, "color": color, **style},
             label=label if i == named else None,
         )
 
@@ -65,23 +71,43 @@ def draw_range(
             ax.fill_between(frequency[piece], low[piece], high[piece], color=color, alpha=0.15, linewidth=0)
 
 
-def put_legend(ax: Axes, own: bool, raised: float = 0.0) -> None:
-    """A legend: above axes that were made for the picture, where it hides nothing; on others where it hides least."""
+def add_keys(ax: Axes, keys: Mapping[str, tuple[Any, ...]]) -> None:
+    """Further entries of a legend by their names, with handles that are drawn side by side and stand for nothing else."""
+    from matplotlib.container import Container
+
+    known = ax.get_legend_handles_labels()[1]
+    for name, handles in keys.items():
+        if name not in known:
+            ax.add_container(Container(handles, label=name))
+
+
+def put_legend(ax: Axes, own: bool, raised: float = 0.0, title: str | None = None) -> None:
+    """A legend: above axes that were made for the picture, where it hides nothing; on others where it hides least.
+
+    Above it has as many columns as the axes have room for, and does not shrink them.
+    """
+    from matplotlib.legend_handler import HandlerTuple
+
+    options: dict[str, Any] = {
+        "handler_map": {tuple: HandlerTuple(ndivide=None, pad=0.3)}, "title": title, "title_fontsize": "small",
+    }
     entries = len(ax.get_legend_handles_labels()[0])
     if not own:
-        ax.legend(loc="best")
-    elif entries:
-        ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0 + raised), ncols=min(3, entries), frameon=False)
+        ax.legend(loc="best", **options)
+        return
+    room = ax.get_window_extent().width
+    for columns in range(min(4, entries), 0, -1):
+        legend = ax.legend(
+            loc="lower center", bbox_to_anchor=(0.5, 1.0 + raised), ncols=columns, frameon=False, **options
+        )
+        if legend.get_window_extent().width <= room:
+            return
 
 
-def draw_lines(ax: Axes, places: ArrayLike, heights: ArrayLike, shift: float, color: Any) -> None:
-    """Lines of a spectrum, shifted by points so that those of several meshes stand side by side."""
-    from matplotlib.transforms import ScaledTranslation
-
-    figure = ax.get_figure()
-    assert figure is not None
-    beside = ax.transData + ScaledTranslation(shift / 72, 0.0, figure.dpi_scale_trans)
-    ax.vlines(places, 0.0, heights, colors=[color], linewidth=2.0, transform=beside)
+def draw_lines(ax: Axes, places: ArrayLike, heights: ArrayLike, width: float, color: Any) -> None:
+    """Lines of a spectrum, each at its place with a mark on top; wide ones show behind narrow ones drawn later."""
+    ax.vlines(places, 0.0, heights, colors=[color], linewidth=width, alpha=0.8)
+    ax.plot(places, heights, linestyle="none", marker="o", markersize=2.0 + width / 2, color=color, alpha=0.8)
 
 
 def line_style(style: dict[str, Any]) -> dict[str, Any]:

@@ -8,14 +8,15 @@ import inspect
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from difflib import get_close_matches
 from itertools import islice
 from textwrap import fill
 from typing import Any, NamedTuple, TypeVar, cast
 
 from numpy.typing import NDArray
 
-__all__ = ["Part", "Series", "Variable", "takes"]
+__all__ = ["Part", "Series", "Variable", "refuse_unknown", "takes"]
 
 Series = float | Sequence[float] | NDArray[Any]
 Call = TypeVar("Call", bound=Callable[..., Any])
@@ -49,6 +50,16 @@ class Part:
             cls.__doc__ = f"{cls.__doc__}\n\nParameters\n----------\n**variables"
         cls.__doc__ = _documented(cls.__doc__, cls.variables)
 
+    def __new__(cls, *_: Any, **given: Any) -> Any:
+        """Refuse unknown keywords in words of their own; else as any dataclass."""
+        refuse_unknown(cls.__name__, given, [item.name for item in fields(cls)])
+        return super().__new__(cls)
+
+    def __repr__(self) -> str:
+        values = {item.name: getattr(self, item.name) for item in fields(self)}
+        given = (f"{name}={value!r}" for name, value in values.items() if value is not None)
+        return f"{type(self).__name__}({', '.join(given)})"
+
     def __post_init__(self) -> None:
         """Make tuples of the lists, however they were given, of no more values than show that there are too many."""
         for name, variable in self.variables.items():
@@ -60,6 +71,15 @@ class Part:
             # An array without dimensions says that it can be iterated over, and cannot; the check tells.
             with contextlib.suppress(TypeError):
                 object.__setattr__(self, name, tuple(islice(value, _MOST + 1)) if isinstance(value, Iterable) else (value,))
+
+
+def refuse_unknown(call: str, given: Iterable[str], known: Sequence[str]) -> None:
+    """Tell a keyword that a call does not have, with the nearest that it has."""
+    for name in given:
+        if name not in known:
+            near = get_close_matches(name, known, 1)
+            hint = f"; did you mean {near[0]!r}?" if near else ""
+            raise TypeError(f"{call}() got an unexpected keyword argument {name!r}{hint}")
 
 
 def takes(group: Mapping[str, Variable], keywords: type, **defaults: Any) -> Callable[[Call], Call]:
@@ -95,7 +115,11 @@ def takes(group: Mapping[str, Variable], keywords: type, **defaults: Any) -> Cal
             named = {words.get(name, name): value for name, value in settings.items()}
             if len(named) < len(settings):
                 raise TypeError(f"{call.__name__}() got a variable by its name and by its keyword: {', '.join(settings)}")
-            bound = signature.bind(*given, **named)
+            refuse_unknown(call.__name__, named, list(signature.parameters))
+            try:
+                bound = signature.bind(*given, **named)
+            except TypeError as error:
+                raise TypeError(f"{call.__name__}() {error}") from None
             bound.apply_defaults()
             return call(*bound.args, **bound.kwargs)
 

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._draw import new_axes
+from ._draw import new_axes, put_legend
 from ._text_table import text_table
 from ._units import Unit, own_lambda, speed_of, units_of
 from .description import Description
+from .errors import InputError, shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -121,7 +123,9 @@ class Campbell:
 
     __repr__ = __str__
 
-    def plot(self, ax: Axes | None = None, *, unit: Unit | None = None, **style: Any) -> Axes:
+    def plot(
+        self, ax: Axes | None = None, *, unit: Unit | None = None, highest: float | None = None, **style: Any
+    ) -> Axes:
         """Draw natural frequencies and orders over the speed, crossings marked.
 
         Parameters
@@ -130,6 +134,9 @@ class Campbell:
             Where to draw; a new figure unless told.
         unit : {'Lambda', 'rpm', 'Hz'}, optional
             Of the speed; unless told rpm where Lambda is the speed in rpm, else Lambda.
+        highest : float, optional
+            Highest frequency drawn [Hz], as where high modes leave little room for the low ones; unless told up to the highest
+            natural frequency that an order reaches.
         **style
             For the marks of the crossings, of matplotlib's ``plot``.
 
@@ -142,22 +149,25 @@ class Campbell:
         >>> train.campbell(start=0.2, stop=2.6).plot().figure.savefig("campbell.png")  # doctest: +SKIP
         """
         units = units_of(self.train, unit)
-        ax = new_axes(ax, figsize=(8.0, 5.2))
+        if highest is not None and (isinstance(highest, bool) or not isinstance(highest, Real) or not 0 < highest < np.inf):
+            raise InputError(f"highest = {shown(highest)}: must be a number > 0")
+        own, ax = ax is None, new_axes(ax, figsize=(8.0, 5.2))
         ends = np.array(self.range)
         # Beyond the highest natural frequency that any order reaches there is nothing to be read.
         reached = [crossing.natural_frequency for crossing in self.crossings]
-        top = 1.15 * max(reached, default=float(self.natural_frequency.max(initial=1.0)))
+        top = 1.15 * max(reached, default=float(self.natural_frequency.max(initial=1.0))) if highest is None else float(highest)
         inside = self.natural_frequency[self.natural_frequency <= top]
         for natural, name in zip(inside, _labels(inside, top)):
             ax.axhline(natural, color="black", linewidth=0.9)
             ax.annotate(name, (1.0, natural), (4, 0), xycoords=("axes fraction", "data"), textcoords="offset points", va="center",
                         fontsize=8)
         sources = sorted({_source(order) for order in self.orders})
+        taken: list[tuple[float, float]] = []
         for order in self.orders:
             color = f"C{sources.index(_source(order)) % 10}"
             hertz = order.order * ends * self.train._outline["fundamental_frequency"]
             ax.plot(units.per_lambda * ends, hertz, color=color, linewidth=0.9)
-            self._name(ax, order, units.per_lambda * ends, hertz, top, color)
+            self._name(ax, order, units.per_lambda * ends, hertz, inside / top, top, color, taken)
         at = [units.per_lambda * crossing.frequency for crossing in self.crossings]
         ax.plot(at, reached, **{"linestyle": "none", "marker": "o", "color": "black", "markersize": 4, "zorder": 3, **style})
         ax.set_xlim(*units.per_lambda * ends)
@@ -166,19 +176,32 @@ class Campbell:
         ax.set_ylabel("frequency  [Hz]")
         for number, source in enumerate(sources):
             ax.plot([], [], color=f"C{number % 10}", label=source)
-        ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=min(4, max(1, len(sources))), frameon=False)
+        known = any(order.per_revolution is not None for order in self.orders)
+        put_legend(ax, own, title=f"orders per revolution of {self.train.speed_name}" if known else r"orders of $\Lambda$")
         return ax
 
     @staticmethod
-    def _name(ax: Axes, order: Order, across: Array, hertz: Array, top: float, color: str) -> None:
-        """The order at the upper end of its line, along which it stands."""
-        share = min(1.0, (0.97 * top - hertz[0]) / max(hertz[1] - hertz[0], 1e-300))
-        if share <= 0:
+    def _name(
+        ax: Axes, order: Order, across: Array, hertz: Array, modes: Array, top: float, color: str, taken: list[tuple[float, float]],
+    ) -> None:
+        """The order on its line, near the upper end, clear of the modes and of the names of other orders where it can be.
+
+        ``modes`` and ``taken`` are heights of modes and places of names, over the extent of the axes.
+        """
+        end = min(0.97, (0.97 * top - hertz[0]) / max(hertz[1] - hertz[0], 1e-300))
+        if end <= 0:
             return
+        places = [(share, (hertz[0] + share * (hertz[1] - hertz[0])) / top) for share in np.linspace(end, 0.3 * end, 30)]
+
+        def is_free(place: tuple[float, float]) -> bool:
+            others = all(abs(place[0] - x) > 0.07 or abs(place[1] - y) > 0.04 for x, y in taken)
+            return others and bool((np.abs(modes - place[1]) > 0.025).all())
+
+        share, height = next(filter(is_free, places), places[0])
+        taken.append((share, height))
         words = f"{order.order if order.per_revolution is None else order.per_revolution:.4g}"
-        place = across[0] + share * (across[1] - across[0]), hertz[0] + share * (hertz[1] - hertz[0])
-        ax.annotate(words, place, (-2, 2), textcoords="offset points", color=color, fontsize=8, ha="right", va="center",
-                    bbox={"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8})
+        ax.annotate(words, (across[0] + share * (across[1] - across[0]), height * top), color=color, fontsize=8, ha="center",
+                    va="center", bbox={"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none"}, zorder=4)
 
 
 def exciting_orders(train: Description) -> tuple[Order, ...]:

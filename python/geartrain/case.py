@@ -27,7 +27,7 @@ from .variables import ANALYSES
 __all__ = ["Case", "Results", "read_case", "read_results"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Results:
     """What a case's run gave; None for what it did not ask for.
 
@@ -59,6 +59,14 @@ class Results:
     ended: str = ""
     text: str = field(default="", repr=False)
     others: Mapping[str, Found] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        """The title, and each analysis with what it has and the range that it covers."""
+        told = [f"<Results{f' of {title!r}' if (title := dict(parse(self.text)).get('train', {}).get('title')) else ''}"]
+        told += [f"{name}: {_in_short(result)}" for name in ANALYSES if (result := getattr(self, name, None)) is not None]
+        told += [f"branches: {len(self.branches)}"] if self.branches else []
+        told += [self.ended] if self.ended else []
+        return "\n   ".join(told) + ">"
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write the HDF5 file that the executable writes; `read_results` gives the results back.
@@ -246,6 +254,16 @@ def read_results(path: str | os.PathLike[str]) -> Results:
             if not (group := box.results().get(f"/{name}", Group())).attributes.get("complete", True)
         ]
         return case._results(box, "\n".join(told))
+
+
+def _in_short(result: Any) -> str:
+    """A result in a line."""
+    count = len(result.natural_frequency) if isinstance(result, Modes) else 0
+    words = f"{count} modes" if count else repr(result).strip("<>")
+    frequency = np.ravel(getattr(result, "frequency", ()))
+    if len(frequency) and np.isfinite(frequency).all():
+        words += f" (Lambda {frequency.min():g} to {frequency.max():g})"
+    return words.splitlines()[0]
 
 
 def _others(kind: type[Case | Results]) -> list[str]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ._box import Box
 from ._namelist import group, in_words_of_the_call, values
-from ._variable import Part
+from ._variable import Part, refuse_unknown
 from ._warn import warn
 from .errors import DrawingWarning, InputError, shown
 from .explanation import Explanation
@@ -38,6 +38,16 @@ class Description(TrainVariables):
         for told in self.warnings:  # which checks the train
             warn(told, DrawingWarning)
 
+    def __repr__(self) -> str:
+        counts = [
+            f"{len(names)} {word if len(names) == 1 else plural}"
+            for names, word, plural in ((self.body_labels, "body", "bodies"), (self.shaft_labels, "shaft", "shafts"),
+                                        (self.mesh_labels, "mesh", "meshes"))
+        ]
+        orders = ", ".join(str(order) for order in sorted({int(order) for order in self._outline["order"]}))
+        title = f" {self.title!r}" if self.title else ""
+        return f"<{type(self).__name__}{title}: {', '.join(counts)} of order {orders}>"
+
     def namelist(self, **analyses: Unpack[Analyses]) -> str:
         """The train, and the analyses wanted, as a case file's text.
 
@@ -51,9 +61,8 @@ class Description(TrainVariables):
         text = group("train", VARIABLES["train"], self._values(self), problems)
         for name, number, part in self._parts():
             text += group(name, VARIABLES[name], self._values(part), problems, f"&{name} {number}")
+        refuse_unknown("namelist", analyses, list(VARIABLES))
         for name, settings in analyses.items():
-            if name not in VARIABLES:
-                raise TypeError(f"namelist() got an unexpected keyword argument {name!r}")
             if settings is not None and settings is not False:
                 text += group(name, VARIABLES[name], settings if isinstance(settings, Mapping) else {}, problems)
         if problems:

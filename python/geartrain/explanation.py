@@ -41,6 +41,8 @@ class Explanation(Mapping[str, Mapping[str, Any]]):
         self.unit = unit
 
     def __getitem__(self, name: str) -> Mapping[str, Any]:
+        if name not in self._numbers:
+            raise KeyError(f"{name}: must be one of {', '.join(self._numbers)}")
         return MappingProxyType(self._numbers[name])
 
     def __iter__(self) -> Iterator[str]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ._dataset import dataset
 from ._draw import check_number, new_axes
 from ._table import Table
+from ._text_table import text_table
 from ._units import hertz_of
 from .description import Description
 from .schematic import draw_schematic, figure_size, joints_of
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["Modes"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Modes(Table):
     """Modes of the mean linear system: contact everywhere, mean mesh stiffness; a rigid-body mode is left out.
 
@@ -58,6 +59,17 @@ class Modes(Table):
     body: tuple[str, ...] | None = None
     rotation: NDArray[np.float64] | None = None
     train: Description | None = field(default=None, repr=False)
+
+    def __str__(self) -> str:
+        hertz = self.natural_frequency_hertz
+        return text_table({
+            "mode": range(1, len(self.natural_frequency) + 1),
+            "natural [Hz]": [None] * len(self.natural_frequency) if hertz is None else hertz.tolist(),
+            "Lambda": self.natural_frequency.tolist(),
+            "damping ratio": self.damping_ratio.tolist(),
+        })
+
+    __repr__ = __str__
 
     @property
     def natural_frequency_hertz(self) -> NDArray[np.float64] | None:

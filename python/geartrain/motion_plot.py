@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import ceil
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._draw import check_number, draw_lines, line_style, new_axes
+from ._draw import check_number, draw_lines, line_style, new_axes, put_legend
 from ._extras import extra
 from ._motion_check import check_motion
 from ._orders import named_orders
 from ._units import Unit, Units, units_of
+from .campbell import exciting_orders
 from .description import Description, mesh_names
+from .errors import InputError, shown
 from .trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -26,7 +30,13 @@ Array = NDArray[np.float64]
 #: Lines of a spectrum that are drawn, and that are named, relative to the largest; most names.
 _VISIBLE, _NAMED, _MOST_NAMES = 3e-3, 0.03, 12
 #: Periods of the fundamental of a motion without a period.
-_PLANE, _SECTION = 100, 1000
+_HISTORY, _PLANE, _SECTION = 16, 100, 1000
+#: Periods of the slowest excitation that a time history shows at least.
+_SHOWN = 4
+#: Longest chord of a phase plane, over the extent of the motion; most points of a closed curve.
+_CHORD, _POINTS = 0.005, 200_000
+#: Height of a letter of a name, along which it stands, in points.
+_LETTER = 4.2
 #: Least room for a name, over the width of the axes.
 _ROOM = 0.022
 
@@ -52,8 +62,8 @@ class Pictures:
         return max(256, 32 * int(max(self.train._outline["order"])) if self.train else 0)
 
     def plot(
-        self, mesh: int | None = None, axes: Sequence[Axes] | None = None, *, periods: int | None = None, unit: Unit | None = None,
-        **style: Any,
+        self, mesh: int | None = None, axes: Sequence[Axes] | None = None, *, periods: float | None = None,
+        unit: Unit | None = None, **style: Any,
     ) -> Sequence[Axes]:
         """Draw the time history of the displacement and of the mesh force, and the spectrum of the displacement.
 
@@ -65,8 +75,10 @@ class Pictures:
             Which mesh, counted from 1; all of them unless told.
         axes : three of matplotlib.axes.Axes, optional
             Where to draw displacement, force and spectrum; a new figure unless told.
-        periods : int, optional
-            Periods of the fundamental; unless told a period of the motion, or 16 where it has none.
+        periods : float, optional
+            Periods of the fundamental, 0.1 for a tenth of one. Unless told a period of the motion, or 16 where it has none; of a
+            train whose slowest excitation has an order n > 1, as one with hunting teeth, not more than 4/n, or 16/n: a few tooth
+            periods.
         unit : {'Lambda', 'rpm', 'Hz'}, optional
             Lambda: time in periods of the fundamental, orders in its multiples. rpm: time in ms, orders in multiples of the speed.
             Hz: time in ms, the spectrum over the frequency. Unless told rpm where Lambda is the speed in rpm, else Lambda.
@@ -84,24 +96,26 @@ class Pictures:
         """
         units = units_of(self.train, unit)
         chosen = self._chosen(mesh)
-        history: Any = self if periods is None else self.trajectory(periods)
+        history, shown = self._history(periods)
         if axes is None:
             axes = extra("matplotlib.pyplot").subplots(3, layout="constrained", figsize=(6.4, 7.2))[1]
         assert axes is not None
         style = line_style(style)
         names = mesh_names(self.train, len(self.rms))
-        time = history.time * self._time_factor(units)
+        time = history.time[shown] * self._time_factor(units)
         order, amplitude = self.spectrum()
-        shown = (amplitude > _VISIBLE * amplitude.max(initial=0.0)).any(axis=1)
+        visible = (amplitude > _VISIBLE * amplitude.max(initial=0.0)).any(axis=1)
         places = order * self._order_factor(units)
         for row, column in enumerate(chosen):
-            (line,) = axes[0].plot(time, history.displacement[:, column], **{"label": names[column], **style})
-            axes[1].plot(time, history.mesh_force[:, column], **{"color": line.get_color(), **style})
-            shift = 2.5 * (row - (len(chosen) - 1) / 2)
-            draw_lines(axes[2], places[shown], amplitude[shown, column], shift, line.get_color())
-        if shown.any():
-            axes[2].set_xlim(0, 1.03 * places[shown][-1] + places[0])
-            axes[2].set_ylim(0, 1.45 * amplitude[:, chosen].max())
+            (line,) = axes[0].plot(time, history.displacement[shown, column], **{"label": names[column], **style})
+            axes[1].plot(time, history.mesh_force[shown, column], **{"color": line.get_color(), **style})
+            width = max(1.0, 3.0 - row) if len(chosen) > 1 else 1.5
+            draw_lines(axes[2], places[visible], amplitude[visible, column], width, line.get_color())
+        if visible.any():
+            # From below 0, so that a slow line stands clear of the frame.
+            right = 1.03 * places[visible][-1] + places[0]
+            axes[2].set_xlim(-0.02 * right, right)
+            axes[2].set_ylim(0, 1.1 * amplitude[:, chosen].max())
             self._name_lines(axes[2], order, places, amplitude[:, chosen].max(axis=1))
         axes[0].set_ylabel(f"displacement {units.length}")
         axes[1].set_ylabel("mesh force  [N]")
@@ -111,7 +125,7 @@ class Pictures:
         axes[2].set_xlabel({"Lambda": r"order, multiples of $\Lambda$", "rpm": turns, "Hz": "frequency  [Hz]"}[units.unit])
         for ax in axes[:2]:
             ax.margins(x=0)
-        axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, frameon=False)
+        put_legend(axes[0], own=True)
         return axes
 
     def phase_plane(self, mesh: int = 1, ax: Axes | None = None, *, periods: int | None = None, **style: Any) -> Axes:
@@ -130,6 +144,13 @@ class Pictures:
         """
         fine = 4 * self._samples()
         ax, path, units = self._plane(mesh, ax, periods or self.period or _PLANE, fine)
+        if self.period:
+            # The equal spacing in time leaves long chords where the velocity is large, as in a contact.
+            points = [values[:, mesh - 1] / (np.ptp(values[:, mesh - 1]) or 1.0) for values in (path.displacement, path.velocity)]
+            longest = float(np.hypot(*np.diff(points)).max(initial=0.0))
+            finer = min(int(np.ceil(longest / _CHORD)), _POINTS // len(path.time))
+            if finer > 1:
+                path = self.trajectory(periods or self.period, samples=finer * fine)
         displacement, velocity = path.displacement[:, mesh - 1], path.velocity[:, mesh - 1] * units.velocity_factor
         ends = [0] if self.period else []
         ax.plot(
@@ -190,6 +211,19 @@ class Pictures:
         check_number("mesh", mesh, len(self.rms))
         return [mesh - 1]
 
+    def _history(self, periods: float | None) -> tuple[Any, slice]:
+        """What has the time histories, and which of its samples to draw."""
+        if periods is not None:
+            if isinstance(periods, bool) or not isinstance(periods, Real) or not 0 < periods < float("inf"):
+                raise InputError(f"periods = {shown(periods)}: must be a number > 0")
+            path = self.trajectory(ceil(periods))
+            return path, slice(0, max(2, round(float(periods) * path.samples_per_period)))
+        own: Any = self
+        whole = self.period or _HISTORY
+        slowest = min((order.order for order in exciting_orders(self.train)), default=1) if self.train else 1
+        share = min(1.0, max(_SHOWN, whole) / (slowest * whole))
+        return own, slice(0, max(2, ceil(share * len(own.time))))
+
     def _time_factor(self, units: Units) -> float:
         return units.time_factor * (self.frequency if units.unit == "Lambda" else 1.0)
 
@@ -203,6 +237,7 @@ class Pictures:
         """Names at the largest lines: multiples of the mesh orders, their sums and differences, and revolutions of bodies."""
         names = named_orders(self.train) if self.train is not None else {}
         taken: list[float] = []
+        top, tall = ax.get_ylim()[1], ax.get_window_extent().height * 72 / ax.figure.dpi
         for line in np.argsort(-height)[:_MOST_NAMES]:
             name = next((name for known, name in names.items() if abs(order[line] - known) < 1e-9), None)
             free = all(abs(places[line] - place) > _ROOM * ax.get_xlim()[1] for place in taken)
@@ -210,3 +245,5 @@ class Pictures:
                 taken.append(float(places[line]))
                 ax.annotate(name, (places[line], height[line]), (0, 4), textcoords="offset points", rotation=90, ha="center",
                             va="bottom", fontsize=7)
+                top = max(top, height[line] * tall / max(tall - _LETTER * len(name) - 6, 0.3 * tall))
+        ax.set_ylim(0, top)

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._box import described
-from ._draw import check_number, draw_curve, draw_range, line_style, new_axes, put_legend
-from ._units import Unit, Units, units_of
+from ._draw import UNSTABLE, add_keys, check_number, draw_curve, draw_range, line_style, new_axes, put_legend
+from ._units import Unit, Units, lambda_of, units_of
 from .description import Description, mesh_names
 from .errors import InputError, shown
 from .summary import Readings
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 __all__ = ["Curves", "Quantity", "plot_visits"]
 
 Array = NDArray[np.float64]
+#: Entries of a legend by their names.
+Keys = dict[str, tuple[Any, ...]]
 
 #: Displacements, which are over the characteristic length.
 _LENGTHS = {"rms", "true_ac_rms", "mean", "minimum", "maximum"}
@@ -81,6 +84,11 @@ class Curves(Readings):
 
     frequency: Array
     segment: NDArray[np.intc]
+    ended: str
+    complete: bool
+    closed: bool
+    origin: str
+    settings: Mapping[str, Any]
     branches: Sequence[Any]
     train: Description | None
 
@@ -89,6 +97,8 @@ class Curves(Readings):
         unit: Unit | None = None, jumps: bool = False, ranges: bool = False, **style: Any,
     ) -> Axes:
         """Draw a quantity over the speed: stable solid, unstable dashed; ``branches`` thinner.
+
+        On axes of its own what a response that ended early has not computed is hatched, and the legend says why.
 
         Parameters
         ----------
@@ -139,19 +149,59 @@ class Curves(Readings):
                     draw_range(ax, frequency, low, high, branch.stable, branch.segment, thin["color"])
                 thin["linewidth"] = 0.8
             colors.append(thin["color"])
+        keys = self._mark_unstable(style)
         if jumps:
-            self._mark_jumps(ax, units, columns if quantity == "rms" else None)
+            keys |= self._mark_jumps(ax, units, columns if quantity == "rms" else None)
         strips = 0.0
         if ranges:
-            strips = self._mark_ranges(ax, units, columns if curves[0].along == "mesh" else range(self.rms.shape[1]), colors)
+            of_meshes = curves[0].along == "mesh"
+            rows = dict(zip(columns, colors)) if of_meshes else dict.fromkeys(range(self.rms.shape[1]), "0.3")
+            strips, told = self._mark_ranges(ax, units, rows, names=not of_meshes)
+            keys |= told
+        # On axes with other pictures another branch may have what this one left out.
+        gaps = self._mark_gaps(ax, units) if own else {}
+        keys |= gaps
         ax.set_xlabel(units.frequency)
         ax.set_ylabel(curves[0].label(units))
-        if len(columns) > 1 or jumps or ranges:
-            put_legend(ax, own, strips)
+        if len(columns) > 1 or jumps or ranges or (keys and own):
+            add_keys(ax, keys)
+            put_legend(ax, own, strips, title=fill(self.ended, 64) if gaps else None)
         return ax
 
-    def _mark_jumps(self, ax: Axes, units: Units, columns: Sequence[int] | None) -> None:
+    def _mark_unstable(self, style: dict[str, Any]) -> Keys:
+        """What the legend says of dashed lines, where there are any."""
+        from matplotlib.lines import Line2D
+
+        dashed = "linestyle" not in style and any(
+            branch.stable is not None and not branch.stable.all() for branch in (self, *self.branches)
+        )
+        return {"unstable": (Line2D([], [], color="0.35", linestyle=UNSTABLE),)} if dashed else {}
+
+    def _mark_gaps(self, ax: Axes, units: Units) -> Keys:
+        """Hatch what a branch that ended early leaves out of its range."""
+        from matplotlib.patches import Patch
+
+        if self.complete or self.closed or self.origin or not len(self.frequency):
+            return {}
+        segments = [self.frequency[self.segment == number] for number in np.unique(self.segment)]
+        asked = [lambda_of(self.train, self.settings[end], self.settings.get("unit")) for end in ("start", "stop")
+                 if self.settings.get(end)]
+        covered = sorted((float(part.min()), float(part.max())) for part in segments)
+        covered = [(-np.inf, min(asked, default=-np.inf)), *covered, (max(asked, default=np.inf), np.inf)]
+        gaps, reached = [], covered[0][1]
+        for low, high in covered[1:]:
+            if low > reached + 1e-9 * abs(low) and np.isfinite([low, reached]).all():
+                gaps.append((reached, low))
+            reached = max(reached, high)
+        hatched: dict[str, Any] = {"facecolor": "none", "edgecolor": "0.75", "hatch": "///", "linewidth": 0.0}
+        for ends in gaps:
+            ax.axvspan(*(units.per_lambda * end for end in ends), zorder=0, **hatched)
+        return {"not computed": (Patch(**hatched),)} if gaps else {}
+
+    def _mark_jumps(self, ax: Axes, units: Units, columns: Sequence[int] | None) -> Keys:
         """Arrows from the rms before to the rms after; without columns a line at the frequency."""
+        from matplotlib.lines import Line2D
+
         arrow = {"arrowstyle": "->", "color": "0.35", "linewidth": 0.9, "shrinkA": 0, "shrinkB": 0}
         for jump in self.jumps:
             at = units.per_lambda * jump.frequency
@@ -160,27 +210,35 @@ class Curves(Readings):
                     ax.annotate("", (at, jump.after[column]), (at, jump.before[column]), arrowprops=arrow)
             if columns is None or not np.isfinite(jump.after).all():
                 ax.axvline(at, color="0.35", linewidth=0.8, linestyle=":")
-        ax.plot([], [], color="0.35", linewidth=0.9, linestyle="-" if columns is not None else ":", label="jump")
+        handle = Line2D([], [], color="0.35", linewidth=0.9, linestyle="-" if columns else ":")
+        return {"jump": (handle,)} if self.jumps else {}
 
-    def _mark_ranges(self, ax: Axes, units: Units, columns: Sequence[int], colors: Sequence[Any]) -> float:
+    def _mark_ranges(self, ax: Axes, units: Units, rows: Mapping[int, Any], names: bool) -> tuple[float, Keys]:
         """Strips above the axes, a row for each mesh that has any: light where teeth separate, dark where back flanks collide.
 
-        Gives their height over that of the axes.
+        ``rows`` are the colours of the meshes; with ``names`` each row has that of its mesh beside it. Gives their height over that
+        of the axes, and the entries of the legend.
         """
+        from matplotlib.patches import Patch
+
         known = self.stable is not None
-        row, named = 0, set[str]()
-        for place, column in enumerate(columns):
-            color = colors[place] if len(colors) == len(columns) else f"C{column}"
+        row, keys = 0, Keys()
+        for column, color in rows.items():
             apart, behind = self.separation_ranges(column + 1, known), self.back_collision_ranges(column + 1, known)
             bottom = 1.012 + 0.026 * row
-            row += bool(len(apart) or len(behind))
+            if not len(apart) and not len(behind):
+                continue
+            row += 1
+            if names:
+                ax.annotate(f"mesh {column + 1}", (1.0, bottom + 0.01), (3, 0), xycoords="axes fraction",
+                            textcoords="offset points", va="center", fontsize=6)
             for ends, alpha, name in ((apart, 0.35, "teeth separate"), (behind, 1.0, "back flanks collide")):
                 for low, high in units.per_lambda * ends:
                     ax.axvspan(low, high, bottom, bottom + 0.02, color=color, alpha=alpha, linewidth=0, clip_on=False)
-                    if name not in named:
-                        named.add(name)
-                        ax.fill_between([], [], color="0.3", alpha=alpha, linewidth=0, label=name)
-        return 0.012 * bool(row) + 0.026 * row
+                patch = Patch(color=color, alpha=alpha, linewidth=0)
+                if len(ends) and (color != "0.3" or name not in keys):
+                    keys[name] = (*keys.get(name, ()), patch)
+        return 0.012 * bool(row) + 0.026 * row, keys
 
 
 def plot_visits(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from math import ceil
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from ._dataset import dataset
 from ._draw import new_axes, put_legend
 from ._table import Table
 from ._units import Unit, units_of
+from .campbell import exciting_orders
 from .description import Description
 from .errors import InputError, shown
 
@@ -32,6 +34,8 @@ _KINDS = {
 }
 #: Most rows of a waterfall; neighbouring lines of a spectrum share a row.
 _ROWS = 600
+#: Least amplitude that a waterfall has room for, over the largest.
+_SEEN = 1e-3
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -110,7 +114,9 @@ class RunUp(Table):
         return dataset(self.path, arrays, attributes, ("frequency", "speed", "fundamental_frequency", "window_time"))
 
     def plot(self, what: str = "mesh_force", ax: Axes | None = None, *, unit: Unit | None = None, **style: Any) -> Axes:
-        """Draw the range that each force, torque or displacement goes through in each window, over the frequency.
+        """Draw the range that each force, torque or displacement goes through, over the frequency.
+
+        The range is that of a period of the slowest excitation, as of the torque of an engine, or of the slowest mesh.
 
         Parameters
         ----------
@@ -143,6 +149,8 @@ class RunUp(Table):
         else:
             low, high = getattr(self, f"{what}_minimum"), getattr(self, f"{what}_maximum")
             frequency = np.interp(self.window_time, self.time, frequency)
+        wide = self._windows_of_the_slowest()
+        low, high = -_running_maximum(-low, wide), _running_maximum(high, wide)
         own, ax = ax is None, new_axes(ax)
         for place, name in enumerate(getattr(self, f"{along}_label")):
             if not np.isnan(low[:, place]).any():
@@ -152,6 +160,13 @@ class RunUp(Table):
         ax.set_ylabel(f"{label}  {units.length}" if what == "displacement" else label)
         put_legend(ax, own)
         return ax
+
+    def _windows_of_the_slowest(self) -> int:
+        """Windows in a period of the slowest excitation; a window is a period of the slowest mesh."""
+        if self.train is None:
+            return 1
+        slowest = min((order.order for order in exciting_orders(self.train)), default=1)
+        return max(1, ceil(int(min(self.train._outline["order"])) / slowest))
 
     def spectra(self, what: str = "mesh_force", number: int = 1, pictures: int = 200) -> tuple[Array, Array, Array]:
         """Amplitude spectra of overlapping stretches of the ramp, each weighted by a Hann window, its mean left out.
@@ -207,9 +222,10 @@ class RunUp(Table):
         unit : {'Lambda', 'rpm', 'Hz'}, optional
             Of the speed, along which the spectra stand; unless told rpm where Lambda is the speed in rpm, else Lambda.
         orders : iterable of float
-            Multiples of the fundamental frequency to draw as lines.
+            Multiples of the fundamental frequency to draw as lines, `Order.order` of a Campbell diagram.
         highest : float, optional
-            Highest frequency drawn [Hz]; an eighth of the sampling rate unless told.
+            Highest frequency drawn [Hz]; unless told that of the highest amplitude above a thousandth of the largest, up to an
+            eighth of the sampling rate.
         **style
             For matplotlib's ``pcolormesh``.
 
@@ -229,7 +245,8 @@ class RunUp(Table):
         units = units_of(self.train, unit)
         ax = new_axes(ax)
         if highest is None:
-            highest = float(lines[-1]) / 4
+            seen = amplitude[:, lines <= lines[-1] / 4].max(axis=0)
+            highest = 1.05 * float(lines[np.flatnonzero(seen >= _SEEN * seen.max())[-1]]) or float(lines[-1]) / 4
         count = max(2, int(np.searchsorted(lines, highest, side="right")))
         group = np.arange(0, count, -(-count // _ROWS))
         shares = np.maximum.reduceat(amplitude[:, :count], group, axis=1)
@@ -243,11 +260,13 @@ class RunUp(Table):
         ax.figure.colorbar(image, ax=ax, label="amplitude  [dB of the largest]")
         fundamental = np.interp(time, self.time, self.fundamental_frequency)
         for order in orders:
-            ax.plot(across, order * fundamental, color="white", lw=0.7, ls=":", alpha=0.7)
-            inside = np.flatnonzero(order * fundamental <= highest)
+            ax.plot(across, order * fundamental, color="white", lw=1.0, ls="--")
+            inside = np.flatnonzero(order * fundamental <= 0.96 * highest)
             if len(inside):
-                end = inside[np.argmax(fundamental[inside])]
-                ax.annotate(f"{order:g}", (across[end], order * fundamental[end]), color="white", ha="right", va="top", fontsize=8)
+                # Near the fast end of the line, inside of the frame.
+                end = inside[np.argsort(fundamental[inside])[int(0.95 * (len(inside) - 1))]]
+                ax.annotate(f"{order:.4g}", (across[end], order * fundamental[end]), color="white", ha="center", va="center",
+                            fontsize=8, bbox={"boxstyle": "round,pad=0.15", "facecolor": "0.15", "edgecolor": "none"})
         ax.set_ylim(0, highest)
         ax.set_xlim(across[0], across[-1])
         ax.grid(visible=False)
@@ -255,6 +274,14 @@ class RunUp(Table):
         ax.set_ylabel("frequency  [Hz]")
         ax.set_title(f"{what.replace('_', ' ')}, {getattr(self, f'{along}_label')[number - 1]}")
         return ax
+
+
+def _running_maximum(values: Array, wide: int) -> Array:
+    """Largest of each column over so many rows around each row, as many as there are at the ends."""
+    before = (wide - 1) // 2
+    padded = np.pad(values, ((before, wide - 1 - before), (0, 0)), mode="edge")
+    largest: Array = np.lib.stride_tricks.sliding_window_view(padded, wide, axis=0).max(axis=-1)
+    return largest
 
 
 def _one_of(name: str, value: str, table: dict[str, tuple[str, str]]) -> tuple[str, str]:

@@ -82,15 +82,26 @@ class Train(Description):
     array([0.251373])
     """
 
-    def natural_frequencies(self) -> NDArray[np.float64]:
-        """Undamped natural frequencies of the mean system, over the characteristic frequency, ascending.
+    def natural_frequencies(self, *, unit: Unit = "Lambda") -> NDArray[np.float64]:
+        """Undamped natural frequencies of the mean system, ascending.
+
+        Parameters
+        ----------
+        unit : {'Lambda', 'rpm', 'Hz'}
+            Lambda: over the characteristic frequency. rpm: the speed at which the fundamental has that frequency, as Lambda is
+            where ``characteristic_frequency`` is left out. Hz: what a measurement tells.
 
         Returns
         -------
         ndarray, (modes,)
             The elastic modes; a rigid-body mode is left out.
+
+        Examples
+        --------
+        >>> train.natural_frequencies(unit="Hz").round(1)
+        array([ 1503.4,  2931.6, 10494.4, 10494.9, 25009.1])
         """
-        return self.modes().natural_frequency
+        return self.modes().natural_frequency / lambda_of(self, 1.0, unit)
 
     def frequency_gradient(self, parameters: Sequence[str]) -> NDArray[np.float64]:
         """Derivatives of the natural frequencies with respect to parameters.

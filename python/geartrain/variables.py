@@ -157,7 +157,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Body(Part, variables=VARIABLES["body"]):
     """A body that turns as one: a gear, a rotor."""
 
@@ -176,7 +176,7 @@ class Body(Part, variables=VARIABLES["body"]):
     balances: bool | None = None
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Shaft(Part, variables=VARIABLES["shaft"]):
     """A shaft."""
 
@@ -191,7 +191,7 @@ class Shaft(Part, variables=VARIABLES["shaft"]):
     damping: float | None = None
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Mesh(Part, variables=VARIABLES["mesh"]):
     """A gear pair."""
 
@@ -232,7 +232,7 @@ class Mesh(Part, variables=VARIABLES["mesh"]):
     order: int | None = None
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class TrainVariables(Part, variables=VARIABLES["train"]):
     """What a train is given by."""
 

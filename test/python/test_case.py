@@ -57,6 +57,14 @@ def test_run_equals_the_executable(executable, case, results, tmp_path):
     assert_equal_files(path, tmp_path / "python.h5")
 
 
+def test_results_in_short(results):
+    title, *told = repr(results).splitlines()
+    assert title == "<Results of 'Al-shyyab and Kahraman 2007, figure 3'"
+    assert told[0].strip() == "modes: 5 modes"
+    assert told[1].strip().startswith(f"response: Branch of {len(results.response)} points: ") and "(Lambda 0.2 to 2.6)" in told[1]
+    assert "integration: Sweep of" in told[2] and len(told) == 3 + bool(results.branches)
+
+
 @pytest.fixture(scope="module")
 def islands():
     return gt.read_case(ROOT / "namelists" / "fig13.nml").run()

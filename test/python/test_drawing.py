@@ -136,3 +136,21 @@ def test_the_case_file_gives_the_train(drawn, tmp_path):
     (tmp_path / "case.nml").write_text(drawn.namelist())
     assert gt.read_case(tmp_path / "case.nml").train.explain()["mesh 1"]["stiffness"] == drawn.explain()["mesh 1"]["stiffness"]
     assert REDUCER["speed_of"] == "motor" == drawn.speed_name
+
+
+def test_natural_frequencies_in_hertz(drawn):
+    """Lambda of a train whose characteristic frequency is left out is the speed in rpm."""
+    hertz = drawn.natural_frequencies(unit="Hz")
+    np.testing.assert_allclose(hertz, drawn.modes().natural_frequency_hertz, rtol=1e-14)
+    np.testing.assert_allclose(drawn.natural_frequencies(unit="rpm"), drawn.natural_frequencies(), rtol=1e-14)
+    assert f"{hertz[0]:.6g}" in str(drawn.modes()).splitlines()[1]
+    with pytest.raises(gt.InputError, match="unit = 'knots'"):
+        drawn.natural_frequencies(unit="knots")
+
+
+def test_a_train_and_its_parts_in_short(drawn):
+    assert repr(drawn) == "<Train 'two-stage reducer': 6 bodies, 3 shafts, 2 meshes of order 19, 71>"
+    assert repr(gt.Mesh(teeth=(23, 71))) == "Mesh(teeth=(23, 71))"
+    with pytest.raises(KeyError, match=r"mesh 3: must be one of train, motor, .*mesh 2"):
+        drawn.explain()["mesh 3"]
+    assert drawn.explain().get("mesh 3") is None

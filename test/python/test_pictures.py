@@ -72,7 +72,38 @@ def test_jumps_and_ranges_of_a_response(branch):
     np.testing.assert_allclose(sorted(strips), sorted(map(tuple, ranges)))
     assert len(plain.patches) == 0 and ax.get_xlim() == pytest.approx(plain.get_xlim())
     legend = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert legend == ["mesh 2", "jump", "teeth separate", "back flanks collide"]
+    assert legend == ["mesh 2", "unstable", "jump", "teeth separate", "back flanks collide"]
+
+
+def test_a_response_that_ended_early_says_so(branch):
+    """Two stubs: the range between them is hatched, the legend says why, and no jump is told where there is none."""
+    low, high = branch.frequency < 0.4, branch.frequency > 2.0
+    kept = low | high
+    points = {name: values[kept] for name, values in branch.arrays().items() if values is not None and name not in branch.others}
+    points["segment"] = np.where(low, 1, 2)[kept]
+    ended = "from Lambda = 0.2: step below 1e-9"
+    stubs = replace(branch, **points, special_points=[], complete=False, ended=ended)
+    ax = stubs.plot()
+    (gap,) = ax.patches
+    ends = branch.frequency[low].max(), branch.frequency[high].min()
+    assert (gap.get_x(), gap.get_x() + gap.get_width()) == pytest.approx(ends)
+    assert [text.get_text() for text in ax.get_legend().get_texts()][-1] == "not computed"
+    assert ax.get_legend().get_title().get_text() == ended
+    assert not stubs.plot(ax=plt.figure().subplots()).patches and not branch.plot().patches
+
+
+def test_a_legend_leaves_the_axes_their_width(branch):
+    """Names of many letters stand in as many columns as there is room for."""
+    from geartrain._draw import new_axes, put_legend
+
+    ax = new_axes(None)
+    for place in range(3):
+        ax.plot([0, 1], [place, place], label="a gear of a long name - another " + "x" * 10 * place)
+    put_legend(ax, own=True)
+    ax.figure.canvas.draw()
+    legend = ax.get_legend().get_window_extent()
+    assert ax.get_window_extent().width > 0.8 * ax.figure.bbox.width
+    assert legend.x0 >= 0 and legend.x1 <= ax.figure.bbox.width
 
 
 def test_the_torque_of_the_shafts_over_speed(branch, monkeypatch):
@@ -87,7 +118,7 @@ def test_the_torque_of_the_shafts_over_speed(branch, monkeypatch):
     turned = replace(branch, others={**branch.others, **dict(zip(fields, (torque, 2 * torque), strict=True))})
     ax = turned.plot(quantity="shaft_torque")
     assert ax.get_ylabel() == "shaft torque, smallest to largest  [N m]"
-    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["shaft 1", "shaft 3"]
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["shaft 1", "shaft 3", "unstable"]
     for color, column in (("C0", 0), ("C1", 2)):
         drawn = {y for line in ax.lines if mpl.colors.same_color(line.get_color(), color) for y in line.get_ydata()}
         assert drawn == {*torque[:, column], *(2 * torque[:, column])}
@@ -219,14 +250,27 @@ def test_a_motion_of_the_reducer_in_ms_and_orders(drawn):
     assert [ax.get_ylabel() for ax in axes] == [r"displacement [$\mu$m]", "mesh force  [N]", r"amplitude [$\mu$m]"]
     assert axes[1].get_xlabel() == "time  [ms]" and axes[2].get_xlabel() == "order, per revolution of motor"
     time, displacement = axes[0].lines[0].get_data()
-    np.testing.assert_array_equal(displacement, motion.displacement[:, 1])
-    assert time[-1] == pytest.approx(1e3 * 60 / 1500 * 71 / 23, rel=1e-3)
+    # Four tooth periods of mesh 2, the slowest excitation; a whole period is a revolution of the middle shaft.
+    np.testing.assert_array_equal(displacement, motion.displacement[:len(displacement), 1])
+    whole = 1e3 * 60 / 1500 * 71 / 23
+    assert time[-1] == pytest.approx(4 / 19 * whole, rel=1e-3)
+    for periods in (0.5, 1, 2):
+        assert motion.plot(periods=periods)[0].lines[0].get_xdata()[-1] == pytest.approx(periods * whole, rel=1e-3)
+    with pytest.raises(gt.InputError, match=r"periods = 0: must be a number > 0"):
+        motion.plot(periods=0)
+    # Each line of the spectrum stands at its order, whichever the mesh, and clear of the frame.
+    both = motion.plot()[2]
+    assert len({tuple(line.get_xdata()) for line in both.lines}) == 1 and both.get_xlim()[0] < 0
+    np.testing.assert_array_equal([segment[0, 0] for segment in both.collections[1].get_segments()], both.lines[0].get_xdata())
     named = {text.get_text(): text.xy[0] for text in axes[2].texts}
     assert named["mesh 1"] == pytest.approx(23) and named["mesh 2"] == pytest.approx(23 / 71 * 19)
     assert named["2 x mesh 2"] == pytest.approx(2 * 23 / 71 * 19)
     hertz = motion.plot(mesh=2, unit="Hz")[2]
     assert {text.get_text(): text.xy[0] for text in hertz.texts}["mesh 1"] == pytest.approx(23 * 1500 / 60)
-    assert motion.phase_plane(2).get_ylabel() == "velocity [mm/s]"
+    plane = motion.phase_plane(2)
+    assert plane.get_ylabel() == "velocity [mm/s]"
+    points = plane.lines[0].get_xydata() / np.ptp(plane.lines[0].get_xydata(), axis=0)
+    assert np.hypot(*np.diff(points, axis=0).T).max() < 0.006
     (point,) = motion.poincare_section(2).lines
     assert len(point.get_xdata()) == 1
 
@@ -285,6 +329,20 @@ def test_only_orders_with_an_amplitude_excite(drawn):
     for wrong, told in (({"start": -1.0, "stop": 1.0}, "start = -1"), ({"start": 0.2, "stop": 1.0, "unit": "rpm"}, "unit = 'rpm'")):
         with pytest.raises(gt.InputError, match=told):
             chain.campbell(**wrong)
+
+
+def test_the_picture_of_a_campbell_diagram(drawn):
+    """Orders have names of their own, near the ends of their lines; a limit leaves out high modes."""
+    diagram = drawn.campbell(start=200.0, stop=4000.0)
+    ax = diagram.plot()
+    assert ax.get_legend().get_title().get_text() == "orders per revolution of motor"
+    names = [(text.get_text(), text.xy) for text in ax.texts if not text.get_text().startswith("mode")]
+    assert [name for name, _ in names] == [f"{order.per_revolution:.4g}" for order in diagram.orders]
+    for (name, (speed, hertz)), order in zip(names, diagram.orders, strict=True):
+        assert hertz == pytest.approx(order.per_revolution * speed / 60), name
+    assert diagram.plot(highest=1600.0).get_ylim() == (0, 1600)
+    with pytest.raises(gt.InputError, match="highest = -1: must be a number > 0"):
+        diagram.plot(highest=-1)
 
 
 @pytest.mark.parametrize("make", [reducer, paper_train, lambda: gt.read_case(ROOT / "namelists" / "branched.nml").train])

@@ -279,6 +279,26 @@ def test_plots(ramp, what, unit):
     mpl.pyplot.close(ax.figure)
 
 
+@pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
+def test_a_range_is_that_of_the_slowest_excitation():
+    """Order 2 of an engine, whose period has 7 windows: tooth periods of the mesh with order 13."""
+    engine = gt.read_case(CASES / "rattle.nml").train
+    ramp = engine.run_up(start=850.0, stop=1000.0, duration=0.5, unit="rpm")
+    ax = ramp.plot()
+    speed = np.interp(ramp.window_time, ramp.time, ramp.speed)
+    for column in range(3):
+        outline = ax.collections[column].get_paths()[0].vertices
+        for place, at in enumerate(speed):
+            near = slice(max(0, place - 3), place + 4)
+            drawn = outline[np.isclose(outline[:, 0], at, rtol=1e-12), 1]
+            assert drawn.max() == ramp.mesh_force_maximum[near, column].max()
+            assert drawn.min() == ramp.mesh_force_minimum[near, column].min()
+    assert ramp.waterfall(highest=5000.0).get_ylim() == (0, 5000)
+    _, lines, amplitude = ramp.spectra()
+    seen = lines[(amplitude > 1e-3 * amplitude.max()).any(axis=0) & (lines <= lines[-1] / 4)]
+    assert ramp.waterfall().get_ylim()[1] == pytest.approx(1.05 * seen.max())
+
+
 def test_what_cannot_be_drawn(ramp):
     with pytest.raises(gt.InputError, match="what = 'rms': must be"):
         ramp.plot("rms")

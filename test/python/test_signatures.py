@@ -46,9 +46,13 @@ def test_defaults_are_the_programs(train, tmp_path):
 
 
 def test_a_misspelt_keyword_is_told(train):
-    with pytest.raises(TypeError, match="harmonic'"):
+    with pytest.raises(TypeError, match=r"response\(\) got an unexpected keyword argument 'harmonic'; did you mean 'harmonics'\?"):
         train.response(**ENDS, harmonic=6)
-    with pytest.raises(TypeError, match="missing a required argument: 'stop'"):
+    with pytest.raises(TypeError, match=r"Mesh\(\) got .* 'helixangle'; did you mean 'helix_angle'\?"):
+        gt.Mesh(helixangle=15)
+    with pytest.raises(TypeError, match=r"unexpected keyword argument 'colour'$"):
+        gt.Shaft(colour="red")
+    with pytest.raises(TypeError, match=r"response\(\) missing a required argument: 'stop'"):
         train.response(start=0.2)
     with pytest.raises(gt.InputError, match="&response: there is no harmonic: must be one of start, stop, unit, harmonics"):
         train.namelist(response={**ENDS, "harmonic": 6})
