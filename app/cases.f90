@@ -40,6 +40,7 @@ contains
       integer, intent(out) :: status
       type(case_type) :: case
       type(error_type), allocatable :: error
+      character(:), allocatable :: warnings
       integer :: i
 
       status = 0
@@ -49,8 +50,10 @@ contains
             call complain(error%message)
             status = max(status, error%status)
          else
-            write (output_unit, '(a, 2(a, i0), a)') files(i)%name, ': no problems: ', size(case%train%shafts), ' shafts, ', &
-               size(case%train%meshes), trim(merge(' mesh  ', ' meshes', size(case%train%meshes) == 1))
+            call warnings_text(case%train, warnings)
+            write (output_unit, '(2a, 2(a, i0), a)') files(i)%name, trim(merge(': no problems        ', ': no errors, warnings', &
+               warnings == '')), ': ', size(case%train%shafts), ' shafts, ', size(case%train%meshes), &
+               trim(merge(' mesh  ', ' meshes', size(case%train%meshes) == 1))
             call warn(files(i)%name, case)
          end if
       end do
