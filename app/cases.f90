@@ -2,7 +2,7 @@
 module cases
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_null_char, c_ptr
    use arguments, only: file_name_type
-   use geartrain, only: case_type, error_type, explanation_text, read_case, results_type, run_case, speed_text, &
+   use geartrain, only: case_type, error_type, explanation_text, read_case, results_type, run_case, &
       status_ended_early, status_input, warnings_text
    use geartrain_analyses_analysis, only: analysis_type
    use geartrain_analyses_branch_report, only: report_branches
@@ -229,8 +229,8 @@ contains
       logical, intent(in) :: alone
       !> As above.
       logical, intent(in) :: resume
-      type(job_type), intent(inout) :: job
-      type(results_type) :: results
+      type(job_type), intent(inout), target :: job
+      type(results_type), target :: results
       type(error_type), allocatable :: error
       type(progress_type) :: progress
       character(:), allocatable :: checkpoint
@@ -244,7 +244,7 @@ contains
             '.partial; the run begins anew'
          call hand_over()
       end if
-      call begin_progress(progress, job%case, shown=alone)
+      call begin_progress(progress, job%case, shown=alone, results=results)
       call run_case(job%case, job%path, results, error, progress, checkpoint)
       if (allocated(error)) job%status = error%status
       !$omp critical (terminal)
@@ -264,14 +264,13 @@ contains
    subroutine report(job, results, progress)
       type(job_type), intent(in), target :: job
       type(results_type), intent(in), target :: results
-      type(progress_type), intent(in) :: progress
+      type(progress_type), intent(inout) :: progress
       class(analysis_type), allocatable :: analysis
-      character(:), allocatable :: text
       integer :: i
 
-      call speed_text(job%case%train, text)
-      if (text /= '') write (output_unit, '(a)') text
+      call progress%report_modes()
       do i = 1, size(analyses)
+         if (analyses(i)%name == 'modes') cycle
          call find_analysis(i, job%case, results, analysis)
          if (analysis%begun) call analysis%report(job%case%train, output_unit, progress%seconds(i))
       end do
