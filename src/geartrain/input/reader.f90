@@ -91,7 +91,7 @@ contains
             do j = 1, i - 1
                if (group%assignments(j)%name /= this%name) cycle
                call problems%add(this%name//' is given twice; the first is on line '// &
-                                 integer_text(group%assignments(j)%line), group%name, group%index, this%name, &
+                                 integer_text(group%assignments(j)%line), group%name, group%index, &
                                  line=this%line, column=this%column)
                this%bad = .true.
                exit
