@@ -51,8 +51,9 @@ contains
             status = max(status, error%status)
          else
             call warnings_text(case%train, warnings)
-            write (output_unit, '(2a, 2(a, i0), a)') files(i)%name, trim(merge(': no problems        ', ': no errors, warnings', &
-               warnings == '')), ': ', size(case%train%shafts), ' shafts, ', size(case%train%meshes), &
+            write (output_unit, '(2a, 2(a, i0), a)') files(i)%name, &
+               trim(merge(': no problems            ', ': no errors, but warnings', warnings == '')), ': ', &
+               size(case%train%shafts), ' shafts, ', size(case%train%meshes), &
                trim(merge(' mesh  ', ' meshes', size(case%train%meshes) == 1))
             call warn(files(i)%name, case)
          end if
