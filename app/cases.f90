@@ -2,7 +2,7 @@
 module cases
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_null_char, c_ptr
    use arguments, only: file_name_type
-   use geartrain, only: case_type, error_type, explanation_text, read_case, results_type, run_case, speed_text, &
+   use geartrain, only: case_type, error_type, explanation_text, read_case, results_type, run_case, &
       status_ended_early, status_input, warnings_text
    use geartrain_analyses_analysis, only: analysis_type
    use geartrain_analyses_branch_report, only: report_branches
@@ -40,6 +40,7 @@ contains
       integer, intent(out) :: status
       type(case_type) :: case
       type(error_type), allocatable :: error
+      character(:), allocatable :: warnings
       integer :: i
 
       status = 0
@@ -49,8 +50,11 @@ contains
             call complain(error%message)
             status = max(status, error%status)
          else
-            write (output_unit, '(a, 2(a, i0), a)') files(i)%name, ': no problems: ', size(case%train%shafts), ' shafts, ', &
-               size(case%train%meshes), trim(merge(' mesh  ', ' meshes', size(case%train%meshes) == 1))
+            call warnings_text(case%train, warnings)
+            write (output_unit, '(2a, 2(a, i0), a)') files(i)%name, &
+               trim(merge(': no problems            ', ': no errors, but warnings', warnings == '')), ': ', &
+               size(case%train%shafts), ' shafts, ', size(case%train%meshes), &
+               trim(merge(' mesh  ', ' meshes', size(case%train%meshes) == 1))
             call warn(files(i)%name, case)
          end if
       end do
@@ -226,8 +230,8 @@ contains
       logical, intent(in) :: alone
       !> As above.
       logical, intent(in) :: resume
-      type(job_type), intent(inout) :: job
-      type(results_type) :: results
+      type(job_type), intent(inout), target :: job
+      type(results_type), target :: results
       type(error_type), allocatable :: error
       type(progress_type) :: progress
       character(:), allocatable :: checkpoint
@@ -241,7 +245,7 @@ contains
             '.partial; the run begins anew'
          call hand_over()
       end if
-      call begin_progress(progress, job%case, shown=alone)
+      call begin_progress(progress, job%case, shown=alone, results=results)
       call run_case(job%case, job%path, results, error, progress, checkpoint)
       if (allocated(error)) job%status = error%status
       !$omp critical (terminal)
@@ -261,14 +265,13 @@ contains
    subroutine report(job, results, progress)
       type(job_type), intent(in), target :: job
       type(results_type), intent(in), target :: results
-      type(progress_type), intent(in) :: progress
+      type(progress_type), intent(inout) :: progress
       class(analysis_type), allocatable :: analysis
-      character(:), allocatable :: text
       integer :: i
 
-      call speed_text(job%case%train, text)
-      if (text /= '') write (output_unit, '(a)') text
+      call progress%report_modes()
       do i = 1, size(analyses)
+         if (analyses(i)%name == 'modes') cycle
          call find_analysis(i, job%case, results, analysis)
          if (analysis%begun) call analysis%report(job%case%train, output_unit, progress%seconds(i))
       end do

@@ -1,19 +1,23 @@
-!> Tells on a terminal how far the work is, in one line that is overwritten, and keeps the time of each analysis.
+!> Tells how far the work is, on a terminal in one line that is overwritten, elsewhere in a line a minute. Keeps the time of each
+!> analysis.
 module progress
    use, intrinsic :: iso_c_binding, only: c_int
    use, intrinsic :: iso_fortran_env, only: error_unit, int64
-   use geartrain, only: case_type, dp, observer_type
-   use geartrain_analyses_analysis, only: spoken
+   use geartrain, only: case_type, dp, observer_type, results_type, speed_text
+   use geartrain_analyses_analysis, only: analysis_type, spoken
    use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
-   use geartrain_analyses_list, only: analyses, number_of
+   use geartrain_analyses_list, only: analyses, find_analysis, number_of
+   use geartrain_base_numbers, only: integer_text
+   use terminal, only: complain, hand_over, output_unit
    implicit none (type, external)
    private
    public :: progress_type, begin_progress
 
    type, extends(observer_type) :: progress_type
-      logical, private :: shown = .false.
-      !> Clock counts: of the last line written, between two lines, of the last step.
-      integer(int64), private :: last = 0, pause = 0, step = 0, rate = 1
+      !> Whether it is told; in one line that is overwritten.
+      logical, private :: shown = .false., overwrites = .false.
+      !> Clock counts: of the beginning, of the last line written, between two lines, of the last step.
+      integer(int64), private :: begin = 0, last = 0, pause = 0, step = 0, rate = 1
       !> Clock count of the last point; points of the analysis under way.
       integer(int64), private :: point = 0
       integer, private :: points = 0
@@ -21,9 +25,15 @@ module progress
       type(frequency_text_type), private :: told(0:size(analyses))
       !> Time spent on each analysis of the list [s], a response with its refinement; on the further branches.
       real(dp) :: seconds(size(analyses)) = 0, branch_seconds = 0
+      !> The case, and where its results come.
+      type(case_type), private, pointer :: case => null()
+      type(results_type), private, pointer :: results => null()
+      !> Whether the natural frequencies have been told.
+      logical, private :: modes_told = .false.
    contains
       procedure :: on_step
       procedure :: clear
+      procedure :: report_modes
    end type progress_type
 
    interface
@@ -36,21 +46,29 @@ module progress
    end interface
 
    integer(c_int), parameter :: standard_error = 2
+   !> Time between two lines [s]: on a terminal, elsewhere.
+   real(dp), parameter :: pause_on_terminal = 0.1_dp, pause_elsewhere = 60
    character(*), parameter :: to_line_start = achar(13)//achar(27)//'[K'
 
 contains
 
-   subroutine begin_progress(progress, case, shown)
+   subroutine begin_progress(progress, case, shown, results)
       type(progress_type), intent(out) :: progress
-      type(case_type), intent(in) :: case
-      !> Whether it is told, given a terminal.
+      type(case_type), intent(in), target :: case
+      !> Whether it is told.
       logical, intent(in) :: shown
+      !> Results under way, whose natural frequencies are reported at once.
+      type(results_type), intent(in), target, optional :: results
 
-      progress%shown = shown .and. isatty(standard_error) == 1
-      call system_clock(progress%last, progress%rate)
-      progress%step = progress%last
-      progress%point = progress%last
-      progress%pause = progress%rate/10
+      progress%shown = shown
+      progress%overwrites = shown .and. isatty(standard_error) == 1
+      call system_clock(progress%begin, progress%rate)
+      progress%last = progress%begin
+      progress%step = progress%begin
+      progress%point = progress%begin
+      progress%pause = nint(progress%rate*merge(pause_on_terminal, pause_elsewhere, progress%overwrites), int64)
+      progress%case => case
+      if (present(results)) progress%results => results
       progress%told = frequency_text(case%train, 'Lambda', 0.0_dp)
       if (allocated(case%response)) call tell('response', case%response%unit)
       progress%told(0) = progress%told(number_of('response'))
@@ -69,7 +87,8 @@ contains
 
    end subroutine begin_progress
 
-   !> Writes at most ten times a second; of a motion that is settling only where its point takes long.
+   !> Writes after a pause only; of a motion that is settling only where its point takes long. Modes come first of all analyses and
+   !> are there with the first step of another one.
    subroutine on_step(self, analysis, done, frequency_ratio, keep_going)
       class(progress_type), intent(inout) :: self
       character(*), intent(in) :: analysis
@@ -79,7 +98,7 @@ contains
       integer(int64) :: now
       integer :: status, number
       character(len(analyses%steps)) :: steps
-      character(:), allocatable :: place
+      character(:), allocatable :: line, place
       real(dp) :: seconds
 
       call system_clock(now)
@@ -89,6 +108,7 @@ contains
       if (number > 0) self%seconds(number) = self%seconds(number) + seconds
       if (analysis == 'branch') self%branch_seconds = self%branch_seconds + seconds
       if (.not. self%shown .or. .not. keep_going) return
+      if (associated(self%results)) call self%report_modes()
       if (analysis == 'settling') then
          if (now - self%point < self%rate) return
       else
@@ -100,14 +120,34 @@ contains
       steps = 'points'
       if (number > 0) steps = analyses(number)%steps
       if (analysis == 'settling') steps = 'periods'
-      write (error_unit, '(3a, i0, 2a)', advance='no', iostat=status) to_line_start, analysis, ': ', done, ' ', trim(steps)
+      line = analysis//': '//integer_text(done)//' '//trim(steps)
       if (steps /= 'rows') then
          call self%told(number)%with_unit(self%told(number)%number(frequency_ratio), place)
-         write (error_unit, '(2a)', advance='no', iostat=status) ', ', place
+         line = line//', '//place
       end if
-      if (analysis == 'settling') write (error_unit, '(a, i0, a)', advance='no', iostat=status) ', ', self%points, ' points done'
-      flush (error_unit, iostat=status)
+      if (analysis == 'settling') line = line//', '//integer_text(self%points)//' points done'
+      if (self%overwrites) then
+         write (error_unit, '(2a)', advance='no', iostat=status) to_line_start, line
+         flush (error_unit, iostat=status)
+      else
+         call complain(line//', after '//integer_text(int((now - self%begin)/self%rate))//' s')
+      end if
    end subroutine on_step
+
+   !> Writes what is known of the speed and the natural frequencies, once.
+   subroutine report_modes(self)
+      class(progress_type), intent(inout) :: self
+      class(analysis_type), allocatable :: analysis
+      character(:), allocatable :: text
+
+      if (self%modes_told) return
+      self%modes_told = .true.
+      call speed_text(self%case%train, text)
+      if (text /= '') write (output_unit, '(a)') text
+      call find_analysis(number_of('modes'), self%case, self%results, analysis)
+      if (analysis%begun) call analysis%report(self%case%train, output_unit, 0.0_dp)
+      call hand_over()
+   end subroutine report_modes
 
    !> Number in the list of the analysis that an observer is told of, 0 where it is none: settling is that of time integration.
    pure integer function number_of_spoken(analysis) result(number)
@@ -129,7 +169,7 @@ contains
       class(progress_type), intent(in) :: self
       integer :: status
 
-      if (.not. self%shown) return
+      if (.not. self%overwrites) return
       write (error_unit, '(a)', advance='no', iostat=status) to_line_start
       flush (error_unit, iostat=status)
    end subroutine clear

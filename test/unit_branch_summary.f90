@@ -4,7 +4,7 @@ module unit_branch_summary
    use geartrain_continuation_branch, only: branch_type, special_point_type
    use geartrain_continuation_contact_ranges, only: back_collision_ranges, separation_ranges
    use geartrain_continuation_jumps, only: jump_type, jumps
-   use geartrain_continuation_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
+   use geartrain_continuation_summary, only: band_type, bands_without_stability, folds, gaps, peak_type, peaks
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -82,6 +82,12 @@ contains
       bands = bands_without_stability(branch)
       call tests%is_true(size(bands) == 0, 'nothing was traced between the parts, so nothing is said of it')
       call tests%is_true(size(peaks(branch, 1)) == 0, 'the ends of the parts are no peaks')
+      bands = gaps(branch)
+      call tests%is_true(size(bands) == 1, 'what lies between the parts was not computed')
+      call tests%is_close(bands(1)%from + 10*bands(1)%to, 8.7_dp, 1e-14_dp, '0.7 to 0.8')
+      bands = gaps(branch, [1.2_dp, 0.5_dp])
+      call tests%is_true(size(bands) == 2, 'nor what is asked for beyond them')
+      call tests%is_close(bands(2)%from + 10*bands(2)%to, 13.0_dp, 1e-14_dp, '1.0 to 1.2')
    end subroutine two_parts
 
    subroutine without_stability(tests)

@@ -335,8 +335,10 @@ contains
       call told(', centre_distance = 0.12', 'centre_distance = 0.12: contradicts teeth and profile_shift: the flanks touch without &
                 &backlash at 0.121645 m already')
       call told(', centre_distance = 0.11', 'centre_distance = 0.11: must be larger than that of the base circles, 0.113832 m')
-      call told(', centre_distance = 0.1225', 'backlash = 6.0e-5: contradicts centre_distance: teeth and profile_shift give &
-                &0.00066461 m there already, thinner teeth more')
+      call told(', centre_distance = 0.1225', 'centre_distance = 0.1225: contradicts teeth, profile_shift and backlash: the flanks &
+                &touch without backlash at 0.121645 m, and have 0.00066461 m of it here')
+      call told(', centre_distance = 121.6', 'centre_distance = 121.6: contradicts teeth, profile_shift and backlash: the flanks &
+                &touch without backlash at 0.121645 m; metres are meant, is it in millimetres?')
       call told(', tip_diameter = 0.05, 0.18', 'tip_diameter = 0.05: must be > 0.055705 m, the base circle of the gear of 23 teeth')
       call told(', tip_diameter = 0.08, 0.18', 'tip_diameter = 0.08: must be smaller: the flanks of the gear of 23 teeth meet &
                 &below it')

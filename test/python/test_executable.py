@@ -5,6 +5,7 @@ import os
 import pty
 import re
 import subprocess
+import time
 
 import h5py
 import pytest
@@ -22,6 +23,27 @@ def test_check_and_run(executable, tmp_path):
     done = run(executable, CASE, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     assert [path.suffix for path in tmp_path.iterdir()] == [".h5"]
+
+
+def test_check_does_not_say_no_problems_beside_warnings(executable, tmp_path):
+    done = run(executable, "--check", ROOT / "namelists" / "rattle.nml", cwd=tmp_path)
+    assert done.returncode == 0 and "no errors, but warnings" in done.stdout and "warning: &mesh 2" in done.stderr
+
+
+def test_natural_frequencies_are_told_while_the_run_goes_on(executable, tmp_path):
+    """Into a file, once; the whole reducer takes longer by far."""
+    out, err = tmp_path / "out", tmp_path / "err"
+    with out.open("wb") as to, err.open("wb") as errors:
+        work = subprocess.Popen([executable, ROOT / "namelists" / "reducer.nml"], stdout=to, stderr=errors, cwd=tmp_path)
+    try:
+        began = time.monotonic()
+        while "Natural frequencies" not in out.read_text() and time.monotonic() - began < 20:
+            time.sleep(0.02)
+        assert work.poll() is None and out.read_text().count("Natural frequencies") == 1
+        assert "Response" not in out.read_text() and err.read_text() == ""
+    finally:
+        work.kill()
+        work.wait()
 
 
 def test_template_runs_through_check(executable, tmp_path):

@@ -7,7 +7,7 @@ module geartrain_analyses_branch_report
    use geartrain_continuation_contact_ranges, only: back_collision_ranges, separation_ranges
    use geartrain_continuation_decided, only: rests_on_undecided
    use geartrain_continuation_jumps, only: jump_type, jumps
-   use geartrain_continuation_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
+   use geartrain_continuation_summary, only: band_type, bands_without_stability, folds, gaps, peak_type, peaks
    use geartrain_model_frequency_unit, only: lambda_per
    use geartrain_model_labels, only: label_length, mesh_labels
    use geartrain_model_train, only: train_type
@@ -15,6 +15,8 @@ module geartrain_analyses_branch_report
    private
    public :: report_branch, report_branches
 
+   !> Said of a table where a part of the range was not computed.
+   character(*), parameter :: of_computed = '  of the computed ranges', of_all = repeat(' ', len(of_computed))
    !> Said of a largest value at an end of the range.
    character(*), parameter :: beyond = '  at the end of the range: there may be more beyond', blank = repeat(' ', len(beyond))
 
@@ -42,12 +44,12 @@ contains
       do i = 1, size(branches)
          call told%of_words(branches(i)%origin, origin)
          write (unit, '(a, i0, a, i0, 2a)') 'Branch ', i, ', period ', branches(i)%subharmonic, ': ', origin
-         call report_branch(branches(i), settings, train, unit)
+         call report_branch(branches(i), settings, train, unit, whole=.false.)
       end do
    end subroutine report_branches
 
    !> Writes the lines about a branch.
-   subroutine report_branch(branch, settings, train, unit)
+   subroutine report_branch(branch, settings, train, unit, whole)
       !> The branch.
       type(branch_type), intent(in) :: branch
       !> What the response asks for.
@@ -56,11 +58,13 @@ contains
       type(train_type), intent(in) :: train
       !> An open unit for formatted text.
       integer, intent(in) :: unit
+      !> Whether the branch is to span the range asked for.
+      logical, intent(in) :: whole
       type(frequency_text_type) :: told
       type(band_type), allocatable :: bands(:)
       real(dp), allocatable :: at_fold(:)
       character(label_length + 24) :: column(0:size(train%meshes)), name
-      character(:), allocatable :: words
+      character(:), allocatable :: words, missing
       logical, allocatable :: at_end(:)
       integer :: mesh, i, first
       integer, allocatable :: carried(:)
@@ -72,11 +76,19 @@ contains
             write (unit, '(a, i0, a, i0, a, i0)') '    harmonics carried, each because it matters: ', minval(carried), ' to ', &
                maxval(carried), ', the highest ', branch%harmonics
          end if
+         bands = gaps(branch, [settings%start, settings%stop]*lambda_per(train, settings%unit))
+         bands = pack(bands, [(whole .and. told%number(bands(i)%from) /= told%number(bands(i)%to), i=1, size(bands))])
+         call list(bands, told, missing)
+         if (missing /= '') then
+            call told%with_unit(missing, words)
+            write (unit, '(2a)') '    not computed for ', words
+         end if
          at_end = ends_range(branch, settings, train)
          call name_meshes(train, column)
          first = len(column) + 1 - max(8, 4 + maxval(len_trim(column)))
          column = adjustr(column)
-         write (unit, '(3a)') column(0)(first:), in_width('peak at '//told%unit, 16), in_width('rms'//length_unit(train), 12)
+         write (unit, '(4a)') column(0)(first:), in_width('peak at '//told%unit, 16), in_width('rms'//length_unit(train), 12), &
+            trim(merge(of_all, of_computed, missing == ''))
          do mesh = 1, branch%meshes
             call report_peaks(branch, mesh, column(mesh)(first:), told, at_end, unit)
          end do
@@ -107,7 +119,7 @@ contains
                                back_collision_ranges(branch, mesh, .false.), &
                                back_collision_ranges(branch, mesh, .true.), allocated(branch%stable), told, unit)
          end do
-         call report_loads(branch, column(:)(first:), told, at_end, unit)
+         call report_loads(branch, column(:)(first:), told, at_end, trim(merge(of_all, of_computed, missing == '')), unit)
       end if
       if (.not. allocated(branch%ended)) return
       call told%of_words(branch%ended, words)
@@ -309,12 +321,14 @@ contains
    end subroutine list
 
    !> Lines about the largest force of each mesh over the branch: of stable motions where stability is known, else of all motions.
-   subroutine report_loads(branch, column, told, at_end, unit)
+   subroutine report_loads(branch, column, told, at_end, note, unit)
       type(branch_type), intent(in) :: branch
       !> Head of the column of meshes, and what each is called, (0:mesh).
       character(*), intent(in) :: column(0:)
       type(frequency_text_type), intent(in) :: told
       logical, intent(in) :: at_end(:)
+      !> Said of the table.
+      character(*), intent(in) :: note
       integer, intent(in) :: unit
       logical :: counts(branch%points)
       integer :: mesh, i
@@ -322,8 +336,8 @@ contains
       counts = .true.
       if (allocated(branch%stable)) counts = branch%stable(:branch%points)
       if (.not. any(counts)) return
-      write (unit, '(4a)') column(0), '  largest force [N]  dynamic factor', in_width('at '//told%unit, 11), &
-         trim(merge(', stable motions', '                ', allocated(branch%stable)))
+      write (unit, '(5a)') column(0), '  largest force [N]  dynamic factor', in_width('at '//told%unit, 11), &
+         trim(merge(', stable motions', '                ', allocated(branch%stable))), note
       do mesh = 1, branch%meshes
          i = maxloc(branch%mesh_load(mesh, :branch%points)%force_maximum, 1, counts)
          associate (load => branch%mesh_load(mesh, i))

@@ -130,7 +130,7 @@ contains
       real(dp), intent(in) :: seconds
 
       write (unit, '(a, i0, 3a)') 'Response: ', self%result%points, ' points in ', fixed(seconds, 2), ' s'
-      call report_branch(self%result, self%settings, train, unit)
+      call report_branch(self%result, self%settings, train, unit, whole=.true.)
    end subroutine report
 
 end module geartrain_analyses_response

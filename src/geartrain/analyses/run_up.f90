@@ -104,7 +104,7 @@ contains
       integer :: windows
 
       associate (settings => self%settings)
-         if (checker%problems%in_group('run_up') .or. checker%problems%in_group('train')) return
+         if (checker%problems%in_group('run_up') .or. checker%problems%of_train()) return
          call checker%enter('run_up', 1)
          call plain_train(train, plain)
          factor = lambda_per(train, settings%unit)

@@ -19,7 +19,13 @@ module geartrain_base_checker
       procedure :: on_names => check_names
       procedure :: complain
       procedure :: lacks
+      procedure :: drawing_is_wrong
    end type checker_type
+
+   !> Variables of a drawing, from which others follow.
+   character(*), parameter :: drawn(*) = [character(15) :: 'teeth', 'normal_module', 'pressure_angle', 'helix_angle', &
+      'face_width', 'profile_shift', 'centre_distance', 'tip_diameter', 'dedendum', 'backlash', 'elastic_modulus', 'internal', &
+      'diameter', 'length', 'shear_modulus', 'outer_diameter', 'width', 'bore', 'density']
 
 contains
 
@@ -146,5 +152,16 @@ contains
       if (present(instead)) text = text//instead
       call self%problems%add(text, self%group, self%index, name)
    end subroutine lacks
+
+   !> Whether the drawing of a group has a problem already: what would follow from the drawing is not missed then.
+   pure logical function drawing_is_wrong(self, group, index)
+      class(checker_type), intent(in) :: self
+      !> 'body', 'shaft' or 'mesh'.
+      character(*), intent(in) :: group
+      !> Number of the group among the groups of its name.
+      integer, intent(in) :: index
+
+      drawing_is_wrong = any(self%problems%reported(group, index, drawn))
+   end function drawing_is_wrong
 
 end module geartrain_base_checker

@@ -35,6 +35,7 @@ module geartrain_base_problems
       procedure :: add
       procedure :: reported
       procedure :: in_group
+      procedure :: of_train
       procedure :: raise
    end type problems_type
 
@@ -71,7 +72,7 @@ contains
    end subroutine add
 
    !> Whether there is a problem with a variable already; its consequences need not be told.
-   pure logical function reported(self, group, index, name)
+   elemental logical function reported(self, group, index, name)
       class(problems_type), intent(in) :: self
       !> Group and variable.
       character(*), intent(in) :: group, name
@@ -95,6 +96,13 @@ contains
 
       in_group = any([(self%list(i)%group == group, i = 1, self%count)])
    end function in_group
+
+   !> Whether there is a problem with the train already: what an analysis needs of it may be anything.
+   pure logical function of_train(self)
+      class(problems_type), intent(in) :: self
+
+      of_train = self%in_group('train') .or. self%in_group('body') .or. self%in_group('shaft') .or. self%in_group('mesh')
+   end function of_train
 
    !> Makes the error that tells all problems, one a line, in the order of the file; no error where there is no problem.
    subroutine raise(self, file, error)

@@ -6,7 +6,7 @@ module geartrain_continuation_summary
    use geartrain_continuation_decided, only: is_undecided, joined
    implicit none (type, external)
    private
-   public :: peak_type, band_type, peaks, folds, bands_without_stability, change
+   public :: peak_type, band_type, peaks, folds, gaps, bands_without_stability, change
 
    !> A local maximum of a mesh's rms along the branch.
    type :: peak_type
@@ -188,9 +188,13 @@ contains
       high = [high, to]
    end subroutine add_range
 
-   !> Ranges of Lambda between the segments of a branch, which no segment spans, ascending.
-   pure function gaps(branch) result(between)
+   !> Ranges of Lambda between the segments of a branch, which no segment spans, ascending; within a range, if one is given, which
+   !> may be longer than the branch.
+   pure function gaps(branch, range) result(between)
+      !> A branch with points.
       type(branch_type), intent(in) :: branch
+      !> Both ends of the range, Lambda [1].
+      real(dp), intent(in), optional :: range(2)
       type(band_type), allocatable :: between(:)
       real(dp), allocatable :: low(:), high(:)
       integer :: first, last
@@ -208,7 +212,11 @@ contains
          high = [high, maxval(branch%frequency_ratio(first:last))]
          first = last + 1
       end do
-      between = uncovered(low, high, minval(low), maxval(high), 0.0_dp)
+      if (present(range)) then
+         between = uncovered(low, high, minval(range), maxval(range), 1e-9_dp*maxval(range))
+      else
+         between = uncovered(low, high, minval(low), maxval(high), 0.0_dp)
+      end if
    end function gaps
 
    !> Lambda at which stability changes between points i and i + 1: at a special point between them, else halfway.

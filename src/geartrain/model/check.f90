@@ -48,6 +48,12 @@ contains
       meshes = 0
       if (allocated(train%shafts)) shafts = size(train%shafts)
       if (allocated(train%meshes)) meshes = size(train%meshes)
+      do i = 1, meshes
+         call checker%enter('mesh', i)
+         call check_stiffness(train%meshes(i), checker%drawing_is_wrong('mesh', i), checker)
+         call check_back(train%meshes(i), plain%meshes(i), checker)
+         call checker%leave()
+      end do
       if (allocated(train%bodies)) then
          if (allocated(train%shafts) .and. allocated(train%meshes)) call check_network(plain, checker)
       else if (shafts < 2 .or. meshes /= shafts - 1) then
@@ -57,7 +63,7 @@ contains
       end if
       do i = 1, shafts
          call checker%enter('shaft', i)
-         call check_shaft(train%shafts(i), checker)
+         call check_shaft(train%shafts(i), checker%drawing_is_wrong('shaft', i), checker)
          call checker%leave()
       end do
       if (.not. allocated(train%bodies)) then
@@ -69,12 +75,6 @@ contains
          call check_end(train%load_inertia, 'load_inertia', 'last', train%shafts(shafts))
          call checker%leave()
       end if
-      do i = 1, meshes
-         call checker%enter('mesh', i)
-         call check_stiffness(train%meshes(i), checker)
-         call check_back(train%meshes(i), plain%meshes(i), checker)
-         call checker%leave()
-      end do
       call check_stiffest(plain, checker)
       call check_scales(plain, checker)
 
@@ -103,6 +103,7 @@ contains
          character(*), parameter :: instead = ' or teeth, normal_module and face_width'
 
          do i = 1, meshes
+            if (checker%drawing_is_wrong('mesh', i)) cycle
             call checker%enter('mesh', i)
             if (.not. abs(plain%meshes(i)%driving_inertia) > 0) call checker%lacks('driving_inertia', '> 0 kg m^2', instead)
             if (.not. abs(plain%meshes(i)%driven_inertia) > 0) call checker%lacks('driven_inertia', '> 0 kg m^2', instead)
@@ -124,8 +125,10 @@ contains
    end subroutine check_consistency
 
    !> A mesh has either stiffness or stiffness_table, and harmonics of the stiffness from one source.
-   subroutine check_stiffness(mesh, checker)
+   subroutine check_stiffness(mesh, wrong, checker)
       type(mesh_type), intent(in) :: mesh
+      !> Its drawing has a problem: what would follow from the drawing is not missed.
+      logical, intent(in) :: wrong
       class(checker_type), intent(inout) :: checker
       character(*), parameter :: instead = ' or teeth and normal_module'
       logical :: harmonics
@@ -140,10 +143,14 @@ contains
                                                            'contradicts stiffness_table: leave out one of the two')
          if (harmonics) call checker%complain('stiffness_table', '...', &
                                               'contradicts stiffness_cos, stiffness_sin: leave out one of the two')
-      else if (.not. mesh%stiffness > 0 .and. .not. has_stiffness(mesh)) then
+      else if (mesh%stiffness > 0 .or. has_stiffness(mesh) .or. wrong) then
+         continue
+      else if (has_geometry(mesh)) then
+         call checker%lacks('face_width', '> 0 m', ' or stiffness or stiffness_table')
+      else
          call checker%lacks('stiffness', '> 0 N/m', ' or stiffness_table, or teeth, normal_module and face_width')
       end if
-      if (.not. has_geometry(mesh)) then
+      if (.not. has_geometry(mesh) .and. .not. wrong) then
          if (.not. abs(mesh%driving_radius) > 0) call checker%lacks('driving_radius', '> 0 m', instead)
          if (.not. abs(mesh%driven_radius) > 0) call checker%lacks('driven_radius', '> 0 m', instead)
       end if
@@ -165,8 +172,10 @@ contains
    end subroutine check_back
 
    !> A rigid shaft has neither stiffness nor damping; an elastic one has stiffness.
-   subroutine check_shaft(shaft, checker)
+   subroutine check_shaft(shaft, wrong, checker)
       type(shaft_type), intent(in) :: shaft
+      !> Its drawing has a problem: the stiffness is not missed.
+      logical, intent(in) :: wrong
       class(checker_type), intent(inout) :: checker
       character(*), parameter :: cure = 'contradicts rigid = .true.: leave out one of the two'
 
@@ -176,7 +185,7 @@ contains
          if (shaft%damping_given .or. abs(shaft%damping) > 0) &
             call checker%complain('damping', real_text(shaft%damping), cure)
          if (is_given(shaft%diameter)) call checker%complain('diameter', real_text(shaft%diameter(1)), cure)
-      else if (.not. abs(shaft%stiffness) > 0 .and. .not. has_sections(shaft)) then
+      else if (.not. (abs(shaft%stiffness) > 0 .or. has_sections(shaft) .or. wrong)) then
          call checker%lacks('stiffness', '> 0 N m/rad', ' or rigid = .true., or diameter and length')
       end if
    end subroutine check_shaft

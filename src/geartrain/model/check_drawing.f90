@@ -1,7 +1,7 @@
 !> Checks of what is read off a drawing: lists that belong together, and numbers that contradict one another.
 module geartrain_model_check_drawing
    use geartrain_base_checker, only: checker_type
-   use geartrain_base_kinds, only: dp
+   use geartrain_base_kinds, only: dp, pi
    use geartrain_base_numbers, only: integer_text, real_text, text
    use geartrain_model_body, only: body_type
    use geartrain_model_drawing, only: has_discs, has_geometry, has_sections, pair_of
@@ -82,6 +82,7 @@ contains
       type(mesh_type), intent(in) :: mesh
       class(checker_type), intent(inout) :: checker
       type(pair_geometry_type) :: geometry
+      real(dp) :: pitch, gap
       integer :: i
 
       call check_alone()
@@ -99,6 +100,10 @@ contains
       end if
       call find_geometry(pair_of(mesh), geometry)
       associate (g => geometry)
+         ! Both along the working pitch circles.
+         pitch = 2*pi*g%base_radius(1)/(mesh%teeth(1)*cos(g%working_angle))
+         gap = mesh%backlash
+         if (mesh%half_backlash > 0) gap = 2*mesh%half_backlash/cos(g%working_angle)
          do i = 1, 2
             if (g%tip_diameter(i) <= 2*g%base_radius(i)) then
                call checker%complain('tip_diameter', text(g%tip_diameter(i)), 'must be > '//text(2*g%base_radius(i))// &
@@ -115,8 +120,14 @@ contains
             call checker%complain('centre_distance', real_text(mesh%centre_distance), 'contradicts teeth and profile_shift: the &
                &flanks touch without backlash at '//text(g%tight_distance)//' m already')
          else if (mesh%backlash > 0 .and. mesh%backlash < g%distance_backlash - rounding*mesh%normal_module) then
-            call checker%complain('backlash', real_text(mesh%backlash), 'contradicts centre_distance: teeth and profile_shift &
-                                  &give '//text(g%distance_backlash)//' m there already, thinner teeth more')
+            call too_far('teeth, profile_shift and backlash')
+         else if (g%distance_backlash > 0.5_dp*mesh%normal_module .and. .not. g%contact_ratio > 1) then
+            call too_far('teeth and profile_shift')
+         else if (.not. gap < pitch) then
+            call checker%complain(trim(merge('half_backlash', 'backlash     ', mesh%half_backlash > 0)), &
+               real_text(max(mesh%half_backlash, mesh%backlash)), 'must be < '//text(merge(cos(g%working_angle)/2, 1.0_dp, &
+               mesh%half_backlash > 0)*pitch)//' m: it leaves nothing of the teeth, whose pitch at the working pitch circle is '// &
+               text(pitch)//' m; metres are meant (60 um is 60e-6)')
          else if (.not. g%contact_ratio > 1 .and. .not. mesh%contact_ratio > 0) then
             call checker%complain('teeth', integer_text(nint(mesh%teeth(1)))//', '//integer_text(nint(mesh%teeth(2))), &
                                   'must give a transverse contact ratio > 1: it is '//text(g%contact_ratio)// &
@@ -125,6 +136,22 @@ contains
       end associate
 
    contains
+
+      !> Adds the problem that the flanks are further apart than the drawing says elsewhere.
+      subroutine too_far(others)
+         character(*), intent(in) :: others
+         character(:), allocatable :: words
+
+         words = 'contradicts '//others//': the flanks touch without backlash at '//text(geometry%tight_distance)//' m'
+         associate (factor => mesh%centre_distance/geometry%tight_distance)
+            if (factor > 500 .and. factor < 2000) then
+               words = words//'; metres are meant, is it in millimetres?'
+            else
+               words = words//', and have '//text(geometry%distance_backlash)//' m of it here'
+            end if
+         end associate
+         call checker%complain('centre_distance', real_text(mesh%centre_distance), words)
+      end subroutine too_far
 
       !> Given radii have the ratio of the teeth: else speeds and orders would be of another train than forces.
       subroutine check_ratio()
@@ -165,23 +192,25 @@ contains
       type(train_type), intent(in) :: train
       class(checker_type), intent(inout) :: checker
       type(kinematics_type) :: found
-      logical :: toothed
+      logical :: toothed, unknown
       integer :: i
 
       toothed = all_toothed(train)
       if (toothed) then
          call find_kinematics(train, found)
       end if
+      ! Whether all meshes have teeth is not known while those of a mesh are wrong.
+      unknown = any(checker%problems%reported('mesh', [(i, i=1, size(train%meshes))], 'teeth'))
       call checker%enter('train', 1)
-      if (.not. abs(train%characteristic_length) > 0 .and. .not. toothed) &
+      if (.not. (abs(train%characteristic_length) > 0 .or. toothed .or. unknown)) &
          call checker%lacks('characteristic_length', '> 0 m', ': it may be left out where every mesh has teeth')
-      if (.not. abs(train%characteristic_frequency) > 0 .and. .not. toothed) &
+      if (.not. (abs(train%characteristic_frequency) > 0 .or. toothed .or. unknown)) &
          call checker%lacks('characteristic_frequency', '> 0 rad/s', ': it may be left out where every mesh has teeth')
       if (train%speed_of /= '') call check_speed()
       call checker%leave()
       if (allocated(train%bodies)) then
          do i = 1, size(train%bodies)
-            if (toothed .or. .not. (is_given(train%bodies(i)%revolution_torque_cos) .or. &
+            if (toothed .or. unknown .or. .not. (is_given(train%bodies(i)%revolution_torque_cos) .or. &
                                     is_given(train%bodies(i)%revolution_torque_sin))) cycle
             call checker%enter('body', i)
             call checker%complain(trim(merge('revolution_torque_cos', 'revolution_torque_sin', &

@@ -126,6 +126,8 @@ contains
       end do
       do i = 1, 2
          if (any(names == between(i))) cycle
+         ! A name that could not be read may be this name.
+         if (any(checker%problems%reported('body', [(best, best=1, size(names))], 'name'))) return
          best = nearest_name(trim(between(i)), names)
          if (best > 0) then
             call checker%complain('between', "'"//trim(between(i))//"'", "is the name of no &body (did you mean '" &
@@ -168,7 +170,7 @@ contains
       integer, intent(in) :: shaft_ends(:, :), mesh_ends(:, :)
       class(checker_type), intent(inout) :: checker
       logical :: needed(size(train%bodies))
-      integer :: i
+      integer :: i, j
 
       needed = .false.
       do i = 1, size(train%shafts)
@@ -178,7 +180,9 @@ contains
          needed(mesh_ends(:, i)) = .true.
       end do
       do i = 1, size(train%bodies)
-         if (.not. needed(i) .or. train%bodies(i)%inertia > 0) cycle
+         if (.not. needed(i) .or. train%bodies(i)%inertia > 0 .or. checker%drawing_is_wrong('body', i)) cycle
+         ! The gears of a wrong drawing give no inertia.
+         if (any([(any(mesh_ends(:, j) == i) .and. checker%drawing_is_wrong('mesh', j), j=1, size(train%meshes))])) cycle
          call checker%enter('body', i)
          if (train%bodies(i)%inertia < 0) then
             call checker%lacks('inertia', '> 0 kg m^2', ' or outer_diameter and width, or gears with teeth, normal_module and &

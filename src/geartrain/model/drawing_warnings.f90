@@ -1,12 +1,15 @@
-!> Warnings of a drawing: where a formula is used outside the range that its source gives, and where teeth are cut or meet as no
-!> involute.
+!> Warnings of a drawing: where a formula is used outside the range that its source gives, where teeth are cut or meet as no
+!> involute, and where the magnitude of a number is that of another unit.
 module geartrain_model_drawing_warnings
    use geartrain_base_field, only: text_type
    use geartrain_base_kinds, only: dp
-   use geartrain_base_numbers, only: integer_text, short => text
-   use geartrain_model_drawing, only: has_geometry, has_stiffness, pair_of, plain_train, reduce_light_loads
+   use geartrain_base_numbers, only: integer_text, real_text, short => text
+   use geartrain_base_problems, only: group_label
+   use geartrain_model_body, only: body_type
+   use geartrain_model_drawing, only: has_discs, has_geometry, has_sections, has_stiffness, pair_of, plain_train, reduce_light_loads
    use geartrain_model_gear_pair, only: find_geometry, light_load, pair_geometry_type
    use geartrain_model_mesh, only: is_given, mesh_type
+   use geartrain_model_shaft, only: shaft_type
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -15,6 +18,15 @@ module geartrain_model_drawing_warnings
 
    !> Largest line load of ISO 6336-1, method B [N/m].
    real(dp), parameter :: heavy_load = 1.6e6_dp
+   !> Modules of gears [m]; ISO 54 lists 1 to 50 mm, watches have 0.05 mm.
+   real(dp), parameter :: least_module = 5e-5_dp, most_module = 0.1_dp
+   !> Diameters of shafts, of other discs, and lengths of shafts that are larger than those of ships and hydroelectric plants [m].
+   real(dp), parameter :: most_diameter = 3, most_disc = 25, most_length = 100
+   !> Densities beyond those of wood and of heavy metal [kg/m^3].
+   real(dp), parameter :: least_density = 500, most_density = 25000
+   !> Damping ratio from which on nothing oscillates.
+   real(dp), parameter :: critical = 1
+   character(*), parameter :: in_metres = 'metres are meant '
 
 contains
 
@@ -34,7 +46,8 @@ contains
       end do
    end subroutine warnings_text
 
-   !> Lists where a formula is used outside the range that its source gives, and where teeth are cut or meet as no involute.
+   !> Lists where a formula is used outside the range that its source gives, where teeth are cut or meet as no involute, and where
+   !> the magnitude of a number is that of another unit.
    subroutine find_warnings(train, warnings)
       !> A train that has passed `check_train`.
       type(train_type), intent(in) :: train
@@ -46,14 +59,141 @@ contains
       integer :: i
 
       allocate (warnings(0))
+      if (allocated(train%bodies)) then
+         do i = 1, size(train%bodies)
+            if (has_discs(train%bodies(i))) call warn_of_body(train%bodies(i), i, warnings)
+         end do
+      end if
+      do i = 1, size(train%shafts)
+         if (has_sections(train%shafts(i))) call warn_of_shaft(train%shafts(i), i, warnings)
+      end do
       if (.not. any([(has_geometry(train%meshes(i)), i=1, size(train%meshes))])) return
       call plain_train(train, plain)
       call reduce_light_loads(plain, light)
       call build_system(train, system)
       do i = 1, size(train%meshes)
-         if (has_geometry(train%meshes(i))) call warn_of_mesh(train%meshes(i), i, system, light(i), warnings)
+         if (.not. has_geometry(train%meshes(i))) cycle
+         call warn_of_units(train%meshes(i), i, warnings)
+         call warn_of_mesh(train%meshes(i), i, system, light(i), warnings)
       end do
    end subroutine find_warnings
+
+   !> Adds '&mesh 1: sentence'.
+   subroutine add_warning(warnings, group, i, sentence)
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+      !> Name of the group and its number.
+      character(*), intent(in) :: group, sentence
+      integer, intent(in) :: i
+      type(text_type) :: warning
+
+      warning%text = group_label(group, i)//': '//sentence
+      warnings = [warnings, warning]
+   end subroutine add_warning
+
+   subroutine warn_of_body(body, i, warnings)
+      type(body_type), intent(in) :: body
+      integer, intent(in) :: i
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+
+      if (any(body%outer_diameter > most_disc)) call add_warning(warnings, 'body', i, 'outer_diameter = '// &
+         real_text(maxval(body%outer_diameter))//': '//in_metres//'(300 mm are 0.3)')
+      if (any(body%width > most_disc)) call add_warning(warnings, 'body', i, 'width = '//real_text(maxval(body%width))//': '// &
+                                                        in_metres//'(50 mm are 0.05)')
+      if (is_given(body%density)) call warn_of_density(body%density, 'body', i, warnings)
+   end subroutine warn_of_body
+
+   subroutine warn_of_shaft(shaft, i, warnings)
+      type(shaft_type), intent(in) :: shaft
+      integer, intent(in) :: i
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+
+      if (any(shaft%diameter > most_diameter)) call add_warning(warnings, 'shaft', i, 'diameter = '// &
+         real_text(maxval(shaft%diameter))//': '//in_metres//'(30 mm are 0.03)')
+      if (any(shaft%length > most_length)) call add_warning(warnings, 'shaft', i, 'length = '// &
+                                                            real_text(maxval(shaft%length))//': '//in_metres//'(150 mm are 0.15)')
+      if (.not. (shaft%rigid .or. shaft%damping_given)) call warn_of_damping(shaft%damping_ratio, 'shaft', i, warnings)
+   end subroutine warn_of_shaft
+
+   subroutine warn_of_density(density, group, i, warnings)
+      real(dp), intent(in) :: density(:)
+      character(*), intent(in) :: group
+      integer, intent(in) :: i
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+      integer :: bad
+
+      bad = findloc(density >= least_density .and. density <= most_density, .false., 1)
+      if (bad > 0) call add_warning(warnings, group, i, 'density = '//real_text(density(bad))// &
+                                    ': kg/m^3 are meant (steel: 7850)')
+   end subroutine warn_of_density
+
+   subroutine warn_of_damping(ratio, group, i, warnings)
+      real(dp), intent(in) :: ratio
+      character(*), intent(in) :: group
+      integer, intent(in) :: i
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+
+      if (ratio >= critical) call add_warning(warnings, group, i, 'damping_ratio = '//real_text(ratio)//': from 1 on nothing &
+                                              &oscillates (5 % are 0.05)')
+   end subroutine warn_of_damping
+
+   !> Numbers of a mesh whose magnitude is that of another unit.
+   subroutine warn_of_units(mesh, i, warnings)
+      type(mesh_type), intent(in) :: mesh
+      integer, intent(in) :: i
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+      type(pair_geometry_type) :: geometry
+      real(dp) :: gap
+
+      if (mesh%helix_angle > 0 .and. mesh%helix_angle < 1) call add('helix_angle', mesh%helix_angle, 'degrees are meant')
+      if (.not. mesh%damping_given) call warn_of_damping(mesh%damping_ratio, 'mesh', i, warnings)
+      call warn_of_density([mesh%density], 'mesh', i, warnings)
+      associate (module => mesh%normal_module)
+         if (module < least_module .or. module > most_module) then
+            ! The other lengths are compared with the module.
+            call add('normal_module', module, in_metres//'(2.5 mm are 2.5e-3)')
+            return
+         end if
+         call find_geometry(pair_of(mesh), geometry)
+         if (mesh%face_width > 5*minval(geometry%reference_diameter) .or. mesh%face_width > 0 .and. mesh%face_width < module/10) &
+            call add('face_width', mesh%face_width, 'beside a pitch diameter of '//short(minval(geometry%reference_diameter))// &
+                     ' m; '//in_metres//'(40 mm are 0.04)')
+         gap = 2*geometry%half_backlash
+         if (mesh%half_backlash > 0) gap = 2*mesh%half_backlash
+         if (gap > module/2) then
+            if (mesh%half_backlash > 0) then
+               call add('half_backlash', mesh%half_backlash, 'the backlash is more than half a module; '//in_metres// &
+                        '(30 um are 30e-6)')
+            else if (mesh%backlash > 0) then
+               call add('backlash', mesh%backlash, 'more than half a module; '//in_metres//'(60 um are 60e-6)')
+            else
+               call add('centre_distance', mesh%centre_distance, 'makes a backlash of more than half a module: '//short(gap)// &
+                        ' m along the line of action')
+            end if
+         end if
+         call warn_of_error('error_cos', mesh%error_cos)
+         call warn_of_error('error_sin', mesh%error_sin)
+      end associate
+
+   contains
+
+      subroutine warn_of_error(name, amplitudes)
+         character(*), intent(in) :: name
+         real(dp), allocatable, intent(in) :: amplitudes(:)
+
+         if (.not. is_given(amplitudes)) return
+         if (maxval(abs(amplitudes)) > max(gap, mesh%normal_module/10)) &
+            call add(name, amplitudes(maxloc(abs(amplitudes), 1)), 'more than the backlash and a tenth of the module; '// &
+                     in_metres//'(3 um are 3e-6)')
+      end subroutine warn_of_error
+
+      subroutine add(name, value, sentence)
+         character(*), intent(in) :: name, sentence
+         real(dp), intent(in) :: value
+
+         call add_warning(warnings, 'mesh', i, name//' = '//real_text(value)//': '//sentence)
+      end subroutine add
+
+   end subroutine warn_of_units
 
    subroutine warn_of_mesh(mesh, i, system, light, warnings)
       type(mesh_type), intent(in) :: mesh
@@ -106,10 +246,8 @@ contains
 
       subroutine add(sentence)
          character(*), intent(in) :: sentence
-         type(text_type) :: warning
 
-         warning%text = '&mesh '//integer_text(i)//': '//sentence
-         warnings = [warnings, warning]
+         call add_warning(warnings, 'mesh', i, sentence)
       end subroutine add
 
    end subroutine warn_of_mesh

@@ -36,8 +36,7 @@ contains
       !> Gets the problem.
       class(checker_type), intent(inout) :: checker
 
-      if (unit == 'Lambda' .or. checker%problems%in_group('train') .or. checker%problems%in_group('mesh') .or. &
-          checker%problems%in_group('body')) return
+      if (unit == 'Lambda' .or. checker%problems%of_train()) return
       if (.not. lambda_per(train, unit) > 0) call checker%complain('unit', "'"//trim(unit)//"'", 'needs teeth of every mesh, which &
          &tell the speed: take Lambda or Hz')
    end subroutine check_unit
