@@ -18,7 +18,7 @@ module geartrain_balance_bordered_system
    real(dp), parameter :: tolerance = 1e-10_dp
    integer, parameter :: most_iterations = 40, most_iterations_in_time = 100
    !> Least residual with the linearised train in time as preconditioner: a tangent need not be more exact.
-   real(dp), parameter :: tolerance_in_time = 1e-6_dp
+   real(dp), parameter :: tolerance_in_time = 1e-5_dp
 
    type :: bordered_system_type
       !> Border column and row, (block, unknown), and their corner: the caller sets row and corner between `linearize` and
@@ -77,7 +77,7 @@ contains
       type(balance_type), intent(in) :: balance
 
       self%flows = self%suits_flow
-      call balance%jacobian(self%lowest)
+      if (.not. self%flows) call balance%jacobian(self%lowest)
       self%column = balance%d_frequency
    end subroutine linearize
 
