@@ -57,7 +57,7 @@ contains
 
          call parameter_of(train, name, parameter, error)
          padded = name
-         if (.not. allocated(error)) names = [names, padded]
+         if (.not. allocated(error)) names = [character(name_length) :: names, padded]
       end subroutine try
 
    end subroutine all_parameters

@@ -355,7 +355,7 @@ contains
 
       if (variable%name == self%variable) self%found = .true.
       if (variable%name == self%variable) self%continuous = continuous
-      if (allocated(self%names) .and. continuous) self%names = [self%names, variable%name]
+      if (allocated(self%names) .and. continuous) self%names = [character(24) :: self%names, variable%name]
    end subroutine meet
 
    subroutine on_real(self, variable, value, in_force)

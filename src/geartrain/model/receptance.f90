@@ -180,8 +180,7 @@ contains
       integer, intent(in) :: harmonic, eta
       !> Complex amplitudes of the forces of the unknown meshes over k b_c [1], (unknown).
       complex(dp), intent(in) :: phi(:)
-      !> Complex amplitudes of the displacements over b_c [1], (element); left unchanged for unknown meshes, and for damping to
-      !> ground that is no coordinate.
+      !> Complex amplitudes of the displacements over b_c [1], (element); left unchanged for unknown meshes.
       complex(dp), intent(inout) :: p(:)
       type(part_state_type) :: state
       complex(dp), allocatable :: x(:), dx(:), difference(:)
@@ -212,11 +211,12 @@ contains
                   if (system%element_mesh(n) > 0) &
                      p(n) = p(n) + amplitude_at(system%transmission_error(system%element_mesh(n)), harmonic, eta)
                end do
-               if (system%coordinates > system%displacements) then
-                  associate (node => system%network%elements(system%coordinates)%from)
-                     if (cut%home(node) == k) p(system%coordinates) = x(cut%mass(node))
+               do n = merge(system%coordinates, system%elements + 1, part%dragged), system%elements
+                  associate (element => system%network%elements(n))
+                     if (.not. element%grounded) cycle
+                     if (cut%home(element%from) == k) p(n) = x(cut%mass(element%from))
                   end associate
-               end if
+               end do
                deallocate (x, dx, difference)
             end associate
          end do
