@@ -84,7 +84,7 @@ def draw_reducer(folder: Path) -> None:
     run_up = case.train.run_up(**case.run_up)
     figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.2), constrained_layout=True)
     run_up.plot("mesh_force", ax=left)
-    run_up.waterfall("mesh_force", 1, ax=right, orders=(19, 38, 71, 142), highest=5000)
+    run_up.waterfall("mesh_force", 1, ax=right, highest=5000)
     figure.savefig(folder / "reducer_run_up.png", dpi=80)
 
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
 from itertools import permutations
 
 from .description import Description
+from .errors import InputError, shown
 
-__all__ = ["named_orders"]
+__all__ = ["named_orders", "orders_of"]
 
 _MULTIPLES, _SUMS = 8, 5  # largest multiple of a mesh order; largest of both multiples of a sum or difference
 
@@ -38,3 +41,31 @@ def named_orders(train: Description) -> dict[float, str]:
         if turns and turns not in meshes:
             bodies[turns] = f"{bodies[turns]}, {body}" if turns in bodies else body
     return {**named, **bodies}
+
+
+def orders_of(train: Description | None, orders: Iterable[float | str] | None) -> dict[float, str]:
+    """Orders with what to call them: numbers are multiples of the fundamental, names those of `named_orders`.
+
+    None: the orders of the meshes and their doubles. An order without a name is called by its number.
+    """
+    names = named_orders(train) if train is not None else {}
+    if orders is None:
+        meshes = [] if train is None else list(map(float, train._outline["order"]))
+        return {order: names.get(order, f"{order:.4g}") for order in sorted({*meshes, *(2 * order for order in meshes)})}
+    known = {single: order for order, name in names.items() for single in _singly(name)}
+    found = {}
+    for order in orders:
+        if isinstance(order, str) and order not in known:
+            near = difflib.get_close_matches(order, known, 1)
+            hint = f" (did you mean {near[0]!r}?)" if near else ""
+            such = f" or a name such as {', '.join(map(repr, sorted(known, key=len)[:3]))}" if known else ""
+            raise InputError(f"orders: {shown(order)} is no order of this train{hint}: must be a multiple of the fundamental{such}")
+        number = known[order] if isinstance(order, str) else float(order)
+        found[number] = names.get(number, f"{number:.4g}")
+    return found
+
+
+def _singly(name: str) -> list[str]:
+    """``'engine, input'``: both names of the order; ``'mesh 1, 2'``: mesh 1 and mesh 2."""
+    first, *others = name.split(", ") if " - " not in name and " + " not in name else [name]
+    return [first, *(first[:first.rindex(" ") + 1] + other if other.isdigit() else other for other in others)]

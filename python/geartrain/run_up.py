@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ._dataset import dataset
 from ._draw import new_axes, put_legend
+from ._orders import orders_of
 from ._table import Table
 from ._units import Unit, units_of
 from .campbell import exciting_orders
@@ -208,7 +209,7 @@ class RunUp(Table):
 
     def waterfall(
         self, what: str = "mesh_force", number: int = 1, ax: Axes | None = None, *, unit: Unit | None = None,
-        orders: Iterable[float] = (), highest: float | None = None, **style: Any,
+        orders: Iterable[float | str] | None = None, highest: float | None = None, **style: Any,
     ) -> Axes:
         """Draw the `spectra`: amplitude as colour over the speed and the frequency.
 
@@ -221,8 +222,10 @@ class RunUp(Table):
             Where to draw; a new figure unless told.
         unit : {'Lambda', 'rpm', 'Hz'}, optional
             Of the speed, along which the spectra stand; unless told rpm where Lambda is the speed in rpm, else Lambda.
-        orders : iterable of float
-            Multiples of the fundamental frequency to draw as lines, `Order.order` of a Campbell diagram.
+        orders : iterable of float or str, optional
+            To draw as lines: multiples of the fundamental frequency, `Order.order` of a Campbell diagram, or names such as
+            ``'mesh 1'``, ``'2 x mesh 1'``, ``'mesh 2 - mesh 1'`` and, of a train with teeth, the name of a body for its
+            revolution. Unless told the meshes and their doubles.
         highest : float, optional
             Highest frequency drawn [Hz]; unless told that of the highest amplitude above a thousandth of the largest, up to an
             eighth of the sampling rate.
@@ -259,13 +262,13 @@ class RunUp(Table):
         )
         ax.figure.colorbar(image, ax=ax, label="amplitude  [dB of the largest]")
         fundamental = np.interp(time, self.time, self.fundamental_frequency)
-        for order in orders:
+        for order, name in orders_of(self.train, orders).items():
             ax.plot(across, order * fundamental, color="white", lw=1.0, ls="--")
             inside = np.flatnonzero(order * fundamental <= 0.96 * highest)
             if len(inside):
                 # Near the fast end of the line, inside of the frame.
                 end = inside[np.argsort(fundamental[inside])[int(0.95 * (len(inside) - 1))]]
-                ax.annotate(f"{order:.4g}", (across[end], order * fundamental[end]), color="white", ha="center", va="center",
+                ax.annotate(name, (across[end], order * fundamental[end]), color="white", ha="center", va="center",
                             fontsize=8, bbox={"boxstyle": "round,pad=0.15", "facecolor": "0.15", "edgecolor": "none"})
         ax.set_ylim(0, highest)
         ax.set_xlim(across[0], across[-1])

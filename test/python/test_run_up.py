@@ -297,6 +297,14 @@ def test_a_range_is_that_of_the_slowest_excitation():
     _, lines, amplitude = ramp.spectra()
     seen = lines[(amplitude > 1e-3 * amplitude.max()).any(axis=0) & (lines <= lines[-1] / 4)]
     assert ramp.waterfall().get_ylim()[1] == pytest.approx(1.05 * seen.max())
+    # A turn of the engine and the fundamental differ.
+    lines = ramp.waterfall(orders=["2 x mesh 1", "engine"]).lines
+    fundamental = np.interp(ramp.spectra()[0], ramp.time, ramp.fundamental_frequency)
+    hertz = np.interp(ramp.spectra()[0], ramp.time, ramp.speed) / 60
+    np.testing.assert_allclose(lines[0].get_ydata(), 2 * int(engine._outline["order"][0]) * fundamental)
+    np.testing.assert_allclose(lines[1].get_ydata(), hertz)
+    with pytest.raises(gt.InputError, match=r"orders: 'engin' is no order of this train \(did you mean 'engine'\?\)"):
+        ramp.waterfall(orders=["engin"])
 
 
 def test_what_cannot_be_drawn(ramp):

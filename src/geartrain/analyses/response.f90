@@ -2,6 +2,7 @@
 module geartrain_analyses_response
    use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
    use geartrain_analyses_branch_report, only: report_branch
+   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type
@@ -68,11 +69,18 @@ contains
       type(error_type), allocatable, intent(out) :: error
       class(observer_type), intent(inout) :: observer
       type(motion_type), intent(in), optional :: start
+      type(frequency_text_type) :: told
+      character(:), allocatable :: ended
       logical :: keep_going
 
       associate (branch => self%result)
          if (allocated(branch%ended) .and. .not. allocated(branch%trace)) return
          call response(train, self%settings, branch, error, start, observer)
+         if (allocated(branch%ended)) then
+            told = frequency_text(train, self%settings%unit, 0.0_dp)
+            call told%of_words(branch%ended, ended)
+            branch%ended = ended
+         end if
          if (allocated(error) .or. branch%cancelled .or. branch%points == 0 .or. train%interrupt%raised()) return
          ! The time after the last step of the trace counts as time of the response.
          keep_going = .true.

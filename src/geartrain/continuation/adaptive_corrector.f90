@@ -183,6 +183,11 @@ contains
       call self%corrector%refit(here)
       call self%corrector%refit(origin)
       call self%corrector%correct(here, success)
+      if (success .and. self%chooses_sets) then
+         ! Where the branch is steep, a motion of fewer harmonics may lie far away.
+         call self%estimate_error(here)
+         success = self%estimate%limited <= self%settings%tolerance
+      end if
       if (success) return
       call self%prepare(highest, set)
       here = before(1)

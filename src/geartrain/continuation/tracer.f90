@@ -132,8 +132,8 @@ contains
             outcome = stuck
             reason = 'step below '//text(smallest_step)//' at Lambda = '//text(here%frequency_ratio)//': the motion &
                &is not smooth there or needs more than '//text(self%corrector%balance%highest)//' harmonics: '
-            if (self%settings%harmonics == 0) reason = reason//'lower tolerance, or try &attractors'
-            if (self%settings%harmonics > 0) reason = reason//'raise harmonics, or try &attractors'
+            if (self%settings%harmonics == 0) reason = reason//'lower tolerance, or see &integration'
+            if (self%settings%harmonics > 0) reason = reason//'raise harmonics, or see &integration'
             return
          end if
 

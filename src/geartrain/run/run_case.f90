@@ -2,9 +2,11 @@
 module geartrain_run_run_case
    use geartrain_analyses_analysis, only: analysis_type, spoken
    use geartrain_analyses_dependencies, only: asks_refinement, follow_branches, locate_edges, refine_branches, take_known
+   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_analyses_list, only: analyses, case_type, find_analysis, leave_out, number_of, results_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_error, only: error_type, fatal, status_ended_early, status_input
+   use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
    use geartrain_continuation_branch, only: branch_type
@@ -36,6 +38,8 @@ contains
       character(*), intent(in), optional :: resume
       type(checkpoint_type) :: checkpoint
       type(error_type), allocatable :: early
+      type(frequency_text_type) :: told
+      character(:), allocatable :: message
       logical :: resumed
 
       call check_case(case, error)
@@ -59,7 +63,11 @@ contains
       if (allocated(error)) return
       if (path /= '') call write_results(path, case, results, error)
       if (.not. allocated(error)) call checkpoint%remove()
-      if (allocated(early)) call fatal(error, early%message, early%status)
+      if (.not. allocated(early)) return
+      told = frequency_text(case%train, 'Lambda', 0.0_dp)
+      if (allocated(case%response)) told = frequency_text(case%train, case%response%unit, 0.0_dp)
+      call told%of_words(early%message, message)
+      call fatal(error, message, early%status)
    end subroutine run_case
 
    !> Runs analysis by analysis, from the results so far on; a further branch that was under way is traced again. `early` tells
