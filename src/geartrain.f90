@@ -20,6 +20,7 @@ module geartrain
    use geartrain_continuation_branch, only: branch_type, response_settings_type, special_point_type
    use geartrain_continuation_contact_edges, only: locate_contact_edges
    use geartrain_continuation_contact_ranges, only: back_collision_ranges, separation_ranges
+   use geartrain_continuation_gradient, only: motion_gradient, special_gradient
    use geartrain_continuation_jumps, only: jump_type, jumps
    use geartrain_continuation_refinement, only: refine_branch
    use geartrain_continuation_response, only: response
@@ -37,6 +38,7 @@ module geartrain
    use geartrain_model_check, only: check_train
    use geartrain_model_drawing_warnings, only: warnings_text
    use geartrain_model_explain, only: explain_train, explanation_text, speed_text
+   use geartrain_model_gradient, only: frequency_gradient, gradient_type
    use geartrain_model_mesh, only: mesh_type
    use geartrain_model_modes, only: modes_type, natural_modes
    use geartrain_model_shaft, only: shaft_type

@@ -259,6 +259,10 @@ class Box:
         status: int = fortran.do_work(self.handle, what, np.array(values or (0,), float), progress)
         return status
 
+    def gradient(self, what: str, names: str, progress: Array, number: int) -> None:
+        """Differentiate with respect to parameters, see ``differentiate`` in box.f90."""
+        self.check(fortran.find_gradient(self.handle, what, names.encode(), number, progress))
+
 
 @cache
 def described() -> dict[str, Group]:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._box import Box, fortran
+from ._gradient import gradient_of
 from ._motion_check import check_motion, check_states
 from ._motion_table import INTEGRATION, motions_dataset, motions_of, put_motions
 from ._units import hertz_of, speed_of
@@ -292,6 +293,50 @@ class Motion(Pictures):
                 f"{self.error_estimate:.2g}: the orbit may be another one"
             )
         return refined
+
+    def gradient(self, figure: str, parameters: Sequence[str]) -> Array:
+        """Derivatives of a figure with respect to parameters of the train, at constant speed, by the implicit function theorem.
+
+        The harmonic balance with the harmonics of ``coefficients`` is R(p, Lambda, parameter) = 0, so dp = -(dR/dp)^-1 dR. All
+        parameters take one factorization. In a list of names ``mesh * half_backlash`` means all meshes alike, and
+        ``stiffness_variation`` the largest amplitude of kappa with all others in proportion.
+
+        Parameters
+        ----------
+        figure : str
+            ``'rms'``, ``'mean'``, ``'minimum'``, ``'maximum'``, ``'mesh_force_maximum'``, ``'dynamic_factor'``,
+            ``'shaft_torque_mean'``, ``'shaft_torque_minimum'`` or ``'shaft_torque_maximum'``.
+        parameters : sequence of str
+            Names as in the case: ``'input_torque'``, ``'mesh 2 half_backlash'``, ``'shaft 1 stiffness'``,
+            ``'mesh 1 stiffness_cos 2'`` (a value of a list), ``'body motor inertia'``. Of a number that the drawing gives, such as
+            ``'mesh 1 stiffness'``, the derivative is as if it were given; of one of the drawing, such as ``'mesh 1 face_width'``,
+            through all that follows from it.
+
+        Returns
+        -------
+        ndarray, (meshes, parameters) or (shafts, parameters)
+            In the unit of the figure over that of the parameter; NaN where there is no derivative.
+
+        Raises
+        ------
+        InputError
+            Where a name is unknown, not in force in this train, not continuous, or a unit of the results.
+
+        Warns
+        -----
+        NotDifferentiableWarning
+            With its ``reasons``: at a fold, where a tooth grazes the edge of its gap, where two extremes are equal, where gears
+            of a loop would lock, or at the end of the range of a parameter.
+
+        Examples
+        --------
+        >>> motion = branch.at(0.9)[0]
+        >>> motion.gradient("dynamic_factor", ["mesh 1 damping_ratio", "stiffness_variation"]).round(3)
+        array([[-32.743,   7.676],
+               [ -8.755,   4.72 ]])
+        """
+        check_motion(self)
+        return gradient_of(self._box("gradient"), figure, parameters)
 
     def to_dataset(self) -> Dataset:
         """The motion as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
