@@ -167,7 +167,7 @@ contains
       first = 1
       do while (first <= len(text))
          at = index(text(first:)//new_line('a'), new_line('a'))
-         names = [names, [character(len(text)) :: text(first:first + at - 2)]]
+         names = [character(len(text)) :: names, text(first:first + at - 2)]
          first = first + at
       end do
       select case (what)

@@ -2,7 +2,7 @@
 module parameters_of_trains
    use geartrain, only: dp, error_type, train_type
    use geartrain_base_numbers, only: integer_text
-   use geartrain_model_drawing, only: plain_train
+   use geartrain_model_drawing, only: plain_train, reduce_light_loads
    use geartrain_model_parameter, only: add_to_parameter, find_parameter, parameter_type
    implicit none (type, external)
    private
@@ -82,6 +82,11 @@ contains
       integer :: j
 
       changed = train
+      if (parameter%derived) then
+         ! The drawing gives its value, so it is there in the plain train alone.
+         call plain_train(train, changed)
+         call reduce_light_loads(changed)
+      end if
       if (parameter%variable == 'stiffness_variation') then
          do j = 1, size(train%meshes)
             associate (mesh => changed%meshes(j), factor => 1 + h/parameter%value)

@@ -215,7 +215,9 @@ contains
 
       call begin_trace(train, settings, tracer)
       solution = solution_of(tracer, motion)
-      do i = 1, 2
+      ! Torques are made of forces that lag the coefficients by a Newton step: by 5e-13 after the second solution, which differences
+      ! see, by rounding alone after the third.
+      do i = 1, 3
          call tracer%corrector%solve_at(solution, ok)
          if (.not. ok) return
       end do

@@ -7,7 +7,7 @@
 !> = (0, 1) the fold of symmetry is at g = 0, and dg is the last entry of [J b; c 0]^-1 (-dJ v, 0); dLambda = -dg/(dg/dLambda).
 module geartrain_continuation_gradient
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-      use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_balance, only: balance_type
    use geartrain_balance_balance_rate, only: balance_rate_type
    use geartrain_balance_figure_rates, only: figure_names, figures_type
    use geartrain_balance_force_rates, only: along_frequency, force_rates, tangent_rates
@@ -88,7 +88,8 @@ contains
          do n = 1, size(names)
             if (given%system%interrupt%raised()) return
             call given%rate_of(n, rate, gradient%reason(n))
-            if (gradient%reason(n) == '' .and. excites_others(rate, balance)) &
+            if (gradient%reason(n) /= '') cycle
+            if (excites_others(rate, balance)) &
                gradient%reason(n) = 'it is 0, and its order is not among the harmonics of the motion'
             if (gradient%reason(n) /= '') cycle
             call force_rates(balance, rate, solution%u, force)
@@ -170,8 +171,7 @@ contains
          case ('period doubling')
             call find_critical(train, settings, branch, special, solution, success)
             if (success) then
-               highest = settings%harmonics
-               if (highest == 0) highest = harmonics_at(branch, special)
+               highest = merge(settings%harmonics, harmonics_at(branch, special), settings%harmonics > 0)
                corrector%units = units_of(given%system)
                call corrector%balance%setup(given%system, 2*highest, 2*branch%subharmonic, 0)
                call corrector%setup()

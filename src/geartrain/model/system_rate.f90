@@ -114,16 +114,15 @@ contains
 
    contains
 
-      !> Adds to a list, which may lack values that are 0.
+      !> Adds to a list. Either list may lack values that are 0.
       pure subroutine shift(list, rates)
          real(dp), allocatable, intent(inout) :: list(:)
          real(dp), allocatable, intent(in) :: rates(:)
-         real(dp), allocatable :: sum_(:)
 
          if (.not. allocated(rates)) return
-         sum_ = step*rates
-         if (allocated(list)) sum_(:size(list)) = sum_(:size(list)) + list
-         call move_alloc(sum_, list)
+         if (.not. allocated(list)) allocate (list(0))
+         if (size(list) < size(rates)) list = [list, spread(0.0_dp, 1, size(rates) - size(list))]
+         list(:size(rates)) = list(:size(rates)) + step*rates
       end subroutine shift
 
    end function shifted_mesh
