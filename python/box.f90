@@ -154,12 +154,15 @@ contains
    end subroutine work
 
    !> Differentiates with respect to parameters, whose names are parted by line feeds: 'frequency', the natural frequencies;
-   !> 'special', Lambda of special point `number` of the box's branch; else a figure of the box's first motion.
-   subroutine differentiate(box, what, text, number, error)
+   !> 'special', Lambda of special point `number` of the box's branch; else a figure of the motion of period `number` at Lambda =
+   !> `frequency` that has the coefficients.
+   subroutine differentiate(box, what, text, number, frequency, coefficients, error)
       type(box_type), intent(inout) :: box
       character(*), intent(in) :: what, text
       integer, intent(in) :: number
+      real(real64), intent(in) :: frequency, coefficients(:, :)
       type(error_type), allocatable, intent(out) :: error
+      type(motion_type) :: motion
       character(len(text)), allocatable :: names(:)
       integer :: at, first
 
@@ -176,7 +179,10 @@ contains
       case ('special')
          call special_gradient(box%case%train, box%case%response, box%results%response, number, names, box%gradient, error)
       case default
-         call motion_gradient(box%case%train, box%motions(1), what, names, box%gradient, error)
+         motion%period = number
+         motion%frequency_ratio = frequency
+         motion%coefficients = coefficients
+         call motion_gradient(box%case%train, motion, what, names, box%gradient, error)
       end select
    end subroutine differentiate
 

@@ -3,7 +3,7 @@ module parameters_of_trains
    use geartrain, only: dp, error_type, train_type
    use geartrain_base_numbers, only: integer_text
    use geartrain_model_drawing, only: plain_train, reduce_light_loads
-   use geartrain_model_parameter, only: add_to_parameter, find_parameter, parameter_type
+   use geartrain_model_parameter, only: add_to_parameter, find_parameter, parameter_type, table_type
    implicit none (type, external)
    private
    public :: all_parameters, change, name_length, parameter_of
@@ -68,10 +68,13 @@ contains
       type(parameter_type), intent(out) :: parameter
       type(error_type), allocatable, intent(inout) :: error
       type(train_type) :: copy, plain
+      type(table_type) :: given, derived
 
       copy = train
       call plain_train(train, plain)
-      call find_parameter(copy, plain, name, parameter, error)
+      call given%take(copy)
+      call derived%take(plain)
+      call find_parameter(train, plain, given, derived, name, parameter, error)
    end subroutine parameter_of
 
    subroutine change(train, parameter, h, changed)

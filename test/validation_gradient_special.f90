@@ -244,6 +244,13 @@ contains
       call refused('mesh 1 back_stiffness', 'not in force')
       call refused('shaft 1 damping', 'not in force')
       call refused('body 1 inertia', 'must begin with')
+      call motion_gradient(train, motion_of(branch, 1), 'separation_fraction', ['input_torque'], gradient, error)
+      call tests%is_true(allocated(error), 'separation fraction: refused')
+      if (allocated(error)) call tests%is_true(index(error%message, 'no derivatives but of rms') > 0, 'separation fraction: told')
+      branch%special_points(1)%kind = 'neimark-sacker'
+      call special_gradient(train, settings, branch, 1, ['input_torque'], gradient, error)
+      call tests%is_true(allocated(error), 'Neimark-Sacker: refused')
+      if (allocated(error)) call tests%is_true(index(error%message, 'only of folds') > 0, 'Neimark-Sacker: told')
       train = ring()
       settings = settings_of(0.9_dp, 0.91_dp, 6)
       settings%max_points = 2

@@ -17,15 +17,18 @@ __all__ = ["gradient_of"]
 Array = NDArray[np.float64]
 
 
-def gradient_of(box: Box, what: str, parameters: Sequence[str], number: int = 0) -> Array:
-    """The derivatives, (items, parameters), from a box, which is closed; ``what`` and ``number`` as ``differentiate`` has them."""
+def gradient_of(
+    box: Box, what: str, parameters: Sequence[str], number: int = 0, frequency: float = 0.0, coefficients: Array | None = None
+) -> Array:
+    """The derivatives, (items, parameters), from a box, which is closed; the other arguments as ``differentiate`` has them."""
+    terms = np.zeros((1, 1)) if coefficients is None else coefficients
     with box:
         if isinstance(parameters, str) or not all(isinstance(name, str) and name.strip() for name in parameters):
             raise InputError(f"parameters = {shown(parameters)}: must be a list of names, such as 'mesh 1 half_backlash'")
         names = "\n".join(" ".join(name.split()) for name in parameters)
 
         def work(progress: Array) -> tuple[Array, list[str]]:
-            box.gradient(what, names, progress, number)
+            box.gradient(what, names, progress, number, frequency, terms)
             group = box.show("gradient")["/gradient"]
             return group.arrays["value"].T, [reason.strip() for reason in group.arrays["reason"]]
 

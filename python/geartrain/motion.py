@@ -335,8 +335,9 @@ class Motion(Pictures):
         array([[-32.743,   7.676],
                [ -8.755,   4.72 ]])
         """
-        check_motion(self)
-        return gradient_of(self._box("gradient"), figure, parameters)
+        box = Box(copy=self._train_of("gradient")._kept)
+        check_motion(self, "gradient", *box.sizes())
+        return gradient_of(box, figure, parameters, self.period, float(self.frequency), self.coefficients)
 
     def to_dataset(self) -> Dataset:
         """The motion as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
@@ -344,18 +345,23 @@ class Motion(Pictures):
 
     def _box(self, what: str = "motion") -> Box:
         """A box of the motion; ``what`` is what messages call it."""
+        train = self._train_of(what)
+        try:
+            box = train._ask_at(self.frequency, {})
+        except InputError as error:
+            raise InputError(str(error).replace("&integration", what)) from None
+        put_motions(box, self, what=what)
+        return box
+
+    def _train_of(self, what: str) -> Description:
+        """The train of a motion that has a waveform; ``what`` as in `_box`."""
         if self.train is None:
             raise ValueError("this motion has no train")
         if not isinstance(self.train, Description):
             raise InputError(f"{what}: train = {shown(self.train)}: must be a gt.Train")
         if self.unbounded:
             raise SolverError(f"the motion grows without bound at Lambda = {self.frequency:g}: it has no waveform")
-        try:
-            box = self.train._ask_at(self.frequency, {})
-        except InputError as error:
-            raise InputError(str(error).replace("&integration", what)) from None
-        put_motions(box, self, what=what)
-        return box
+        return self.train
 
 
 def _check_count(name: str, number: Any, least: int) -> None:

@@ -73,8 +73,16 @@ def test_refused(branch, parameters, words):
                  branch.train.frequency_gradient):
         with pytest.raises(gt.InputError, match=words):
             call(parameters)
-    with pytest.raises(gt.InputError, match="did you mean"):
-        branch.at(0.9)[0].gradient("rmss", NAMES)
+    for figure, told in (("rmss", "did you mean"), ("separation_fraction", "no derivatives but of rms")):
+        with pytest.raises(gt.InputError, match=told):
+            branch.at(0.9)[0].gradient(figure, NAMES)
+
+
+def test_a_motion_made_by_hand_is_checked(branch):
+    motion = branch.at(0.9)[0]
+    for changed in ({"frequency": 0.0}, {"frequency": np.nan}, {"coefficients": motion.coefficients[:1]}, {"period": 0}):
+        with pytest.raises(gt.InputError):
+            replace(motion, **changed).gradient("rms", NAMES)
 
 
 def test_no_derivative(branch):

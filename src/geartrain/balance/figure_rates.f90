@@ -32,7 +32,6 @@ module geartrain_balance_figure_rates
       !> Where the figure is an extreme, (mesh or shaft); +1 or -1: direction of the largest force, (mesh).
       type(place_type), allocatable, private :: places(:)
       integer, allocatable, private :: side(:)
-      type(balance_rate_type), private :: parts
    contains
       procedure :: setup
       procedure :: rates
@@ -44,12 +43,10 @@ module geartrain_balance_figure_rates
 contains
 
    !> Prepares the derivatives of a figure: finds the extremes.
-   subroutine setup(self, balance, parts, u, figure)
+   subroutine setup(self, balance, u, figure)
       class(figures_type), intent(inout) :: self
       !> The balance, evaluated at the motion.
       type(balance_type), intent(in) :: balance
-      !> Motion of its linear parts.
-      type(balance_rate_type), intent(in) :: parts
       !> Coefficients of the unknown meshes [1], (block, unknown).
       real(dp), intent(in) :: u(:, :)
       !> One of `figure_names`.
@@ -57,7 +54,6 @@ contains
       type(transform_type) :: transform
       integer :: j, side
 
-      self%parts = parts
       self%figure = figure
       self%of_shafts = index(figure, 'shaft') == 1
       side = merge(-1, 1, index(figure, 'minimum') > 0)
@@ -110,10 +106,12 @@ contains
    end subroutine find_torques
 
    !> Derivatives of the figure.
-   subroutine rates(self, balance, rate, d_u, d_force, values)
+   subroutine rates(self, balance, parts, rate, d_u, d_force, values)
       class(figures_type), intent(in) :: self
       !> The balance, evaluated at the motion.
       type(balance_type), intent(in) :: balance
+      !> Motion of its linear parts.
+      type(balance_rate_type), intent(in) :: parts
       !> Derivatives of the system.
       type(system_rate_type), intent(in) :: rate
       !> Whole derivatives of the coefficients and of phi of the unknown meshes, (block, unknown).
@@ -127,7 +125,7 @@ contains
       associate (system => balance%system)
          d_p = 0
          if (self%of_shafts .or. balance%unknowns < system%meshes) &
-            call self%parts%displacements(balance, rate, d_u, d_force, d_p)
+            call parts%displacements(balance, rate, d_u, d_force, d_p)
          ! Of the mean phi of linear elements, which is their displacement.
          d_mean = rate%static_force
          do i = 1, size(system%mean%closing)

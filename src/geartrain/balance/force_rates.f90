@@ -26,9 +26,6 @@ contains
       real(dp), intent(out) :: f(:, :)
       !> Of what a change `u` of the coefficients adds to phi, without offset and impulse.
       logical, intent(in), optional :: linear
-      type(spectra_type) :: spectra
-      type(law_type) :: law
-      real(dp) :: matrix(balance%block, balance%block), integral(balance%block)
       logical :: whole
       integer :: i
 
@@ -36,30 +33,51 @@ contains
       if (present(linear)) whole = .not. linear
       f = 0
       do i = 1, balance%unknowns
-         associate (contact => balance%contact(i), j => balance%mesh(i), n => balance%system%cut%element(i))
-            integral = rate%damping(n)*u(:, i)
-            if (rate%law_changes(j)) then
-               law = rate%law(j)
-               law%origin(:) = contact%law%origin
-               call find(law)
-               call toeplitz(balance%harmonic, spectra%stiffness, matrix)
-               f(:, i) = matmul(matrix, u(:, i))
-               if (whole) call add_coefficients(balance%harmonic, -1.0_dp, spectra%offset, f(:, i))
-               if (law%jumps) then
-                  call toeplitz(balance%harmonic, spectra%damping, matrix)
-                  integral = matmul(matrix, u(:, i))
-                  if (whole) call add_coefficients(balance%harmonic, 1.0_dp, spectra%impulse, integral)
-               end if
-               if (whole .and. any(abs(rate%law(j)%origin) > 0)) then
-                  law = contact%law
-                  law%origin(:) = rate%law(j)%origin
-                  call find(law)
-                  call add_coefficients(balance%harmonic, -1.0_dp, spectra%offset, f(:, i))
-               end if
+         associate (n => balance%system%cut%element(i))
+            if (rate%law_changes(balance%mesh(i))) then
+               call add_law(balance, rate, u, i, whole, f(:, i))
+            else if (abs(rate%damping(n)) > 0) then
+               call add_derivative(balance, rate%damping(n)*u(:, i), f(:, i))
             end if
-            call add_derivative(balance, integral, f(:, i))
          end associate
       end do
+   end subroutine force_rates
+
+   !> Adds the derivative of phi of an unknown mesh whose law changes.
+   subroutine add_law(balance, rate, u, i, whole, f)
+      type(balance_type), intent(in) :: balance
+      type(system_rate_type), intent(in) :: rate
+      real(dp), intent(in) :: u(:, :)
+      !> Number of the unknown.
+      integer, intent(in) :: i
+      !> With offset and impulse.
+      logical, intent(in) :: whole
+      real(dp), intent(inout) :: f(:)
+      type(spectra_type) :: spectra
+      type(law_type) :: law
+      real(dp) :: matrix(balance%block, balance%block), integral(balance%block)
+
+      associate (contact => balance%contact(i), j => balance%mesh(i))
+         integral = rate%damping(balance%system%cut%element(i))*u(:, i)
+         law = rate%law(j)
+         law%origin(:) = contact%law%origin
+         call find(law)
+         call toeplitz(balance%harmonic, spectra%stiffness, matrix)
+         f = f + matmul(matrix, u(:, i))
+         if (whole) call add_coefficients(balance%harmonic, -1.0_dp, spectra%offset, f)
+         if (law%jumps) then
+            call toeplitz(balance%harmonic, spectra%damping, matrix)
+            integral = matmul(matrix, u(:, i))
+            if (whole) call add_coefficients(balance%harmonic, 1.0_dp, spectra%impulse, integral)
+         end if
+         if (whole .and. any(abs(rate%law(j)%origin) > 0)) then
+            law = contact%law
+            law%origin(:) = rate%law(j)%origin
+            call find(law)
+            call add_coefficients(balance%harmonic, -1.0_dp, spectra%offset, f)
+         end if
+         call add_derivative(balance, integral, f)
+      end associate
 
    contains
 
@@ -73,7 +91,7 @@ contains
          end associate
       end subroutine find
 
-   end subroutine force_rates
+   end subroutine add_law
 
    !> Adds the time derivative of a periodic function.
    pure subroutine add_derivative(balance, integral, f)

@@ -6,10 +6,11 @@ module geartrain_model_gradient
    use geartrain_model_check, only: check_train
    use geartrain_model_drawing, only: plain_train, reduce_light_loads
    use geartrain_model_mode_rates, only: mode_shapes_type
-   use geartrain_model_parameter, only: add_to_parameter, clear_numbers, find_parameter, find_train_rate, parameter_type
+   use geartrain_model_parameter, only: add_to_parameter, find_parameter, parameter_type, table_type
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_system_rate, only: find_system_rate, system_rate_type
    use geartrain_model_train, only: train_type
+   use geartrain_model_train_rate, only: find_train_rate
    implicit none (type, external)
    private
    public :: gradient_type, parameters_type, begin_gradient, frequency_gradient, reason_length
@@ -30,7 +31,9 @@ module geartrain_model_gradient
 
    !> A train and parameters of it.
    type :: parameters_type
-      type(train_type) :: train, plain, zero
+      !> The train; its plain train; the plain train with 0 for all numbers; derivatives of its numbers.
+      type(train_type) :: train
+      type(train_type), private :: plain, zero, rate
       type(system_type) :: system
       type(parameter_type), allocatable :: parameter(:)
    contains
@@ -91,33 +94,37 @@ contains
       !> Names of the parameters, (parameter).
       character(*), intent(in) :: names(:)
       type(error_type), allocatable, intent(out) :: error
+      type(table_type) :: given, derived
       integer :: n
 
       call check_train(train, error)
       if (allocated(error)) return
       self%train = train
       call plain_train(train, self%plain)
+      call given%take(self%train)
+      call derived%take(self%plain)
       allocate (self%parameter(size(names)))
       do n = 1, size(names)
-         call find_parameter(self%train, self%plain, names(n), self%parameter(n), error)
+         call find_parameter(self%train, self%plain, given, derived, names(n), self%parameter(n), error)
       end do
       if (allocated(error)) return
       call reduce_light_loads(self%plain)
       self%zero = self%plain
-      call clear_numbers(self%zero)
+      derived%number = 0
+      call derived%give(self%zero)
+      self%rate = self%zero
       call build_system(train, self%system)
    end subroutine setup
 
    !> Derivatives of the system with respect to a parameter.
    subroutine rate_of(self, n, rate, reason)
-      class(parameters_type), intent(in) :: self
+      class(parameters_type), intent(inout) :: self
       !> Number of the parameter.
       integer, intent(in) :: n
-      !> The derivatives, where there are any.
-      type(system_rate_type), intent(out) :: rate
+      !> The derivatives, where there are any; of the same system from call to call.
+      type(system_rate_type), intent(inout) :: rate
       !> Why there are none; blank where there are.
       character(*), intent(out) :: reason
-      type(train_type) :: changed
       logical :: differentiable
 
       reason = ''
@@ -128,14 +135,21 @@ contains
                return
             end if
          end if
-         changed = self%zero
-         call find_train_rate(self%train, self%plain, parameter, changed, differentiable)
-         if (.not. differentiable) then
+         call find_train_rate(self%train, self%plain, parameter, self%rate, differentiable)
+         if (differentiable) then
+            call find_system_rate(self%plain, self%rate, self%system, rate)
+            if (rate%network%locks) reason = 'the gears of a loop would lock'
+         else
             reason = 'it is at the end of its range'
-            return
          end if
-         call find_system_rate(self%plain, changed, self%system, rate)
-         if (rate%network%locks) reason = 'the gears of a loop would lock'
+         ! A copy of the whole would cost as much as the derivatives.
+         if (parameter%direct .and. parameter%group == 'shaft' .and. parameter%index > 0) then
+            self%rate%shafts(parameter%index) = self%zero%shafts(parameter%index)
+         else if (parameter%direct .and. parameter%group == 'mesh' .and. parameter%index > 0) then
+            self%rate%meshes(parameter%index) = self%zero%meshes(parameter%index)
+         else
+            self%rate = self%zero
+         end if
       end associate
    end subroutine rate_of
 

@@ -22,6 +22,8 @@ module geartrain_model_network_rate
       logical :: locks = .false.
       !> Largest relative rate of anything.
       real(dp) :: fastest = 0
+      !> The two bodies of each mesh, (2, mesh).
+      integer, allocatable, private :: mesh_ends(:, :)
    end type network_rate_type
 
 contains
@@ -32,18 +34,21 @@ contains
       type(train_type), intent(in) :: train, rate
       !> Network of the train.
       type(network_type), intent(in) :: network
-      !> The derivatives [1/unit of the parameter].
-      type(network_rate_type), intent(out) :: d
+      !> The derivatives [1/unit of the parameter]; of the same network from call to call.
+      type(network_rate_type), intent(inout) :: d
       real(dp), dimension(body_count(train)) :: inertia, d_inertia, torque, d_torque
-      integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
       real(dp) :: middle, d_middle
-      integer :: balancing, b, n, nodes
+      integer :: balancing, b, n
 
       call bodies_of(train, inertia, torque, balancing)
       call bodies_of(rate, d_inertia, d_torque, balancing)
-      call find_ends(train, shaft_ends, mesh_ends)
-      nodes = size(network%inertia)
-      allocate (d%inertia(nodes), d%torque(nodes), d%damping(nodes), d%radius(nodes), source=0.0_dp)
+      if (.not. allocated(d%inertia)) call begin(train, network, d)
+      d%inertia = 0
+      d%torque = 0
+      d%damping = 0
+      d%element_radius = 0
+      d%stiffness = 0
+      d%element_damping = 0
       do b = 1, size(inertia)
          associate (node => network%node(b))
             d%inertia(node) = d%inertia(node) + d_inertia(b)
@@ -51,15 +56,13 @@ contains
             if (allocated(rate%bodies)) d%damping(node) = d%damping(node) + rate%bodies(b)%damping_to_ground
          end associate
       end do
-      n = size(network%elements)
-      allocate (d%element_radius(2, n), d%stiffness(n), d%element_damping(n), d%gain(n), source=0.0_dp)
       do n = 1, size(network%elements)
          associate (element => network%elements(n), ends => [network%elements(n)%from, network%elements(n)%to], &
                     c => network%elements(n)%damping, dr => d%element_radius(:, n), dk => d%stiffness(n), &
                     dc => d%element_damping(n))
             if (element%shaft > 0) then
                associate (shaft => train%shafts(element%shaft), d_shaft => rate%shafts(element%shaft))
-                  dr = base_radius(rate, measuring_gear(network%node, mesh_ends, ends))
+                  dr = base_radius(rate, measuring_gear(network%node, d%mesh_ends, ends))
                   dk = d_shaft%stiffness/element%radius(1)**2
                   ! Twice the root of stiffness times equivalent inertia is damping over damping ratio.
                   middle = sum(1/network%inertia(ends))
@@ -72,7 +75,7 @@ contains
                end associate
             else if (element%mesh > 0) then
                associate (mesh => train%meshes(element%mesh), d_mesh => rate%meshes(element%mesh), &
-                          own => inertia(mesh_ends(:, element%mesh)), d_own => d_inertia(mesh_ends(:, element%mesh)))
+                          own => inertia(d%mesh_ends(:, element%mesh)), d_own => d_inertia(d%mesh_ends(:, element%mesh)))
                   dr = [d_mesh%driving_radius, d_mesh%driven_radius]
                   dk = d_mesh%stiffness
                   middle = sum(element%radius**2/own)
@@ -88,12 +91,31 @@ contains
       d%mass = d%inertia/network%radius**2 - 2*network%inertia/network%radius**2*d%radius
       d%drag = d%damping/network%radius**2 - 2*network%damping/network%radius**2*d%radius
       associate (elements => network%elements)
-         d%fastest = maxval([abs(d%radius), abs(d%stiffness/elements%stiffness), &
-                             abs(d%element_damping)/merge(elements%damping, huge(middle), elements%damping > 0), &
-                             abs(d%inertia)/network%inertia, &
-                             abs(d%torque)/merge(maxval(abs(network%torque)), 1.0_dp, any(abs(network%torque) > 0))])
+         d%fastest = max(maxval(abs(d%radius)), maxval(abs(d%inertia)/network%inertia), &
+                         maxval(abs(d%torque))/merge(maxval(abs(network%torque)), 1.0_dp, any(abs(network%torque) > 0)))
+         do n = 1, size(elements)
+            d%fastest = max(d%fastest, abs(d%stiffness(n))/elements(n)%stiffness)
+            if (elements(n)%damping > 0) d%fastest = max(d%fastest, abs(d%element_damping(n))/elements(n)%damping)
+         end do
       end associate
    end subroutine find_network_rate
+
+   !> Makes room.
+   pure subroutine begin(train, network, d)
+      type(train_type), intent(in) :: train
+      type(network_type), intent(in) :: network
+      type(network_rate_type), intent(inout) :: d
+      integer, allocatable :: shaft_ends(:, :)
+
+      call find_ends(train, shaft_ends, d%mesh_ends)
+      allocate (d%inertia, d%torque, d%damping, d%radius, d%mass, d%drag, mold=network%inertia)
+      associate (n => size(network%elements))
+         allocate (d%element_radius(2, n), d%stiffness(n), d%element_damping(n), d%gain(n))
+      end associate
+      d%radius = 0
+      d%gain = 0
+      d%loop = network%loop
+   end subroutine begin
 
    !> Reduced radii, as `build_network` finds them.
    pure subroutine find_radii(network, d)
@@ -128,6 +150,7 @@ contains
       real(dp) :: other
       integer :: i, n
 
+      d%locks = .false.
       do n = 1, size(network%elements)
          associate (element => network%elements(n))
             if (element%grounded) then
@@ -141,9 +164,8 @@ contains
             if (abs(d%gain(n) - other) > 1e-9_dp*maxval(abs(d%radius))) d%locks = .true.
          end associate
       end do
-      d%loop = network%loop
       do i = 1, size(d%loop, 1)
-         d%loop(i, :) = d%loop(i, :)*(d%gain(network%coordinates + i) - d%gain(:network%coordinates))
+         d%loop(i, :) = network%loop(i, :)*(d%gain(network%coordinates + i) - d%gain(:network%coordinates))
       end do
    end subroutine find_gains
 

@@ -43,18 +43,18 @@ contains
       type(train_type), intent(in) :: train, rate
       !> System of the train.
       type(system_type), intent(in) :: system
-      !> The derivatives.
-      type(system_rate_type), intent(out) :: d
+      !> The derivatives; of the same system from call to call.
+      type(system_rate_type), intent(inout) :: d
       type(law_type) :: above(system%meshes), below(system%meshes)
       real(dp) :: step, fastest
       integer :: j
 
       call find_network_rate(train, rate, system%network, d%network)
       if (d%network%locks) return
+      if (.not. allocated(d%damping)) call begin(system, d)
       associate (network => d%network, bc => system%characteristic_length)
          d%damping = (network%element_damping - system%network%elements%damping*network%stiffness/system%stiffness) &
                      *system%characteristic_frequency/system%stiffness
-         allocate (d%law(system%meshes), d%law_changes(system%meshes), d%transmission_error(system%meshes))
          fastest = network%fastest
          do j = 1, system%meshes
             associate (n => system%mesh_element(j))
@@ -74,18 +74,53 @@ contains
                   call below(j)%complete(system%damping(n) - step*d%damping(n))
                   call difference_of_laws(system%law(j), above(j), below(j), 2*step, d%law(j))
                end if
-               d%transmission_error(j) = make_series(mesh%error_cos, mesh%error_sin, 1/bc, train%meshes(j)%order)
+               call put_series(mesh%error_cos, mesh%error_sin, 1/bc, train%meshes(j)%order, d%transmission_error(j))
             end associate
          end do
          call put_torques(train, rate, system, d)
          call put_means(system, above, below, step, d)
          d%paths%known = system%torque_paths%known
-         allocate (d%paths%constant(system%torque_paths%shafts), source=0.0_dp)
-         allocate (d%paths%torque_gain(size(system%torque_paths%torque_gain)), source=0.0_dp)
+         d%paths%constant = 0
+         d%paths%torque_gain = 0
          d%paths%gain = network%element_radius(1, system%torque_paths%element)
          if (any(train%shafts%rigid)) call put_rigid(train, rate, system, step, d)
       end associate
    end subroutine find_system_rate
+
+   !> Makes room.
+   pure subroutine begin(system, d)
+      type(system_type), intent(in) :: system
+      type(system_rate_type), intent(inout) :: d
+      integer :: j
+
+      allocate (d%static_force, d%damping, mold=system%damping)
+      allocate (d%law(system%meshes), d%law_changes(system%meshes), d%transmission_error(system%meshes))
+      allocate (d%torque(size(system%torque)))
+      do j = 1, system%meshes
+         allocate (d%transmission_error(j)%amplitude(0))
+      end do
+      do j = 1, size(d%torque)
+         allocate (d%torque(j)%amplitude(0))
+      end do
+      allocate (d%mean%force, d%mean%displacement, mold=system%mean%force)
+      allocate (d%mean%follow, mold=system%mean%follow)
+      allocate (d%paths%constant(system%torque_paths%shafts))
+      allocate (d%paths%torque_gain, mold=system%torque_paths%torque_gain)
+   end subroutine begin
+
+   !> Series of cos and sin amplitudes; most parameters have none.
+   pure subroutine put_series(cosine, sine, factor, order, series)
+      real(dp), allocatable, intent(in) :: cosine(:), sine(:)
+      real(dp), intent(in) :: factor
+      integer, intent(in) :: order
+      type(series_type), intent(inout) :: series
+      logical :: some
+
+      some = size(series%amplitude) > 0
+      if (allocated(cosine)) some = some .or. any(abs(cosine) > 0)
+      if (allocated(sine)) some = some .or. any(abs(sine) > 0)
+      if (some) series = make_series(cosine, sine, factor, order)
+   end subroutine put_series
 
    !> Largest relative rate of what makes the law of a mesh; kappa is of order 1, a phase likewise.
    pure real(dp) function speed_of(mesh, rate)
@@ -95,8 +130,8 @@ contains
       if (mesh%half_backlash > 0) speed_of = max(speed_of, abs(rate%half_backlash)/mesh%half_backlash)
       if (mesh%back_stiffness > 0) &
          speed_of = max(speed_of, abs(rate%back_stiffness)/mesh%back_stiffness, abs(rate%stiffness)/mesh%stiffness)
-      if (allocated(rate%stiffness_cos)) speed_of = maxval([speed_of, abs(rate%stiffness_cos)])
-      if (allocated(rate%stiffness_sin)) speed_of = maxval([speed_of, abs(rate%stiffness_sin)])
+      if (allocated(rate%stiffness_cos)) speed_of = max(speed_of, maxval(abs(rate%stiffness_cos)))
+      if (allocated(rate%stiffness_sin)) speed_of = max(speed_of, maxval(abs(rate%stiffness_sin)))
    end function speed_of
 
    !> A mesh with the parameter changed, as far as its law goes.
@@ -156,17 +191,16 @@ contains
       type(system_rate_type), intent(inout) :: d
       integer :: j
 
-      allocate (d%torque(size(system%torque)))
       associate (factor => 1/system%characteristic_length)
-         if (.not. allocated(train%bodies)) d%torque(1) = make_series(rate%torque_cos, rate%torque_sin, factor, 1)
+         if (.not. allocated(train%bodies)) call put_series(rate%torque_cos, rate%torque_sin, factor, 1, d%torque(1))
          if (.not. allocated(train%bodies)) return
          do j = 1, size(d%torque)
             associate (body => rate%bodies(system%torque_body(j)))
                if (j <= size(train%bodies)) then
-                  d%torque(j) = make_series(body%torque_cos, body%torque_sin, factor, 1)
+                  call put_series(body%torque_cos, body%torque_sin, factor, 1, d%torque(j))
                else
-                  d%torque(j) = make_series(body%revolution_torque_cos, body%revolution_torque_sin, factor, &
-                                            train%bodies(system%torque_body(j))%revolution_order)
+                  call put_series(body%revolution_torque_cos, body%revolution_torque_sin, factor, &
+                                  train%bodies(system%torque_body(j))%revolution_order, d%torque(j))
                end if
             end associate
          end do
@@ -187,12 +221,9 @@ contains
       integer :: i, j
 
       loops = size(system%network%loop, 1) > count(system%network%elements%grounded) - (system%coordinates - system%displacements)
-      allocate (d%mean%force, d%mean%displacement, mold=system%mean%force)
-      allocate (d%mean%follow, mold=system%mean%follow)
       d%mean%force = 0
       d%mean%displacement = 0
       d%mean%follow = 0
-      allocate (d%static_force(system%elements), source=0.0_dp)
       if (loops .or. any(abs(d%network%torque) > 0) .or. any(abs(d%network%element_radius) > 0)) then
          do i = 1, 2
             network = shifted(system%network, d%network, merge(step, -step, i == 1))
