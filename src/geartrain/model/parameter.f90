@@ -40,7 +40,7 @@ module geartrain_model_parameter
 
    !> A variable of a train.
    type :: entry_type
-      character(16) :: group = ''
+      character(5) :: group = ''
       character(24) :: variable = ''
       !> Number of the group; number of values, -1: no list; place of the first among all numbers.
       integer :: index = 0, values = -1, first = 0
@@ -315,7 +315,7 @@ contains
       if (self%way /= 'take') return
       if (self%rows == size(self%row)) self%row = [self%row, self%row]
       self%rows = self%rows + 1
-      self%row(self%rows) = entry_type(self%group, variable%name, self%index, continuous=continuous)
+      self%row(self%rows) = entry_type(self%group(:5), variable%name, self%index, continuous=continuous)
    end subroutine meet
 
    subroutine on_real(self, variable, value, in_force)
