@@ -5,13 +5,14 @@ from __future__ import annotations
 import contextlib
 import multiprocessing
 import os
+import signal
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, wait
 from typing import Any
 
 from .errors import InputError, SolverError, shown
-from .study_worker import BUSY, OVER, compute_batch, follow_client
+from .study_worker import BUSY, OVER, STOPS, compute_batch, follow_client
 
 __all__ = ["compute_all", "cores", "executor_of"]
 
@@ -82,7 +83,7 @@ def _in_own_pools(folder: str, digest: str, blocks: list[int], workers: int, tel
         ours, line = context.Pipe(duplex=False)
         with (
             _one_thread_each(), ours, line,
-            ProcessPoolExecutor(min(workers, len(blocks)), context, follow_client, (ours,)) as pool,
+            _Pool(min(workers, len(blocks)), context, follow_client, (ours,)) as pool,
         ):
             try:
                 return _on(pool, folder, digest, blocks, tell)
@@ -99,6 +100,18 @@ def _in_own_pools(folder: str, digest: str, blocks: list[int], workers: int, tel
                         f"worker processes die without a result ({error}). A script that runs a study needs the line "
                         'if __name__ == "__main__": before the call; else see the messages of the workers'
                     ) from None
+
+
+class _Pool(ProcessPoolExecutor):
+    """Starts its processes with signals held back until `follow_client` lets them in: Ctrl-C in a terminal goes to the processes
+    that still import too, and each would print where it was."""
+
+    def submit(self, *arguments: Any, **keywords: Any) -> Future[Any]:
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, STOPS)
+        try:
+            return super().submit(*arguments, **keywords)
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextlib.contextmanager

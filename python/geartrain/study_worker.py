@@ -20,12 +20,15 @@ from .errors import DrawingWarning
 from .study_plan import Plan
 from .study_store import DONE, FAILED, SET_ASIDE, Record, Store
 
-__all__ = ["BUSY", "OVER", "STOPPED", "compute_alone", "compute_batch", "follow_client", "record_of"]
+__all__ = ["BUSY", "OVER", "STOPPED", "STOPS", "compute_alone", "compute_batch", "follow_client", "record_of"]
 
 #: What became of a batch: all its points are in the folder; a living process computes it; told to stop before its end.
 OVER, BUSY, STOPPED = "over", "busy", "stopped"
+#: Signals that ask for an end.
+STOPS = (signal.SIGINT, signal.SIGTERM)
 
 _stopping = threading.Event()
+_interrupted = threading.Event()  # within `_stoppable`
 _LONGEST = 10.0  # s after which the points so far are written: so much a kill may lose
 
 
@@ -89,6 +92,8 @@ def record_of(plan: Plan, point: int) -> Record:
     try:
         kept = plan.compute(point)
     except Exception as error:  # noqa: BLE001 (a failed point is a result)
+        if _interrupted.is_set():  # in the midst of a lock, say, which makes another error of it
+            raise KeyboardInterrupt from None
         status, message = FAILED, f"{type(error).__name__}: {error}"
     return Record(plan.key(point), status, message, time.perf_counter() - begun, kept)
 
@@ -138,15 +143,13 @@ def _stoppable() -> Iterator[None]:
         yield
         return
 
-    stopped = False
-
     def stop(*_: Any) -> None:
-        nonlocal stopped
-        if not stopped:
-            stopped = True
+        if not _interrupted.is_set():
+            _interrupted.set()
             raise KeyboardInterrupt
 
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    _interrupted.clear()
+    before = {number: signal.getsignal(number) for number in STOPS}
     try:
         for number in before:
             signal.signal(number, stop)
@@ -159,6 +162,7 @@ def _stoppable() -> Iterator[None]:
 def follow_client(line: Connection) -> None:
     """For processes of our own pool: quiet on Ctrl-C between batches, and ended when the client closes the line or is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, STOPS)
 
     def wait() -> None:
         with contextlib.suppress(OSError):
