@@ -2,9 +2,10 @@
 module geartrain_python_box
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_char, c_null_ptr
    use, intrinsic :: iso_fortran_env, only: int64, real64
-   use geartrain, only: audit_branch, audit_text, audit_type, branch_type, case_text, case_type, error_type, integrate, &
-                        interrupt_by, locate_contact_edges, motion_type, observer_type, period_doubled, refine, refine_branch, &
-                        results_type, solutions_at, status_input, version
+   use geartrain, only: audit_branch, audit_text, audit_type, branch_type, case_text, case_type, error_type, &
+                        frequency_gradient, gradient_type, integrate, interrupt_by, locate_contact_edges, motion_gradient, &
+                        motion_type, observer_type, period_doubled, refine, refine_branch, results_type, solutions_at, &
+                        special_gradient, status_input, version
    use geartrain_analyses_analysis, only: analysis_type
    use geartrain_analyses_audit_fields, only: visit_audit
    use geartrain_analyses_list, only: find_analysis, number_of
@@ -28,7 +29,7 @@ module geartrain_python_box
    implicit none (type, external)
    private
    public :: box_type, watch_type, begin_watch, close_with, box_of, handle_of
-   public :: ask, field_at, get_text, joined, new_field, parted, show, take, work
+   public :: ask, differentiate, field_at, get_text, joined, new_field, parted, show, take, work
 
    !> One call's data; Python knows it by a handle.
    type :: box_type
@@ -39,6 +40,8 @@ module geartrain_python_box
       type(motion_type), allocatable :: motions(:)
       !> The audit of the branch.
       type(audit_type), allocatable :: audit
+      !> What was differentiated last.
+      type(gradient_type) :: gradient
       !> Fields on their way: shown by the box, or put into it.
       type(fields_type) :: fields
       !> Message of the last error.
@@ -150,6 +153,39 @@ contains
       end select
    end subroutine work
 
+   !> Differentiates with respect to parameters, whose names are parted by line feeds: 'frequency', the natural frequencies;
+   !> 'special', Lambda of special point `number` of the box's branch; else a figure of the motion of period `number` at Lambda =
+   !> `frequency` that has the coefficients.
+   subroutine differentiate(box, what, text, number, frequency, coefficients, error)
+      type(box_type), intent(inout) :: box
+      character(*), intent(in) :: what, text
+      integer, intent(in) :: number
+      real(real64), intent(in) :: frequency, coefficients(:, :)
+      type(error_type), allocatable, intent(out) :: error
+      type(motion_type) :: motion
+      character(len(text)), allocatable :: names(:)
+      integer :: at, first
+
+      allocate (names(0))
+      first = 1
+      do while (first <= len(text))
+         at = index(text(first:)//new_line('a'), new_line('a'))
+         names = [character(len(text)) :: names, text(first:first + at - 2)]
+         first = first + at
+      end do
+      select case (what)
+      case ('frequency')
+         call frequency_gradient(box%case%train, names, box%gradient, error)
+      case ('special')
+         call special_gradient(box%case%train, box%case%response, box%results%response, number, names, box%gradient, error)
+      case default
+         motion%period = number
+         motion%frequency_ratio = frequency
+         motion%coefficients = coefficients
+         call motion_gradient(box%case%train, motion, what, names, box%gradient, error)
+      end select
+   end subroutine differentiate
+
    !> The box as a number that Python can hold.
    integer(int64) function handle_of(box) result(handle)
       type(box_type), pointer, intent(in) :: box
@@ -253,6 +289,14 @@ contains
             call visit_motions(box%motions, 'motion', fields)
          case ('audit')
             call visit_audit(box%audit, fields)
+         case ('gradient')
+            if (.not. fields%enter('/gradient', '', .true.)) return
+            n = size(box%gradient%values, 1)
+            call fields%index_axis('item', n, '')
+            n = size(box%gradient%reason)
+            call fields%index_axis('parameter', n, '')
+            call carry(fields, field_type('value', 'parameter item'), box%gradient%values)
+            call carry(fields, field_type('reason', 'parameter'), box%gradient%reason)
          case ('peaks')
             call visit_peaks(branch, '', fields)
          case ('jumps')

@@ -21,9 +21,11 @@ module geartrain
    use geartrain_continuation_contact_edges, only: locate_contact_edges
    use geartrain_continuation_contact_ranges, only: back_collision_ranges, separation_ranges
    use geartrain_continuation_jumps, only: jump_type, jumps
+   use geartrain_continuation_motion_gradient, only: motion_gradient
    use geartrain_continuation_refinement, only: refine_branch
    use geartrain_continuation_response, only: response
    use geartrain_continuation_solutions, only: solutions_at
+   use geartrain_continuation_special_gradient, only: special_gradient
    use geartrain_continuation_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
    use geartrain_continuation_switching, only: period_doubled
    use geartrain_flow_integration_settings, only: integration_settings_type
@@ -37,6 +39,7 @@ module geartrain
    use geartrain_model_check, only: check_train
    use geartrain_model_drawing_warnings, only: warnings_text
    use geartrain_model_explain, only: explain_train, explanation_text, speed_text
+   use geartrain_model_gradient, only: frequency_gradient, gradient_type
    use geartrain_model_mesh, only: mesh_type
    use geartrain_model_modes, only: modes_type, natural_modes
    use geartrain_model_shaft, only: shaft_type

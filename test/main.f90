@@ -39,6 +39,8 @@ program main
    use validation_error_estimate, only: error_estimate_tests
    use validation_excitations, only: excitations_tests
    use validation_figures, only: figures_tests
+   use validation_gradient, only: gradient_tests
+   use validation_gradient_special, only: gradient_special_tests
    use validation_ground, only: ground_tests
    use validation_jumps, only: jumps_tests
    use validation_mesh_law, only: mesh_law_tests
@@ -77,6 +79,8 @@ program main
                    suite_type('validation_shaft_torque', shaft_torque_tests), &
                    suite_type('validation_paper_train', paper_train_tests), &
                    suite_type('validation_network', network_tests), &
+                   suite_type('validation_gradient', gradient_tests), &
+                   suite_type('validation_gradient_special', gradient_special_tests), &
                    suite_type('validation_ground', ground_tests), &
                    suite_type('validation_random_networks', random_networks_tests), &
                    suite_type('validation_hunting', hunting_tests), &

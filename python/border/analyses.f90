@@ -125,6 +125,29 @@ subroutine do_work(handle, what, values, n, progress, status)
    status = close_with(box, error)
 end subroutine do_work
 
+! Derivatives with respect to parameters, see `differentiate` in python/box.f90; `show_fields` has them as 'gradient'. The motion is
+! given by period, Lambda and coefficients.
+subroutine find_gradient(handle, what, names, number, frequency, coefficients, terms, meshes, progress, status)
+   use geartrain, only: error_type
+   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, differentiate, watch_type
+   implicit none
+   integer(8), intent(in) :: handle
+   character(*), intent(in) :: what, names
+   integer, intent(in) :: number, terms, meshes
+   double precision, intent(in) :: frequency, coefficients(terms, meshes)
+   double precision, intent(inout), target :: progress(3)
+   integer, intent(out) :: status
+   type(box_type), pointer :: box
+   type(error_type), allocatable :: error
+   type(watch_type) :: watch
+   !f2py threadsafe
+
+   box => box_of(handle)
+   call begin_watch(watch, box, progress)
+   call differentiate(box, what, names, number, frequency, coefficients, error)
+   status = close_with(box, error)
+end subroutine find_gradient
+
 ! The box's first motion over one of its periods (`periods` 0), or over that many periods of the fundamental; force in N, torque in
 ! N m.
 subroutine sample_waveform(handle, periods, samples, meshes, shafts, progress, time, displacement, velocity, force, torque)

@@ -34,15 +34,16 @@ from __future__ import annotations
 from . import _box
 from .attractors import Attractors
 from .audit import Audit
-from .branch import Branch, SpecialPoint
+from .branch import Branch
 from .campbell import Campbell, Crossing, Order
 from .case import Case, Results, read_case, read_results
-from .errors import DrawingWarning, InputError, Interrupted, SolverError
+from .errors import DrawingWarning, InputError, Interrupted, NotDifferentiableWarning, SolverError
 from .explanation import Explanation
 from .modes import Modes
 from .motion import Motion
 from .run_up import RunUp
 from .space import Space
+from .special_point import SpecialPoint
 from .stability_map import StabilityMap
 from .study import Study, StudyExplanation, read_study
 from .summary import Jump, Peak, Peaks
@@ -67,6 +68,7 @@ __all__ = [
     "Mesh",
     "Modes",
     "Motion",
+    "NotDifferentiableWarning",
     "Order",
     "Peak",
     "Peaks",

@@ -259,6 +259,11 @@ class Box:
         status: int = fortran.do_work(self.handle, what, np.array(values or (0,), float), progress)
         return status
 
+    def gradient(self, what: str, names: str, progress: Array, number: int, frequency: float, coefficients: Array) -> None:
+        """Differentiate with respect to parameters, see ``differentiate`` in box.f90."""
+        place = (self.handle, what, names.encode(), number, frequency)
+        self.check(fortran.find_gradient(*place, np.asfortranarray(coefficients.T, float), progress))
+
 
 @cache
 def described() -> dict[str, Group]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from numbers import Integral, Real
@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from ._box import Box, Group, described
 from ._dataset import dataset
 from ._motion_table import motions_of
-from ._text_table import Rows
 from ._units import Unit, hertz_of, lambda_of, length_unit, speed_of
 from ._watch import watched
 from .audit import Audit
@@ -23,57 +22,17 @@ from .description import Description, mesh_names, shaft_names
 from .errors import InputError, SolverError, shown
 from .motion import Motion
 from .response_plot import Curves
-from .summary import speeds
+from .special_point import SpecialPoint, SpecialPoints
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
-__all__ = ["Branch", "SpecialPoint"]
+__all__ = ["Branch"]
 
 Array = NDArray[np.float64]
 
 #: Fields of a point that follow from others and the train.
 _DERIVED = {"true_ac_rms", "speed", "fundamental_frequency"}
-
-
-@dataclass(frozen=True, eq=False)
-class SpecialPoint:
-    """A place on a branch that a reader looks for.
-
-    Attributes
-    ----------
-    kind : str
-        ``'fold'``, ``'period doubling'``, ``'neimark-sacker'`` or ``'branch point'``.
-    frequency : float
-        Lambda.
-    point : int
-        Index of the branch's point before it.
-    rms : ndarray, (meshes,)
-    undecided : bool
-        Whether it rests on undecided points: on one side of it the next points are all undecided.
-    speed, fundamental_frequency : float or None
-        In rpm, where every mesh has teeth; in Hz.
-    """
-
-    kind: str
-    frequency: float
-    point: int
-    rms: Array
-    undecided: bool = False
-    speed: float | None = None
-    fundamental_frequency: float | None = None
-
-
-class SpecialPoints(Rows[SpecialPoint]):
-    """Special points of a branch: a list of `SpecialPoint` that is printed as a table."""
-
-    def _table(self) -> Mapping[str, Sequence[Any]]:
-        return {
-            "kind": [special.kind for special in self],
-            **speeds(self),
-            f"rms{self.length}": [special.rms for special in self],
-            "undecided": [special.undecided or None for special in self],
-        }
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -413,7 +372,10 @@ class Branch(Curves):
         found: dict[str, Any] = {**dict.fromkeys(_of_points()), **told, **arrays}
         others = {name: found.pop(name) for name in arrays if name not in known}
         settings = _settings_for(settings, found["subharmonic"], (found["coefficients"].shape[-1] - 1) // 2)
-        return cls(**found, special_points=specials, settings=settings, train=train, others=others)
+        branch = cls(**found, special_points=specials, settings=settings, train=train, others=others)
+        for special in specials:
+            object.__setattr__(special, "branch", branch)
+        return branch
 
     @classmethod
     def _all_from(cls, box: Box, train: Description, settings: Mapping[str, Any], first: int = 1) -> list[Branch]:

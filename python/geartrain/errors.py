@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-__all__ = ["DrawingWarning", "InputError", "Interrupted", "SolverError", "shown"]
+__all__ = ["DrawingWarning", "InputError", "Interrupted", "NotDifferentiableWarning", "SolverError", "shown"]
 
 _LONGEST = 80  # characters of a value in a message
 
@@ -15,6 +15,23 @@ class InputError(ValueError):
 
 class DrawingWarning(UserWarning):
     """A formula of the drawing is used outside the range that its source gives, or teeth are cut or meet as no involute."""
+
+
+class NotDifferentiableWarning(UserWarning):
+    """Derivatives that do not exist and are NaN.
+
+    Attributes
+    ----------
+    reasons : dict
+        Why, by the name of the parameter.
+    """
+
+    def __init__(self, reasons: dict[str, str]) -> None:
+        super().__init__("; ".join(f"{name}: no derivative: {reason}" for name, reason in reasons.items()))
+        self.reasons = reasons
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.reasons,)
 
 
 class SolverError(RuntimeError):

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._box import Box, fortran
+from ._gradient import gradient_of
 from ._motion_check import check_motion, check_states
 from ._motion_table import INTEGRATION, motions_dataset, motions_of, put_motions
 from ._units import hertz_of, speed_of
@@ -293,24 +294,74 @@ class Motion(Pictures):
             )
         return refined
 
+    def gradient(self, figure: str, parameters: Sequence[str]) -> Array:
+        """Derivatives of a figure with respect to parameters of the train, at constant speed, by the implicit function theorem.
+
+        The harmonic balance with the harmonics of ``coefficients`` is R(p, Lambda, parameter) = 0, so dp = -(dR/dp)^-1 dR. All
+        parameters take one factorization. In a list of names ``mesh * half_backlash`` means all meshes alike, and
+        ``stiffness_variation`` the largest amplitude of kappa with all others in proportion.
+
+        Parameters
+        ----------
+        figure : str
+            ``'rms'``, ``'mean'``, ``'minimum'``, ``'maximum'``, ``'mesh_force_maximum'``, ``'dynamic_factor'``,
+            ``'shaft_torque_mean'``, ``'shaft_torque_minimum'`` or ``'shaft_torque_maximum'``.
+        parameters : sequence of str
+            Names as in the case: ``'input_torque'``, ``'mesh 2 half_backlash'``, ``'shaft 1 stiffness'``,
+            ``'mesh 1 stiffness_cos 2'`` (a value of a list), ``'body motor inertia'``. Of a number that the drawing gives, such as
+            ``'mesh 1 stiffness'``, the derivative is as if it were given; of one of the drawing, such as ``'mesh 1 face_width'``,
+            through all that follows from it.
+
+        Returns
+        -------
+        ndarray, (meshes, parameters) or (shafts, parameters)
+            In the unit of the figure over that of the parameter; NaN where there is no derivative.
+
+        Raises
+        ------
+        InputError
+            Where a name is unknown, not in force in this train, not continuous, or a unit of the results.
+
+        Warns
+        -----
+        NotDifferentiableWarning
+            With its ``reasons``: at a fold, where a tooth grazes the edge of its gap, where two extremes are equal, where gears
+            of a loop would lock, or at the end of the range of a parameter.
+
+        Examples
+        --------
+        >>> motion = branch.at(0.9)[0]
+        >>> motion.gradient("dynamic_factor", ["mesh 1 damping_ratio", "stiffness_variation"]).round(3)
+        array([[-32.743,   7.676],
+               [ -8.755,   4.72 ]])
+        """
+        box = Box(copy=self._train_of("gradient")._kept)
+        check_motion(self, "gradient", *box.sizes())
+        return gradient_of(box, figure, parameters, self.period, float(self.frequency), self.coefficients)
+
     def to_dataset(self) -> Dataset:
         """The motion as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""
         return motions_dataset(INTEGRATION, [self]).isel(point=0, drop=True)
 
     def _box(self, what: str = "motion") -> Box:
         """A box of the motion; ``what`` is what messages call it."""
+        train = self._train_of(what)
+        try:
+            box = train._ask_at(self.frequency, {})
+        except InputError as error:
+            raise InputError(str(error).replace("&integration", what)) from None
+        put_motions(box, self, what=what)
+        return box
+
+    def _train_of(self, what: str) -> Description:
+        """The train of a motion that has a waveform; ``what`` as in `_box`."""
         if self.train is None:
             raise ValueError("this motion has no train")
         if not isinstance(self.train, Description):
             raise InputError(f"{what}: train = {shown(self.train)}: must be a gt.Train")
         if self.unbounded:
             raise SolverError(f"the motion grows without bound at Lambda = {self.frequency:g}: it has no waveform")
-        try:
-            box = self.train._ask_at(self.frequency, {})
-        except InputError as error:
-            raise InputError(str(error).replace("&integration", what)) from None
-        put_motions(box, self, what=what)
-        return box
+        return self.train
 
 
 def _check_count(name: str, number: Any, least: int) -> None:

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._box import Box
 from ._draw import new_axes
+from ._gradient import gradient_of
 from ._motion_table import motions_of, put_motions
 from ._units import Unit, lambda_of, units_of
 from ._variable import takes
@@ -40,7 +42,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from typing_extensions import Unpack
 
-    from ._box import Box
 
 __all__ = ["Train"]
 
@@ -101,6 +102,22 @@ class Train(Description):
         array([ 1503.4,  2931.6, 10494.4, 10494.9, 25009.1])
         """
         return self.modes().natural_frequency / lambda_of(self, 1.0, unit)
+
+    def frequency_gradient(self, parameters: Sequence[str]) -> NDArray[np.float64]:
+        """Derivatives of the natural frequencies with respect to parameters.
+
+        Parameters
+        ----------
+        parameters : sequence of str
+            As in `Motion.gradient`, whose errors and warnings are these as well.
+
+        Returns
+        -------
+        ndarray, (modes, parameters)
+            x . (dK - omega^2 dM) x/(2 omega) with the mode x of x . M x = 1, over the unit of the parameter; NaN where natural
+            frequencies that are equal part.
+        """
+        return gradient_of(Box(copy=self._kept), "frequency", parameters)
 
     def modes(self) -> Modes:
         """Natural frequencies, damping ratios and mode shapes of the mean system."""

@@ -60,7 +60,7 @@ def same(one, other):
 def same_attributes(one, other):
     if not hasattr(one, "__dict__"):
         return True
-    skipped = {"_kept", "settings", "text", "train", "ended" if isinstance(one, gt.Results) else ""}
+    skipped = {"_kept", "branch", "settings", "text", "train", "ended" if isinstance(one, gt.Results) else ""}
     return all(same(value, vars(other)[name]) for name, value in vars(one).items() if name not in skipped)
 
 

@@ -8,14 +8,13 @@ module geartrain_analyses_stability_grid
    use geartrain_base_fields, only: fields_type, listing, reading
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
-   use geartrain_base_series, only: make_series, series_type
    use geartrain_base_variable, only: row => variable_type, visitor_type
    use geartrain_flow_fields, only: about_frequency, about_mesh
    use geartrain_model_check, only: check_train
    use geartrain_model_drawing, only: plain_train
    use geartrain_model_frequency_unit, only: check_unit, unit_length, visit_unit
    use geartrain_model_limits, only: check_frequency, check_harmonics
-   use geartrain_model_mesh, only: mesh_type
+   use geartrain_model_parameter, only: largest_variation
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -239,19 +238,6 @@ contains
       if (parameter == 'input_torque') unit = 'N m'
       if (parameter == 'half_backlash') unit = 'm'
    end function unit_of
-
-   !> Largest amplitude of any harmonic of kappa of any mesh of a plain train.
-   pure real(dp) function largest_variation(meshes) result(largest)
-      type(mesh_type), intent(in) :: meshes(:)
-      type(series_type) :: kappa
-      integer :: j
-
-      largest = 0
-      do j = 1, size(meshes)
-         kappa = make_series(meshes(j)%stiffness_cos, meshes(j)%stiffness_sin, 1.0_dp, 1)
-         largest = maxval([largest, abs(kappa%amplitude)])
-      end do
-   end function largest_variation
 
    !> Makes the arrays of the rows that are done, and frees these rows one by one.
    subroutine gather(self)

@@ -25,9 +25,9 @@ module geartrain_mesh_law_law
       real(dp), allocatable :: stiffness(:), origin(:), damping(:), impulse(:)
       !> Complex amplitudes of kappa [1], (harmonic, lowest:highest).
       complex(dp), allocatable :: amplitude(:, :)
-      !> Whether kappa of the region changes with time; whether the region has a row in the spectra: it has a stiffness, or the
-      !> force jumps, (lowest:highest).
-      logical, allocatable :: varies(:), acts(:)
+      !> Whether kappa of the region changes with time; whether the region has a stiffness; whether it has a row in the spectra: it
+      !> has a stiffness, or the force jumps, (lowest:highest).
+      logical, allocatable :: varies(:), elastic(:), acts(:)
       !> The force jumps at a wall, because the damping differs between regions.
       logical :: jumps = .false.
    contains
@@ -58,7 +58,8 @@ contains
       self%lowest = lowest
       self%highest = lowest + size(walls)
       associate (first => self%lowest, last => self%highest)
-         allocate (self%wall(first:last - 1), self%varies(first:last), self%acts(first:last))
+         allocate (self%wall(first:last - 1), self%varies(first:last), self%elastic(first:last), &
+                   self%acts(first:last))
          allocate (self%stiffness(first:last), self%origin(first:last), self%damping(first:last), self%impulse(first:last), &
                    source=0.0_dp)
          allocate (self%amplitude(harmonics, first:last), source=(0.0_dp, 0.0_dp))
@@ -85,7 +86,8 @@ contains
       end do
       self%varies(:) = [(any(abs(self%amplitude(:, s)) > 0), s=self%lowest, self%highest)]
       self%jumps = any(abs(self%damping - self%damping(1)) > 0)
-      self%acts(:) = self%stiffness > 0 .or. self%jumps
+      self%elastic(:) = self%stiffness > 0
+      self%acts(:) = self%elastic .or. self%jumps
    end subroutine complete
 
    !> Region of a displacement. On a wall: the region into which the velocity points; without velocity the region nearer to 0.

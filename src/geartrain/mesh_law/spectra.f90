@@ -86,7 +86,7 @@ contains
          spectra%damping(0) = law%damping(first)
          spectra%impulse(0) = law%impulse(first)
       end if
-      if (.not. law%stiffness(first) > 0) return
+      if (.not. law%elastic(first)) return
       spectra%stiffness(0) = law%stiffness(first)
       do h = 1, min(size(law%amplitude, 1), n/stride)
          spectra%stiffness(h*stride) = law%amplitude(h, first)/2
@@ -134,7 +134,7 @@ contains
             spectra%damping(:n) = spectra%damping(:n) + law%damping(s)*chi(:n, s)
             spectra%impulse(:n) = spectra%impulse(:n) + law%impulse(s)*chi(:n, s)
          end if
-         if (.not. law%stiffness(s) > 0) cycle
+         if (.not. law%elastic(s)) cycle
          do k = 0, n
             kappa = law%stiffness(s)*chi(k, s)
             do i = 1, size(law%amplitude, 1)

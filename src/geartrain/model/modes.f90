@@ -13,7 +13,7 @@ module geartrain_model_modes
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: modes_type, natural_modes, natural_frequencies
+   public :: modes_type, natural_modes, natural_frequencies, stiffness_at_rest
 
    type :: modes_type
       !> Undamped natural frequencies over characteristic frequency [1], ascending, without the rigid-body mode, (mode).
@@ -163,6 +163,7 @@ contains
    !> Stiffness of each element at rest over its mean stiffness [1], (element): 1 except on back flanks of another stiffness; 0 of
    !> damping to ground.
    pure function stiffness_at_rest(system) result(stiffness)
+      !> The train.
       type(system_type), intent(in) :: system
       real(dp) :: stiffness(system%elements)
       integer :: j

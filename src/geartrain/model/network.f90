@@ -9,7 +9,7 @@ module geartrain_model_network
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: network_type, element_type, accelerate, build_network, join_rigid, state_count, stiffening
+   public :: network_type, element_type, accelerate, base_radius, build_network, join_rigid, measuring_gear, state_count, stiffening
 
    !> A shaft or a mesh with the displacement p = radius(1) theta_from - radius(2) theta_to; or damping to ground.
    type :: element_type
@@ -177,7 +177,7 @@ contains
       element%shaft = i
       element%from = network%node(ends(1))
       element%to = network%node(ends(2))
-      element%radius = measured_radius(train, network, mesh_ends, [element%from, element%to])
+      element%radius = base_radius(train, measuring_gear(network%node, mesh_ends, [element%from, element%to]))
       associate (shaft => train%shafts(i))
          element%stiffness = shaft%stiffness/element%radius(1)**2
          element%damping = 2*shaft%damping_ratio*sqrt(shaft%stiffness/sum(1/network%inertia([element%from, element%to])))
@@ -217,23 +217,31 @@ contains
 
    end subroutine make_mesh
 
-   !> The radius along which the twist of a shaft is measured [m]: of a driving gear on one of its nodes; else of a driven gear
-   !> there; else of the first mesh.
-   pure real(dp) function measured_radius(train, network, mesh_ends, nodes) result(radius)
-      type(train_type), intent(in) :: train
-      type(network_type), intent(in) :: network
-      !> The two bodies of each mesh, (2, mesh); the two nodes of the shaft.
-      integer, intent(in) :: mesh_ends(:, :), nodes(2)
-      integer :: i
+   !> The gear along whose base radius the twist of a shaft is measured, as mesh and end (1: driving): a driving gear on one of the
+   !> nodes of the shaft; else a driven gear there; else the first driving gear.
+   pure function measuring_gear(node, mesh_ends, nodes) result(gear)
+      !> Node of each body; the two bodies of each mesh, (2, mesh); the two nodes of the shaft.
+      integer, intent(in) :: node(:), mesh_ends(:, :), nodes(2)
+      integer :: gear(2), i, side
 
-      radius = train%meshes(1)%driving_radius
-      do i = size(train%meshes), 1, -1
-         if (any(nodes == network%node(mesh_ends(2, i)))) radius = train%meshes(i)%driven_radius
+      gear = 1
+      do side = 2, 1, -1
+         do i = size(mesh_ends, 2), 1, -1
+            if (any(nodes == node(mesh_ends(side, i)))) gear = [i, side]
+         end do
       end do
-      do i = size(train%meshes), 1, -1
-         if (any(nodes == network%node(mesh_ends(1, i)))) radius = train%meshes(i)%driving_radius
-      end do
-   end function measured_radius
+   end function measuring_gear
+
+   !> Base radius [m] of a gear that `measuring_gear` gives.
+   pure real(dp) function base_radius(train, gear)
+      !> A plain train.
+      type(train_type), intent(in) :: train
+      !> Mesh and end.
+      integer, intent(in) :: gear(2)
+
+      base_radius = train%meshes(gear(1))%driving_radius
+      if (gear(2) == 2) base_radius = train%meshes(gear(1))%driven_radius
+   end function base_radius
 
    !> Chooses the elements of a tree: linear elements first, in order of falling stiffness.
    pure function in_tree(given, nodes) result(chosen)

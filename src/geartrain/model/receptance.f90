@@ -8,7 +8,7 @@ module geartrain_model_receptance
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: receptance_type, amplitude_at, find_receptance, linear_displacements
+   public :: receptance_type, amplitude_at, find_receptance, find_sources, linear_displacements
 
    type :: receptance_type
       !> H [1] and dH/dLambda [1], (entry of the graph of the unknowns); excitation a [1] and da/dLambda [1], (unknown).
@@ -132,9 +132,13 @@ contains
 
    !> Forces of the sources in part p on its masses over b_c [N/m], and their derivatives with respect to omega, (mass).
    pure subroutine find_sources(system, p, omega, harmonic, eta, force, d_force)
+      !> The train.
       type(system_type), intent(in) :: system
+      !> Number of the part; harmonic >= 1 of Lambda/eta; sub-harmonic index.
       integer, intent(in) :: p, harmonic, eta
+      !> Frequency of the harmonic [rad/s].
       real(dp), intent(in) :: omega
+      !> Forces and derivatives, see above.
       complex(dp), intent(out) :: force(:), d_force(:)
       complex(dp) :: amplitude
       real(dp) :: push(2)

@@ -1,0 +1,99 @@
+"""Special points of a branch: folds and bifurcations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._gradient import gradient_of
+from ._text_table import Rows
+from .summary import speeds
+
+__all__ = ["SpecialPoint", "SpecialPoints"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class SpecialPoint:
+    """A place on a branch that a reader looks for.
+
+    Attributes
+    ----------
+    kind : str
+        ``'fold'``, ``'period doubling'``, ``'neimark-sacker'`` or ``'branch point'``.
+    frequency : float
+        Lambda.
+    point : int
+        Index of the branch's point before it.
+    rms : ndarray, (meshes,)
+    undecided : bool
+        Whether it rests on undecided points: on one side of it the next points are all undecided.
+    speed, fundamental_frequency : float or None
+        In rpm, where every mesh has teeth; in Hz.
+    branch : Branch or None
+        The one that it was found on.
+    """
+
+    kind: str
+    frequency: float
+    point: int
+    rms: Array
+    undecided: bool = False
+    speed: float | None = None
+    fundamental_frequency: float | None = None
+    branch: Any = field(default=None, repr=False)
+
+    def gradient(self, parameters: Sequence[str]) -> Array:
+        """Derivatives of Lambda of a fold or a period doubling with respect to parameters of the train.
+
+        They are those of the harmonic balance: of its fold, R = 0 and dR/dp singular, or of its own period doubling, which with
+        few harmonics is not quite where the multipliers have it.
+
+        Parameters
+        ----------
+        parameters : sequence of str
+            Names as in `Motion.gradient`.
+
+        Returns
+        -------
+        ndarray, (parameters,)
+            Over the unit of the parameter; NaN where there is no derivative.
+
+        Raises
+        ------
+        InputError
+        SolverError
+            Of any other kind of special point.
+
+        Warns
+        -----
+        NotDifferentiableWarning
+
+        Examples
+        --------
+        >>> fold = branch.special_points[0]
+        >>> fold.kind, fold.gradient(["mesh 1 damping_ratio", "stiffness_variation"]).round(4)
+        ('fold', array([ 0.0067, -0.1799]))
+        """
+        if self.branch is None:
+            raise ValueError("this special point has no branch")
+        place = next(place for place, own in enumerate(self.branch.special_points, 1) if own is self)
+        found: Array = gradient_of(self.branch._box(), "special", parameters, place)[0]
+        return found
+
+
+class SpecialPoints(Rows[SpecialPoint]):
+    """Special points of a branch: a list of `SpecialPoint` that is printed as a table."""
+
+    def _table(self) -> Mapping[str, Sequence[Any]]:
+        return {
+            "kind": [special.kind for special in self],
+            **speeds(self),
+            f"rms{self.length}": [special.rms for special in self],
+            "undecided": [special.undecided or None for special in self],
+        }

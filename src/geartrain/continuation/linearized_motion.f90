@@ -1,0 +1,142 @@
+!> A motion as a solution of the balance with its own harmonics, and dS/du there, bordered and factored.
+module geartrain_continuation_linearized_motion
+   use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_balance_needed_harmonics, only: needed_harmonics
+   use geartrain_base_kinds, only: dp
+   use geartrain_continuation_corrector, only: corrector_type, solution_point_type
+   use geartrain_continuation_units, only: units_of
+   use geartrain_linalg_fftw, only: transform_type
+   use geartrain_linalg_trigonometric, only: evaluate, fine_samples, next_maximum, sample
+   use geartrain_model_system, only: system_type
+   implicit none (type, external)
+   private
+   public :: add_tangent, factor, grazes, prepare, solution_on
+
+   !> Carried harmonics up to which the matrix is eliminated as a whole.
+   integer, parameter :: most_explicit = 128
+   !> Distance of an extreme from a wall, relative to the amplitude, below which the motion grazes.
+   real(dp), parameter :: at_wall = 1e-7_dp
+
+contains
+
+   !> Plans the balance with the harmonics of a motion.
+   subroutine prepare(corrector, system, motion)
+      !> Gets the balance.
+      type(corrector_type), intent(inout) :: corrector
+      !> The train.
+      type(system_type), intent(in) :: system
+      !> A periodic motion with its coefficients.
+      type(motion_type), intent(in) :: motion
+      integer, allocatable :: carried(:)
+      integer :: k, highest
+
+      highest = max(1, (size(motion%coefficients, 1) - 1)/2)
+      carried = pack([(k, k=1, highest)], [(any(abs(motion%coefficients(2*k:2*k + 1, :)) > 0), k=1, highest)])
+      corrector%units = units_of(system)
+      ! Of many harmonics only those that the motion has: the rest of a set is not carried.
+      if (size(carried) > 0 .and. motion%period == 1 .and. size(needed_harmonics(system, highest)) > most_explicit) then
+         call corrector%balance%setup(system, highest, motion%period, 0, carried)
+      else
+         call corrector%balance%setup(system, highest, motion%period, 0)
+      end if
+      call corrector%setup()
+   end subroutine prepare
+
+   !> A motion as a guess of a solution on the harmonics of a balance.
+   function solution_on(balance, motion) result(solution)
+      !> The balance.
+      type(balance_type), intent(in) :: balance
+      !> A periodic motion with its coefficients.
+      type(motion_type), intent(in) :: motion
+      type(solution_point_type) :: solution
+      integer :: k
+
+      allocate (solution%u(balance%block, balance%unknowns), source=0.0_dp)
+      solution%frequency_ratio = motion%frequency_ratio
+      solution%u(1, :) = motion%coefficients(1, balance%mesh)
+      do k = 1, size(balance%harmonic)
+         associate (r => balance%harmonic(k))
+            if (2*r < size(motion%coefficients, 1)) solution%u(2*k:2*k + 1, :) = motion%coefficients(2*r:2*r + 1, balance%mesh)
+         end associate
+      end do
+   end function solution_on
+
+   !> Evaluates the balance and factors dS/du, bordered.
+   subroutine factor(corrector, solution, row, corner, regular, column)
+      !> After `prepare`.
+      type(corrector_type), intent(inout) :: corrector
+      !> Where.
+      type(solution_point_type), intent(in) :: solution
+      !> The border: row, (block, unknown), and corner.
+      real(dp), intent(in) :: row(:, :), corner
+      !> The matrix is not singular.
+      logical, intent(out) :: regular
+      !> Border column in place of dS/dLambda, (block, unknown).
+      real(dp), intent(in), optional :: column(:, :)
+
+      associate (balance => corrector%balance, matrix => corrector%matrix)
+         call balance%evaluate(solution%u, solution%frequency_ratio)
+         if (size(balance%harmonic) <= most_explicit) call balance%make_explicit(size(balance%harmonic))
+         call matrix%linearize(balance)
+         if (present(column)) matrix%column = column
+         matrix%row = row
+         matrix%corner = corner
+         call matrix%factor(balance, regular)
+      end associate
+   end subroutine factor
+
+   !> Adds (d phi/du) x.
+   subroutine add_tangent(balance, x, force)
+      !> The balance, evaluated at the motion.
+      type(balance_type), intent(inout) :: balance
+      !> Change of the coefficients [1], (block, unknown).
+      real(dp), intent(in) :: x(:, :)
+      !> Is added to, (block, unknown).
+      real(dp), intent(inout) :: force(:, :)
+      real(dp) :: f(balance%block)
+      integer :: i
+
+      do i = 1, balance%unknowns
+         if (balance%is_direct()) then
+            f = matmul(balance%tangent(:, :, i), x(:, i))
+         else
+            call balance%tangent_product(i, x(:, i), f)
+         end if
+         force(:, i) = force(:, i) + f
+      end do
+   end subroutine add_tangent
+
+   !> Whether an extreme of a displacement lies on a wall.
+   logical function grazes(balance, u)
+      !> The balance, evaluated at the motion.
+      type(balance_type), intent(in) :: balance
+      !> Coefficients [1], (block, unknown).
+      real(dp), intent(in) :: u(:, :)
+      type(transform_type) :: transform
+      real(dp) :: theta, p, slope, curvature, range
+      integer :: i, q, side, step
+
+      grazes = .false.
+      do i = 1, balance%unknowns
+         range = norm2(u(2:, i))
+         if (balance%contact(i)%clearance() > 0.1_dp*range) cycle
+         call transform%plan(fine_samples(maxval([1, balance%harmonic])))
+         call sample(u(:, i), balance%harmonic, transform)
+         do side = -1, 1, 2
+            q = 0
+            do
+               call next_maximum(transform%sample, side, -huge(1.0_dp), q, theta)
+               if (q == 0) exit
+               do step = 1, 8
+                  call evaluate(u(:, i), balance%harmonic, theta, p, slope, curvature)
+                  if (.not. abs(curvature) > 0) exit
+                  theta = theta - max(-0.1_dp, min(0.1_dp, slope/curvature))
+               end do
+               grazes = grazes .or. any(abs(p - balance%contact(i)%law%wall) < at_wall*range)
+            end do
+         end do
+      end do
+   end function grazes
+
+end module geartrain_continuation_linearized_motion

@@ -1,0 +1,162 @@
+!> Derivatives of figures of a motion with respect to parameters of the train, by the implicit function theorem: the residual
+!> S(u, Lambda, parameter) is 0, so du = -(dS/du)^-1 dS. One factorization serves all parameters.
+module geartrain_continuation_motion_gradient
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+   use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_balance_rate, only: balance_rate_type
+   use geartrain_balance_figure_rates, only: figure_names, figures_type
+   use geartrain_balance_force_rates, only: force_rates
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_base_error, only: error_type, fatal
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_nearest, only: nearest_name
+   use geartrain_base_series, only: series_type
+   use geartrain_continuation_corrector, only: corrector_type, solution_point_type
+   use geartrain_continuation_linearized_motion, only: add_tangent, factor, grazes, prepare, solution_on
+   use geartrain_model_gradient, only: begin_gradient, gradient_type, parameters_type, reason_length
+   use geartrain_model_system_rate, only: system_rate_type
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: motion_gradient
+
+   !> Part of Lambda in the unit tangent below which a motion is at a fold; relative Newton step at which a motion counts as a
+   !> solution.
+   real(dp), parameter :: at_fold = 1e-5_dp, solved = 1e-10_dp
+
+contains
+
+   !> Finds the derivatives of a figure of a motion at constant speed, those of the balance with the harmonics of the motion.
+   subroutine motion_gradient(train, motion, figure, names, gradient, error)
+      !> The train.
+      type(train_type), intent(in) :: train
+      !> A periodic motion with its coefficients.
+      type(motion_type), intent(in) :: motion
+      !> Name of the figure, one of `figure_names`.
+      character(*), intent(in) :: figure
+      !> Names of the parameters, (parameter).
+      character(*), intent(in) :: names(:)
+      !> The derivatives, (mesh or shaft, parameter).
+      type(gradient_type), intent(out) :: gradient
+      type(error_type), allocatable, intent(out) :: error
+      type(parameters_type) :: given
+      type(corrector_type) :: corrector
+      type(solution_point_type) :: solution
+      type(balance_rate_type) :: parts
+      type(figures_type) :: figures
+      type(system_rate_type) :: rate
+      character(reason_length) :: reason
+      real(dp), allocatable :: s(:, :), force(:, :)
+      real(dp) :: y
+      integer :: i, n
+
+      call given%setup(train, names, error)
+      if (.not. any(figure_names == figure)) then
+         i = nearest_name(figure, figure_names)
+         if (i > 0) call fatal(error, 'gradient: figure "'//figure//'": unknown (did you mean "'//trim(figure_names(i))//'"?)')
+         if (i == 0) call fatal(error, 'gradient: figure "'//figure//'": there are no derivatives but of rms, mean, minimum, '// &
+                                'maximum, mesh_force_maximum, dynamic_factor and shaft_torque_mean, _minimum and _maximum')
+      end if
+      if (motion%period < 1 .or. .not. allocated(motion%coefficients)) &
+         call fatal(error, 'gradient: the motion has no period or no coefficients')
+      if (.not. motion%frequency_ratio > 0) call fatal(error, 'gradient: the frequency of the motion must be > 0')
+      if (allocated(error)) return
+      n = given%system%meshes
+      if (index(figure, 'shaft') == 1) n = size(train%shafts)
+      call begin_gradient(gradient, n, size(names))
+      call prepare(corrector, given%system, motion)
+      solution = solution_on(corrector%balance, motion)
+      call settle(corrector, solution, reason)
+      gradient%reason = reason
+      if (reason /= '') return
+      allocate (s, force, mold=solution%u)
+      associate (balance => corrector%balance)
+         call parts%setup(balance, balance%force, excited=.true.)
+         call figures%setup(balance, solution%u, figure)
+         do n = 1, size(names)
+            if (given%system%interrupt%raised()) return
+            call given%rate_of(n, rate, gradient%reason(n))
+            if (gradient%reason(n) /= '') cycle
+            if (excites_others(rate, balance)) &
+               gradient%reason(n) = 'it is 0, and its order is not among the harmonics of the motion'
+            if (gradient%reason(n) /= '') cycle
+            call force_rates(balance, rate, solution%u, force)
+            call parts%residual(balance, rate, solution%u, force, s)
+            s = -s
+            y = 0
+            call corrector%matrix%solve(balance, s, y)
+            call add_tangent(balance, s, force)
+            call figures%rates(balance, parts, rate, s, force, gradient%values(:, n))
+            do i = 1, size(gradient%values, 1)
+               if (ieee_is_nan(gradient%values(i, n)) .and. figures%is_told(balance, i)) &
+                  gradient%reason(n) = 'two extremes are equal, and their derivatives are not'
+            end do
+         end do
+      end associate
+   end subroutine motion_gradient
+
+   !> Solves the balance at a motion, and factors dS/du there.
+   subroutine settle(corrector, solution, reason)
+      type(corrector_type), intent(inout) :: corrector
+      type(solution_point_type), intent(inout) :: solution
+      !> Why there are no derivatives; blank where there are.
+      character(*), intent(out) :: reason
+      real(dp), dimension(corrector%balance%block, corrector%balance%unknowns) :: row, s
+      real(dp) :: y
+      logical :: success
+
+      reason = 'the balance has no solution at the motion, or not one alone: at a fold, or where the mean is free'
+      row = 0
+      call factor(corrector, solution, row, 1.0_dp, success)
+      if (.not. success) return
+      s = -corrector%balance%residual
+      y = 0
+      call corrector%matrix%solve(corrector%balance, s, y)
+      ! A point of a branch is solved to better than this.
+      if (.not. corrector%length_of(s) < solved*corrector%length_of(solution%u)) then
+         call corrector%solve_at(solution, success)
+         if (success) call factor(corrector, solution, row, 1.0_dp, success)
+         if (.not. success) return
+      end if
+      s = 0
+      y = 1
+      call corrector%matrix%solve(corrector%balance, s, y)
+      reason = ''
+      if (1/corrector%length_of(s, y) < at_fold) reason = 'the motion is at a fold'
+      if (grazes(corrector%balance, solution%u)) reason = 'the motion grazes the edge of a gap'
+   end subroutine settle
+
+   !> Whether a parameter that is 0 excites harmonics that the balance could carry and does not.
+   pure logical function excites_others(rate, balance)
+      type(system_rate_type), intent(in) :: rate
+      type(balance_type), intent(in) :: balance
+      integer :: j
+
+      excites_others = .false.
+      do j = 1, size(rate%torque)
+         call look(rate%torque(j), balance%system%torque(j))
+      end do
+      do j = 1, balance%system%meshes
+         call look(rate%transmission_error(j), balance%system%transmission_error(j))
+         if (rate%law_changes(j)) call look(rate%law(j)%variation(), balance%system%law(j)%variation())
+      end do
+
+   contains
+
+      pure subroutine look(series, known)
+         type(series_type), intent(in) :: series, known
+         integer :: h, r
+
+         do h = 1, size(series%amplitude)
+            r = h*series%order*balance%eta
+            if (.not. abs(series%amplitude(h)) > 0 .or. r > balance%highest) cycle
+            if (h <= size(known%amplitude)) then
+               if (abs(known%amplitude(h)) > 0) cycle
+            end if
+            if (.not. any(balance%harmonic == r)) excites_others = .true.
+         end do
+      end subroutine look
+
+   end function excites_others
+
+end module geartrain_continuation_motion_gradient

@@ -1,0 +1,174 @@
+!> Derivatives with respect to parameters of a train: of its system, which all others follow from, and of its natural frequencies.
+module geartrain_model_gradient
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
+   use geartrain_base_error, only: error_type, fatal, status_ended_early
+   use geartrain_base_kinds, only: dp
+   use geartrain_model_check, only: check_train
+   use geartrain_model_drawing, only: plain_train, reduce_light_loads
+   use geartrain_model_mode_rates, only: mode_shapes_type
+   use geartrain_model_parameter, only: add_to_parameter, find_parameter, parameter_type, table_type
+   use geartrain_model_system, only: build_system, system_type
+   use geartrain_model_system_rate, only: find_system_rate, system_rate_type
+   use geartrain_model_train, only: train_type
+   use geartrain_model_train_rate, only: find_train_rate
+   implicit none (type, external)
+   private
+   public :: gradient_type, parameters_type, begin_gradient, frequency_gradient, reason_length
+
+   integer, parameter :: reason_length = 120
+   !> Variables that make a train of another kind where they are 0.
+   character(*), parameter :: structural = ' half_backlash backlash damping_to_ground damping damping_ratio stiffness_cos &
+      &stiffness_sin '
+
+   type :: gradient_type
+      !> Derivatives [unit of the figure/unit of the parameter], (mesh, shaft or mode, parameter); NaN where there is none.
+      real(dp), allocatable :: values(:, :)
+      !> Why there is none, blank where there is one, (parameter).
+      character(reason_length), allocatable :: reason(:)
+      !> Lambda of the special point as the balance has it [1].
+      real(dp) :: frequency_ratio = 0
+   end type gradient_type
+
+   !> A train and parameters of it.
+   type :: parameters_type
+      !> The train; its plain train; the plain train with 0 for all numbers; derivatives of its numbers.
+      type(train_type) :: train
+      type(train_type), private :: plain, zero, rate
+      type(system_type) :: system
+      type(parameter_type), allocatable :: parameter(:)
+   contains
+      procedure :: setup
+      procedure :: rate_of
+   end type parameters_type
+
+contains
+
+   !> Finds the derivatives of the natural frequencies over characteristic frequency.
+   subroutine frequency_gradient(train, names, gradient, error)
+      !> The train.
+      type(train_type), intent(in) :: train
+      !> Names of the parameters, (parameter).
+      character(*), intent(in) :: names(:)
+      !> The derivatives, (mode, parameter).
+      type(gradient_type), intent(out) :: gradient
+      type(error_type), allocatable, intent(out) :: error
+      type(parameters_type) :: given
+      type(mode_shapes_type) :: shapes
+      type(system_rate_type) :: rate
+      integer :: info, n
+
+      call given%setup(train, names, error)
+      if (allocated(error)) return
+      call begin_gradient(gradient, given%system%displacements, size(names))
+      call shapes%setup(given%system, info)
+      if (info /= 0) call fatal(error, 'gradient: LAPACK did not converge', status_ended_early)
+      if (info /= 0) return
+      do n = 1, size(names)
+         call given%rate_of(n, rate, gradient%reason(n))
+         if (gradient%reason(n) /= '') cycle
+         call shapes%rates(given%system, rate, gradient%values(:, n))
+         if (any(ieee_is_nan(gradient%values(:, n)))) &
+            gradient%reason(n) = 'natural frequencies that are equal and part'
+      end do
+   end subroutine frequency_gradient
+
+   !> All derivatives NaN, no reasons.
+   subroutine begin_gradient(gradient, items, parameters)
+      !> Gets its size.
+      type(gradient_type), intent(inout) :: gradient
+      !> Number of meshes, shafts or modes; number of parameters.
+      integer, intent(in) :: items, parameters
+      real(dp) :: none
+
+      none = ieee_value(none, ieee_quiet_nan)
+      allocate (gradient%values(items, parameters), source=none)
+      allocate (gradient%reason(parameters))
+      gradient%reason = ''
+   end subroutine begin_gradient
+
+   !> Finds the parameters and the system.
+   subroutine setup(self, train, names, error)
+      class(parameters_type), intent(inout) :: self
+      !> The train.
+      type(train_type), intent(in) :: train
+      !> Names of the parameters, (parameter).
+      character(*), intent(in) :: names(:)
+      type(error_type), allocatable, intent(out) :: error
+      type(table_type) :: given, derived
+      integer :: n
+
+      call check_train(train, error)
+      if (allocated(error)) return
+      self%train = train
+      call plain_train(train, self%plain)
+      call given%take(self%train)
+      call derived%take(self%plain)
+      allocate (self%parameter(size(names)))
+      do n = 1, size(names)
+         call find_parameter(self%train, self%plain, given, derived, names(n), self%parameter(n), error)
+      end do
+      if (allocated(error)) return
+      call reduce_light_loads(self%plain)
+      self%zero = self%plain
+      derived%number = 0
+      call derived%give(self%zero)
+      self%rate = self%zero
+      call build_system(train, self%system)
+   end subroutine setup
+
+   !> Derivatives of the system with respect to a parameter.
+   subroutine rate_of(self, n, rate, reason)
+      class(parameters_type), intent(inout) :: self
+      !> Number of the parameter.
+      integer, intent(in) :: n
+      !> The derivatives, where there are any; of the same system from call to call.
+      type(system_rate_type), intent(inout) :: rate
+      !> Why there are none; blank where there are.
+      character(*), intent(out) :: reason
+      logical :: differentiable
+
+      reason = ''
+      associate (parameter => self%parameter(n))
+         if (.not. abs(parameter%value) > 0 .and. index(structural, ' '//trim(parameter%variable)//' ') > 0) then
+            if (changes_kind(self%train, parameter, self%system)) then
+               reason = 'it is 0, and with another value the train is of another kind'
+               return
+            end if
+         end if
+         call find_train_rate(self%train, self%plain, parameter, self%rate, differentiable)
+         if (differentiable) then
+            call find_system_rate(self%plain, self%rate, self%system, rate)
+            if (rate%network%locks) reason = 'the gears of a loop would lock'
+         else
+            reason = 'it is at the end of its range'
+         end if
+         ! A copy of the whole would cost as much as the derivatives.
+         if (parameter%direct .and. parameter%group == 'shaft' .and. parameter%index > 0) then
+            self%rate%shafts(parameter%index) = self%zero%shafts(parameter%index)
+         else if (parameter%direct .and. parameter%group == 'mesh' .and. parameter%index > 0) then
+            self%rate%meshes(parameter%index) = self%zero%meshes(parameter%index)
+         else
+            self%rate = self%zero
+         end if
+      end associate
+   end subroutine rate_of
+
+   !> Whether a train has other unknowns, elements or laws where a parameter is not 0.
+   logical function changes_kind(train, parameter, system)
+      type(train_type), intent(in) :: train
+      type(parameter_type), intent(in) :: parameter
+      type(system_type), intent(in) :: system
+      type(train_type) :: changed
+      type(system_type) :: other
+      integer :: j
+
+      changed = train
+      call add_to_parameter(changed, parameter, 1e-6_dp)
+      call build_system(changed, other)
+      changes_kind = system%cut%unknowns /= other%cut%unknowns .or. system%elements /= other%elements
+      if (changes_kind) return
+      changes_kind = any([(size(system%law(j)%wall) /= size(other%law(j)%wall) .or. &
+                           (system%law(j)%jumps .neqv. other%law(j)%jumps), j=1, system%meshes)])
+   end function changes_kind
+
+end module geartrain_model_gradient

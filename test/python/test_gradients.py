@@ -1,0 +1,101 @@
+"""Derivatives with respect to parameters: shapes, differences of responses, and what is refused or has none."""
+
+import pickle
+import warnings
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import paper_train, reducer, single_pair
+
+import geartrain as gt
+
+NAMES = ["input_torque", "mesh 1 stiffness_cos 1", "mesh * half_backlash", "shaft 2 stiffness"]
+
+
+def test_shapes(branch):
+    motion = branch.at(0.9)[0]
+    for figure in ("rms", "mean", "minimum", "maximum", "mesh_force_maximum", "dynamic_factor"):
+        assert motion.gradient(figure, NAMES).shape == (2, 4)
+    assert motion.gradient("shaft_torque_maximum", NAMES).shape == (3, 4)
+    assert motion.gradient("rms", []).shape == (2, 0)
+    assert branch.special_points[0].gradient(NAMES).shape == (4,)
+    assert motion.train.frequency_gradient(NAMES).shape == (5, 4)
+
+
+def test_scales(branch):
+    """Torque and gap together scale a motion; so do all stiffnesses and inertias, at frequencies that stay."""
+    motion = branch.at(0.6)[2]
+    torque, gap = motion.gradient("rms", ["input_torque", "mesh * half_backlash"]).T
+    np.testing.assert_allclose(150 * torque + 30e-6 * gap, motion.rms, rtol=1e-9)
+    frequency = motion.train.natural_frequencies()
+    stiffness = motion.train.frequency_gradient(["mesh * stiffness"]) * 1.0
+    assert (stiffness >= 0).all() and stiffness.shape == (len(frequency), 1)
+
+
+@pytest.mark.parametrize("figure", ["rms", "mean", "maximum", "shaft_torque_maximum"])
+def test_differences_of_responses(branch, figure):
+    motion = branch.at(0.9)[0]
+    step = 5e-5
+
+    def at(damping):
+        train = paper_train()
+        train = replace(train, meshes=[replace(train.meshes[0], damping_ratio=damping), train.meshes[1]])
+        found = train.response(start=0.9, stop=0.91, harmonics=6, seed=motion, stability=False).at(0.9)
+        return getattr(found[0], figure)
+
+    expected = (at(0.05 + step) - at(0.05 - step)) / (2 * step)
+    np.testing.assert_allclose(motion.gradient(figure, ["mesh 1 damping_ratio"])[:, 0], expected, rtol=1e-4)
+
+
+def test_drawing():
+    train = reducer()
+    names = ["mesh 1 face_width", "mesh 1 stiffness", "shaft 1 diameter 1", "body wheel 1 inertia"]
+    drawn = train.frequency_gradient(names)
+    changed = replace(train, meshes=[replace(train.meshes[0], face_width=0.04004), train.meshes[1]])
+    expected = (changed.natural_frequencies() - train.natural_frequencies()) / 0.00004
+    np.testing.assert_allclose(drawn[:, 0], expected, rtol=2e-2, atol=1e-6 * np.abs(drawn[:, 0]).max())
+    assert (drawn[:, [1, 2]] >= -1e-12).all() and (drawn[:, 3] <= 1e-9).all()
+
+
+def test_a_saved_branch_keeps_them(branch):
+    again = pickle.loads(pickle.dumps(branch))
+    np.testing.assert_array_equal(again.special_points[3].gradient(NAMES), branch.special_points[3].gradient(NAMES))
+
+
+@pytest.mark.parametrize(("parameters", "words"), [
+    (["mesh 1 stifness"], 'did you mean "stiffness"'), (["mesh 3 stiffness"], "1 to 2"), (["mesh 1 order"], "no continuous"),
+    (["characteristic_length"], "unit"), (["mesh 1 stiffness_cos"], "a list"), ("input_torque", "list of names"), ([1], "list"),
+    (["body 1 inertia"], "must begin with"), (["shaft 1 damping"], "not in force"),
+])
+def test_refused(branch, parameters, words):
+    for call in (lambda names: branch.at(0.9)[0].gradient("rms", names), branch.special_points[0].gradient,
+                 branch.train.frequency_gradient):
+        with pytest.raises(gt.InputError, match=words):
+            call(parameters)
+    for figure, told in (("rmss", "did you mean"), ("separation_fraction", "no derivatives but of rms")):
+        with pytest.raises(gt.InputError, match=told):
+            branch.at(0.9)[0].gradient(figure, NAMES)
+
+
+def test_a_motion_made_by_hand_is_checked(branch):
+    motion = branch.at(0.9)[0]
+    for changed in ({"frequency": 0.0}, {"frequency": np.nan}, {"coefficients": motion.coefficients[:1]}, {"period": 0}):
+        with pytest.raises(gt.InputError):
+            replace(motion, **changed).gradient("rms", NAMES)
+
+
+def test_no_derivative(branch):
+    fold = next(special for special in branch.special_points if special.kind == "fold")
+    nearest = min(branch.at(fold.frequency), key=lambda motion: abs(motion.rms - fold.rms).max())
+    with pytest.warns(gt.NotDifferentiableWarning, match="fold") as told:
+        assert np.isnan(nearest.gradient("rms", NAMES)).all()
+    assert set(told[0].message.reasons) == set(NAMES)
+    at_edges = [motion for edge in np.ravel(branch.separation_ranges(2)) for motion in branch.at(edge)]
+    grazing = min(at_edges, key=lambda motion: abs(motion.minimum[1] - 1))
+    with pytest.warns(gt.NotDifferentiableWarning, match="grazes"):
+        assert np.isnan(grazing.gradient("rms", NAMES)).all()
+    pair = single_pair(0.4, stiffness_cos=[0.3])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        np.testing.assert_allclose(pair.frequency_gradient(["mesh 1 stiffness"]), 0.5, rtol=1e-12)

@@ -1,0 +1,302 @@
+!> Derivatives of the figures of motions by the implicit function theorem beside differences of whole solutions.
+module validation_gradient
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+   use fixtures, only: long_train, paper_train, random_train, settings_of
+   use geartrain, only: branch_type, dp, error_type, gradient_type, motion_gradient, motion_type, response, &
+      response_settings_type, shaft_type, train_type
+   use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_figure_rates, only: figure_names
+   use geartrain_base_kinds, only: pi
+   use geartrain_base_numbers, only: integer_text
+   use geartrain_continuation_branch, only: dense_coefficients
+   use geartrain_continuation_corrector, only: solution_point_type
+   use geartrain_continuation_points, only: motion_of
+   use geartrain_continuation_start, only: begin_trace, solution_of
+   use geartrain_continuation_tracer, only: tracer_type
+   use geartrain_linalg_trigonometric, only: evaluate
+   use geartrain_model_parameter, only: parameter_type
+   use networks, only: draw_laws, random_network
+   use parameters_of_trains, only: all_parameters, change, name_length, parameter_of
+   use testing, only: tests_type
+   implicit none (type, external)
+   private
+   public :: gradient_tests
+
+contains
+
+   subroutine gradient_tests(tests)
+      class(tests_type), intent(inout) :: tests
+
+      if (tests%runs('figure_3')) call figure_3(tests)
+      if (tests%runs('random_chains')) call random_chains(tests)
+      if (tests%runs('random_networks')) call random_networks(tests)
+      if (tests%runs('hunting')) call hunting(tests)
+      if (tests%runs('drawing')) call drawing(tests)
+   end subroutine gradient_tests
+
+   !> Orders 3 and 7 with a torque of order 1; a motion of period 2.
+   subroutine hunting(tests)
+      class(tests_type), intent(inout) :: tests
+      type(train_type) :: train
+
+      train = paper_train()
+      train%meshes%order = [3, 7]
+      call compare(tests, 'orders 3 and 7', train, settings_of(0.2_dp, 0.21_dp, 28))
+      train = paper_train()
+      train%meshes%order = [1, 2]
+      train%torque_cos = [20.0_dp]
+      call compare(tests, 'torque', train, settings_of(0.55_dp, 0.56_dp, 20))
+   end subroutine hunting
+
+   !> Numbers of the drawing, through the derivation.
+   subroutine drawing(tests)
+      class(tests_type), intent(inout) :: tests
+      type(train_type) :: train
+      integer :: j
+
+      train%input_torque = 300
+      train%prime_mover_inertia = 0.02_dp
+      train%load_inertia = 0.5_dp
+      allocate (train%shafts(2), train%meshes(1))
+      do j = 1, 2
+         train%shafts(j)%diameter = [0.03_dp, 0.04_dp]
+         train%shafts(j)%length = [0.1_dp, 0.12_dp]
+         train%shafts(j)%damping_ratio = 0.02_dp
+      end do
+      associate (mesh => train%meshes(1))
+         mesh%teeth = [23.0_dp, 71.0_dp]
+         mesh%normal_module = 2.5e-3_dp
+         mesh%helix_angle = 12
+         mesh%face_width = 0.04_dp
+         mesh%profile_shift = [0.2_dp, -0.1_dp]
+         mesh%backlash = 8e-5_dp
+         mesh%damping_ratio = 0.05_dp
+         mesh%phase = 0.4_dp
+      end associate
+      call compare(tests, 'drawing', train, settings_of(900.0_dp, 905.0_dp, 10))
+      train%input_torque = 60
+      call compare(tests, 'light load', train, settings_of(900.0_dp, 905.0_dp, 10))
+   end subroutine drawing
+
+   subroutine figure_3(tests)
+      class(tests_type), intent(inout) :: tests
+
+      call compare(tests, 'figure 3 at 0.9', paper_train(), settings_of(0.9_dp, 0.91_dp, 12))
+      call compare(tests, 'everything', long_train(4), settings_of(0.9_dp, 0.91_dp, 12))
+   end subroutine figure_3
+
+   subroutine random_chains(tests)
+      class(tests_type), intent(inout) :: tests
+      type(train_type) :: train
+      type(response_settings_type) :: settings
+      integer :: i
+
+      do i = 1, 12
+         call random_train(i, train, settings)
+         call compare(tests, 'chain '//integer_text(i), train, settings)
+      end do
+   end subroutine random_chains
+
+   subroutine random_networks(tests)
+      class(tests_type), intent(inout) :: tests
+      integer, parameter :: bodies(*) = [4, 5, 6, 8, 10, 5, 8], loops(*) = [0, 1, 0, 2, 1, 0, 1], dragged(*) = [0, 0, 2, 0, 0, 1, 3]
+      type(train_type) :: train
+      integer :: i, j
+
+      do i = 1, size(bodies)
+         call random_network(bodies(i), loops(i), i, train)
+         if (mod(i, 2) == 0) call draw_laws(i, train)
+         train%bodies(bodies(i) - dragged(i) + 1:)%damping_to_ground = [(0.3_dp*j, j=1, dragged(i))]
+         ! Without idle gears, which may float in their gaps.
+         do j = 2, bodies(i) - 1
+            train%bodies(j)%torque = -2.0_dp*j
+         end do
+         if (i > 4 .and. size(train%shafts) > 0) train%shafts(1) = shaft_type(between=train%shafts(1)%between, rigid=.true.)
+         call compare(tests, 'network '//integer_text(i), train, settings_of(0.8_dp, 0.81_dp, 10))
+      end do
+   end subroutine random_networks
+
+   !> All figures by all parameters at the first point of a response.
+   subroutine compare(tests, what, train, settings)
+      class(tests_type), intent(inout) :: tests
+      character(*), intent(in) :: what
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      type(response_settings_type) :: plain
+      type(branch_type) :: branch
+      type(error_type), allocatable :: error
+      type(motion_type) :: motion
+      type(gradient_type) :: gradient
+      type(parameter_type) :: parameter
+      character(name_length), allocatable :: names(:)
+      real(dp), allocatable :: coarse(:, :), fine(:, :), value(:, :), derivative(:, :, :)
+      real(dp) :: h, off, worst
+      integer :: f, i, n
+      logical :: ok(2)
+      character(name_length + 24) :: at
+
+      plain = settings
+      plain%stability = .false.
+      plain%max_points = 2
+      call response(train, plain, branch, error)
+      call tests%is_true(.not. allocated(error) .and. branch%points > 0, what//': a motion')
+      if (allocated(error) .or. branch%points == 0) return
+      motion = motion_of(branch, 1)
+      call all_parameters(train, names)
+      call figures_of(train, plain, motion, value, ok(1))
+      allocate (derivative(size(value, 1), size(figure_names), size(names)), source=0.0_dp)
+      do f = 1, size(figure_names)
+         call motion_gradient(train, motion, trim(figure_names(f)), names, gradient, error)
+         if (allocated(error)) exit
+         derivative(:size(gradient%values, 1), f, :) = gradient%values
+      end do
+      call tests%is_true(.not. allocated(error), what//': a gradient')
+      if (allocated(error)) return
+      worst = 0
+      at = ''
+      do n = 1, size(names)
+         call parameter_of(train, trim(names(n)), parameter, error)
+         h = 1e-4_dp*merge(abs(parameter%value), 0.1_dp, abs(parameter%value) > 0)
+         if (index(names(n), 'error') > 0 .and. .not. abs(parameter%value) > 0) h = 1e-10_dp
+         call difference(train, plain, motion, parameter, h, coarse, ok(1))
+         call difference(train, plain, motion, parameter, h/2, fine, ok(2))
+         if (.not. all(ok)) cycle
+         fine = (4*fine - coarse)/3
+         do f = 1, size(figure_names)
+            do i = 1, size(value, 1)
+               associate (g => derivative(i, f, n))
+                  if (ieee_is_nan(value(i, f)) .or. ieee_is_nan(g)) cycle
+                  ! Without a static force either direction counts.
+                  if (f >= 5 .and. f <= 6 .and. .not. abs(value(i, f)) > 0) cycle
+                  off = abs(g - fine(i, f))/max(abs(g), 1e-3_dp*abs(value(i, f))/max(abs(parameter%value), 1e3_dp*h), tiny(h))
+                  if (off > worst) at = trim(names(n))//', '//figure_names(f)
+                  worst = max(worst, off)
+               end associate
+            end do
+         end do
+      end do
+      call tests%is_true(worst < 1e-6_dp, what//': derivatives as differences have them, worst '//trim(at))
+   end subroutine compare
+
+   !> Central difference of all figures.
+   subroutine difference(train, settings, motion, parameter, h, slope, ok)
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      type(motion_type), intent(in) :: motion
+      type(parameter_type), intent(in) :: parameter
+      real(dp), intent(in) :: h
+      real(dp), allocatable, intent(out) :: slope(:, :)
+      logical, intent(out) :: ok
+      type(train_type) :: changed
+      real(dp), allocatable :: above(:, :), below(:, :)
+      logical :: side
+
+      call change(train, parameter, h, changed)
+      call figures_of(changed, settings, motion, above, ok)
+      call change(train, parameter, -h, changed)
+      call figures_of(changed, settings, motion, below, side)
+      ok = ok .and. side
+      if (.not. (allocated(above) .and. allocated(below))) return
+      slope = (above - below)/(2*h)
+   end subroutine difference
+
+   !> Figures of the balance's solution near a motion, as a branch has them, (mesh or shaft, figure).
+   subroutine figures_of(train, settings, motion, value, ok)
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      type(motion_type), intent(in) :: motion
+      real(dp), allocatable, intent(out) :: value(:, :)
+      logical, intent(out) :: ok
+      type(tracer_type) :: tracer
+      type(solution_point_type) :: solution
+      type(branch_type) :: found
+      real(dp) :: largest
+      integer :: i, side
+
+      call begin_trace(train, settings, tracer)
+      solution = solution_of(tracer, motion)
+      ! Torques are made of forces that lag the coefficients by a Newton step: by 5e-13 after the second solution, which differences
+      ! see, by rounding alone after the third.
+      do i = 1, 3
+         call tracer%corrector%solve_at(solution, ok)
+         if (.not. ok) return
+      end do
+      call tracer%corrector%orient(solution, 1)
+      call tracer%recorder%setup(tracer%corrector%balance, .false., found, shaft_torque=.true.)
+      call tracer%record(solution, found)
+      allocate (value(max(found%meshes, found%shafts), size(figure_names)), source=0.0_dp)
+      associate (m => found%meshes, s => found%shafts)
+         value(:m, 1) = found%rms(:, 1)
+         value(:m, 2) = found%mean(:, 1)
+         value(:m, 3) = found%minimum(:, 1)
+         value(:m, 4) = found%maximum(:, 1)
+         do i = 1, m
+            associate (system => tracer%corrector%balance%system, static => found%mesh_load(i, 1))
+               if (.not. abs(system%static_force(system%mesh_element(i))) > 0) cycle
+               side = merge(-1, 1, system%static_force(system%mesh_element(i)) < 0)
+               call find_largest(tracer%corrector%balance, i, dense_coefficients(found, found%coefficients(:, :, 1)), side, largest)
+               value(i, 5) = largest*system%stiffness(system%mesh_element(i))*train%characteristic_length
+               value(i, 6) = largest/abs(system%static_force(system%mesh_element(i)))
+               ok = ok .and. abs(value(i, 5) - static%force_maximum) <= 1e-6_dp*abs(value(i, 5))
+            end associate
+         end do
+         value(:s, 7) = found%shaft_torque_mean(:, 1)
+         value(:s, 8) = found%shaft_torque_minimum(:, 1)
+         value(:s, 9) = found%shaft_torque_maximum(:, 1)
+      end associate
+   end subroutine figures_of
+
+   !> The largest force of a mesh, in the direction of a side: golden section about the best of many samples. The branch has it to
+   !> 1e-8 only. Where the damping jumps, the sides of the contact events count as well.
+   subroutine find_largest(balance, mesh, coefficients, side, largest)
+      type(balance_type), intent(in) :: balance
+      integer, intent(in) :: mesh
+      real(dp), intent(in) :: coefficients(:, :)
+      integer, intent(in) :: side
+      real(dp), intent(out) :: largest
+      real(dp), parameter :: golden = 0.6180339887498949_dp
+      integer, parameter :: samples = 4096, by_place = huge(1)
+      real(dp) :: a, b, c, d, phi(0:2), p(0:3)
+      integer, allocatable :: harmonic(:)
+      integer :: best, i, k, s
+
+      harmonic = [(k, k=1, size(coefficients, 1)/2)]
+      best = maxloc([(side*force(2*pi*k/samples, by_place), k=1, samples)], 1)
+      a = 2*pi*(best - 1)/samples
+      b = 2*pi*(best + 1)/samples
+      do i = 1, 60
+         c = b - golden*(b - a)
+         d = a + golden*(b - a)
+         if (side*force(c, by_place) > side*force(d, by_place)) then
+            b = d
+         else
+            a = c
+         end if
+      end do
+      largest = side*force((a + b)/2, by_place)
+      if (.not. balance%system%law(mesh)%jumps) return
+      associate (contact => balance%contact(findloc(balance%mesh, mesh, 1)))
+         do i = 1, contact%events
+            largest = max(largest, side*force(contact%instant(i), contact%contact(i)), &
+                          side*force(contact%instant(i), contact%contact(merge(i, contact%events + 1, i > 1) - 1)))
+         end do
+      end associate
+
+   contains
+
+      real(dp) function force(theta, region)
+         real(dp), intent(in) :: theta
+         integer, intent(in) :: region
+
+         call evaluate(coefficients(:, mesh), harmonic, theta, p(0), p(1), p(2), p(3))
+         s = region
+         associate (law => balance%system%law(mesh))
+            if (region == by_place) s = law%region_at(p(0))
+            call law%along(s, balance%eta, theta, balance%frequency_ratio, p, phi)
+         end associate
+         force = phi(0)
+      end function force
+
+   end subroutine find_largest
+
+end module validation_gradient

@@ -1,0 +1,273 @@
+!> Derivatives of special points and natural frequencies beside differences and closed forms; where there are none.
+module validation_gradient_special
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+   use fixtures, only: paper_train, random_train, ring, settings_of, single_pair
+   use geartrain, only: branch_type, dp, error_type, frequency_gradient, gradient_type, modes_type, motion_gradient, &
+      natural_modes, response, response_settings_type, special_gradient, train_type
+   use geartrain_base_numbers, only: integer_text
+   use geartrain_continuation_points, only: motion_of
+   use geartrain_model_parameter, only: parameter_type
+   use networks, only: draw_laws, random_network
+   use parameters_of_trains, only: all_parameters, change, name_length, parameter_of
+   use testing, only: tests_type
+   implicit none (type, external)
+   private
+   public :: gradient_special_tests
+
+contains
+
+   subroutine gradient_special_tests(tests)
+      class(tests_type), intent(inout) :: tests
+
+      if (tests%runs('special_points')) call special_points(tests)
+      if (tests%runs('modes')) call modes_of_trains(tests)
+      if (tests%runs('nowhere')) call nowhere(tests)
+   end subroutine gradient_special_tests
+
+   !> Folds and period doublings: Lambda of the changed train beside the derivative.
+   subroutine special_points(tests)
+      class(tests_type), intent(inout) :: tests
+      type(train_type) :: train
+      type(response_settings_type) :: settings
+      integer :: i, found(2)
+
+      found = 0
+      call compare_special(tests, 'figure 3', paper_train(), settings_of(0.4_dp, 4.2_dp, 8), found)
+      call compare_special(tests, 'pair', single_pair(0.05_dp, 0.3_dp, 0.4_dp), settings_of(0.3_dp, 3.0_dp, 10), found)
+      do i = 1, 8
+         call random_train(i, train, settings)
+         call compare_special(tests, 'chain '//integer_text(i), train, settings, found)
+      end do
+      call tests%is_true(all(found >= [10, 4]), 'folds and period doublings compared: '//integer_text(found(1))//' and ' &
+                         //integer_text(found(2)))
+   end subroutine special_points
+
+   subroutine compare_special(tests, what, train, settings, found)
+      class(tests_type), intent(inout) :: tests
+      character(*), intent(in) :: what
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      integer, intent(inout) :: found(2)
+      type(branch_type) :: branch
+      type(error_type), allocatable :: error
+      type(gradient_type) :: gradient
+      type(parameter_type) :: parameter
+      character(name_length), allocatable :: names(:)
+      real(dp) :: slope, least, worst
+      integer :: i, n, kind
+
+      call response(train, settings, branch, error)
+      if (allocated(error)) return
+      call all_parameters(train, names)
+      do i = 1, size(branch%special_points)
+         kind = findloc(['fold           ', 'period doubling'], branch%special_points(i)%kind, 1)
+         if (kind == 0) cycle
+         call special_gradient(train, settings, branch, i, names, gradient, error)
+         worst = 0
+         do n = 1, size(names)
+            if (gradient%reason(n) /= '') cycle
+            call parameter_of(train, trim(names(n)), parameter, error)
+            call find_slope()
+            if (allocated(error)) cycle
+            worst = max(worst, abs(gradient%values(1, n) - slope)/max(abs(slope), least))
+            if (.not. worst >= 0) worst = huge(worst)
+         end do
+         if (all(gradient%reason == '')) found(kind) = found(kind) + 1
+         call tests%is_true(worst < 1e-6_dp, what//': '//trim(branch%special_points(i)%kind)//' as differences have it')
+      end do
+
+   contains
+
+      !> Differences of fourth order, with half the change until they agree: folds of long chains lie so close to one another that
+      !> a change by 4e-4 would go beyond the next fold.
+      subroutine find_slope()
+         real(dp) :: h, wide, narrow, before
+         integer :: halving
+
+         h = 4e-4_dp*merge(abs(parameter%value), 0.1_dp, abs(parameter%value) > 0)
+         least = 1e-3_dp*gradient%frequency_ratio/max(abs(parameter%value), 1e3_dp*h)
+         call find_difference(h, wide)
+         slope = huge(slope)
+         do halving = 1, 8
+            if (allocated(error)) return
+            before = slope
+            call find_difference(h/2, narrow)
+            slope = (8*narrow - wide)/(6*h)
+            if (abs(slope - before) < 1e-7_dp*max(abs(slope), least)) return
+            wide = narrow
+            h = h/2
+         end do
+      end subroutine find_slope
+
+      !> Lambda of the special point with the parameter greater by h, less Lambda with the parameter less by h.
+      subroutine find_difference(h, difference)
+         real(dp), intent(in) :: h
+         real(dp), intent(out) :: difference
+         type(train_type) :: other
+         type(gradient_type) :: changed(2)
+
+         difference = 0
+         call change(train, parameter, h, other)
+         call special_gradient(other, settings, branch, i, names(:0), changed(1), error)
+         if (allocated(error)) return
+         call change(train, parameter, -h, other)
+         call special_gradient(other, settings, branch, i, names(:0), changed(2), error)
+         if (.not. allocated(error)) difference = changed(1)%frequency_ratio - changed(2)%frequency_ratio
+      end subroutine find_difference
+
+   end subroutine compare_special
+
+   !> Natural frequencies in closed form and by differences.
+   subroutine modes_of_trains(tests)
+      class(tests_type), intent(inout) :: tests
+      type(train_type) :: train
+      type(response_settings_type) :: settings
+      type(gradient_type) :: gradient
+      type(error_type), allocatable :: error
+      integer :: i, j
+
+      ! omega = sqrt(k (r^2/I_1 + r^2/I_2)) = 1.
+      call frequency_gradient(single_pair(0.05_dp, 0.3_dp, 0.4_dp), [character(24) :: 'mesh 1 stiffness', &
+                              'mesh 1 driving_inertia', 'mesh 1 driven_radius', 'input_torque'], gradient, error)
+      call tests%is_close(maxval(abs(gradient%values(1, :) - [0.5_dp, -0.125_dp, 0.5_dp, 0.0_dp])), 0.0_dp, 1e-12_dp, &
+                          'a pair in closed form')
+      do i = 1, 6
+         call random_train(i, train, settings)
+         call compare_modes(tests, 'chain '//integer_text(i), train)
+         call random_network(4 + i, mod(i, 3), i, train)
+         call draw_laws(i, train)
+         train%bodies(2)%damping_to_ground = 0.2_dp
+         do j = 2, 3 + i
+            train%bodies(j)%torque = -2.0_dp*j
+         end do
+         call compare_modes(tests, 'network '//integer_text(i), train)
+      end do
+   end subroutine modes_of_trains
+
+   subroutine compare_modes(tests, what, train)
+      class(tests_type), intent(inout) :: tests
+      character(*), intent(in) :: what
+      type(train_type), intent(in) :: train
+      type(gradient_type) :: gradient
+      type(error_type), allocatable :: error
+      type(parameter_type) :: parameter
+      type(modes_type) :: modes
+      character(name_length), allocatable :: names(:)
+      real(dp), allocatable :: slope(:), least(:)
+      real(dp) :: worst
+      integer :: n
+
+      call natural_modes(train, modes, error)
+      allocate (slope, least, mold=modes%natural_frequency)
+      call all_parameters(train, names)
+      call frequency_gradient(train, names, gradient, error)
+      worst = 0
+      do n = 1, size(names)
+         if (gradient%reason(n) /= '') cycle
+         call parameter_of(train, trim(names(n)), parameter, error)
+         call find_slope()
+         if (allocated(error)) cycle
+         worst = max(worst, maxval(abs(gradient%values(:, n) - slope)/max(abs(slope), least)))
+      end do
+      call tests%is_true(worst < 1e-6_dp, what//': natural frequencies as differences have them')
+
+   contains
+
+      !> Differences of fourth order with the change that suits each frequency, where half the change alters them least: a low
+      !> frequency has the rounding errors of the highest, and two frequencies that are close to one another bend away.
+      subroutine find_slope()
+         real(dp), dimension(size(modes%natural_frequency)) :: wide, narrow, before, now, off
+         real(dp) :: h
+         logical :: better(size(off))
+         integer :: halving
+
+         h = 4e-2_dp*merge(abs(parameter%value), 0.1_dp, abs(parameter%value) > 0)
+         least = 1e-3_dp*modes%natural_frequency/merge(abs(parameter%value), 0.01_dp, abs(parameter%value) > 0)
+         off = huge(off)
+         better = .true.
+         before = sqrt(huge(before))
+         call find_difference(h, wide)
+         do halving = 1, 8
+            if (allocated(error)) return
+            call find_difference(h/2, narrow)
+            now = (8*narrow - wide)/(6*h)
+            better = better .and. abs(now - before) < off
+            where (better) slope = now
+            off = abs(now - before)
+            before = now
+            wide = narrow
+            h = h/2
+         end do
+      end subroutine find_slope
+
+      !> Natural frequencies with the parameter greater by h less those with the parameter less by h.
+      subroutine find_difference(h, difference)
+         real(dp), intent(in) :: h
+         real(dp), intent(out) :: difference(:)
+         type(train_type) :: other
+         type(modes_type) :: above, below
+
+         difference = 0
+         call change(train, parameter, h, other)
+         call natural_modes(other, above, error)
+         if (allocated(error)) return
+         call change(train, parameter, -h, other)
+         call natural_modes(other, below, error)
+         if (.not. allocated(error)) difference = above%natural_frequency - below%natural_frequency
+      end subroutine find_difference
+
+   end subroutine compare_modes
+
+   !> Where there is no derivative the reason is told, and nothing but NaN.
+   subroutine nowhere(tests)
+      class(tests_type), intent(inout) :: tests
+      type(train_type) :: train
+      type(response_settings_type) :: settings
+      type(branch_type) :: branch
+      type(error_type), allocatable :: error
+      type(gradient_type) :: gradient
+      integer :: i
+
+      train = paper_train()
+      settings = settings_of(0.5_dp, 0.85_dp, 6)
+      call response(train, settings, branch, error)
+      do i = 1, size(branch%special_points)
+         if (branch%special_points(i)%kind /= 'fold') cycle
+         call motion_gradient(train, motion_of(branch, branch%special_points(i)%point), 'rms', ['input_torque'], gradient, error)
+         call tests%is_true(all(ieee_is_nan(gradient%values)) .and. index(gradient%reason(1), 'fold') > 0, 'at a fold')
+      end do
+      call refused('mesh 3 stiffness', 'must tell which &mesh: 1 to 2')
+      call refused('mesh 1 stifness', 'did you mean "stiffness"?')
+      call refused('mesh 1 order', 'no continuous parameter')
+      call refused('characteristic_length', 'a unit')
+      call refused('mesh 1 stiffness_cos', 'a list')
+      call refused('mesh 1 back_stiffness', 'not in force')
+      call refused('shaft 1 damping', 'not in force')
+      call refused('body 1 inertia', 'must begin with')
+      call motion_gradient(train, motion_of(branch, 1), 'separation_fraction', ['input_torque'], gradient, error)
+      call tests%is_true(allocated(error), 'separation fraction: refused')
+      if (allocated(error)) call tests%is_true(index(error%message, 'no derivatives but of rms') > 0, 'separation fraction: told')
+      branch%special_points(1)%kind = 'neimark-sacker'
+      call special_gradient(train, settings, branch, 1, ['input_torque'], gradient, error)
+      call tests%is_true(allocated(error), 'Neimark-Sacker: refused')
+      if (allocated(error)) call tests%is_true(index(error%message, 'only of folds') > 0, 'Neimark-Sacker: told')
+      train = ring()
+      settings = settings_of(0.9_dp, 0.91_dp, 6)
+      settings%max_points = 2
+      call response(train, settings, branch, error)
+      call motion_gradient(train, motion_of(branch, 1), 'rms', ['mesh 1 driven_radius'], gradient, error)
+      call tests%is_true(index(gradient%reason(1), 'lock') > 0, 'gears lock')
+
+   contains
+
+      subroutine refused(name, words)
+         character(*), intent(in) :: name, words
+
+         call frequency_gradient(train, [name], gradient, error)
+         call tests%is_true(allocated(error), name//': refused')
+         if (allocated(error)) call tests%is_true(index(error%message, words) > 0, name//': '//error%message)
+      end subroutine refused
+
+   end subroutine nowhere
+
+end module validation_gradient_special
