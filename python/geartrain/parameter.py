@@ -6,17 +6,19 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._variable import Part, Variable
+from .description import Description
 from .errors import InputError, shown
-from .train import Train
 from .variables import PARTS, VARIABLES
 
-__all__ = ["Target", "assigned", "checked_column", "own_value", "targets_of"]
+__all__ = ["Target", "assigned", "checked_column", "own_value", "targets_of", "with_values"]
+
+AnyTrain = TypeVar("AnyTrain", bound=Description)
 
 _VARIATION = "stiffness_variation"
 _NUMBERS = {"real", "integer", "reals"}
@@ -49,7 +51,7 @@ class Target(NamedTuple):
         return "" if row is None else row.kind.removesuffix("s") if row.kind.endswith("s") else row.kind
 
 
-def targets_of(name: str, train: Train, analysis: str, settings: Mapping[str, Any], relative: bool = False) -> list[Target]:
+def targets_of(name: str, train: Description, analysis: str, settings: Mapping[str, Any], relative: bool = False) -> list[Target]:
     """The variables that a parameter sets.
 
     Parameters
@@ -58,7 +60,7 @@ def targets_of(name: str, train: Train, analysis: str, settings: Mapping[str, An
         As in a case: a variable of ``&train``; ``mesh``, ``shaft`` or ``body``, a number or ``*`` for all, and a variable; a body's
         own name and a variable; the name of the analysis and a variable of it; ``stiffness_variation``. After a variable that is
         a list the number of one of its values. Several, separated by commas, are set together.
-    train : Train
+    train : Description
     analysis : str
         The call of the study.
     settings : mapping
@@ -72,7 +74,7 @@ def targets_of(name: str, train: Train, analysis: str, settings: Mapping[str, An
     return [target._replace(factor=_own(target, train, settings)) if target.factor == 1 else target for target in found]
 
 
-def _targets(name: str, train: Train, analysis: str, settings: Mapping[str, Any], relative: bool) -> list[Target]:
+def _targets(name: str, train: Description, analysis: str, settings: Mapping[str, Any], relative: bool) -> list[Target]:
     if name == _VARIATION:
         return _variation(train, relative)
     places = _places(train, analysis)
@@ -100,7 +102,7 @@ def _targets(name: str, train: Train, analysis: str, settings: Mapping[str, Any]
     return targets
 
 
-def _variation(train: Train, relative: bool) -> list[Target]:
+def _variation(train: Description, relative: bool) -> list[Target]:
     """All harmonics of kappa, scaled alike so that the largest of any mesh is the value."""
     rows = [
         (Target(f"mesh {number}", variable, element if len(values) > 1 else 0), float(value))
@@ -115,7 +117,7 @@ def _variation(train: Train, relative: bool) -> list[Target]:
     return [target._replace(factor=value if relative else value / largest) for target, value in rows]
 
 
-def _places(train: Train, analysis: str) -> dict[str, list[str]]:
+def _places(train: Description, analysis: str) -> dict[str, list[str]]:
     """What may stand before a variable, and the places that it means."""
     places = {"train": ["train"], analysis: [analysis]}
     for kind, (parts, _) in PARTS.items():
@@ -142,7 +144,7 @@ def _meant(name: str, places: Mapping[str, list[str]], settings: Mapping[str, An
     return f' (did you mean "{near[0]}"?)' if near else ': it is a variable of &train, or as in "mesh 2 half_backlash"'
 
 
-def _part(train: Train, place: str) -> Part:
+def _part(train: Description, place: str) -> Part:
     kind, _, number = place.partition(" ")
     part: Part = getattr(train, PARTS[kind][0])[int(number) - 1] if number else train
     return part
@@ -153,7 +155,7 @@ def _is_list(target: Target) -> bool:
     return row is not None and row.kind.endswith("s")
 
 
-def own_value(target: Target, train: Train, settings: Mapping[str, Any]) -> Any:
+def own_value(target: Target, train: Description, settings: Mapping[str, Any]) -> Any:
     """The own value of a variable; no value of a list that is not given is an empty list."""
     named = target.place.partition(" ")[0] in ("train", *PARTS)
     value = getattr(_part(train, target.place), target.variable) if named else settings.get(target.variable)
@@ -162,7 +164,7 @@ def own_value(target: Target, train: Train, settings: Mapping[str, Any]) -> Any:
     return () if value is None else value if isinstance(value, Sequence) else (value,)
 
 
-def _own(target: Target, train: Train, settings: Mapping[str, Any]) -> float:
+def _own(target: Target, train: Description, settings: Mapping[str, Any]) -> float:
     value = own_value(target, train, settings)
     if _is_list(target):
         value = value[max(0, target.element - 1)] if value else None
@@ -191,8 +193,8 @@ def checked_column(target: Target, values: NDArray[Any]) -> NDArray[Any]:
 
 
 def assigned(
-    train: Train, settings: Mapping[str, Any], targets: Sequence[Target], values: Sequence[Any]
-) -> tuple[Train, dict[str, Any]]:
+    train: AnyTrain, settings: Mapping[str, Any], targets: Sequence[Target], values: Sequence[Any]
+) -> tuple[AnyTrain, dict[str, Any]]:
     """The train and the settings with the values of the targets in place of their own."""
     changes: dict[str, dict[str, Any]] = {}
     for target, value in zip(targets, values):
@@ -215,3 +217,14 @@ def assigned(
     for values_of_call in changes.values():
         further |= values_of_call
     return (replace(train, **own) if own else train), further
+
+
+def with_values(train: AnyTrain, values: Mapping[str, Any]) -> AnyTrain:
+    """The train with the values of parameters in place of its own."""
+    targets: list[Target] = []
+    numbers: list[Any] = []
+    for name, value in values.items():
+        known = targets_of(name, train, "train", {})
+        targets += known
+        numbers += [checked_column(target, np.asarray([value]))[0].item() for target in known]
+    return assigned(train, {}, targets, numbers)[0]

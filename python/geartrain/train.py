@@ -23,6 +23,7 @@ from .description import Description
 from .errors import InputError, SolverError, shown
 from .modes import Modes
 from .motion import Motion, from_state
+from .parameter import with_values
 from .run_up import RunUp
 from .schematic import draw_schematic, figure_size
 from .stability_map import StabilityMap
@@ -40,7 +41,7 @@ from .variables import (
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from typing_extensions import Unpack
+    from typing_extensions import Self, Unpack
 
 
 __all__ = ["Train"]
@@ -81,6 +82,28 @@ class Train(Description):
     >>> pair.integrate(frequency=0.8).true_ac_rms.round(6)
     array([0.251373])
     """
+
+    def with_values(self, values: Mapping[str, Any]) -> Self:
+        """A train like this one with other values of parameters, as an optimiser or a loop over designs wants it.
+
+        Parameters
+        ----------
+        values : mapping
+            Values [SI] by the names of the parameters, which are those of `Space` and `Motion.gradient`: ``'input_torque'``,
+            ``'mesh 2 half_backlash'``, ``'mesh * damping_ratio'``, ``'mesh 1 stiffness_cos 2'``, ``'stiffness_variation'``.
+
+        Raises
+        ------
+        InputError
+            Where a name is unknown or a value is not allowed.
+
+        Examples
+        --------
+        >>> softer = train.with_values({"shaft 2 stiffness": 2e7, "mesh * damping_ratio": 0.06})
+        >>> softer.shafts[1].stiffness, [mesh.damping_ratio for mesh in softer.meshes]
+        (20000000.0, [0.06, 0.06])
+        """
+        return with_values(self, values)
 
     def natural_frequencies(self, *, unit: Unit = "Lambda") -> NDArray[np.float64]:
         """Undamped natural frequencies of the mean system, ascending.
