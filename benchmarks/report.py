@@ -191,11 +191,12 @@ def scale_section(found):
     missing = " *Not measured*: the size before took too long." if "not measured" in str(shafts) else ""
     return f"""## Size
 
-The time of a point at R = 6 for chains of figure 3's gear pairs, teeth parting at the first of them, and the peak memory of the
-executable (all of the process: its libraries, and the {found["points"]} points of the branch).{missing}
+The time of a point at R = 6 for chains of figure 3's gear pairs, teeth parting at the first of them: a share of a call of at
+most {found["points"]} points, which is most of it where the train is small, and with multipliers of locating where motions lose
+their stability, which long chains do often. And the peak memory of the executable, libraries included.{missing}
 
 {table(("shafts", "a point, without multipliers", "with", "memory"), shafts)}
-A point of trees beside chains, of as many equal pairs each, all loaded alike, contact never lost:
+A point of trees beside chains, of as many equal pairs each, all loaded alike, contact and stability never lost:
 
 {table(("meshes", "shape", "without multipliers", "over the chain's", "with", "over the chain's"), trees)}
 And of figure 3's train for more harmonics:
@@ -230,6 +231,23 @@ def cores_section(found):
 One call of the executable, to closed files, on one thread and on {found["cores"]}.
 
 {table(("what", "1 thread", f"{found['cores']} threads", "faster by", "the same bits"), rows)}"""
+
+
+def study_section(found):
+    plain = found["rows"]["plain loop"][1]
+    rows = [
+        (engine, f"{wall:.0f} s", f"{cpu:.0f} s", f"{cpu / plain - 1:.1%}",
+         f"{plain / ((1 if engine == 'plain loop' else found['workers']) * wall):.2f}", f"{memory:.0f} MB")
+        for engine, (wall, cpu, memory) in found["rows"].items()
+    ]  # fmt: skip
+    return f"""## Studies
+
+{found["points"]} responses of figure 3's train, each value of its meshes within 10 % ([studies.md](studies.md)), by
+{found["workers"]} processes; each engine in a process of its own. Overhead is processor time, of all processes, above that of a
+plain loop; efficiency is the plain loop's time over processes times wall time.
+
+{table(("engine", "wall time", "processor time", "overhead", "efficiency", "client's memory"), rows)}
+{found["read"]} points are read back in {found["seconds"]:.1f} s, a Dataset of {found["size"]:.0f} MB."""
 
 
 def operations():
@@ -282,7 +300,8 @@ def write(found, path):
     measured = "; ".join(f"{name} {part['measured']}" for name, part in found.items())
     sections = (
         machine_section(found["machine"]), WHERE, curve_section(found["curve"]), accuracy_section(found["accuracy"]),
-        scale_section(found["scale"]), cores_section(found["cores"]), floor_section(found["machine"], found["curve"]),
+        scale_section(found["scale"]), cores_section(found["cores"]), study_section(found["study"]),
+        floor_section(found["machine"], found["curve"]),
     )  # fmt: skip
     intro = f"""# Speed against error
 

@@ -17,9 +17,10 @@ import curve
 import machine
 import report
 import scale
+import study
 from timing import one_core
 
-PARTS = {"machine": machine, "curve": curve, "accuracy": accuracy, "scale": scale, "cores": cores}
+PARTS = {"machine": machine, "curve": curve, "accuracy": accuracy, "scale": scale, "cores": cores, "study": study}
 KEPT = Path("build/benchmarks")
 EXECUTABLE = KEPT / "bin/geartrain"
 
@@ -44,7 +45,7 @@ def main():
         print(f"{time.perf_counter() - begun:6.0f} s  {text}", flush=True)
 
     for name in options.parts or PARTS:
-        with nullcontext() if name == "cores" else one_core():
+        with nullcontext() if name in ("cores", "study") else one_core():
             found = PARTS[name].measure(options.quick, EXECUTABLE, say)
         found["measured"] = time.strftime("%Y-%m-%d %H:%M") + (", quick" if options.quick else "")
         (KEPT / f"{name}.json").write_text(json.dumps(found, default=plain), encoding="utf-8")

@@ -72,7 +72,7 @@ def by_dask(points, workers, folder):
 ENGINES = {"plain loop": by_plain_loop, "concurrent.futures": by_concurrent_futures, "joblib (loky)": by_joblib, "Dask": by_dask}
 
 
-def measure(engine, points, workers):
+def measured(engine, points, workers):
     """Wall time [s], CPU time [s] and the client's peak memory [MB] of an engine, in a process of its own."""
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, __file__, "--engine", engine, "--points", str(points), "--workers", str(workers), folder]
@@ -107,6 +107,17 @@ def read_back(points):
         return seconds, time.process_time() - begun, dataset.nbytes / 1e6
 
 
+def measure(quick, executable, say):
+    """Rows by engine: wall time [s], CPU time [s], client's memory [MB]; the time to read a study back [s], and its size [MB]."""
+    points, workers, stored = (1000 if quick else 10000), 2, (10000 if quick else 100000)
+    rows = {}
+    for engine in ENGINES:
+        say(f"study: {engine}")
+        rows[engine] = measured(engine, points, workers)
+    seconds, _, size = read_back(stored)
+    return {"points": points, "workers": workers, "rows": rows, "read": stored, "seconds": seconds, "size": size}
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--points", type=int, default=10000)
@@ -123,7 +134,7 @@ def main():
     found = {engine: [] for engine in ENGINES}
     for _ in range(told.repeats):
         for engine, rows in found.items():
-            rows.append(measure(engine, told.points, told.workers))
+            rows.append(measured(engine, told.points, told.workers))
     plain = np.median([row[1] for row in found["plain loop"]])
     print(f"{told.points} points, {told.workers} workers, {told.repeats} repeats")
     print(f"{'':20s} {'wall [s]':>10s} {'CPU [s]':>10s} {'overhead':>10s} {'efficiency':>11s} {'client [MB]':>12s}")

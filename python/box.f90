@@ -237,29 +237,46 @@ contains
       end select
    end subroutine get_text
 
+   !> A line for each field: path, name, kind, length of its texts, extents, dimensions, unit, description.
    subroutine list_fields(fields, text)
       type(fields_type), intent(in) :: fields
       character(:), allocatable, intent(out) :: text
       character, parameter :: tab = achar(9)
-      character(:), allocatable :: values, extents
-      integer :: i, j, k
+      character(:), allocatable :: list, longer, values
+      integer :: used, i, j, k
 
-      text = ''
+      allocate (character(4096) :: list)
+      used = 0
       do i = 1, fields%count
          do j = 1, fields%groups(i)%count
             associate (field => fields%groups(i)%fields(j))
                values = ''
                if (allocated(field%texts)) call joined(field%texts, values)
-               extents = ''
+               call add(fields%groups(i)%path//tab//trim(field%about%name)//tab//field%kind//tab//integer_text(len(values))//tab)
                do k = 1, size(field%extents)
-                  extents = extents//' '//integer_text(field%extents(k))
+                  call add(' '//integer_text(field%extents(k)))
                end do
-               text = text//fields%groups(i)%path//tab//trim(field%about%name)//tab//field%kind//tab//integer_text(len(values))// &
-                      tab//extents//tab//trim(field%about%dimensions)//tab//trim(field%about%unit)//tab// &
-                      trim(field%about%description)//new_line('a')
+               call add(tab//trim(field%about%dimensions)//tab//trim(field%about%unit)//tab//trim(field%about%description) &
+                        //new_line('a'))
             end associate
          end do
       end do
+      text = list(:used)
+
+   contains
+
+      subroutine add(piece)
+         character(*), intent(in) :: piece
+
+         if (used + len(piece) > len(list)) then
+            allocate (character(2*(used + len(piece))) :: longer)
+            longer(:used) = list(:used)
+            call move_alloc(longer, list)
+         end if
+         list(used + 1:used + len(piece)) = piece
+         used = used + len(piece)
+      end subroutine add
+
    end subroutine list_fields
 
    !> Makes fields of what the box holds, see `show_fields`.

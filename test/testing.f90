@@ -2,14 +2,16 @@
 !> found, so that a crash loses nothing of what came before it.
 module testing
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_size_t
-   use, intrinsic :: iso_fortran_env, only: output_unit
+   use, intrinsic :: iso_fortran_env, only: compiler_options, output_unit
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
    private
-   public :: number_argument, suite_type, tests_type, time_limit, test_begins, check_passed, check_failed, suite_ended
+   public :: number_argument, scratch, suite_type, tests_type, time_limit, test_begins, check_passed, check_failed, suite_ended
 
    !> Time that a test may take [s], a hang apart from the slowest debug build under valgrind.
    integer, parameter :: time_limit = 1800
+   !> How names of files of tests begin: debug and release tests may run at the same time.
+   character(*), parameter :: scratch = merge('build/checked-', 'build/release-', index(compiler_options(), '-fcheck') > 0)
    !> What the runner is told; the name of a test follows `test_begins` and ends with a line feed.
    character, parameter :: test_begins = 't', check_passed = '+', check_failed = '-', suite_ended = '.'
 

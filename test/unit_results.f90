@@ -11,12 +11,12 @@ module unit_results
    use geartrain_results_file, only: check_place
    use geartrain_run_reference, only: output_reference
    use geartrain_run_results, only: write_results
-   use testing, only: tests_type
+   use testing, only: scratch, tests_type
    implicit none (type, external)
    private
    public :: results_tests
 
-   character(*), parameter :: path = 'build/test-results.h5'
+   character(*), parameter :: path = scratch//'results.h5'
 
 contains
 

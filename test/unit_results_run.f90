@@ -8,12 +8,12 @@ module unit_results_run
    use geartrain_run_checkpoint, only: checkpoint_type
    use geartrain_run_results, only: write_results
    use geartrain_run_run_case, only: run_case
-   use testing, only: tests_type
+   use testing, only: scratch, tests_type
    implicit none (type, external)
    private
    public :: results_run_tests
 
-   character(*), parameter :: path = 'build/test-run.h5', newline = new_line('a')
+   character(*), parameter :: path = scratch//'run.h5', newline = new_line('a')
    !> A single pair without backlash: quick.
    character(*), parameter :: pair = '&train input_torque = 1.0, characteristic_length = 1.0, &
       &characteristic_frequency = 1.0, prime_mover_inertia = 0.0, load_inertia = 0.0 /'//newline// &

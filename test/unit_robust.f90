@@ -10,7 +10,7 @@ module unit_robust
    use geartrain_base_fields, only: fields_type
    use geartrain_results_seal, only: add_seal, is_whole
    use geartrain_run_results, only: take_results, visit_results
-   use testing, only: tests_type
+   use testing, only: scratch, tests_type
    implicit none (type, external)
    private
    public :: robust_tests
@@ -22,7 +22,7 @@ module unit_robust
       procedure :: on_step
    end type stopper_type
 
-   character(*), parameter :: path = 'build/test-robust.h5', newline = new_line('a')
+   character(*), parameter :: path = scratch//'robust.h5', newline = new_line('a')
    !> A single pair with backlash: quick.
    character(*), parameter :: pair = '&train input_torque = 0.8, characteristic_length = 1.0, &
       &characteristic_frequency = 1.0, prime_mover_inertia = 0.0, load_inertia = 0.0 /'//newline// &

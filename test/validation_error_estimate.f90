@@ -18,6 +18,7 @@ contains
       class(tests_type), intent(inout) :: tests
 
       if (tests%runs('against_shooting')) call against_shooting(tests)
+      if (tests%runs('of_sampled_coefficients')) call of_sampled_coefficients(tests)
       if (tests%runs('by_tolerance')) call by_tolerance(tests)
       if (tests%runs('hunting_teeth')) call hunting_teeth(tests)
    end subroutine error_estimate_tests
@@ -66,6 +67,37 @@ contains
          call tests%is_true(count(branch%estimate_doubtful) <= 0.15_dp*branch%points, 'R = '//name//': few are doubtful')
       end do
    end subroutine against_shooting
+
+   !> Coefficients from samples, with so many harmonics that the sampling is nearly all of the error: teeth part at both meshes.
+   subroutine of_sampled_coefficients(tests)
+      class(tests_type), intent(inout) :: tests
+      integer, parameter :: samples(2) = [1024, 4096]
+      type(branch_type) :: branch
+      type(error_type), allocatable :: error
+      type(response_settings_type) :: settings
+      real(dp) :: ratio
+      integer :: i, k, points, within_3
+      character(4) :: name
+
+      do k = 1, size(samples)
+         write (name, '(i0)') samples(k)
+         settings = settings_of(0.86_dp, 0.98_dp, 48)
+         settings%coefficients = 'sampled'
+         settings%samples = samples(k)
+         settings%stability = .false.
+         call response(paper_train(), settings, branch, error)
+         points = 0
+         within_3 = 0
+         do i = 2, branch%points
+            if (branch%estimate_doubtful(i)) cycle
+            points = points + 1
+            ratio = true_error(settings, branch, branch, i)/branch%error_estimate(i)
+            if (ratio > 1/3.0_dp .and. ratio < 3) within_3 = within_3 + 1
+         end do
+         call tests%is_true(points >= 3, name//' samples: points that are not doubtful')
+         call tests%is_true(within_3 == points, name//' samples: a factor of 3 for all')
+      end do
+   end subroutine of_sampled_coefficients
 
    pure function settings_for(harmonics) result(settings)
       integer, intent(in) :: harmonics

@@ -99,7 +99,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "stability": Variable("stability", "logical", "bool", True, False, "Floquet multipliers of every point"),
         "shaft_torque": Variable("shaft_torque", "logical", "bool", True, False, "Mean and extremes of the torque of every shaft at every point"),
         "amplitude_limit": Variable("amplitude_limit", "real", "float", -1.0, False, "Rms over characteristic length beyond which the branch is followed but not recorded; -1: 12 with backlash, 10000 for a linear train, where it counts as infinite (both times the power of ten nearest to the larger of the gap and the static deflection); > 0, or -1"),
-        "coefficients": Variable("coefficients", "text", "Literal['exact', 'sampled']", "exact", False, "Fourier coefficients of the mesh force: exact from the contact events, or sampled (the discrete transform of the paper, whose own error is not in the error estimate); 'exact' or 'sampled'"),
+        "coefficients": Variable("coefficients", "text", "Literal['exact', 'sampled']", "exact", False, "Fourier coefficients of the mesh force: exact from the contact events, or sampled (the discrete transform of the paper); 'exact' or 'sampled'"),
         "samples": Variable("samples", "integer", "int", 0, False, "Points a period for sampled coefficients; 0: chosen by the program; >= 1 and <= 1.048576e6, or 0"),
         "control": Variable("control", "text", "Literal['arclength', 'local']", "arclength", False, "pseudo-arclength, or the local switching of the control parameter of the paper, equation (11); 'arclength' or 'local'"),
         "tolerance": Variable("tolerance", "real", "float", 0.0001, False, "Relative error of the waveform aimed at where harmonics = 0; > 0 and <= 1"),

@@ -64,7 +64,7 @@ contains
    !> one solve with the bordered matrix. The border row of the matrix lets Lambda change by y; a move s along the branch takes
    !> Lambda back: with Lambda = slope s + bend s**2/2 along the branch, s is the nearer root of y + slope s + bend s**2/2 = 0, or
    !> the vertex.
-   subroutine find_error_estimate(balance, u, frequency_ratio, tangent, slope, bend, unit, matrix, estimate)
+   subroutine find_error_estimate(balance, u, frequency_ratio, tangent, slope, bend, unit, matrix, estimate, residual)
       !> The balance, evaluated at the solution.
       type(balance_type), intent(inout) :: balance
       !> Solution [1], (block, unknown); Lambda [1]; unit tangent [1], (block, unknown); Lambda part of the tangent and its
@@ -76,6 +76,9 @@ contains
       type(bordered_system_type), intent(inout) :: matrix
       !> The estimate.
       type(error_estimate_type), intent(inout) :: estimate
+      !> What the solution leaves of the balance [1], (block, unknown), where it solves another one, of sampled coefficients, whose
+      !> matrix `matrix` is.
+      real(dp), intent(in), optional :: residual(:, :)
       real(dp) :: correction(balance%block, balance%unknowns), error(balance%block, balance%unknowns), y, way, scale
       complex(dp), allocatable :: force(:, :)
       integer :: i, reach
@@ -112,6 +115,7 @@ contains
             call matrix%solve_tail(balance, harmonic(:n), tail, correction, y)
          else
             call find_shift(balance, frequency_ratio, harmonic(:n), reach, estimate%spectra, estimate%wide, tail, correction)
+            if (present(residual)) correction = correction - residual
             y = 0
             call matrix%solve(balance, correction, y, accuracy)
          end if

@@ -1,6 +1,7 @@
 !> A corrector that chooses its number of harmonics by the tolerance, from solution point to solution point, where the settings
 !> leave it to the program (harmonics = 0).
 module geartrain_continuation_adaptive_corrector
+   use geartrain_balance_balance, only: balance_type
    use geartrain_balance_chosen_harmonics, only: fewest_harmonics, most_harmonics
    use geartrain_balance_error_estimate, only: find_error_estimate, harmonics_for, error_estimate_type
    use geartrain_balance_harmonic_set, only: next_set
@@ -32,6 +33,8 @@ module geartrain_continuation_adaptive_corrector
       real(dp) :: curvature = 0
       !> Carried are sets of harmonics, see geartrain_balance_harmonic_set.
       logical :: chooses_sets = .false.
+      !> The balance with exact coefficients, for the error of sampled ones; not set up where they are exact anyway.
+      type(balance_type), private :: exact
       !> Evaluations of the balance at the latest error estimate; -1: none yet.
       integer, private :: estimated = -1
    contains
@@ -62,6 +65,7 @@ contains
       else
          call self%corrector%balance%setup(self%system, harmonics, self%settings%subharmonic, samples)
       end if
+      if (samples > 0) call self%exact%setup(self%system, harmonics, self%settings%subharmonic, 0)
       call self%corrector%setup()
       self%corrector%local_control = self%settings%control == 'local'
    end subroutine prepare
@@ -75,8 +79,14 @@ contains
       if (self%estimated == self%corrector%evaluations) return
       self%estimated = self%corrector%evaluations
       associate (c => self%corrector, s => solution)
-         call find_error_estimate(c%balance, s%u, s%frequency_ratio, s%tangent, s%tangent_frequency, self%curvature, &
-                                  c%units%frequency_ratio, c%matrix, self%estimate)
+         if (self%settings%coefficients == 'sampled') then
+            call self%exact%evaluate(s%u, s%frequency_ratio)
+            call find_error_estimate(self%exact, s%u, s%frequency_ratio, s%tangent, s%tangent_frequency, self%curvature, &
+                                     c%units%frequency_ratio, c%matrix, self%estimate, self%exact%residual)
+         else
+            call find_error_estimate(c%balance, s%u, s%frequency_ratio, s%tangent, s%tangent_frequency, self%curvature, &
+                                     c%units%frequency_ratio, c%matrix, self%estimate)
+         end if
       end associate
    end subroutine estimate_error
 

@@ -46,7 +46,7 @@ contains
                      settings%amplitude_limit)
       word = trim(settings%coefficients)
       call v%on_text(row('coefficients', '', 'Fourier coefficients of the mesh force: exact from the contact events, or sampled &
-                         &(the discrete transform of the paper, whose own error is not in the error estimate)', &
+                         &(the discrete transform of the paper)', &
                          choices='exact sampled'), word)
       settings%coefficients = word
       call v%on_integer(row('samples', '', 'points a period for sampled coefficients; 0: chosen by the program', least=one, &

@@ -9,6 +9,8 @@ module geartrain_linalg_trigonometric
 
    !> Powers of exp(i theta) in a table.
    integer, parameter :: span = 64
+   !> Largest error of a parabola through samples, over the range of the samples.
+   real(dp), parameter :: near = 0.03_dp
 
 contains
 
@@ -148,25 +150,51 @@ contains
       !> Extremes, in the unit of u.
       real(dp), intent(out) :: smallest, largest
 
+      integer :: turn(size(transform%sample)), turns, q
+      real(dp) :: before, rise
+
       call sample(u, harmonic, transform)
-      largest = extreme(1)
-      smallest = extreme(-1)
+      turns = 0
+      associate (values => transform%sample, n => size(transform%sample))
+         ! Where the samples turn: +q at a maximum, -q at a minimum.
+         before = values(1) - values(n)
+         do q = 1, n
+            rise = values(merge(1, q + 1, q == n)) - values(q)
+            if (rise < 0 .and. before >= 0 .or. rise > 0 .and. before <= 0) then
+               turns = turns + 1
+               turn(turns) = merge(q, -q, rise < 0)
+            end if
+            before = rise
+         end do
+         largest = maxval(values)
+         smallest = minval(values)
+         before = largest - smallest
+      end associate
+      call refine(1, near*before, largest)
+      call refine(-1, near*before, smallest)
 
    contains
 
       !> Newton's method on the slope, from each of the highest maxima of side*p among the samples.
-      real(dp) function extreme(side)
+      subroutine refine(side, slack, extreme)
          integer, intent(in) :: side
-         real(dp) :: least, spacing, theta, p, slope, curvature, correction
-         integer :: i, q
+         !> Error of the parabolas.
+         real(dp), intent(in) :: slack
+         real(dp), intent(inout) :: extreme
+         real(dp) :: height(turns), place(turns), greatest, theta, p, slope, curvature, correction, spacing
+         integer :: i, k
 
          spacing = 2*pi/transform%samples
-         extreme = side*maxval(side*transform%sample)
-         least = least_height(transform%sample, side)
-         q = 0
-         do
-            call next_maximum(transform%sample, side, least, q, theta)
-            if (q == 0) exit
+         greatest = -huge(greatest)
+         do k = 1, turns
+            if (side*turn(k) < 0) cycle
+            call find_vertex(transform%sample, side, abs(turn(k)), place(k), height(k))
+            greatest = max(greatest, height(k))
+         end do
+         do k = 1, turns
+            if (side*turn(k) < 0) cycle
+            if (height(k) < greatest - slack) cycle
+            theta = place(k)
             do i = 1, 6
                call evaluate(u, harmonic, theta, p, slope, curvature)
                extreme = side*max(side*extreme, side*p)
@@ -176,7 +204,7 @@ contains
                theta = theta + max(-spacing, min(spacing, correction))
             end do
          end do
-      end function extreme
+      end subroutine refine
 
    end subroutine extremes
 
@@ -208,8 +236,6 @@ contains
       real(dp), intent(in) :: values(:)
       !> +1 for maxima, -1 for minima.
       integer, intent(in) :: side
-      !> Largest error of a parabola over the range of the values.
-      real(dp), parameter :: near = 0.03_dp
       real(dp) :: place, height, greatest
       integer :: q
 
