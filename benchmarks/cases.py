@@ -80,9 +80,9 @@ def chain(shafts):
 def tree(shape, meshes):
     """Figure 3's first pairs in a tree, down and up by turns; torques at its branchings load every mesh alike.
 
-    A third of figure 3's kappa: so no motion loses its stability, and no time goes into locating where.
+    With little of figure 3's kappa: so no motion loses its stability, and no time goes into locating where.
     """
-    down, force = replace(gt.read_case("namelists/fig03.nml").train.meshes[0], stiffness_cos=[0.1]), 150 / 0.05
+    down, force = replace(gt.read_case("namelists/fig03.nml").train.meshes[0], stiffness_cos=[0.02]), 150 / 0.05
     random = Random(1)
     before = {
         "chain": lambda i: i - 1, "comb": lambda i: i - 1 if i % 2 == 0 else max(0, i - 2), "binary tree": lambda i: i // 2,

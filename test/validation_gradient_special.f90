@@ -240,7 +240,7 @@ contains
       call refused('mesh 1 stifness', 'did you mean "stiffness"?')
       call refused('mesh 1 order', 'no continuous parameter')
       call refused('characteristic_length', 'a unit')
-      call refused('mesh 1 stiffness_cos', 'a list')
+      call refused('mesh 1 stiffness_cos 2', 'a list')
       call refused('mesh 1 back_stiffness', 'not in force')
       call refused('shaft 1 damping', 'not in force')
       call refused('body 1 inertia', 'must begin with')

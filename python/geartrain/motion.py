@@ -308,7 +308,7 @@ class Motion(Pictures):
             ``'shaft_torque_mean'``, ``'shaft_torque_minimum'`` or ``'shaft_torque_maximum'``.
         parameters : sequence of str
             Names as in the case: ``'input_torque'``, ``'mesh 2 half_backlash'``, ``'shaft 1 stiffness'``,
-            ``'mesh 1 stiffness_cos 2'`` (a value of a list), ``'body motor inertia'``. Of a number that the drawing gives, such as
+            ``'mesh 1 stiffness_cos 2'`` (a value of a list), ``'motor inertia'``. Of a number that the drawing gives, such as
             ``'mesh 1 stiffness'``, the derivative is as if it were given; of one of the drawing, such as ``'mesh 1 face_width'``,
             through all that follows from it.
 

@@ -126,6 +126,7 @@ def _places(train: Description, analysis: str) -> dict[str, list[str]]:
         for place, part in zip(own, getattr(train, parts)):
             if getattr(part, "name", None):
                 places.setdefault(part.name, [place])
+                places.setdefault(f"{kind} {part.name}", [place])
     return places
 
 

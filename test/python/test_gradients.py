@@ -52,6 +52,11 @@ def test_drawing():
     train = reducer()
     names = ["mesh 1 face_width", "mesh 1 stiffness", "shaft 1 diameter 1", "body wheel 1 inertia"]
     drawn = train.frequency_gradient(names)
+    # Other words for the same: those of `Space` and `with_values`.
+    same = ["mesh 1 face_width", "mesh 1 stiffness", "shaft 1 diameter", "wheel 1 inertia"]
+    np.testing.assert_array_equal(train.frequency_gradient(same), drawn)
+    for name, value in zip(names, (0.04, 1e9, 0.03, 0.01)):
+        assert train.with_values({name: value}).namelist() == train.with_values({same[names.index(name)]: value}).namelist()
     changed = replace(train, meshes=[replace(train.meshes[0], face_width=0.04004), train.meshes[1]])
     expected = (changed.natural_frequencies() - train.natural_frequencies()) / 0.00004
     np.testing.assert_allclose(drawn[:, 0], expected, rtol=2e-2, atol=1e-6 * np.abs(drawn[:, 0]).max())
@@ -65,7 +70,7 @@ def test_a_saved_branch_keeps_them(branch):
 
 @pytest.mark.parametrize(("parameters", "words"), [
     (["mesh 1 stifness"], 'did you mean "stiffness"'), (["mesh 3 stiffness"], "1 to 2"), (["mesh 1 order"], "no continuous"),
-    (["characteristic_length"], "unit"), (["mesh 1 stiffness_cos"], "a list"), ("input_torque", "list of names"), ([1], "list"),
+    (["characteristic_length"], "unit"), (["mesh 1 stiffness_cos 2"], "a list"), ("input_torque", "list of names"), ([1], "list"),
     (["body 1 inertia"], "must begin with"), (["shaft 1 damping"], "not in force"),
 ])
 def test_refused(branch, parameters, words):

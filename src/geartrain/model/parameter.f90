@@ -111,7 +111,11 @@ contains
       rest = trim(rest(:at))
       parameter%group = 'train'
       parameter%index = 1
-      if (rest /= '') then
+      if (is_body(rest)) then
+         parameter%group = 'body'
+         which = rest
+         call find_group()
+      else if (rest /= '') then
          at = index(rest//' ', ' ')
          parameter%group = rest(:at - 1)
          which = trim(adjustl(rest(at:)))
@@ -119,6 +123,10 @@ contains
          if (parameter%index < 0) return
       end if
       call given%find(parameter, found, row, parameter%value)
+      if (found > 0 .and. row%values == 1 .and. parameter%item == 0) then
+         parameter%item = 1
+         call given%find(parameter, found, row, parameter%value)
+      end if
       parameter%direct = any(plain_variables == parameter%variable)
       if (parameter%direct .and. .not. (is_given(row) .and. abs(parameter%value) > 0)) then
          call derived%find(parameter, found, of_plain, value)
@@ -160,6 +168,18 @@ contains
          call fatal(error, 'parameter "'//trim(adjustl(name))//'": '//why)
       end subroutine refuse
 
+      !> Whether a body has this name.
+      logical function is_body(text)
+         character(*), intent(in) :: text
+         integer :: i
+
+         is_body = .false.
+         if (.not. allocated(train%bodies) .or. text == '') return
+         do i = 1, size(train%bodies)
+            is_body = is_body .or. train%bodies(i)%name == text
+         end do
+      end function is_body
+
       !> Sets the number of the group, 0: all; -1: refused.
       subroutine find_group()
          integer :: groups, i
@@ -172,7 +192,7 @@ contains
          parameter%index = merge(0, whole_number(which), which == '*')
          if (groups < 0) then
             parameter%index = -1
-            call refuse('must begin with "mesh", "shaft" or, in a network, "body", or be a variable of &train')
+            call refuse('must begin with "mesh", "shaft" or, in a network, "body" or its name, or be a variable of &train')
             return
          end if
          if (parameter%group == 'train' .and. which == '') parameter%index = 1
