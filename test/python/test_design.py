@@ -1,13 +1,12 @@
 """The example of docs/design.md: design by derivatives, against differences, a method without derivatives, and Monte Carlo."""
 
-import sys
-from pathlib import Path
+import re
 
 import numpy as np
 import pytest
+from conftest import ROOT
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "example"))
-design = pytest.importorskip("design", reason="openturns and scipy are wanted")
+import design
 
 
 def test_factors_of_ranges_change_as_their_derivatives_say():
@@ -44,3 +43,16 @@ def test_probability_of_a_jump():
     found = design.reliability(0.86, samples=400)
     assert found.first_order == pytest.approx(found.second_order, rel=0.02)
     assert abs(found.monte_carlo - found.second_order) < 2 * found.error  # four standard deviations
+
+
+def test_the_lines_of_the_page_run(monkeypatch):
+    """Those of docs/design.md; no derivative of theirs is missing."""
+    monkeypatch.chdir(ROOT)
+    block = re.search(r"```python\n(.*?)```", (ROOT / "docs" / "design.md").read_text(encoding="utf-8"), re.DOTALL)[1]
+    page = {"__name__": "page"}
+    exec(compile(block, "docs/design.md", "exec"), page)
+    lines = re.findall(r"^\w+\.\w*gradient\(.*\)(?=  )", block, re.MULTILINE)
+    assert len(lines) == 3
+    for line in lines:
+        assert np.isfinite(eval(line, page)).all()
+    assert page["softer"].shafts[1].stiffness == 1e7
