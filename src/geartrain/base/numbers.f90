@@ -122,8 +122,8 @@ contains
       character(longest) :: text
       integer :: rest, place
 
-      ! Digit by digit: an internal write takes fifty times as long, and a list of fields has hundreds of numbers. The digits are those
-      ! of a negative number, because the least integer has no positive counterpart.
+      ! Digit by digit: an internal write takes fifty times as long, and a list of fields has hundreds of numbers. The digits are
+      ! those of a negative number, because the least integer has no positive counterpart.
       text = ''
       rest = value
       if (rest > 0) rest = -rest
