@@ -11,6 +11,7 @@ from matplotlib import pyplot as plt
 from matplotlib.patches import Circle
 
 import geartrain as gt
+from geartrain._draw import COLORS
 
 mpl.use("Agg")
 
@@ -119,7 +120,7 @@ def test_the_torque_of_the_shafts_over_speed(branch, monkeypatch):
     ax = turned.plot(quantity="shaft_torque")
     assert ax.get_ylabel() == "shaft torque, smallest to largest  [N m]"
     assert [text.get_text() for text in ax.get_legend().get_texts()] == ["shaft 1", "shaft 3", "unstable"]
-    for color, column in (("C0", 0), ("C1", 2)):
+    for color, column in zip(COLORS, (0, 2)):
         drawn = {y for line in ax.lines if mpl.colors.same_color(line.get_color(), color) for y in line.get_ydata()}
         assert drawn == {*torque[:, column], *(2 * torque[:, column])}
         # What is shaded are the stable motions, each from the smallest to the largest torque.
