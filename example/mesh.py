@@ -41,11 +41,10 @@ def tooth(teeth: int, middle: float) -> Array:
 
 def draw_teeth(ax: Axes) -> None:
     """Draw two gears that touch at the pitch point, the origin; the driving one stands left and turns counter-clockwise."""
-    blue, orange = gt.plot_style()["axes.prop_cycle"].by_key()["color"][:2]
     half = np.pi / 2 - BACKLASH / 2
     for teeth, centre, first, color, name in (
-        (DRIVING, -DRIVING / 2, -half / DRIVING, blue, "driving gear"),
-        (DRIVEN, DRIVEN / 2, np.pi - half / DRIVEN, orange, "driven gear"),
+        (DRIVING, -DRIVING / 2, -half / DRIVING, "C0", "driving gear"),
+        (DRIVEN, DRIVEN / 2, np.pi - half / DRIVEN, "C1", "driven gear"),
     ):
         outline = np.concatenate([tooth(teeth, first + turn * 2 * np.pi / teeth) for turn in range(-4, 5)])
         centred = np.concatenate([outline, [[0.0, 0.0]]])

@@ -26,8 +26,8 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (5, 1.5, 1, 1.5)), (0, (1, 1.2)))
 #: Line style of unstable motions.
 UNSTABLE = (0, (3, 1.5))
-#: Marks of a curve: so many on a way as long as both axes.
-_MARK_DENSITY = 12
+#: Marks of a curve on a way as long as each axis: few on steep parts, where those of a narrow peak would hide it.
+_MARKS_ACROSS, _MARKS_UP = 10, 2
 
 
 def plot_style() -> dict[str, Any]:
@@ -91,11 +91,12 @@ def draw_curve(
 
 
 def _marks(across: NDArray[Any], up: NDArray[Any]) -> NDArray[np.bool_]:
-    """Which points of a curve have marks: those next to equal distances along it, the extents of the curve being 1."""
+    """Which points of a curve have marks: those next to equal distances along it."""
     if not (np.isfinite(across) & np.isfinite(up)).any():
         return np.zeros(len(across), bool)
-    ways = [np.nan_to_num(np.diff(values)) / (np.nanmax(values) - np.nanmin(values) or 1.0) for values in (across, up)]
-    along = np.append(0.5, 0.5 + _MARK_DENSITY / 2 * np.hypot(*ways).cumsum())
+    ways = [count * np.nan_to_num(np.diff(values)) / (np.nanmax(values) - np.nanmin(values) or 1.0)
+            for values, count in ((across, _MARKS_ACROSS), (up, _MARKS_UP))]
+    along = np.append(0.5, 0.5 + np.hypot(*ways).cumsum())
     stands: NDArray[np.bool_] = np.diff(np.floor(along), prepend=0.0) > 0
     return stands
 
