@@ -36,4 +36,6 @@ for ax, phase, words in zip(axes, (0.0, 3.14159), ("together", "against each oth
     branch = train(phase).response(start=0.2, stop=2.6, harmonics=12)
     branch.plot(ax=ax, quantity="dynamic_factor")
     ax.set_title(f"pushes {words}: at most {branch.dynamic_factor.max():.2f} times the mean force", fontsize=10)
+    near = (branch.frequency > 1.0) & (branch.frequency < 1.4)
+    assert (branch.dynamic_factor[near].max() > 2.5) == (phase == 0)
 axes[0].set_xlabel("")

@@ -22,6 +22,8 @@ figure, ax = plt.subplots(figsize=(7, 3), layout="constrained")
 for mesh, name in enumerate(train.mesh_labels, 1):
     for low, high in branch.separation_ranges(mesh, stable=True):
         ax.barh(mesh, high - low, left=low, color="C0" if "pump" not in name else "C3")
+wide = [sum(high - low for low, high in branch.separation_ranges(mesh, stable=True)) for mesh in range(1, 6)]
+assert wide[4] > 3 * sum(wide[:4])
 ax.set_yticks(range(1, 6), train.mesh_labels)
 ax.invert_yaxis()
 ax.set_xlim(0.3, 2.6)

@@ -13,6 +13,8 @@ import geartrain as gt
 plt.rcParams.update(gt.plot_style())
 train = gt.read_case("../../namelists/fig03.nml").train
 branch = train.response(start=1.2, stop=2.6, harmonics=8, period_doublings=1)
+((low, high),) = branch.bands_without_stability
+assert abs(low - 1.75) < 0.01 and abs(high - 2.04) < 0.01
 ax = branch.plot(mesh=1)
 ax.set_ylim(0, 1.5)
 

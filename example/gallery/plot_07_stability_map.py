@@ -20,3 +20,5 @@ chart = train.stability_map(
 ax = chart.plot()
 for frequency in train.natural_frequencies()[:2]:
     ax.axvline(2 * frequency, color="black", linestyle=":")
+    assert chart.spectral_radius[-1, abs(chart.frequency - 2 * frequency).argmin()] > 1
+assert (chart.spectral_radius[0] < 1).all()
