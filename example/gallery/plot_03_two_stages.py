@@ -13,7 +13,7 @@ case = gt.read_case("../../namelists/fig03.nml")
 branch = case.train.response(start=0.4, stop=1.2, harmonics=12)
 ax = branch.plot(mesh=2, jumps=True)
 sweep = case.train.sweep(start=0.41, stop=1.19, points=79, direction="both")
-sweep.plot(mesh=2, ax=ax, color="black", markersize=3)
+sweep.plot(mesh=2, ax=ax, color="black", markersize=3, label="_nolegend_")
 
 # Where integration found a period of the fundamental it stands on the branch.
 periodic = [motion for motion in sweep if motion.period == 1]

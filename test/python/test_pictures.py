@@ -429,7 +429,7 @@ def test_the_layout_of_a_train_keeps_bodies_apart(split):
 
 
 def test_pictures_have_one_style_that_needs_no_colour(branch):
-    """The first colours differ in lightness (CIE L*) by 10 or more; meshes have marks of their own; given axes keep their colours."""
+    """The first colours differ by 10 in lightness (CIE L*) at least; meshes have marks; given axes keep their colours."""
     channels = np.array([mpl.colors.to_rgb(color) for color in COLORS[:3]])
     linear = np.where(channels <= 0.04045, channels / 12.92, ((channels + 0.055) / 1.055) ** 2.4)
     lightness = np.sort(116 * np.cbrt(linear @ [0.2126, 0.7152, 0.0722]) - 16)
