@@ -14,6 +14,7 @@ sys.path.insert(0, str(HERE))
 import fortran_pages  # noqa: E402
 
 project = "geartrain"
+copyright = "2026, the geartrain authors"
 version = release = (HERE.parent / "fpm.toml").read_text(encoding="utf-8").split('version = "')[1].split('"')[0]
 language = "en"
 html_theme = "furo"
