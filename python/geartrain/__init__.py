@@ -42,6 +42,7 @@ from .errors import DrawingWarning, InputError, Interrupted, NotDifferentiableWa
 from .explanation import Explanation
 from .modes import Modes
 from .motion import Motion
+from .motions import Motions
 from .run_up import RunUp
 from .space import Space
 from .special_point import SpecialPoint
@@ -69,6 +70,7 @@ __all__ = [
     "Mesh",
     "Modes",
     "Motion",
+    "Motions",
     "NotDifferentiableWarning",
     "Order",
     "Peak",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from numbers import Real
+from numbers import Integral, Real
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -23,6 +23,7 @@ from .description import Description
 from .errors import InputError, SolverError, shown
 from .modes import Modes
 from .motion import Motion, from_state
+from .motions import Motions, find_motions
 from .parameter import with_values
 from .run_up import RunUp
 from .schematic import draw_schematic, figure_size
@@ -329,6 +330,63 @@ class Train(Description):
                 return Attractors._from(box, self, Branch._all_from(box, self, traced or {}, max(1, len(branches))))
 
         return watched(work, "attractors", settings["starts"])
+
+    def motions(
+        self, frequency: float, *, unit: Unit = "Lambda", period: int = 4, starts: int = 100, seeds: int = 200,
+        random_seed: int = 0, response: Branch | None = None,
+    ) -> Motions:
+        """Every periodic motion at one speed that can be found, stable or not, each to about 1e-11.
+
+        Looked for on the response and its period-doubled and crossing branches, by random starts of time integration, and by
+        shooting for every period from random states and from what these become after some periods of time integration; further
+        random states are tried where the sum of indices shows that motions are missing (`Motions`). Islands whose motions at this
+        speed are all unstable are found by the random states alone.
+
+        Parameters
+        ----------
+        frequency : float
+            Lambda, or in ``unit``.
+        unit : {'Lambda', 'rpm', 'Hz'}
+        period : int
+            Longest period, in periods of the fundamental.
+        starts : int
+            Random starts of time integration.
+        seeds : int
+            Random states to begin shooting from; up to four times as many where motions are missing.
+        random_seed : int
+        response : Branch, optional
+            A response that reaches this speed; one is followed round about it unless told.
+
+        Returns
+        -------
+        Motions
+            A list of `Motion`; ``how`` tells how each was found, ``complete`` whether the indices add up.
+
+        Raises
+        ------
+        InputError
+        Interrupted
+            On Ctrl-C.
+
+        Examples
+        --------
+        >>> found = train.motions(0.7, period=2, starts=20, seeds=40)
+        >>> [(motion.period, bool(motion.stable)) for motion in found], found.index_sum
+        ([(1, True), (1, True), (1, True), (1, False), (1, False)], {1: 1, 2: 1})
+        """
+        numbers = {"period": (period, 1), "starts": (starts, 1), "seeds": (seeds, 0), "random_seed": (random_seed, 0)}
+        for name, (value, least) in numbers.items():
+            if isinstance(value, bool) or not isinstance(value, Integral) or not least <= value < 2**31:
+                raise InputError(f"{name} = {shown(value)}: must be a whole number >= {least}")
+        if response is not None and not isinstance(response, Branch):
+            raise InputError(f"response = {shown(response)}: must be a gt.Branch")
+        if isinstance(frequency, bool) or not isinstance(frequency, Real) or not 0 < frequency < float("inf"):
+            raise InputError(f"frequency = {shown(frequency)}: must be a number > 0")
+        at = lambda_of(self, float(frequency), unit)
+        if response is None:
+            response = self.response(start=0.7 * at, stop=1.4 * at, harmonics=0, period_doublings=int(period).bit_length() - 1,
+                                     branch_points=True)
+        return find_motions(self, at, int(period), int(starts), int(seeds), int(random_seed), [response, *response.branches])
 
     @takes(VARIABLES["stability_map"], StabilityMapKeywords)
     def stability_map(self, **settings: Unpack[StabilityMapKeywords]) -> StabilityMap:

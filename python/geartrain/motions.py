@@ -1,0 +1,290 @@
+"""Every periodic motion at one speed that can be found, and whether their number adds up."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._motion_table import motions_of, put_motions
+from ._text_table import text_table
+from ._units import length_unit
+from .branch import Branch
+from .errors import SolverError
+from .motion import Motion, from_state
+
+__all__ = ["Motions", "find_motions"]
+
+Array = NDArray[np.float64]
+Find = tuple[Motion, str]
+
+_SAME = 1e-6  # distance of two orbits found by shooting, relative, below which they are one; shooting is good to 1e-11
+_NEAR_ONE = 1e-6  # distance of a real multiplier from 1 below which the index of a motion is not known
+_SPREAD, _WIDER = 2.0, 1.5  # box of the random states over the largest state known; its growth where motions are missing
+_BATCH = 100  # random states between two looks at the indices
+_PUSH = 1e-3  # relative, by which a flow begins beside an unstable motion
+_SETTLING = (3, 10, 30)  # periods of the fundamental that a random state is integrated for before it is tried
+_PATIENCE = 4  # times as many random states are tried where the indices do not add up
+
+
+class Motions(list[Motion]):
+    """The periodic motions at one speed, stable ones first: a list of `Motion`, each by shooting to about 1e-11.
+
+    Printed it is a table.
+
+    The sum of the indices tells whether motions are missing. The index of a fixed point of the period map's n-th iterate is the
+    sign of det(1 - M^n), M its monodromy matrix; a motion of period d counts d times where d divides n. At large amplitude the gap
+    does not matter: the period map approaches the linear one of the train without backlash, and the sum over all fixed points is
+    the sign of det(1 - M^n) of this one (the degree of an asymptotically linear map, Krasnosel'skii): 1, but for parametric
+    resonances. Another sum is proof that some are missing; the right sum is no proof that none is: motions come and go in pairs.
+
+    Attributes
+    ----------
+    frequency : float
+        Lambda.
+    how : list of str
+        How each was found first, (motions,).
+    index_sum, expected_sum : dict of int to int or None
+        The sum for every period up to the one asked for, and what it must be; None where a multiplier is too near to 1 to tell, or
+        where back flanks of another stiffness or phase make a train that is not linear at large amplitude either.
+    complete : bool or None
+        Whether all sums are as they must be; None where one of them is not known.
+    others : list of Motion
+        Attractors that random starts settled on without a period, or with a longer one.
+    tried : int
+        Random states from which shooting was begun.
+    """
+
+    def __init__(
+        self, found: Iterable[Find] = (), frequency: float = float("nan"), expected_sum: Mapping[int, int | None] | None = None,
+        others: Iterable[Motion] = (), tried: int = 0,
+    ) -> None:
+        ordered = sorted(found, key=lambda find: (not find[0].stable, find[0].period, tuple(find[0].rms)))
+        super().__init__(motion for motion, _ in ordered)
+        self.how = [how for _, how in ordered]
+        self.frequency = frequency
+        self.expected_sum = dict(expected_sum or {})
+        self.index_sum = {n: index_sum(self, n) for n in self.expected_sum}
+        self.complete = _adds_up(self.index_sum, self.expected_sum)
+        self.others = list(others)
+        self.tried = tried
+
+    def __str__(self) -> str:
+        unit = length_unit(self[0].train) if self else ""
+        table = text_table({
+            "period": [motion.period for motion in self],
+            f"rms{unit}": [motion.rms for motion in self],
+            "largest multiplier": [float(np.abs(motion.multipliers).max()) if motion.multipliers is not None else None
+                                   for motion in self],
+            "stable": [bool(motion.stable) for motion in self],
+            "found": self.how,
+        })
+        return f"{table}\n{self._verdict()}"
+
+    def _verdict(self) -> str:
+        if self.complete:
+            return "the indices add up"
+        sums = ", ".join(f"{self.index_sum[n]} of period {n} (must be {expected})" for n, expected in self.expected_sum.items()
+                         if expected is None or self.index_sum[n] != expected)
+        sums = sums.replace("None", "unknown")
+        return f"{'some are missing' if self.complete is False else 'whether some are missing is not known'}: sum of indices {sums}"
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} motions at Lambda = {self.frequency:g}: {self._verdict()}>"
+
+
+def find_motions(
+    train: Any, frequency: float, period: int, starts: int, seeds: int, random_seed: int, branches: Sequence[Branch]
+) -> Motions:
+    """What `Train.motions` is documented to do, at Lambda; ``branches`` are the response there and those that bifurcate from it."""
+    at_infinity = _multipliers_at_infinity(train, frequency)
+    known = _Known(train, frequency, {n: _index(at_infinity, n) for n in range(1, period + 1)})
+    for branch in branches:
+        for motion in branch.at(frequency):
+            known.add_near(motion, branch.origin or "response")
+    attractors = train.attractors(frequency, starts=starts, random_seed=random_seed)
+    others = []
+    for motion in attractors:
+        if 0 < motion.period <= period:
+            known.add_near(motion, "random start")
+        elif not motion.unbounded:
+            others.append(motion)
+    moments = np.random.default_rng(random_seed)
+    tried, spread = 0, _SPREAD
+    pushed: set[int] = set()
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        while tried < seeds or (tried < _PATIENCE * seeds and not known.adds_up()):
+            spread *= 1.0 if tried < seeds else _WIDER
+            states = list(_random_states(train, frequency, known, others, spread, moments, min(seeds, _BATCH)))
+            tried += len(states)
+            tries = [(state, n, how) for state, how in states for n in range(1, period + 1)]
+            for found, (_, n, how) in zip(pool.map(lambda one: known.shoot(one[0], one[1]), tries), tries, strict=True):
+                if found is not None:
+                    known.add(found, f"shooting for period {n} from {how}")
+            _leave_unstable(train, frequency, known, pushed)
+            if not states:
+                break
+    return Motions(known.found, frequency, known.expected_sum, others, tried)
+
+
+class _Known:
+    """The orbits found so far at a Lambda, each once."""
+
+    def __init__(self, train: Any, frequency: float, expected_sum: Mapping[int, int | None]) -> None:
+        self.train = train
+        self.frequency = frequency
+        self.period = max(expected_sum)
+        self.expected_sum = expected_sum
+        self.found: list[Find] = []
+
+    def shoot(self, state: Array, period: int) -> Motion | None:
+        """The orbit of a period near a state; None where shooting finds none."""
+        with self.train._ask_at(self.frequency, {}) as box:
+            start = replace(from_state(state, *box.sizes()), frequency=self.frequency, period=period)
+            put_motions(box, start, only_state=True)
+            try:
+                box.check(box.work("shoot", np.zeros(3)))
+            except SolverError:
+                return None
+            return Motion(train=self.train, **motions_of(box)[0])
+
+    def add_near(self, motion: Motion, how: str) -> None:
+        """Add the exact orbit near a motion, where there is one."""
+        try:
+            self.add(motion.refine(), how)
+        except SolverError:
+            return
+
+    def add(self, motion: Motion, how: str) -> None:
+        """Add an orbit, with its least period, unless it is known or its period is too long."""
+        least = least_period(motion)
+        if least < motion.period and motion.state is not None:
+            shorter = self.shoot(motion.state, least)
+            if shorter is None or not same_orbit(replace_period(shorter, motion.period), motion):
+                return
+            motion = shorter
+        if motion.period > self.period or any(same_orbit(motion, other) for other, _ in self.found):
+            return
+        self.found.append((motion, how))
+
+    def adds_up(self) -> bool:
+        motions = [motion for motion, _ in self.found]
+        return _adds_up({n: index_sum(motions, n) for n in self.expected_sum}, self.expected_sum) is not False
+
+
+def _random_states(
+    train: Any, frequency: float, known: _Known, others: Sequence[Motion], spread: float, moments: np.random.Generator, number: int
+) -> Iterator[tuple[Array, str]]:
+    """States in a box round all that is known, and what they become after some periods."""
+    states = [motion.state for motion in (*(motion for motion, _ in known.found), *others) if motion.state is not None]
+    if not states:
+        return
+    reach = spread * np.abs(states).max(axis=0)
+    reach = np.maximum(reach, 1e-3 * reach.max())
+    for _ in range((number + 1) // 2):
+        state = moments.uniform(-reach, reach)
+        yield state, "a random state"
+        try:
+            later = train.integrate(frequency, start=state, max_periods=int(moments.choice(_SETTLING)), stability=False)
+        except SolverError:  # it grows without bound
+            continue
+        if later.state is not None:
+            yield later.state, "the flow from a random state"
+
+
+def _leave_unstable(train: Any, frequency: float, known: _Known, pushed: set[int]) -> None:
+    """What the flows on either side of each unstable motion settle on."""
+    for motion, _ in list(known.found):
+        if motion.stable or motion.state is None or id(motion) in pushed:
+            continue
+        pushed.add(id(motion))
+        for push in (_PUSH, -_PUSH):
+            try:
+                later = train.integrate(frequency, start=motion.state * (1 + push))
+            except SolverError:  # it grows without bound
+                continue
+            if 0 < later.period <= known.period:
+                known.add_near(later, f"the flow beside the unstable motion of period {motion.period}")
+
+
+def index_sum(motions: Iterable[Motion], period: int) -> int | None:
+    """Sum of the indices of all fixed points of the period map's iterate number ``period``; None where one of them is not known."""
+    total = 0
+    for motion in motions:
+        if period % motion.period:
+            continue
+        index = _index(motion.multipliers, period // motion.period)
+        if index is None:
+            return None
+        total += index * motion.period
+    return total
+
+
+def _adds_up(sums: Mapping[int, int | None], expected: Mapping[int, int | None]) -> bool | None:
+    """Whether sums are as expected; None where one is not known and the others are as expected."""
+    verdicts = {None if sums[n] is None or expected[n] is None else sums[n] == expected[n] for n in expected}
+    return False if False in verdicts else None if None in verdicts or not verdicts else True
+
+
+def _multipliers_at_infinity(train: Any, frequency: float) -> NDArray[np.complex128] | None:
+    """Those of the train without backlash; None where the train is not linear at large amplitude either."""
+    if any(mesh.back_phase or mesh.back_stiffness not in (None, mesh.stiffness) for mesh in train.meshes):
+        return None
+    linear = replace(train, meshes=[replace(mesh, half_backlash=0.0, backlash=0.0) for mesh in train.meshes])
+    branch = linear.response(start=frequency, stop=1.001 * frequency, harmonics=1, amplitude_limit=1e15)
+    multipliers: NDArray[np.complex128] | None = branch.multipliers
+    return None if multipliers is None else multipliers[0]
+
+
+def _index(multipliers: NDArray[np.complex128] | None, times: int) -> int | None:
+    """Sign of det(1 - M^times); complex multipliers come in pairs, so that only real ones above 1 matter."""
+    if multipliers is None:
+        return None
+    real = multipliers[np.abs(multipliers.imag) <= 1e-12 * np.abs(multipliers)].real ** times
+    if (np.abs(real - 1) < _NEAR_ONE).any():
+        return None
+    return -1 if np.count_nonzero(real > 1) % 2 else 1
+
+
+def least_period(motion: Motion) -> int:
+    """The least period of which the waveform is, by the harmonics that it lacks."""
+    amplitude = np.hypot(motion.coefficients[:, 1::2], motion.coefficients[:, 2::2]).max(axis=0)
+    order = np.arange(1, len(amplitude) + 1)
+    scale = max(float(amplitude.max(initial=0.0)), float(np.abs(motion.coefficients[:, 0]).max()) * 1e-3)
+    for period in range(1, motion.period):
+        if motion.period % period == 0 and (amplitude[order % (motion.period // period) > 0] < _SAME * scale).all():
+            return period
+    return motion.period
+
+
+def replace_period(motion: Motion, period: int) -> Motion:
+    """The motion as one of a multiple of its period."""
+    times = period // motion.period
+    old = motion.coefficients
+    new = np.zeros((len(old), 1 + 2 * times * ((old.shape[1] - 1) // 2)))
+    new[:, 0] = old[:, 0]
+    for harmonic in range(1, (old.shape[1] - 1) // 2 + 1):
+        new[:, 2 * times * harmonic - 1:2 * times * harmonic + 1] = old[:, 2 * harmonic - 1:2 * harmonic + 1]
+    return replace(motion, period=period, coefficients=new)
+
+
+def same_orbit(one: Motion, other: Motion) -> bool:
+    """Whether two motions are one orbit, begun perhaps some periods of the fundamental apart."""
+    if one.period != other.period:
+        return False
+    harmonics = (min(one.coefficients.shape[1], other.coefficients.shape[1]) - 1) // 2
+    first, second = _complex(one, harmonics), _complex(other, harmonics)
+    scale = max(float(np.abs(first).max()), float(np.abs(second).max()))
+    turn = np.exp(2j * np.pi * np.arange(harmonics + 1) / one.period)
+    return any(float(np.abs(first * turn**shift - second).max()) < _SAME * scale for shift in range(one.period))
+
+
+def _complex(motion: Motion, harmonics: int) -> NDArray[np.complex128]:
+    """Mean and complex amplitudes, (meshes, 1 + harmonics)."""
+    kept = motion.coefficients[:, : 1 + 2 * harmonics]
+    return np.hstack([kept[:, :1] + 0j, kept[:, 1::2] - 1j * kept[:, 2::2]])
