@@ -4,14 +4,18 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import NullLocator
 
+import geartrain as gt
+
+plt.rcParams.update(gt.plot_style())
+
 STYLES = {
-    "exact": ("tab:blue", "o", "-"), "adaptive": ("tab:green", "s", "-"), "sampled, Q = 64": ("0.75", "v", ":"),
+    "exact": ("C0", "o", "-"), "adaptive": ("C2", "s", "-"), "sampled, Q = 64": ("0.75", "v", ":"),
     "sampled, Q = 256": ("0.55", "v", ":"), "sampled, Q = 1024": ("0.35", "v", ":"), "sampled, Q = 4096": ("0.15", "v", ":"),
-    "integration": ("tab:orange", "^", "--"), "shooting": ("black", "*", "none"),
+    "integration": ("C1", "^", "--"), "shooting": ("black", "*", "none"),
 }  # fmt: skip
 PEER_STYLES = {
-    "geartrain": ("tab:blue", "o"), "geartrain, adaptive": ("tab:green", "s"), "pyHarm": ("tab:red", "v"),
-    "jaxcont": ("tab:purple", "D"), "AUTO-07p": ("tab:brown", "s"), "SciPy": ("tab:orange", "^"),
+    "geartrain": ("C0", "o"), "geartrain, adaptive": ("C2", "s"), "pyHarm": ("C3", "v"),
+    "jaxcont": ("C4", "D"), "AUTO-07p": ("C5", "s"), "SciPy": ("C1", "^"),
 }  # fmt: skip
 
 
@@ -128,7 +132,7 @@ def draw_scale(found, path):
     figure, axes = plt.subplots(1, 3, figsize=(12, 4), layout="constrained")
     for place, rows, what in ((axes[0], found["shafts"], "shafts"), (axes[1], found["harmonics"], "harmonics R")):
         label_sizes(place, [row["size"] for row in rows][:: 1 + len(rows) // 8])
-        for key, color, marker in (("without", "tab:blue", "o"), ("with", "tab:red", "s")):
+        for key, color, marker in (("without", "C0", "o"), ("with", "C3", "s")):
             known = [(row["size"], np.median(row[key])) for row in rows if key in row]
             place.plot(*zip(*known, strict=True), color=color, marker=marker, markersize=4, label=f"{key} multipliers")
         size = np.array([rows[0]["size"], rows[-1]["size"]])

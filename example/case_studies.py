@@ -128,9 +128,10 @@ def draw_rattle(folder: Path) -> None:
     force = [with_engine_torque(case.train, value).integrate(speed, unit="rpm").mesh_force for value in amplitude]
     rigid = rigid_threshold(case.train, speed)
     figure, ax = plt.subplots(figsize=(7, 4), constrained_layout=True)
-    for mesh, (name, color) in enumerate(zip(rigid, ("tab:blue", "tab:orange")), 1):
-        ax.plot(amplitude, [each[:, mesh].max() for each in force], color=color, label=" - ".join(case.train.meshes[mesh].between))
-        ax.plot(amplitude, [each[:, mesh].min() for each in force], color=color)
+    for mesh, (name, color) in enumerate(zip(rigid, ("C0", "C1")), 1):
+        look = {"color": color, "marker": "os"[mesh - 1], "markevery": 4, "markersize": 4.5}
+        ax.plot(amplitude, [each[:, mesh].max() for each in force], **look, label=" - ".join(case.train.meshes[mesh].between))
+        ax.plot(amplitude, [each[:, mesh].min() for each in force], **look)
         ax.axvline(rigid[name], color=color, ls=":")
         print(name, rigid[name], rattle_threshold(case.train, mesh + 1, speed))
     ax.plot([], [], color="black", ls=":", label="drag = inertia x acceleration")
@@ -143,6 +144,7 @@ def draw_rattle(folder: Path) -> None:
 def main() -> None:
     """Draw all pictures."""
     folder = Path(sys.argv[1])
+    plt.rcParams.update(gt.plot_style())
     warnings.simplefilter("ignore", gt.DrawingWarning)
     draw_rattle(folder)
     draw_reducer(folder)

@@ -268,12 +268,12 @@ def draw(designs: dict[str, Array], chances: Reliability, path: Path) -> None:
     for place, (name, x) in enumerate(designs.items()):
         branch = problem.train.with_values(problem.values(x)).response(start=problem.edges[0], stop=problem.edges[-1], harmonics=12)
         largest = branch.dynamic_factor.max(axis=1)
-        left.plot(branch.frequency, largest, color=f"C{place}", label=f"{name}: {largest.max():.2f}")
+        left.plot(branch.frequency, largest, linestyle=("-", "--", "-.", ":")[place % 4], label=f"{name}: {largest.max():.2f}")
     left.set(xlabel="Λ", ylabel="dynamic factor, the larger of both meshes", title="least largest dynamic factor")
     left.legend()
-    for above, color, label in ((False, "C0", "jump below 0.86"), (True, "C3", "above")):
+    for above, color, marker, label in ((False, "C0", ".", "jump below 0.86"), (True, "C3", "x", "above")):
         chosen = chances.samples[chances.above == above]
-        right.plot(*chosen.T, ".", ms=2, color=color, label=label)
+        right.plot(*chosen.T, marker, ms=2, color=color, label=label)
     right.plot(*chances.design_point, "k*", ms=12, label="most likely of these")
     right.set(xlabel="damping ratio", ylabel="stiffness variation", title="where the pair's jump is too high")
     right.legend(markerscale=2)
@@ -283,6 +283,7 @@ def draw(designs: dict[str, Array], chances: Reliability, path: Path) -> None:
 
 def main(folder: str = "results") -> None:
     """Answer the four questions, print and draw the answers."""
+    plt.rcParams.update(gt.plot_style())
     problem = FactorsOfRanges()
     before = problem.factors(problem.start, derivatives=False)[0].max()
     print(f"largest dynamic factor of the train as it is: {before:.3f}")

@@ -89,7 +89,7 @@ def draw_distributions(dataset: Dataset, path: Path) -> None:
                        textcoords="offset points", va="center", fontsize=7.5)
     above.set(xlabel="Λ of the jump", yticks=[], xlim=(0.4, 2.6), title=f"jumps of {dataset.sizes['sample']} trains")
     for mesh, name in enumerate(FACTORS, 1):
-        below.hist(dataset[name].values, bins=60, alpha=0.7, label=f"mesh {mesh}")
+        below.hist(dataset[name].values, bins=60, alpha=0.7, hatch=("", "////")[mesh - 1], label=f"mesh {mesh}")
     below.set(xlabel="largest dynamic factor of all stable motions", ylabel="trains")
     below.legend()
     figure.savefig(path, dpi=110)
@@ -108,6 +108,7 @@ def draw_indices(found: Mapping[str, Mapping[str, Any]], path: Path) -> None:
         names = [name.replace("_", " ") for name in PARAMETERS]
         axes.set_xticks(range(len(names)), names, rotation=35, ha="right", fontsize=8)
         axes.set_yticks(range(len(found)), [name.replace("_", " ") for name in found], fontsize=8)
+        axes.grid(visible=False)
         axes.set_title(f"Sobol indices, {title}")
     figure.colorbar(picture, ax=panels, shrink=0.8)
     figure.savefig(path, dpi=110)
@@ -116,6 +117,7 @@ def draw_indices(found: Mapping[str, Mapping[str, Any]], path: Path) -> None:
 
 def main(engine: str, folder: str = "results/tolerance", pictures: str = "results", base: int = 256) -> None:
     """Run the study, print what it says, and draw it."""
+    plt.rcParams.update(gt.plot_style())
     study = tolerance_study(base)
     print(study.explain(folder))
     dataset = run(study, Path(folder), engine)

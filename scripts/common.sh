@@ -39,3 +39,16 @@ counts() {
    grep -aE '^[0-9]+ (passed|failed|errors?)\b' "$1" | grep -oE '[0-9]+ (passed|failed|error)' |
       awk '{ n[$2] += $1 } END { print n["passed"] + 0, n["failed"] + n["error"] + 0 }' || echo 0 0
 }
+
+# once STAMP HASH COMMAND...: runs the command unless it was done for the same hash.
+once() {
+   local stamp=.venv/$1 hash=$2
+   shift 2
+   [ "$(cat "$stamp" 2>/dev/null)" = "$hash" ] && return
+   "$@"
+   echo "$hash" >"$stamp"
+}
+
+hash_files() {
+   find "$@" -type f ! -name '*.pyc' -print0 | LC_ALL=C sort -z | xargs -0 sha256sum | sha256sum
+}

@@ -12,23 +12,16 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
+import geartrain as gt
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 __all__ = ["STYLE", "draw_figure", "main"]
 
-STYLE: Any = {
-    "font.size": 11,
-    "axes.labelsize": 12,
-    "legend.fontsize": 10,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": "0.92",
-    "axes.axisbelow": True,
-}
+STYLE: Any = {**gt.plot_style(), "font.size": 11, "axes.labelsize": 12, "legend.fontsize": 10}
 
-_BLUE, _GREY, _RED = "#1f4e9c", "0.55", "#c8391e"
+_BLUE, _GREY, _RED = "C0", "0.55", "C3"
 
 
 def draw_figure(folder: Path, dpi: int = 160) -> Path:
@@ -79,7 +72,7 @@ def draw_figure(folder: Path, dpi: int = 160) -> Path:
 
 
 _MARKS: dict[str, Any] = {"ls": "none", "marker": "s", "ms": 2.4, "mfc": "none", "mec": _RED, "mew": 0.6}
-_OTHER_MARKS: dict[str, Any] = {**_MARKS, "marker": "D", "ms": 2.4, "mec": "#d98a1f"}
+_OTHER_MARKS: dict[str, Any] = {**_MARKS, "marker": "D", "ms": 2.4, "mec": "C1"}
 _LINEAR_MARKS: dict[str, Any] = {**_MARKS, "ms": 1.8, "mec": "0.35", "mew": 0.5}
 
 

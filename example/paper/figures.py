@@ -111,7 +111,8 @@ FIGURES = {
     ),
 }
 
-_COLORS = ("#1f4e9c", "#c8391e", "#2e8b57", "#8a5fb0")
+_COLORS: tuple[str, ...] = tuple(STYLE["axes.prop_cycle"].by_key()["color"])
+_MARKS = ("s", "o", "^", "D")
 _DPI = 90
 _THIN = 0.7  # line width of period-1 branches found from random starts
 
@@ -144,8 +145,8 @@ def draw(figure: Figure, curves: Sequence[Drawn]) -> Picture:
             else:
                 entries = [(curves[place], mesh, rf"mesh {mesh + 1}, $p_{2 * (mesh + 1)}$") for mesh in range(2)]
                 title, ylabel = figure.curves[place].label, "rms $/ b_c$"
-            for (drawn, mesh, label), color in zip(entries, _palette(figure)):
-                _draw_one(ax, drawn, mesh, label, color)
+            for (drawn, mesh, label), color, mark in zip(entries, _palette(figure), _MARKS):
+                _draw_one(ax, drawn, mesh, label, color, mark)
             ax.set_xlim(figure.left, figure.right)
             ax.set_ylim(0.0, figure.top[place])
             ax.set_ylabel(ylabel)
@@ -161,28 +162,31 @@ def _palette(figure: Figure) -> tuple[str, ...]:
     return ("0.55", *_COLORS) if figure.curves[-1].period > 1 else _COLORS
 
 
-def _draw_one(ax: Axes, drawn: Drawn, mesh: int, label: str, color: str) -> None:
+def _draw_one(ax: Axes, drawn: Drawn, mesh: int, label: str, color: str, mark: str) -> None:
     for place, branch in enumerate(drawn.branches):
         name = "_nolegend_" if place else label
         width = _THIN if place and branch.subharmonic == 1 else 1.5
         replace(branch, branches=[]).plot(mesh + 1, ax, label=name, color=color, lw=width)
     marks = [(motion.frequency, motion.rms[mesh]) for motion in drawn.marks]
     if marks:
-        ax.plot(*np.transpose(marks), ls="none", marker="s", ms=3.4, mfc="none", mec=color, mew=0.8)
+        ax.plot(*np.transpose(marks), ls="none", marker=mark, ms=3.4, mfc="none", mec=color, mew=0.8)
 
 
 def _legend(picture: Picture, ax: Axes, further: bool) -> None:
     from matplotlib.lines import Line2D
 
-    handles, _ = ax.get_legend_handles_labels()
-    handles += [
+    curves: list[Any] = ax.get_legend_handles_labels()[0]
+    handles = [
+        Line2D([], [], color=curve.get_color(), lw=1.5, marker=mark, ms=4, mfc="none", label=curve.get_label())
+        for curve, mark in zip(curves, _MARKS)
+    ] + [
         Line2D([], [], color="black", lw=1.5, label="stable"),
         Line2D([], [], color="black", lw=1.5, ls=(0, (3, 1.5)), label="unstable"),
-        Line2D([], [], ls="none", marker="s", ms=3.4, mfc="none", mec="black", mew=0.8, label="time integration"),
+        Line2D([], [], ls="none", label="marks: time integration"),
     ]
     if further:
         handles.append(Line2D([], [], color="black", lw=_THIN, label="not joined to the others"))
-    picture.legend(handles=handles, loc="outside upper center", ncols=min(4, len(handles)), frameon=False)
+    picture.legend(handles=handles, loc="outside upper center", ncols=3, frameon=False)
 
 
 def _draw_natural_frequencies(stiffness: Array, frequency: Array) -> Picture:
@@ -191,7 +195,7 @@ def _draw_natural_frequencies(stiffness: Array, frequency: Array) -> Picture:
     with plt.rc_context(STYLE):
         picture, ax = plt.subplots(figsize=(8.0, 5.2), layout="constrained")
         order = "abdec"  # with the stiffest shaft
-        for name, color in zip(sorted(order), (*_COLORS, "#d98a1f")):
+        for name, color in zip(sorted(order), _COLORS):
             values = frequency[:, order.index(name)]
             ax.semilogx(stiffness, values, color=color, lw=1.8, ls="--" if name == "e" else "-", label=rf"$\omega_{name}$")
         ax.set_xlim(stiffness[0], stiffness[-1])

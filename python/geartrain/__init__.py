@@ -32,6 +32,7 @@ array([ 0.9571,  1.8662,  6.6807,  6.681 , 15.9206])
 from __future__ import annotations
 
 from . import _box
+from ._draw import plot_style
 from .attractors import Attractors
 from .audit import Audit
 from .branch import Branch
@@ -84,6 +85,7 @@ __all__ = [
     "Sweep",
     "Train",
     "Trajectory",
+    "plot_style",
     "read_case",
     "read_results",
     "read_study",

@@ -1,4 +1,4 @@
-"""What pictures share: response curves, stable solid, unstable dashed; axes, lines of a spectrum."""
+"""What pictures share: their style; response curves, stable solid, unstable dashed; axes, lines of a spectrum."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ._extras import extra
 from .errors import InputError, shown
@@ -15,12 +15,41 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 __all__ = [
-    "UNSTABLE", "add_keys", "check_number", "draw_curve", "draw_lines", "draw_range", "line_style", "new_axes", "put_legend",
-    "runs",
+    "COLORS", "DASHES", "MARKERS", "UNSTABLE", "add_keys", "check_number", "draw_curve", "draw_lines", "draw_range", "line_style",
+    "new_axes", "plot_style", "put_legend", "runs",
 ]
 
+#: Colours of M. Okabe and K. Ito, which the colour-blind tell apart; the first ones differ most in lightness, for print in grey.
+COLORS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000")
+#: Of the meshes or shafts of a picture, beside their colours: marks on curves over speed, dashes of time histories.
+MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (5, 1.5, 1, 1.5)), (0, (1, 1.2)))
 #: Line style of unstable motions.
 UNSTABLE = (0, (3, 1.5))
+#: Marks of a curve on a way as long as each axis: few on steep parts, where those of a narrow peak would hide it.
+_MARKS_ACROSS, _MARKS_UP = 10, 2
+
+
+def plot_style() -> dict[str, Any]:
+    """The style of all pictures, as settings of matplotlib.
+
+    Pictures on axes of their own have it; axes that are given keep theirs.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> with plt.rc_context(gt.plot_style()):
+    ...     figure, axes = plt.subplots(2)
+    """
+    return {
+        "axes.prop_cycle": extra("matplotlib").cycler(color=COLORS),
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "axes.grid": True,
+        "grid.color": "0.92",
+        "axes.axisbelow": True,
+        "hatch.linewidth": 0.6,
+    }
 
 
 def runs(stable: ArrayLike | None, segment: ArrayLike) -> Iterator[tuple[slice, bool]]:
@@ -44,21 +73,32 @@ def draw_curve(
     stable: ArrayLike | None,
     segment: ArrayLike | None = None,
     label: str | None = None,
+    mark: str | None = None,
     **style: Any,
 ) -> None:
-    """Draw a curve; ``label`` names its first stable piece, or its first."""
+    """Draw a curve; ``label`` names its first stable piece, or its first; ``mark`` stands at equal distances along it."""
     style = line_style(style)
     frequency, values = np.asarray(frequency), np.asarray(values)
+    marks = _marks(frequency, values)
     pieces = list(runs(stable, np.ones(frequency.shape) if segment is None else segment))
     named = next((i for i, piece in enumerate(pieces) if piece[1]), 0)
     color = style.pop("color", None) or ax._get_lines.get_next_color()  # type: ignore[attr-defined]
     for i, (piece, is_stable) in enumerate(pieces):
-        ax.plot(
-            frequency[piece],
-            values[piece],
-            **{"linestyle": "-" if is_stable else UNSTABLE, "color": color, **style},
-            label=label if i == named else None,
-        )
+        own: dict[str, Any] = {"linestyle": "-" if is_stable else UNSTABLE, "color": color}
+        if mark is not None:
+            own |= {"marker": mark, "markersize": 4.5, "markevery": np.flatnonzero(marks[piece]).tolist()}
+        ax.plot(frequency[piece], values[piece], **{**own, **style}, label=label if i == named else None)
+
+
+def _marks(across: NDArray[Any], up: NDArray[Any]) -> NDArray[np.bool_]:
+    """Which points of a curve have marks: those next to equal distances along it."""
+    if not (np.isfinite(across) & np.isfinite(up)).any():
+        return np.zeros(len(across), bool)
+    ways = [count * np.nan_to_num(np.diff(values)) / (np.nanmax(values) - np.nanmin(values) or 1.0)
+            for values, count in ((across, _MARKS_ACROSS), (up, _MARKS_UP))]
+    along = np.append(0.5, 0.5 + np.hypot(*ways).cumsum())
+    stands: NDArray[np.bool_] = np.diff(np.floor(along), prepend=0.0) > 0
+    return stands
 
 
 def draw_range(
@@ -104,10 +144,10 @@ def put_legend(ax: Axes, own: bool, raised: float = 0.0, title: str | None = Non
             return
 
 
-def draw_lines(ax: Axes, places: ArrayLike, heights: ArrayLike, width: float, color: Any) -> None:
+def draw_lines(ax: Axes, places: ArrayLike, heights: ArrayLike, width: float, color: Any, marker: str = "o") -> None:
     """Lines of a spectrum, each at its place with a mark on top; wide ones show behind narrow ones drawn later."""
     ax.vlines(places, 0.0, heights, colors=[color], linewidth=width, alpha=0.8)
-    ax.plot(places, heights, linestyle="none", marker="o", markersize=2.0 + width / 2, color=color, alpha=0.8)
+    ax.plot(places, heights, linestyle="none", marker=marker, markersize=2.0 + width / 2, color=color, alpha=0.8)
 
 
 def line_style(style: dict[str, Any]) -> dict[str, Any]:
@@ -119,12 +159,13 @@ def line_style(style: dict[str, Any]) -> dict[str, Any]:
     return named
 
 
-def new_axes(ax: Axes | None, **figure: Any) -> Axes:
+def new_axes(ax: Any | None, rows: int = 1, **figure: Any) -> Any:
     """The axes given, or those of a new figure."""
     if ax is not None:
         return ax
-    made: Axes = extra("matplotlib.pyplot").subplots(layout="constrained", **figure)[1]
-    return made
+    plt = extra("matplotlib.pyplot")
+    with plt.rc_context(plot_style()):
+        return plt.subplots(rows, layout="constrained", **figure)[1]
 
 
 def check_number(name: str, number: Any, most: int) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._draw import new_axes, put_legend
+from ._draw import COLORS, DASHES, new_axes, put_legend
 from ._text_table import text_table
 from ._units import Unit, own_lambda, speed_of, units_of
 from .description import Description
@@ -164,9 +164,9 @@ class Campbell:
         sources = sorted({_source(order) for order in self.orders})
         taken: list[tuple[float, float]] = []
         for order in self.orders:
-            color = f"C{sources.index(_source(order)) % 10}"
+            color, dashes = _look(sources.index(_source(order)))
             hertz = order.order * ends * self.train._outline["fundamental_frequency"]
-            ax.plot(units.per_lambda * ends, hertz, color=color, linewidth=0.9)
+            ax.plot(units.per_lambda * ends, hertz, color=color, linestyle=dashes, linewidth=1.1)
             self._name(ax, order, units.per_lambda * ends, hertz, inside / top, top, color, taken)
         at = [units.per_lambda * crossing.frequency for crossing in self.crossings]
         ax.plot(at, reached, **{"linestyle": "none", "marker": "o", "color": "black", "markersize": 4, "zorder": 3, **style})
@@ -175,7 +175,8 @@ class Campbell:
         ax.set_xlabel(units.frequency)
         ax.set_ylabel("frequency  [Hz]")
         for number, source in enumerate(sources):
-            ax.plot([], [], color=f"C{number % 10}", label=source)
+            color, dashes = _look(number)
+            ax.plot([], [], color=color, linestyle=dashes, label=source)
         known = any(order.per_revolution is not None for order in self.orders)
         put_legend(ax, own, title=f"orders per revolution of {self.train.speed_name}" if known else r"orders of $\Lambda$")
         return ax
@@ -229,6 +230,11 @@ def exciting_orders(train: Description) -> tuple[Order, ...]:
     ratio = numbers["train"].get("speed_ratio")
     excited = sorted((int(order), ", ".join(names)) for order, names in found.items() if names)
     return tuple(Order(order, name, order / ratio if ratio else None) for order, name in excited)
+
+
+def _look(number: int) -> tuple[str, Any]:
+    """Colour and dashes of a source; lines of the modes are black."""
+    return COLORS[number % (len(COLORS) - 1)], DASHES[number % len(DASHES)]
 
 
 def _source(order: Order) -> str:

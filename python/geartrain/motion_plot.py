@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._draw import check_number, draw_lines, line_style, new_axes, put_legend
-from ._extras import extra
+from ._draw import DASHES, MARKERS, check_number, draw_lines, line_style, new_axes, put_legend
 from ._motion_check import check_motion
 from ._orders import named_orders
 from ._units import Unit, Units, units_of
@@ -98,7 +97,7 @@ class Pictures:
         chosen = self._chosen(mesh)
         history, shown = self._history(periods)
         if axes is None:
-            axes = extra("matplotlib.pyplot").subplots(3, layout="constrained", figsize=(6.4, 7.2))[1]
+            axes = new_axes(None, 3, figsize=(6.4, 7.2))
         assert axes is not None
         style = line_style(style)
         names = mesh_names(self.train, len(self.rms))
@@ -107,10 +106,11 @@ class Pictures:
         visible = (amplitude > _VISIBLE * amplitude.max(initial=0.0)).any(axis=1)
         places = order * self._order_factor(units)
         for row, column in enumerate(chosen):
-            (line,) = axes[0].plot(time, history.displacement[shown, column], **{"label": names[column], **style})
-            axes[1].plot(time, history.mesh_force[shown, column], **{"color": line.get_color(), **style})
+            own = {"label": names[column], "linestyle": DASHES[row % len(DASHES)], **style}
+            (line,) = axes[0].plot(time, history.displacement[shown, column], **own)
+            axes[1].plot(time, history.mesh_force[shown, column], **{**own, "color": line.get_color()})
             width = max(1.0, 3.0 - row) if len(chosen) > 1 else 1.5
-            draw_lines(axes[2], places[visible], amplitude[visible, column], width, line.get_color())
+            draw_lines(axes[2], places[visible], amplitude[visible, column], width, line.get_color(), MARKERS[row % len(MARKERS)])
         if visible.any():
             # From below 0, so that a slow line stands clear of the frame.
             right = 1.03 * places[visible][-1] + places[0]

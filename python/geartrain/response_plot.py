@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._box import described
-from ._draw import UNSTABLE, add_keys, check_number, draw_curve, draw_range, line_style, new_axes, put_legend
+from ._draw import MARKERS, UNSTABLE, add_keys, check_number, draw_curve, draw_range, line_style, new_axes, put_legend
 from ._units import Unit, Units, lambda_of, units_of
 from .description import Description, mesh_names
 from .errors import InputError, shown
@@ -137,17 +137,18 @@ class Curves(Readings):
         colors = []
         for column in columns:
             thin: dict[str, Any] = {}
+            mark = MARKERS[column % len(MARKERS)] if len(columns) > 1 and not {"linestyle", "marker"} & style.keys() else None
             for branch, curve in zip((self, *self.branches), curves):
                 frequency = units.per_lambda * branch.frequency
                 for values in curve.values:
                     name = None if thin else label or curve.names[column]
-                    draw_curve(ax, frequency, values[:, column], branch.stable, branch.segment, name, **{**thin, **style})
+                    draw_curve(ax, frequency, values[:, column], branch.stable, branch.segment, name, mark, **{**thin, **style})
                     # The same colour, whether it was given or the next of the cycle.
                     thin = {"color": ax.lines[-1].get_color()}
                 if len(curve.values) > 1:
                     low, high = (values[:, column] for values in curve.values)
                     draw_range(ax, frequency, low, high, branch.stable, branch.segment, thin["color"])
-                thin["linewidth"] = 0.8
+                thin["linewidth"], mark = 0.8, None
             colors.append(thin["color"])
         keys = self._mark_unstable(style)
         if jumps:

@@ -71,7 +71,7 @@ class RunUp(Table):
     shaft_torque_minimum, shaft_torque_maximum : ndarray, (windows, shafts)
         Likewise [N m].
     state : ndarray
-        At the end of the last window, as `Motion.state`.
+        At the end of the last window, as ``Motion.state``.
     start_period : int
         Period of the steady motion with which it begins; 0 where it begins with a state of no steady motion.
     ended : str
@@ -223,7 +223,7 @@ class RunUp(Table):
         unit : {'Lambda', 'rpm', 'Hz'}, optional
             Of the speed, along which the spectra stand; unless told rpm where Lambda is the speed in rpm, else Lambda.
         orders : iterable of float or str, optional
-            To draw as lines: multiples of the fundamental frequency, `Order.order` of a Campbell diagram, or names such as
+            To draw as lines: multiples of the fundamental frequency, ``Order.order`` of a Campbell diagram, or names such as
             ``'mesh 1'``, ``'2 x mesh 1'``, ``'mesh 2 - mesh 1'`` and, of a train with teeth, the name of a body for its
             revolution. Unless told the meshes and their doubles.
         highest : float, optional

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ._draw import COLORS
 from .description import Description
 
 if TYPE_CHECKING:
@@ -180,7 +181,7 @@ def _draw_joint(ax: Axes, joint: Joint, places: Array, sizes: Array, words: str,
     distance = float(np.hypot(*(end - begin)))
     along = (end - begin) / distance
     middle = (begin + sizes[one] * along + end - sizes[other] * along) / 2
-    color = "0.45" if share is None else "C3"
+    color = "0.45" if share is None else COLORS[3]
     thickness = 3.5 if share is None else 1.0 + 9.0 * share
     style = (0, (1, 1)) if joint.is_mesh else "-"
     ax.plot(*zip(begin, end), color=color, linewidth=thickness, linestyle=style, zorder=1, solid_capstyle="butt")

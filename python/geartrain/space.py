@@ -198,7 +198,7 @@ def _column(name: str, values: Any) -> NDArray[Any]:
     if column.ndim != 1 or not len(column) or column.dtype.kind not in "biufU":
         raise InputError(f"parameter {name!r}: {shown(values)}: must be a list of numbers or of texts")
     if column.dtype.kind == "f" and not np.isfinite(column).all():
-        raise InputError(f"parameter {name!r}: value {int(np.argmin(np.isfinite(column)))} from 0 is not finite")
+        raise InputError(f"parameter {name!r}: value {int(np.argmin(np.isfinite(column)))}, counted from 0, is not finite")
     return column
 
 

@@ -370,7 +370,7 @@ def _workers(plan: Plan, left: Sequence[int]) -> int:
 
 
 def read_study(folder: str | os.PathLike[str]) -> Study:
-    """The study of a folder, the latest begun there: its `dataset`, `explain`, `branch` and `run` need no script.
+    """The study of a folder, the latest begun there: `Study.dataset`, `Study.explain`, `Study.branch`, `Study.run` need no script.
 
     Parameters
     ----------

@@ -215,7 +215,8 @@ class Train(Description):
         frequency : float
             Lambda, or in ``unit``.
         start : Motion or array_like, optional
-            Where to start: a motion, or displacement and then velocity of every elastic element, (2*elements,), as `Motion.state`.
+            Where to start: a motion, or displacement and then velocity of every elastic element, (2*elements,), as
+            ``Motion.state``.
         **settings
             Variables of ``&integration``.
 
@@ -414,7 +415,7 @@ class Train(Description):
         **settings
             The variables of ``&run_up``.
         seed : Motion or array_like, optional
-            What to settle from at ``start``: a motion, or a state as `Motion.state`; at rest unless told. With
+            What to settle from at ``start``: a motion, or a state as ``Motion.state``; at rest unless told. With
             ``max_periods=0`` the ramp begins with it as it is.
 
         Returns

@@ -12,17 +12,17 @@ import geartrain as gt
 
 #: What a run was killed at, each long enough for a checkpoint of it.
 CASES = {
-    "response": "&response from = 0.2, to = 2.6, step = 1e-4, max_points = 100000 /\n",
-    "tolerance": "&response from = 0.2, to = 2.6, harmonics = 0, tolerance = 1e-7, step = 0.001, max_points = 100000 /\n",
+    "response": "&response from = 0.2, to = 2.6, step = 0.0003, max_points = 100000 /\n",
+    "tolerance": "&response from = 0.2, to = 2.6, harmonics = 0, tolerance = 1e-7, step = 0.003, max_points = 100000 /\n",
     "doublings": "&response from = 1.6, to = 4.2, period_doublings = 2, step = 0.0005, max_points = 100000 /\n",
-    "refinement": "&response from = 0.2, to = 2.6, step = 0.005, refine = .true. /\n",
-    "integration": "&integration from = 0.2, to = 2.6, points = 1000, direction = 'both' /\n",
-    "attractors": "&attractors frequency = 0.6, starts = 4000 /\n",
+    "refinement": "&response from = 0.2, to = 2.6, step = 0.01, refine = .true. /\n",
+    "integration": "&integration from = 0.2, to = 2.6, points = 250, direction = 'both' /\n",
+    "attractors": "&attractors frequency = 0.6, starts = 300 /\n",
     "map": (
         "&stability_map from = 0.4, to = 1.6, points = 40, parameter_from = 0.01, parameter_to = 0.1,\n"
         "   parameter_points = 400 /\n"
     ),
-    "run_up": "&run_up from = 0.2, to = 2.6, duration = 40.0, samples = 1 /\n",
+    "run_up": "&run_up from = 0.2, to = 2.6, duration = 12.0, samples = 1 /\n",
 }
 FLIPS = 1000
 
@@ -114,12 +114,12 @@ def test_the_same_bits_from_a_whole_one(executable, tmp_path):
     for kind, analyses in {
         "response": "&response from = 0.2, to = 2.6, step = 0.0003, max_points = 100000 /\n",
         "doublings": "&response from = 1.6, to = 4.2, period_doublings = 1, step = 0.0005, max_points = 100000 /\n",
-        "attractors": "&attractors frequency = 0.6, starts = 2000 /\n",
+        "attractors": "&attractors frequency = 0.6, starts = 300 /\n",
         "map": (
             "&stability_map from = 0.4, to = 1.6, points = 40, parameter_from = 0.01, parameter_to = 0.1,\n"
             "   parameter_points = 200 /\n"
         ),
-        "run_up": "&run_up from = 0.2, to = 2.6, duration = 20.0, samples = 1 /\n",
+        "run_up": "&run_up from = 0.2, to = 2.6, duration = 12.0, samples = 1 /\n",
     }.items():
         case = write_case(tmp_path, analyses, f"{kind}.nml")
         whole, output = tmp_path / f"{kind}-whole.h5", tmp_path / f"{kind}.h5"

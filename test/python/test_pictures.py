@@ -11,6 +11,7 @@ from matplotlib import pyplot as plt
 from matplotlib.patches import Circle
 
 import geartrain as gt
+from geartrain._draw import COLORS
 
 mpl.use("Agg")
 
@@ -119,7 +120,7 @@ def test_the_torque_of_the_shafts_over_speed(branch, monkeypatch):
     ax = turned.plot(quantity="shaft_torque")
     assert ax.get_ylabel() == "shaft torque, smallest to largest  [N m]"
     assert [text.get_text() for text in ax.get_legend().get_texts()] == ["shaft 1", "shaft 3", "unstable"]
-    for color, column in (("C0", 0), ("C1", 2)):
+    for color, column in zip(COLORS, (0, 2)):
         drawn = {y for line in ax.lines if mpl.colors.same_color(line.get_color(), color) for y in line.get_ydata()}
         assert drawn == {*torque[:, column], *(2 * torque[:, column])}
         # What is shaded are the stable motions, each from the smallest to the largest torque.
@@ -422,3 +423,33 @@ def test_the_layout_of_a_train_keeps_bodies_apart(split):
         for joint in tree:
             one, other = places[list(joint.ends)]
             assert other[0] == one[0] + 1
+
+
+# ---------------------------------------------------------------------------------------------- the style
+
+
+def test_pictures_have_one_style_that_needs_no_colour(branch):
+    """The first colours differ by 10 in lightness (CIE L*) at least; meshes have marks; given axes keep their colours."""
+    channels = np.array([mpl.colors.to_rgb(color) for color in COLORS[:3]])
+    linear = np.where(channels <= 0.04045, channels / 12.92, ((channels + 0.055) / 1.055) ** 2.4)
+    lightness = np.sort(116 * np.cbrt(linear @ [0.2126, 0.7152, 0.0722]) - 16)
+    assert np.diff(lightness).min() > 10
+    looks = {(line.get_color(), line.get_marker()) for line in branch.plot().lines}
+    assert looks == set(zip(COLORS, ("o", "s"), strict=False))
+    assert len({*branch.plot().lines[0].get_markevery()}) < len(branch)
+    given = plt.figure().subplots()
+    given.set_prop_cycle(color=["black"])
+    assert {line.get_color() for line in branch.plot(ax=given).lines} == {"black"}
+
+
+def test_every_plot_takes_axes_and_gives_them(train, branch):
+    motion, sweep = branch.at(0.9)[0], train.sweep(start=0.4, stop=0.5, points=2)
+    chart = train.stability_map(start=0.5, stop=1.0, points=2, linear=True, parameter_start=0.0, parameter_stop=0.1,
+                                parameter_points=2)
+    run_up = train.run_up(start=0.4, stop=0.5, duration=0.05)
+    for draw in (branch.plot, sweep.plot, train.plot, train.modes().plot, train.campbell(start=0.2, stop=1.0).plot, chart.plot,
+                 run_up.plot, run_up.waterfall, motion.phase_plane, motion.poincare_section):
+        ax = plt.figure().subplots()
+        assert draw(ax=ax) is ax
+    axes = plt.figure().subplots(3)
+    assert motion.plot(axes=axes) is axes

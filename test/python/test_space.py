@@ -65,7 +65,7 @@ def test_distributions_are_those_of_scipy(method):
 @pytest.mark.parametrize(("arguments", "told"), [
     ({}, "at least one parameter"),
     ({"product": {"input_torque": []}}, "must be a list of numbers"),
-    ({"product": {"input_torque": [1.0, np.nan]}}, "value 1 from 0 is not finite"),
+    ({"product": {"input_torque": [1.0, np.nan]}}, "value 1, counted from 0, is not finite"),
     ({"product": {"input_torque": stats.norm()}}, "give it in distributions"),
     ({"product": {3: [1.0]}}, "must be a name"),
     ({"sample": {"input_torque": [1.0], "load_inertia": [1.0, 2.0]}}, "different lengths"),

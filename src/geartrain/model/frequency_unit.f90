@@ -4,6 +4,7 @@ module geartrain_model_frequency_unit
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_variable, only: row => variable_type, visitor_type
    use geartrain_model_drawing, only: plain_train
+   use geartrain_model_kinematics, only: all_toothed
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -37,8 +38,12 @@ contains
       class(checker_type), intent(inout) :: checker
 
       if (unit == 'Lambda' .or. checker%problems%of_train()) return
-      if (.not. lambda_per(train, unit) > 0) call checker%complain('unit', "'"//trim(unit)//"'", 'needs teeth of every mesh, which &
-         &tell the speed: take Lambda or Hz')
+      if (lambda_per(train, unit) > 0) return
+      if (unit == 'rpm' .and. .not. all_toothed(train)) then
+         call checker%complain('unit', "'"//trim(unit)//"'", 'needs teeth of every mesh, which tell the speed: take Lambda or Hz')
+      else
+         call checker%complain('unit', "'"//trim(unit)//"'", 'the train as it stands does not tell how fast it turns')
+      end if
    end subroutine check_unit
 
    !> Lambda per 1 of a unit; 0: not known.

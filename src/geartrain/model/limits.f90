@@ -215,8 +215,9 @@ contains
       real(dp) :: frequency(size(train%meshes))
       real(dp), dimension(body_count(train)) :: inertia, torque
       type(network_type) :: network
+      real(dp), allocatable :: factor(:)
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
-      integer :: balancing
+      integer :: balancing, n
 
       call bodies_of(train, inertia, torque, balancing)
       call find_ends(train, shaft_ends, mesh_ends)
@@ -226,9 +227,12 @@ contains
       end associate
       if (.not. allocated(train%bodies)) return
       call build_network(train, network)
-      associate (n => network%elements%mesh)
-         frequency(pack(n, n > 0)) = frequency(pack(n, n > 0))*sqrt(pack(stiffening(network), n > 0))
-      end associate
+      factor = stiffening(network)
+      do n = 1, size(factor)
+         associate (j => network%elements(n)%mesh)
+            if (j > 0) frequency(j) = frequency(j)*sqrt(factor(n))
+         end associate
+      end do
    end function mesh_frequencies
 
 end module geartrain_model_limits

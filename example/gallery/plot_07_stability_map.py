@@ -1,0 +1,24 @@
+"""
+A stability map
+===============
+
+Without backlash the train is linear, and its varying mesh stiffness can make it grow without bound, as a swing does that is pumped
+at twice its frequency: the wide tongues stand at twice a natural frequency (dotted), a thin one at the first itself. Damping lifts
+their tips off the axis.
+"""
+
+import matplotlib.pyplot as plt
+
+import geartrain as gt
+
+plt.rcParams.update(gt.plot_style())
+train = gt.read_case("../../namelists/fig03.nml").train
+chart = train.stability_map(
+    start=0.5, stop=4.5, points=120, linear=True,
+    parameter="stiffness_variation", parameter_start=0.0, parameter_stop=0.5, parameter_points=40,
+)
+ax = chart.plot()
+for frequency in train.natural_frequencies()[:2]:
+    ax.axvline(2 * frequency, color="black", linestyle=":")
+    assert chart.spectral_radius[-1, abs(chart.frequency - 2 * frequency).argmin()] > 1
+assert (chart.spectral_radius[0] < 1).all()

@@ -1,0 +1,22 @@
+"""
+A run-up
+========
+
+The reducer of the drawing runs up from 200 to 4000 rpm in two seconds. Forces over the speed, and their spectra: the lines that
+rise are the orders of the meshes; where teeth hammer, near 1700 and 3100 rpm, the spectrum is full.
+"""
+
+import matplotlib.pyplot as plt
+
+import geartrain as gt
+
+plt.rcParams.update(gt.plot_style())
+train = gt.read_case("../../namelists/reducer.nml").train
+run_up = train.run_up(start=200, stop=4000, unit="rpm", duration=2.0)
+below = run_up.mesh_force_minimum[:, 0] <= 0
+apart = run_up.speed[run_up.time.searchsorted(run_up.window_time[below])]
+assert all(((apart > near - 150) & (apart < near + 250)).any() for near in (1700, 3100)) and apart.min() > 1500
+figure, axes = plt.subplots(2, layout="constrained", figsize=(7, 7))
+run_up.plot(ax=axes[0])
+run_up.waterfall(number=1, ax=axes[1], highest=5000)
+axes[0].set_xlabel("")
