@@ -16,8 +16,8 @@ import numpy as np
 
 import geartrain as gt
 
-__all__ = ["draw_rattle", "draw_reducer", "main", "rattle_threshold", "rigid_threshold", "with_body", "with_engine_torque",
-           "with_meshes"]
+__all__ = ["at_propeller_speed", "draw_rattle", "draw_reducer", "main", "rattle_threshold", "rigid_mesh_amplitudes",
+           "rigid_threshold", "with_body", "with_engine_torque", "with_meshes"]
 
 CASES = Path(__file__).parent.parent / "namelists"
 
@@ -69,6 +69,38 @@ def rigid_threshold(train: gt.Train, speed: float) -> dict[str, float]:
     return {name: drag / (inertia[name] * turns[name] * acceleration) for name, drag in loose.items()}
 
 
+def at_propeller_speed(train: gt.Train, speed: float, share: float = 0.5) -> gt.Train:
+    """Give the ship's drive at a speed of the propeller [rpm], whose torque goes with its square; share of the HP turbine."""
+    torque = 22.24e6 * 0.11298 * (speed / 85) ** 2
+    train = with_body(train, "propeller", torque_cos=(0.1 * torque,))
+    train = with_body(train, "LP turbine", torque=(1 - share) * torque / 40.0424)
+    return with_body(train, "HP turbine", torque=share * torque / 78.2365)
+
+
+def rigid_mesh_amplitudes(train: gt.Train, hertz: float) -> tuple[Any, Any]:
+    """Compute amplitudes of shaft torques [N m] and mesh forces [N] under the first torque_cos, all teeth rigid and in contact."""
+    omega = 2 * np.pi * hertz
+    place = {body.name: row for row, body in enumerate(train.bodies)}
+    size, meshes = len(place), len(train.meshes)
+    system = np.zeros((size + meshes, size + meshes), dtype=complex)
+    torque = np.zeros(size + meshes)
+    for row, body in enumerate(train.bodies):
+        system[row, row] = -(omega**2) * body.inertia + 1j * omega * body.damping_to_ground
+        torque[row] = (body.torque_cos or [0.0])[0]
+    for shaft in train.shafts:
+        ends = [place[name] for name in shaft.between]
+        mass = 1 / sum(1 / train.bodies[end].inertia for end in ends)
+        damping = 2 * shaft.damping_ratio * np.sqrt(shaft.stiffness * mass)
+        system[np.ix_(ends, ends)] += (shaft.stiffness + 1j * omega * damping) * np.array([[1, -1], [-1, 1]])
+    # The forces of the meshes are the multipliers of r_a theta_a = r_b theta_b.
+    for row, mesh in enumerate(train.meshes, size):
+        for name, radius in zip(mesh.between, (mesh.driving_radius, -mesh.driven_radius)):
+            system[row, place[name]] = system[place[name], row] = radius
+    solution = np.linalg.solve(system, torque)
+    twist = [solution[place[a]] - solution[place[b]] for a, b in (shaft.between for shaft in train.shafts)]
+    return abs(np.array([shaft.stiffness for shaft in train.shafts]) * twist), abs(solution[size:])
+
+
 def draw_reducer(folder: Path) -> None:
     """Response and run-up of the two-stage reducer."""
     case = gt.read_case(CASES / "reducer.nml")
@@ -92,13 +124,13 @@ def draw_rattle(folder: Path) -> None:
     """Extremes of the forces on the loose wheels over the engine's torque."""
     case = gt.read_case(CASES / "rattle.nml")
     speed = case.integration["start"]
-    amplitude = np.arange(1.0, 101.0, 3.0)
+    amplitude = np.arange(1.0, 125.0, 3.0)
     force = [with_engine_torque(case.train, value).integrate(speed, unit="rpm").mesh_force for value in amplitude]
     rigid = rigid_threshold(case.train, speed)
     figure, ax = plt.subplots(figsize=(7, 4), constrained_layout=True)
     for mesh, (name, color) in enumerate(zip(rigid, ("C0", "C1")), 1):
         look = {"color": color, "marker": "os"[mesh - 1], "markevery": 4, "markersize": 4.5}
-        ax.plot(amplitude, [each[:, mesh].max() for each in force], **look, label=f"input - {name}")
+        ax.plot(amplitude, [each[:, mesh].max() for each in force], **look, label=" - ".join(case.train.meshes[mesh].between))
         ax.plot(amplitude, [each[:, mesh].min() for each in force], **look)
         ax.axvline(rigid[name], color=color, ls=":")
         print(name, rigid[name], rattle_threshold(case.train, mesh + 1, speed))

@@ -6,7 +6,16 @@ import numpy as np
 import pytest
 
 import geartrain as gt
-from case_studies import CASES, rattle_threshold, rigid_threshold, with_body, with_engine_torque, with_meshes
+from case_studies import (
+    CASES,
+    at_propeller_speed,
+    rattle_threshold,
+    rigid_mesh_amplitudes,
+    rigid_threshold,
+    with_body,
+    with_engine_torque,
+    with_meshes,
+)
 
 pytestmark = pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
 
@@ -76,51 +85,88 @@ def test_rattle_threshold():
     case = study("rattle")
     speed = case.integration["start"]
     rigid = rigid_threshold(case.train, speed)
-    assert rigid == pytest.approx({"loose 1": 55.2, "loose 3": 42.3}, abs=0.1)
-    assert rattle_threshold(case.train, 2, speed) == pytest.approx(53.9, abs=0.2)
-    assert rattle_threshold(case.train, 3, speed) == pytest.approx(41.6, abs=0.2)
+    assert rigid == pytest.approx({"loose 1": 83.1, "loose 3": 66.5}, abs=0.1)
+    assert rattle_threshold(case.train, 2, speed) == pytest.approx(80.9, abs=0.2)
+    assert rattle_threshold(case.train, 3, speed) == pytest.approx(60.6, abs=0.2)
+    # The stiffness of the loaded pair shakes the output shaft, from which the third pinion is driven.
+    loaded, *idle = case.train.meshes
+    stiff = replace(case.train, meshes=[replace(loaded, stiffness=1e10), *idle])
+    assert rattle_threshold(stiff, 3, speed) == pytest.approx(rigid["loose 3"], abs=0.2)
     with_error = with_meshes(case.train, error_cos=[1e-6])
-    assert rattle_threshold(with_error, 2, speed) == pytest.approx(27.5, abs=0.2)
-    assert rattle_threshold(with_error, 3, speed) == pytest.approx(5.5, abs=0.2)
+    assert rattle_threshold(with_error, 2, speed) == pytest.approx(66.7, abs=0.2)
+    assert rattle_threshold(with_error, 3, speed) == pytest.approx(28.6, abs=0.2)
     clutch, drive = case.train.shafts
     soft = [replace(case.train, shafts=[replace(clutch, stiffness=value), drive]) for value in (300.0, 50.0)]
-    assert [rigid_threshold(train, speed)["loose 3"] for train in soft] == pytest.approx([44.0, 58.0], abs=0.1)
-    # The loaded pair stays in contact, the third wheel reaches its back flanks.
-    motions = [with_engine_torque(case.train, amplitude).integrate(speed) for amplitude in (91.0, 94.0)]
-    assert not any(motion.separation_fraction[0] > 0 for motion in motions)
-    assert [motion.back_contact_fraction[2] > 0 for motion in motions] == [False, True]
+    assert [rigid_threshold(train, speed)["loose 3"] for train in soft] == pytest.approx([71.5, 106.7], abs=0.1)
+    motion = with_engine_torque(case.train, 120.0).integrate(speed, unit="rpm")
+    # The loaded pair stays in contact, and nothing reaches its back flanks.
+    assert motion.separation_fraction[0] == 0 and (motion.separation_fraction[1:] > 0.4).all()
+    assert not motion.back_contact_fraction.any()
+    assert (motion.mesh_force.max(axis=0) / motion.mesh_force.mean(axis=0))[1:] == pytest.approx([11.8, 18.8], abs=0.2)
 
 
-@pytest.mark.parametrize(("torque", "ranges", "force"), [
-    (10.0, [(1619, 2034), (5134, 6589), (11558, 15500)], 2615), (20.0, [(1780, 1886), (5668, 6013)], 1897),
-    (40.0, [(1851, 1894), (5905, 5987)], 4104), (60.0, [(1894, 1920)], 5682), (65.0, [], 5809),
+@pytest.mark.parametrize(("torque", "ranges", "force", "above"), [
+    (10.0, [(1201, 1354), (3782, 4175)], 681, 10203), (20.0, [(1275, 1320), (3975, 4085)], 1692, 12837),
+    (40.0, [(1320, 1335), (4099, 4113)], 3430, 14735), (60.0, [], 4379, 15566),
 ])
-def test_electric_car(torque, ranges, force):
+def test_electric_car(torque, ranges, force, above):
     case = study("electric_car")
     train = with_body(case.train, "motor", torque=torque)
     run_up = train.run_up(**case.run_up)
-    # Next to the end the smallest force of 20 N m is about 0.
     speed = apart(run_up, 1)
-    speed = speed[speed < 15500]
+    speed = speed[speed < 9000]
     pieces = np.split(speed, np.flatnonzero(np.diff(speed) > 500) + 1) if len(speed) else []
     np.testing.assert_allclose(np.ravel([(piece[0], piece[-1]) for piece in pieces]), np.ravel(ranges), atol=25)
-    assert largest(run_up, "mesh_force")[0] == pytest.approx(force, rel=1e-2)
-    apart_at = {10.0: 5058, 20.0: 15723}
-    assert apart(run_up, 2)[:1] == pytest.approx([apart_at[torque]] if torque in apart_at else [], abs=25)
+    assert largest(run_up, "mesh_force", 0, 9000)[0] == pytest.approx(force, rel=1e-2)
+    assert apart(run_up, 2)[0] == pytest.approx(above, abs=50)
 
 
-@pytest.mark.parametrize(("torque", "speeds"), [(10.0, (1795, 5727)), (60.0, (1862, 5939))])
+def test_electric_car_tip_diameter():
+    """Of the ring gear, measured: 213 mm; the module and the helix angle are those that give it."""
+    assert study("electric_car").train.explain()["mesh 2"]["tip_diameter"][1] == pytest.approx(0.213, abs=0.5e-3)
+
+
+@pytest.mark.parametrize(("torque", "speeds"), [(10.0, (1272, 3968)), (60.0, (1309, 4084))])
 def test_electric_car_resonances_move_with_the_load(torque, speeds):
-    crossings = with_body(study("electric_car").train, "motor", torque=torque).campbell(start=500, stop=16000).crossings
+    crossings = with_body(study("electric_car").train, "motor", torque=torque).campbell(start=500, stop=17900).crossings
     found = [crossing.speed for crossing in crossings if crossing.mode == 2 and crossing.order.name in ("mesh 1", "mesh 2")]
     np.testing.assert_allclose(found, speeds, atol=1)
 
 
-def test_two_engines():
-    case = study("two_engines")
-    sweep = case.train.sweep(start=450, stop=520, points=15)
-    hammers = np.array([motion.separation_fraction[1] > 0 for motion in sweep])
-    np.testing.assert_array_equal(hammers, sweep.frequency >= 500)
-    both = with_body(case.train, "engine 2", torque=16e3).integrate(550)
-    np.testing.assert_allclose(both.mesh_force.mean(axis=0), [128848, 103079], rtol=1e-4)
-    assert not both.separation_fraction.any()
+def test_marine_turbines_as_published():
+    """Natural frequencies a minute and the vibratory torque of the propeller shaft [lb in] over its speed, read off the figure."""
+    train = study("marine_turbines").train
+    np.testing.assert_allclose(60 * np.array(train.modes().natural_frequency_hertz)[:3], [177.6, 218.3, 1242.1], atol=0.1)
+    bodies = [replace(body, inertia=1e-2) if "pinion" in body.name else body for body in train.bodies]
+    rigid = replace(with_meshes(train, stiffness=1e14), bodies=bodies)
+    np.testing.assert_allclose(60 * np.array(rigid.modes().natural_frequency_hertz)[:3], [177.7, 220.2, 1282.6], atol=0.1)
+    figure = {33.08: 2.096e6, 35.46: 4.149e6, 40.64: 1.436e6, 61.21: 0.521e6}
+    found = [rigid_mesh_amplitudes(at_propeller_speed(train, speed), speed / 12)[0][0] / 0.11298 for speed in figure]
+    np.testing.assert_allclose(found, list(figure.values()), rtol=0.06)
+
+
+def test_marine_turbines():
+    train = study("marine_turbines").train
+
+    def margin(speed, mesh, share):
+        """Amplitude over mean of the force of a mesh at the bull gear, teeth rigid and in contact."""
+        there = at_propeller_speed(train, speed, share)
+        torque = 10 * there.bodies[0].torque_cos[0] * (share if mesh else 1 - share)
+        return rigid_mesh_amplitudes(there, speed / 12)[1][mesh] / (torque / 2.35235)
+
+    def motion(speed, share=0.5, periods=2000):
+        return at_propeller_speed(train, speed, share).integrate(speed / 12, unit="Hz", max_periods=periods)
+
+    for mesh, share, ends in ((0, 0.5, (33.00, 37.79)), (1, 0.02, (21.65,))):
+        np.testing.assert_allclose([margin(speed, mesh, share) for speed in ends], 1.0, atol=0.01)
+    assert max(margin(speed, 1, 0.5) for speed in np.arange(20, 60, 0.1)) < 0.4
+    linear, found = motion(40.0), rigid_mesh_amplitudes(at_propeller_speed(train, 40.0), 40 / 12)[1]
+    np.testing.assert_allclose(np.ptp(linear.mesh_force, axis=0) / 2, found, rtol=0.1)
+    assert not any(motion(speed).separation_fraction[0] > 0 for speed in (32.8, 38.0))
+    # Hammering settles on no period, in 2000 of them either.
+    assert all(motion(speed, periods=300).separation_fraction[0] > 0 for speed in (33.2, 37.6))
+    at_resonance = motion(35.5, periods=300)
+    np.testing.assert_array_equal(at_resonance.separation_fraction > 0, [1, 0, 1, 0])
+    assert at_resonance.back_contact_fraction[0] > 0.1 and at_resonance.mesh_force[:, 0].max() > 300e3
+    idle = [motion(speed, 0.02).separation_fraction[1] > 0 for speed in (18.0, 20.0, 22.2, 45.6, 46.0)]
+    np.testing.assert_array_equal(idle, [0, 1, 1, 1, 0])
