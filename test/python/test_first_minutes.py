@@ -89,3 +89,20 @@ def test_the_package_tells_what_there_is(executable, tmp_path):
     assert told.returncode == 0 and told.stdout.startswith(f"geartrain {gt.__version__}:") and "geartrain-study" in told.stdout
     handed = run(sys.executable, "-m", "geartrain", "--chek", cwd=tmp_path, env={"PATH": f"{executable.parent}"})
     assert handed.returncode == 2 and "did you mean --check?" in handed.stderr
+
+
+@pytest.mark.parametrize("call, meant", [
+    (lambda train, branch: gt.Mesh(stifness=1.0), "stiffness"),
+    (lambda train, branch: train.response(start=0.5, stop=0.6, harmonic=3), "harmonics"),
+    (lambda train, branch: train.motions(frequenc=0.5), "frequency"),
+    (lambda train, branch: train.campbell(strt=0.5, stop=0.6), "start"),
+    (lambda train, branch: branch.at(0.6, units="Hz"), "unit"),
+    (lambda train, branch: branch.audit(point=3), "points"),
+    (lambda train, branch: branch.at(0.6)[0].waveform(sample=3), "samples"),
+    (lambda train, branch: branch.peaks(meshes=1), "mesh"),
+    (lambda train, branch: gt.read_case(paht="case.nml"), "path"),
+])
+def test_a_misspelt_keyword_is_told(call, meant, train, branch):
+    """By the package up to Python 3.12, by Python itself since."""
+    with pytest.raises(TypeError, match=rf"unexpected keyword argument '\w+'.*id you mean '{meant}'\?"):
+        call(train, branch)

@@ -43,7 +43,7 @@ module geartrain_input_new_case
       "   damping_ratio = 0.01                       ! of the critical damping", &
       "/", &
       "&shaft", &
-      "   between       = 'wheel', 'load'            ! either may come first", &
+      "   between       = 'wheel', 'load'            ! names of the bodies at its ends", &
       "   diameter      = 0.045                      ! m", &
       "   length        = 0.150                      ! m", &
       "   damping_ratio = 0.01                       ! of the critical damping", &
