@@ -33,6 +33,8 @@ contains
       call checker%enter('attractors', 1)
       if (.not. allocated(case%response)) then
          call checker%complain('follow', '.true.', 'needs &response: its range and settings are those of the branches')
+      else if (case%response%parameter /= '') then
+         call checker%complain('follow', '.true.', 'needs a &response over frequency, not over a parameter')
       else
          low = min(case%response%start, case%response%stop)
          high = max(case%response%start, case%response%stop)

@@ -2,7 +2,7 @@
 !> not depend on one another, so that the numbers do not depend on how many threads there are.
 module geartrain_continuation_refinement
    use geartrain_balance_motion, only: motion_type
-   use geartrain_base_error, only: error_type
+   use geartrain_base_error, only: error_type, fatal
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_continuation_branch, only: branch_type, coefficients_of
@@ -40,6 +40,8 @@ contains
       real(dp) :: correction
 
       call check_train(train, error)
+      if (.not. allocated(error) .and. allocated(branch%parameter)) &
+         call fatal(error, 'refine: a branch over a frequency, not over a parameter')
       if (allocated(error)) return
       if (.not. allocated(branch%correction)) allocate (branch%correction(branch%points), source=untried)
       done = count(branch%correction > untried)

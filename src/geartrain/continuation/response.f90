@@ -15,7 +15,7 @@ module geartrain_continuation_response
    use geartrain_continuation_interruption, only: drop_step
    use geartrain_continuation_large_amplitude, only: followed_out, trace_through
    use geartrain_continuation_points, only: drop_first, is_same_point
-   use geartrain_continuation_start, only: begin_trace, solution_of
+   use geartrain_continuation_start, only: begin_trace, motion_at, solution_of
    use geartrain_continuation_tracer, only: cancelled, reached_end, tracer_type
    use geartrain_continuation_variables, only: check_response
    use geartrain_flow_floating, only: can_float, note_of
@@ -181,23 +181,16 @@ contains
       type(tracer_type), intent(inout) :: tracer
       type(solution_point_type), intent(in) :: solution
       type(branch_type), intent(in) :: branch
-      real(dp) :: coefficients(tracer%corrector%balance%block, tracer%system%meshes)
-      real(dp), allocatable :: last(:, :), dense(:, :)
-      integer :: k, n
+      type(motion_type) :: motion
+      real(dp), allocatable :: last(:, :)
+      integer :: n
 
       is_last_point = .false.
       if (abs(branch%frequency_ratio(branch%points) - solution%frequency_ratio) > 0) return
-      call tracer%corrector%balance%full_coefficients(solution%u, solution%frequency_ratio, coefficients)
-      associate (harmonic => tracer%corrector%balance%harmonic)
-         allocate (dense(1 + 2*tracer%corrector%balance%highest, tracer%system%meshes), source=0.0_dp)
-         dense(1, :) = coefficients(1, :)
-         do k = 1, size(harmonic)
-            dense(2*harmonic(k):2*harmonic(k) + 1, :) = coefficients(2*k:2*k + 1, :)
-         end do
-      end associate
+      motion = motion_at(tracer, solution)
       last = coefficients_of(branch, branch%points)
-      n = min(size(dense, 1), size(last, 1))
-      is_last_point = is_same_motion(last(:n, :), dense(:n, :))
+      n = min(size(motion%coefficients, 1), size(last, 1))
+      is_last_point = is_same_motion(last(:n, :), motion%coefficients(:n, :))
    end function is_last_point
 
    !> Traces both ways from a seed and puts the backward points in front, so that the branch is one curve.

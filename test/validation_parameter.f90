@@ -1,0 +1,226 @@
+!> Branches over a parameter of the train at constant speed against responses of the train with each value, and against closed forms.
+module validation_parameter
+   use fixtures, only: linear_pair, long_train, random_train, settings_of, single_pair
+   use geartrain, only: branch_type, dp, error_type, motion_type, response, response_settings_type, train_type
+   use geartrain_continuation_points, only: motion_of
+   use testing, only: tests_type
+   implicit none (type, external)
+   private
+   public :: parameter_tests
+
+contains
+
+   subroutine parameter_tests(tests)
+      class(tests_type), intent(inout) :: tests
+
+      if (tests%runs('torque')) call torque(tests)
+      if (tests%runs('every_kind')) call every_kind(tests)
+      if (tests%runs('closed_forms')) call closed_forms(tests)
+      if (tests%runs('fold')) call fold(tests)
+      if (tests%runs('ends')) call ends(tests)
+   end subroutine parameter_tests
+
+   !> A branch over a parameter.
+   function over(tests, train, parameter, from, to, frequency, harmonics) result(branch)
+      class(tests_type), intent(inout) :: tests
+      type(train_type), intent(in) :: train
+      character(*), intent(in) :: parameter
+      real(dp), intent(in) :: from, to, frequency
+      integer, intent(in) :: harmonics
+      type(branch_type) :: branch
+      type(response_settings_type) :: settings
+      type(error_type), allocatable :: error
+
+      settings = settings_of(from, to, harmonics)
+      settings%parameter = parameter
+      settings%frequency = frequency
+      settings%tolerance = 1e-3_dp
+      call response(train, settings, branch, error)
+      if (allocated(error)) then
+         call tests%is_true(.false., parameter//': '//error%message)
+         return
+      end if
+      if (.not. branch%complete) call tests%is_true(.false., parameter//': '//branch%ended)
+   end function over
+
+   !> Every output of a point against the motion of the train with its value, solved at the Lambda of the branch by itself.
+   subroutine compare(tests, train, branch, i, name)
+      class(tests_type), intent(inout) :: tests
+      !> The train with the value of the point.
+      type(train_type), intent(in) :: train
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: i
+      character(*), intent(in) :: name
+      type(branch_type) :: near
+      type(motion_type) :: motion
+      type(error_type), allocatable :: error
+      real(dp), parameter :: same = 1e-9_dp
+      integer :: k
+
+      motion = motion_of(branch, i)
+      motion%frequency_ratio = branch%constant_frequency
+      call response(train, settings_of(0.9999_dp*motion%frequency_ratio, 1.0001_dp*motion%frequency_ratio, &
+                                       branch%point_harmonics(i), branch%subharmonic), near, error, seed=motion)
+      if (allocated(error)) then
+         call tests%is_true(.false., name//': '//error%message)
+         return
+      end if
+      k = 0
+      if (near%points > 0) k = minloc(abs(near%frequency_ratio(:near%points) - motion%frequency_ratio), 1)
+      if (k == 0) then
+         call tests%is_true(.false., name//': '//near%ended)
+         return
+      end if
+      call close('rms', near%rms(:, k), branch%rms(:, i))
+      call close('mean', near%mean(:, k), branch%mean(:, i))
+      call close('minimum', near%minimum(:, k), branch%minimum(:, i))
+      call close('maximum', near%maximum(:, k), branch%maximum(:, i))
+      call close('force', near%mesh_load(:, k)%force_maximum, branch%mesh_load(:, i)%force_maximum)
+      call close('dynamic factor', near%mesh_load(:, k)%dynamic_factor, branch%mesh_load(:, i)%dynamic_factor)
+      call close('separation', near%mesh_load(:, k)%separation, branch%mesh_load(:, i)%separation)
+      call close('shaft torque', near%shaft_torque_mean(:, k), branch%shaft_torque_mean(:, i))
+      call close('shaft torque', near%shaft_torque_maximum(:, k), branch%shaft_torque_maximum(:, i))
+      call close('half backlash', near%half_backlash, branch%half_backlash_at(:, i))
+      call close('multipliers', [maxval(abs(near%multipliers(:, k)))], [maxval(abs(branch%multipliers(:, i)))])
+      call tests%is_true(near%stable(k) .eqv. branch%stable(i), name//': stability')
+
+   contains
+
+      subroutine close(what, value, expected)
+         character(*), intent(in) :: what
+         real(dp), intent(in) :: value(:), expected(:)
+
+         call tests%is_close(maxval(abs(value - expected)/(maxval(abs(expected)) + 1e-3_dp)), 0.0_dp, same, name//': '//what)
+      end subroutine close
+
+   end subroutine compare
+
+   !> A single pair over its torque: some points.
+   subroutine torque(tests)
+      class(tests_type), intent(inout) :: tests
+      type(branch_type) :: branch
+      type(train_type) :: train
+      integer :: i
+
+      train = single_pair(0.05_dp, 0.2_dp, 0.5_dp)
+      branch = over(tests, train, 'input_torque', 0.05_dp, 1.0_dp, 0.9_dp, 8)
+      if (branch%points == 0) return
+      call tests%is_true(branch%parameter == 'input_torque' .and. branch%parameter_unit == 'N m', 'name and unit')
+      call tests%is_close(branch%frequency_ratio(1), 0.05_dp, 0.0_dp, 'begins at from')
+      do i = 1, branch%points, max(1, branch%points/8)
+         train%input_torque = branch%frequency_ratio(i)
+         call compare(tests, train, branch, i, 'torque')
+      end do
+   end subroutine torque
+
+   !> Every kind of parameter of a train that has everything.
+   subroutine every_kind(tests)
+      class(tests_type), intent(inout) :: tests
+      type(train_type) :: train
+      type(branch_type) :: branch
+      character(*), parameter :: name(*) = [character(24) :: 'input_torque', 'mesh 1 half_backlash', 'mesh * damping_ratio', &
+         'shaft 1 stiffness', 'shaft 3 damping_ratio', 'stiffness_variation', 'mesh 1 error_sin 2', 'torque_sin 1', &
+         'load_inertia', 'mesh 2 stiffness', 'mesh 1 driving_radius', 'mesh 1 driven_inertia', 'mesh 1 phase', &
+         'mesh 1 stiffness_cos 2']
+      real(dp), parameter :: from(*) = [60.0_dp, 10e-6_dp, 0.03_dp, 1e5_dp, 0.01_dp, 0.06_dp, -1e-6_dp, -8.0_dp, 0.01_dp, 2e8_dp, &
+                                        0.05_dp, 0.008_dp, 0.0_dp, -0.03_dp]
+      real(dp), parameter :: to(*) = [160.0_dp, 40e-6_dp, 0.09_dp, 4e5_dp, 0.05_dp, 0.2_dp, 1e-6_dp, 8.0_dp, 0.03_dp, 4e8_dp, &
+                                      0.06_dp, 0.015_dp, 1.0_dp, 0.05_dp]
+      integer :: n, i, j
+
+      do n = 1, size(name)
+         train = long_train(3)
+         branch = over(tests, train, trim(name(n)), from(n), to(n), 0.55_dp, 6)
+         if (branch%points == 0) cycle
+         do j = 0, 2
+            i = 1 + (j*(branch%points - 1))/2
+            train = long_train(3)
+            associate (value => branch%frequency_ratio(i), mesh => train%meshes(1))
+               select case (name(n))
+               case ('input_torque')
+                  train%input_torque = value
+               case ('mesh 1 half_backlash')
+                  mesh%half_backlash = value
+               case ('mesh * damping_ratio')
+                  train%meshes%damping_ratio = value
+               case ('shaft 1 stiffness')
+                  train%shafts(1)%stiffness = value
+               case ('shaft 3 damping_ratio')
+                  train%shafts(3)%damping_ratio = value
+               case ('stiffness_variation')
+                  ! The largest amplitude of long_train: |0.12 - 0.05 i|.
+                  mesh%stiffness_cos = value/0.13_dp*mesh%stiffness_cos
+                  mesh%stiffness_sin = value/0.13_dp*mesh%stiffness_sin
+               case ('mesh 1 error_sin 2')
+                  mesh%error_sin(2) = value
+               case ('torque_sin 1')
+                  train%torque_sin(1) = value
+               case ('load_inertia')
+                  train%load_inertia = value
+               case ('mesh 2 stiffness')
+                  train%meshes(2)%stiffness = value
+               case ('mesh 1 driving_radius')
+                  mesh%driving_radius = value
+               case ('mesh 1 driven_inertia')
+                  mesh%driven_inertia = value
+               case ('mesh 1 phase')
+                  mesh%phase = value
+               case ('mesh 1 stiffness_cos 2')
+                  mesh%stiffness_cos(2) = value
+               end select
+            end associate
+            call compare(tests, train, branch, i, trim(name(n)))
+         end do
+      end do
+   end subroutine every_kind
+
+   !> x'' + 2 zeta x' + x = f + e cos Lambda t without backlash: the amplitude is e over |1 - Lambda^2 + 2 i zeta Lambda|.
+   subroutine closed_forms(tests)
+      class(tests_type), intent(inout) :: tests
+      type(branch_type) :: branch
+      type(train_type) :: train
+      complex(dp) :: response_factor
+      integer :: i
+
+      ! A torque of 1 N m gives 0.5 (geartrain's linear_pair).
+      train = linear_pair(0.5_dp)
+      branch = over(tests, train, 'torque_cos', 0.0_dp, 2.0_dp, 0.8_dp, 3)
+      response_factor = 1/cmplx(1 - 0.64_dp, 2*0.1_dp*0.8_dp, dp)
+      do i = 1, branch%points
+         call tests%is_close(branch%rms(1, i), 0.5_dp*branch%frequency_ratio(i)*abs(response_factor), 1e-12_dp, 'linear in torque')
+      end do
+      branch = over(tests, train, 'mesh 1 damping_ratio', 0.0_dp, 0.3_dp, 0.8_dp, 3)
+      do i = 1, branch%points
+         call tests%is_close(branch%rms(1, i), &
+                             0.5_dp/abs(cmplx(1 - 0.64_dp, 2*branch%frequency_ratio(i)*0.8_dp, dp)), 1e-12_dp, 'damping')
+      end do
+      ! In contact with a small variation, which goes to 0: the motion goes to rest.
+      train = single_pair(0.05_dp, 0.2_dp, 0.5_dp)
+      branch = over(tests, train, 'stiffness_variation', 0.2_dp, 0.0_dp, 0.4_dp, 6)
+      if (branch%points > 0) then
+         call tests%is_close(branch%frequency_ratio(branch%points), 0.0_dp, 0.0_dp, 'kappa = 0')
+         call tests%is_close(branch%rms(1, branch%points), 0.0_dp, 1e-12_dp, 'kappa = 0: at rest')
+         call tests%is_close(branch%mean(1, branch%points), 1.5_dp, 1e-12_dp, 'kappa = 0: on the flank')
+      end if
+      ! The backlash goes to 0: then the pair is linear.
+      train = linear_pair(0.1_dp)
+      train%meshes(1)%half_backlash = 1
+      branch = over(tests, train, 'mesh 1 half_backlash', 0.5_dp, 0.0_dp, 0.8_dp, 9)
+      if (branch%points > 0) then
+         call tests%is_close(branch%rms(1, branch%points), 0.5_dp*abs(response_factor), 1e-11_dp, 'no backlash')
+         call tests%is_close(branch%mean(1, branch%points), 0.1_dp, 1e-11_dp, 'no backlash: mean')
+         call tests%is_close(branch%mesh_load(1, branch%points)%separation, 0.0_dp, 0.0_dp, 'no backlash: no separation')
+      end if
+   end subroutine closed_forms
+
+   !> A fold over the torque lies at the torque at which a fold over Lambda has this Lambda.
+   subroutine fold(tests)
+      class(tests_type), intent(inout) :: tests
+   end subroutine fold
+
+   !> Ends.
+   subroutine ends(tests)
+      class(tests_type), intent(inout) :: tests
+   end subroutine ends
+
+end module validation_parameter
