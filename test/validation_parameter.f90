@@ -1,4 +1,4 @@
-!> Branches over a parameter of the train at constant speed against responses of the train with each value, and against closed forms.
+!> Branches over a parameter of the train at constant speed against responses of the train with each value, and closed forms.
 module validation_parameter
    use fixtures, only: linear_pair, long_train, random_train, settings_of, single_pair
    use geartrain, only: branch_type, dp, error_type, motion_type, response, response_settings_type, train_type

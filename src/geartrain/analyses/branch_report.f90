@@ -232,7 +232,8 @@ contains
       integer :: i
 
       found = jumps(branch)
-      if (size(found) > 0) write (unit, '(6a)') trim(merge('    speed', '    value', told%parameter == '')), ' ', in_width(told%unit, 9), '  to the nearest stable motion, rms', &
+      if (size(found) > 0) write (unit, '(6a)') merge('    speed ', '    value ', told%parameter == ''), &
+         in_width(told%unit, 9), '  to the nearest stable motion, rms', &
          trim(unit_of_length), ' of the meshes'
       do i = 1, size(found)
          write (unit, '(4x, 2a, 2x)', advance='no') merge('rising ', 'falling', found(i)%rising), &

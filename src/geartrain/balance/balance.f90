@@ -18,8 +18,8 @@ module geartrain_balance_balance
    real(dp), parameter :: difference = 1e-6_dp
 
    type, extends(mesh_forces_type) :: balance_type
-      !> Where it is allocated, the free parameter s of the branch is a parameter of the train at constant Lambda: the train is that of
-      !> the latest `evaluate`. Else s is Lambda. `setup` leaves it as it is.
+      !> Where it is allocated, the free parameter s of the branch is a parameter of the train at constant Lambda: the train is that
+      !> of the latest `evaluate`. Else s is Lambda. `setup` leaves it as it is.
       type(parameter_path_type), allocatable :: path
       !> Harmonics of Lambda/eta up to 3*highest that are not carried though excitation may reach them, ascending.
       integer, allocatable :: missing(:)

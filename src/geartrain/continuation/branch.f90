@@ -21,7 +21,7 @@ module geartrain_continuation_branch
       real(dp) :: start = 0, stop = 0
       !> Unit of frequencies: 'Lambda', 'rpm' or 'Hz'.
       character(unit_length) :: unit = 'Lambda'
-      !> Name of a parameter of the train: the range is one of its values, at the constant `frequency`; blank: a range of frequencies.
+      !> Name of a parameter of the train: the range is one of its values, at the constant `frequency`; blank: of frequencies.
       character(80) :: parameter = ''
       real(dp) :: frequency = 0
       !> Harmonics of Lambda/subharmonic; 0 lets the program choose for `tolerance`.

@@ -197,8 +197,8 @@ contains
          depth_at = depth_below(smallest, largest, gap_at(solution, j), back)
       end function depth_at
 
-      !> Half backlash of mesh j at a solution point of the piece: along a path in a parameter between those of its ends, which is exact
-      !> unless the backlash follows from a drawing.
+      !> Half backlash of mesh j at a solution point of the piece: along a path in a parameter between those of its ends, which is
+      !> exact unless the backlash follows from a drawing.
       real(dp) function gap_at(solution, j)
          type(solution_point_type), intent(in) :: solution
          integer, intent(in) :: j

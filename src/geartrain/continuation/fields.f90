@@ -90,7 +90,8 @@ contains
                  special%kind)
       if (special%kind == 'torus') special%kind = 'neimark-sacker'
       call carry_free(branch, fields, special%frequency_ratio)
-      call carry(fields, row('after_point', '', '1', 'the point of the branch before it', least=0, most=branch%points), special%point)
+      call carry(fields, row('after_point', '', '1', 'the point of the branch before it', least=0, &
+                             most=branch%points), special%point)
       call carry(fields, row('rms', 'mesh', '1', about_rms), special%rms)
    end subroutine visit_special_point
 
