@@ -27,6 +27,8 @@ module geartrain_continuation_response
 
    !> Outcome, beside those of the tracer, of a trace that would begin where the branch so far ends.
    integer, parameter :: known_start = -1
+   !> Relative difference of Lambda up to which a seed has the constant Lambda of a branch over a parameter.
+   real(dp), parameter :: same_frequency = 1e-9_dp
 
 contains
 
@@ -200,6 +202,7 @@ contains
       type(branch_type), intent(inout), target :: branch
       class(observer_type), intent(inout), optional :: observer
       type(solution_point_type) :: solution, backward
+      type(motion_type) :: own
       real(dp) :: low, high
       logical :: success
 
@@ -210,14 +213,26 @@ contains
                         //text(tracer%settings%subharmonic)
          return
       end if
-      if (seed%frequency_ratio < low .or. seed%frequency_ratio > high) then
-         branch%ended = 'the seed at Lambda = '//text(seed%frequency_ratio)//' lies outside '//text(low)//' to '//text(high)
+      own = seed
+      if (allocated(tracer%corrector%balance%path)) then
+         ! The seed is a motion of the train as it is.
+         associate (path => tracer%corrector%balance%path)
+            if (abs(seed%frequency_ratio - path%frequency_ratio) > same_frequency*path%frequency_ratio) then
+               branch%ended = 'the seed has another frequency, '//text(seed%frequency_ratio)//' in place of ' &
+                              //text(path%frequency_ratio)
+               return
+            end if
+            own%frequency_ratio = path%own_value
+         end associate
+      end if
+      if (own%frequency_ratio < low .or. own%frequency_ratio > high) then
+         branch%ended = 'the seed at Lambda = '//text(own%frequency_ratio)//' lies outside '//text(low)//' to '//text(high)
          return
       end if
-      solution = solution_of(tracer, seed)
+      solution = solution_of(tracer, own)
       call tracer%corrector%solve_at(solution, success)
       if (.not. success) then
-         branch%ended = 'Newton does not converge from the seed at Lambda = '//text(seed%frequency_ratio)
+         branch%ended = 'Newton does not converge from the seed at Lambda = '//text(own%frequency_ratio)
          call drop_step(tracer, branch)
          return
       end if

@@ -31,6 +31,8 @@ module geartrain_model_parameter_path
       real(dp) :: length = 0, low = 0, high = 0
       !> A value amid the path, at which nothing is 0 by chance [unit of the parameter].
       real(dp) :: amid = 0
+      !> Value of the train that the path was made from [unit of the parameter].
+      real(dp) :: own_value = 0
       !> Meshes that are unknowns of the balance, (mesh): those that have backlash or a varying stiffness anywhere between the ends.
       logical, allocatable :: unknown(:)
       type(train_type), private :: train
@@ -72,6 +74,7 @@ contains
       call of_plain%take(plain)
       call find_parameter(given, plain, of_given, of_plain, name, self%parameter, error)
       if (allocated(error)) return
+      self%own_value = self%parameter%value
       self%unit = trim(self%parameter%unit)
       if (self%unit == '') self%unit = '1'
       self%train = train
