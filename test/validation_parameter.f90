@@ -1,7 +1,8 @@
 !> Branches over a parameter of the train at constant speed against responses of the train with each value, and closed forms.
 module validation_parameter
-   use fixtures, only: linear_pair, long_train, random_train, settings_of, single_pair
-   use geartrain, only: branch_type, dp, error_type, motion_type, response, response_settings_type, train_type
+   use fixtures, only: linear_pair, long_train, ring, settings_of, single_pair
+   use geartrain, only: branch_type, dp, error_type, folds, gradient_type, motion_gradient, motion_type, response, &
+      response_settings_type, train_type
    use geartrain_continuation_points, only: motion_of
    use testing, only: tests_type
    implicit none (type, external)
@@ -17,6 +18,8 @@ contains
       if (tests%runs('every_kind')) call every_kind(tests)
       if (tests%runs('closed_forms')) call closed_forms(tests)
       if (tests%runs('fold')) call fold(tests)
+      if (tests%runs('estimate')) call estimate(tests)
+      if (tests%runs('slopes')) call slopes(tests)
       if (tests%runs('ends')) call ends(tests)
    end subroutine parameter_tests
 
@@ -213,14 +216,172 @@ contains
       end if
    end subroutine closed_forms
 
-   !> A fold over the torque lies at the torque at which a fold over Lambda has this Lambda.
+   !> A single pair, driven by its stiffness and by its torque, just below its resonance.
+   function driven_pair() result(train)
+      type(train_type) :: train
+
+      train = single_pair(0.05_dp, 0.2_dp, 0.5_dp)
+      train%torque_cos = [0.1_dp]
+   end function driven_pair
+
+   !> A train with a value of the torque, the largest stiffness variation or the damping ratio.
+   function with_value(name, value) result(train)
+      character(*), intent(in) :: name
+      real(dp), intent(in) :: value
+      type(train_type) :: train
+
+      train = driven_pair()
+      if (name == 'input_torque') train%input_torque = value
+      if (name == 'stiffness_variation') train%meshes(1)%stiffness_cos = [value]
+      if (name == 'mesh 1 damping_ratio') train%meshes(1)%damping_ratio = value
+      if (name == 'mesh 1 half_backlash') train%meshes(1)%half_backlash = value
+   end function with_value
+
+   !> Where the branch over a parameter turns, the response over Lambda of the train with this value turns at the Lambda of the branch:
+   !> dS/du is singular for either. From the other end the folds are the same.
    subroutine fold(tests)
       class(tests_type), intent(inout) :: tests
+
+      call turns('input_torque', 0.05_dp, 1.0_dp, 0.9_dp)
+      call turns('stiffness_variation', 0.0_dp, 0.3_dp, 0.9_dp)
+      call turns('mesh 1 damping_ratio', 0.02_dp, 0.1_dp, 0.97_dp)
+
+   contains
+
+      subroutine turns(name, from, to, frequency)
+         character(*), intent(in) :: name
+         real(dp), intent(in) :: from, to, frequency
+         type(branch_type) :: branch, back, near
+         type(motion_type) :: motion
+         type(error_type), allocatable :: error
+         real(dp), allocatable :: at(:), there(:)
+         integer :: i
+
+         branch = over(tests, driven_pair(), name, from, to, frequency, 9)
+         back = over(tests, driven_pair(), name, to, from, frequency, 9)
+         at = folds(branch)
+         call tests%is_true(size(at) == 2 .and. size(folds(back)) == 2, name//': two folds')
+         if (size(at) /= 2 .or. size(folds(back)) /= 2) return
+         call tests%is_close(maxval(abs(folds(back) - at)/at), 0.0_dp, 1e-9_dp, name//': the same folds from the other end')
+         do i = 1, size(branch%special_points)
+            associate (special => branch%special_points(i))
+               if (special%kind /= 'fold') cycle
+               motion = motion_of(branch, special%point)
+               motion%frequency_ratio = frequency
+               call response(with_value(name, special%frequency_ratio), &
+                             settings_of(0.98_dp*frequency, 1.02_dp*frequency, 9), near, error, seed=motion)
+               call tests%is_true(.not. allocated(error), name//': a response')
+               if (near%points == 0) then
+                  call tests%is_true(.false., name//': '//near%ended)
+                  cycle
+               end if
+               there = folds(near)
+               call tests%is_true(size(there) > 0, name//': a fold over Lambda')
+               if (size(there) > 0) call tests%is_close(minval(abs(there - frequency)), 0.0_dp, 1e-9_dp, name//': at this Lambda')
+            end associate
+         end do
+      end subroutine turns
+
    end subroutine fold
 
-   !> Ends.
+   !> The error estimate against motions of the same trains with many more harmonics; derivatives against slopes of the branch.
+   subroutine estimate(tests)
+      class(tests_type), intent(inout) :: tests
+      type(branch_type) :: branch, exact
+      type(motion_type) :: motion, finer
+      type(error_type), allocatable :: error
+      real(dp), allocatable :: fine(:, :), coarse(:, :)
+      real(dp) :: ratio
+      integer :: i, k, checked
+
+      branch = over(tests, driven_pair(), 'stiffness_variation', 0.1_dp, 0.3_dp, 0.9_dp, 4)
+      checked = 0
+      do i = 2, branch%points - 1, 3
+         if (branch%estimate_doubtful(i) .or. branch%error_estimate(i) < 1e-9_dp) cycle
+         motion = motion_of(branch, i)
+         motion%frequency_ratio = branch%constant_frequency
+         call response(with_value('stiffness_variation', branch%frequency_ratio(i)), settings_of(0.8999_dp, 0.9001_dp, 40), exact, &
+                       error, seed=motion)
+         if (exact%points == 0) cycle
+         k = minloc(abs(exact%frequency_ratio(:exact%points) - 0.9_dp), 1)
+         finer = motion_of(exact, k)
+         fine = finer%coefficients
+         coarse = 0*fine
+         coarse(:size(motion%coefficients, 1), :) = motion%coefficients
+         ratio = sqrt(2*sum((fine(1, :) - coarse(1, :))**2) + sum((fine(2:, :) - coarse(2:, :))**2))/norm2(coarse(2:, :)) &
+                 /branch%error_estimate(i)
+         ! The estimate is of first order in the error; near a fold of this branch the motion at the same value is far.
+         if (ratio > 1.5_dp .or. ratio < 1/1.5_dp) call tests%is_close(ratio, 1.0_dp, 0.5_dp, 'error over estimate')
+         checked = checked + 1
+      end do
+      call tests%is_true(checked > 8, 'estimates were checked')
+   end subroutine estimate
+
+   !> Derivatives of motions are the slopes along the branch.
+   subroutine slopes(tests)
+      class(tests_type), intent(inout) :: tests
+      character(*), parameter :: name(*) = [character(24) :: 'input_torque', 'stiffness_variation', 'mesh 1 damping_ratio', &
+                                            'mesh 1 half_backlash']
+      real(dp), parameter :: value(*) = [0.4_dp, 0.25_dp, 0.06_dp, 0.8_dp]
+      type(branch_type) :: branch
+      type(motion_type) :: motion
+      type(gradient_type) :: gradient
+      type(error_type), allocatable :: error
+      type(train_type) :: train
+      real(dp) :: h
+      integer :: n
+
+      do n = 1, size(name)
+         h = 1e-4_dp*value(n)
+         branch = over(tests, with_value(trim(name(n)), value(n)), trim(name(n)), value(n) - h, value(n) + h, 0.95_dp, 9)
+         if (branch%points == 0) cycle
+         train = with_value(trim(name(n)), value(n))
+         motion = motion_of(branch, (1 + branch%points)/2)
+         motion%frequency_ratio = 0.95_dp
+         call motion_gradient(train, motion, 'rms', [trim(name(n))], gradient, error)
+         call tests%is_true(.not. allocated(error), 'a gradient')
+         if (allocated(error)) cycle
+         call tests%is_close((branch%rms(1, branch%points) - branch%rms(1, 1))/(2*h), gradient%values(1, 1), &
+                             1e-6_dp*(1 + abs(gradient%values(1, 1))), trim(name(n))//': slope')
+      end do
+   end subroutine slopes
+
+   !> What is refused, and that a branch ends at the end of the range of its parameter.
    subroutine ends(tests)
       class(tests_type), intent(inout) :: tests
+      type(train_type) :: grounded
+
+      call refused(driven_pair(), 'mesh 1 damping_ratio', -0.1_dp, 0.1_dp, 0.9_dp, 'must be >= 0')
+      call refused(driven_pair(), 'mesh 1 damping', 0.0_dp, 0.1_dp, 0.9_dp, 'not given')
+      call refused(driven_pair(), 'input_torqe', 0.1_dp, 0.2_dp, 0.9_dp, 'did you mean "input_torque"?')
+      call refused(driven_pair(), 'mesh 2 stiffness', 0.1_dp, 0.2_dp, 0.9_dp, 'must tell which &mesh')
+      call refused(driven_pair(), 'mesh 1 order', 1.0_dp, 2.0_dp, 0.9_dp, 'no continuous parameter')
+      call refused(driven_pair(), 'input_torque', 0.1_dp, 0.2_dp, 0.0_dp, 'frequency')
+      call refused(driven_pair(), 'input_torque', 0.1_dp, 0.1_dp, 0.9_dp, 'must differ')
+      call refused(driven_pair(), '', -0.1_dp, 0.1_dp, 0.0_dp, 'must be > 0')
+      grounded = ring()
+      grounded%bodies(2)%damping_to_ground = 0.1_dp
+      call refused(grounded, 'body 2 damping_to_ground', 0.0_dp, 1.0_dp, 1.0_dp, 'of another kind')
+
+   contains
+
+      subroutine refused(train, parameter, from, to, frequency, words)
+         type(train_type), intent(in) :: train
+         character(*), intent(in) :: parameter, words
+         real(dp), intent(in) :: from, to, frequency
+         type(response_settings_type) :: settings
+         type(branch_type) :: branch
+         type(error_type), allocatable :: error
+
+         settings = settings_of(from, to, 6)
+         settings%parameter = parameter
+         settings%frequency = frequency
+         call response(train, settings, branch, error)
+         call tests%is_true(allocated(error), parameter//': refused')
+         if (.not. allocated(error)) return
+         if (index(error%message, words) == 0) call tests%is_text(error%message, words, parameter//': words')
+      end subroutine refused
+
    end subroutine ends
 
 end module validation_parameter

@@ -75,11 +75,15 @@ contains
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
       character(32) :: text
+      real(dp) :: rounded
 
       if (self%parameter == '') then
          text = fixed(frequency_ratio*self%per_lambda, self%decimals)
       else
-         write (text, '(g0.6)') frequency_ratio
+         ! Six significant digits, no more of them than the number has.
+         write (text, '(es13.5e3)') frequency_ratio
+         read (text, *) rounded
+         text = short(rounded)
       end if
    end function number
 

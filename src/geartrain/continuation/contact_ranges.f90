@@ -3,7 +3,7 @@ module geartrain_continuation_contact_ranges
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type, gap_along
    use geartrain_continuation_decided, only: joined
-   use geartrain_continuation_summary, only: band_type, change
+   use geartrain_continuation_summary, only: band_type, change, way_between
    implicit none (type, external)
    private
    public :: separation_ranges, back_collision_ranges, depth_below
@@ -149,7 +149,7 @@ contains
          s(1) = 0
          do k = 2, 4
             if (.not. joined(branch, min(point(k - 1), point(k)))) return
-            s(k) = s(k - 1) + norm2([f(point(k)) - f(point(k - 1)), branch%rms(:, point(k)) - branch%rms(:, point(k - 1))])
+            s(k) = s(k - 1) + way_between(branch, point(k - 1), point(k))
          end do
          if (s(4) - s(2) < s(2) - s(1)) return
          left = s(1)

@@ -6,6 +6,7 @@ module geartrain_continuation_variables
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_base_variable, only: row => variable_type, visitor_type
    use geartrain_continuation_branch, only: response_settings_type
+   use geartrain_model_check, only: check_train
    use geartrain_model_frequency_unit, only: check_unit, lambda_per, visit_unit
    use geartrain_model_limits, only: check_frequency, check_harmonics
    use geartrain_model_parameter_path, only: parameter_path_type
@@ -176,6 +177,9 @@ contains
          end if
          call check_frequency(train, 'frequency', settings%frequency, checker, settings%unit)
          if (checker%problems%of_train() .or. checker%problems%in_group('response')) return
+         ! What is wrong with the train is told elsewhere.
+         call check_train(train, wrong)
+         if (allocated(wrong)) return
          if (.not. lambda_per(train, settings%unit) > 0) return
          call path%setup(train, settings%parameter, settings%frequency*lambda_per(train, settings%unit), settings%start, &
                          settings%stop, wrong)
