@@ -237,8 +237,8 @@ contains
       if (name == 'mesh 1 half_backlash') train%meshes(1)%half_backlash = value
    end function with_value
 
-   !> Where the branch over a parameter turns, the response over Lambda of the train with this value turns at the Lambda of the branch:
-   !> dS/du is singular for either. From the other end the folds are the same.
+   !> Where the branch over a parameter turns, the response over Lambda of the train with this value turns at the Lambda of the
+   !> branch: dS/du is singular for either. From the other end the folds are the same.
    subroutine fold(tests)
       class(tests_type), intent(inout) :: tests
 

@@ -296,7 +296,9 @@ class Branch(Curves):
         }
         if self.parameter_name:
             attributes |= {"parameter_name": self.parameter_name, "parameter_unit": self.parameter_unit}
-            return dataset("/response", values, attributes, ("parameter", "frequency", "speed", "fundamental_frequency"))
+            points = dataset("/response", values, attributes, ("parameter", "frequency", "speed", "fundamental_frequency"))
+            points["parameter"].attrs.update(units=self.parameter_unit, long_name=self.parameter_name)
+            return points
         return dataset("/response", values, attributes, ("frequency", "speed", "fundamental_frequency"))
 
     def write(self, path: str | os.PathLike[str]) -> None:

@@ -431,6 +431,8 @@ class Train(Description):
                 raise InputError(f"{name} = {shown(value)}: must be a whole number >= {least}")
         if response is not None and not isinstance(response, Branch):
             raise InputError(f"response = {shown(response)}: must be a gt.Branch")
+        if response is not None and response.parameter_name:
+            raise InputError(f"response: a branch over {response.parameter_name}: must be one over frequency")
         if isinstance(frequency, bool) or not isinstance(frequency, Real) or not 0 < frequency < float("inf"):
             raise InputError(f"frequency = {shown(frequency)}: must be a number > 0")
         at = lambda_of(self, float(frequency), unit)
