@@ -244,7 +244,7 @@ contains
 
       call turns('input_torque', 0.05_dp, 1.0_dp, 0.9_dp)
       call turns('stiffness_variation', 0.0_dp, 0.3_dp, 0.9_dp)
-      call turns('mesh 1 damping_ratio', 0.02_dp, 0.1_dp, 0.97_dp)
+      call turns('mesh 1 damping_ratio', 0.02_dp, 0.1_dp, 0.95_dp)
 
    contains
 
@@ -255,7 +255,7 @@ contains
          type(motion_type) :: motion
          type(error_type), allocatable :: error
          real(dp), allocatable :: at(:), there(:)
-         integer :: i
+         integer :: i, side
 
          branch = over(tests, driven_pair(), name, from, to, frequency, 9)
          back = over(tests, driven_pair(), name, to, from, frequency, 9)
@@ -267,14 +267,16 @@ contains
             associate (special => branch%special_points(i))
                if (special%kind /= 'fold') cycle
                motion = motion_of(branch, special%point)
-               motion%frequency_ratio = frequency
-               call response(with_value(name, special%frequency_ratio), &
-                             settings_of(0.98_dp*frequency, 1.02_dp*frequency, 9), near, error, seed=motion)
+               ! Newton's method fails at the fold itself: the seed is solved next to it, on the side where there are motions.
+               do side = -1, 1, 2
+                  motion%frequency_ratio = (1 + side*1e-3_dp)*frequency
+                  call response(with_value(name, special%frequency_ratio), &
+                                settings_of(0.98_dp*frequency, 1.02_dp*frequency, 9), near, error, seed=motion)
+                  if (allocated(error)) exit
+                  if (size(folds(near)) > 0) exit
+               end do
                call tests%is_true(.not. allocated(error), name//': a response')
-               if (near%points == 0) then
-                  call tests%is_true(.false., name//': '//near%ended)
-                  cycle
-               end if
+               if (allocated(error)) cycle
                there = folds(near)
                call tests%is_true(size(there) > 0, name//': a fold over Lambda')
                if (size(there) > 0) call tests%is_close(minval(abs(there - frequency)), 0.0_dp, 1e-9_dp, name//': at this Lambda')
