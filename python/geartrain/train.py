@@ -437,8 +437,9 @@ class Train(Description):
             raise InputError(f"frequency = {shown(frequency)}: must be a number > 0")
         at = lambda_of(self, float(frequency), unit)
         if response is None:
-            response = self.response(start=0.7 * at, stop=1.4 * at, harmonics=0, period_doublings=int(period).bit_length() - 1,
-                                     branch_points=True)
+            # Shooting makes every motion exact: a tighter tolerance would cost ten times as much and find no more.
+            response = self.response(start=0.7 * at, stop=1.4 * at, harmonics=0, tolerance=1e-2,
+                                     period_doublings=int(period).bit_length() - 1, branch_points=True)
         return find_motions(self, at, int(period), int(starts), int(seeds), int(random_seed), [response, *response.branches])
 
     @takes(VARIABLES["stability_map"], StabilityMapKeywords)
