@@ -4,7 +4,7 @@ module geartrain
    use geartrain_analyses_audit, only: audit_branch
    use geartrain_analyses_audit_result, only: audit_row_type, audit_type
    use geartrain_analyses_audit_text, only: audit_text
-   use geartrain_analyses_dependencies, only: locate_edges
+   use geartrain_analyses_dependencies, only: locate_edges, name_parameter
    use geartrain_analyses_integration, only: integrate, sweep, sweep_type
    use geartrain_analyses_list, only: case_type, results_type
    use geartrain_analyses_run_up, only: run_up, run_up_settings_type
@@ -42,6 +42,7 @@ module geartrain
    use geartrain_model_gradient, only: frequency_gradient, gradient_type
    use geartrain_model_mesh, only: mesh_type
    use geartrain_model_modes, only: modes_type, natural_modes
+   use geartrain_model_parameter_path, only: parameter_path_type
    use geartrain_model_shaft, only: shaft_type
    use geartrain_model_train, only: train_type
    use geartrain_run_read_results, only: read_results

@@ -141,8 +141,8 @@ class Branch(Curves):
     def at(self, frequency: float, *, unit: Unit = "Lambda") -> list[Motion]:
         """Every solution of this branch at exactly that frequency, in their order along the branch.
 
-        ``unit`` is that of the frequency: Lambda, rpm or Hz, as in `Train.response`. Of a branch over a parameter ``frequency`` is a
-        value of the parameter in its unit, and the train of the motions has it.
+        ``unit`` is that of the frequency: Lambda, rpm or Hz, as in `Train.response`. Of a branch over a parameter ``frequency`` is
+        a value of the parameter in its unit, and the train of the motions has it.
 
         Examples
         --------
@@ -349,7 +349,7 @@ class Branch(Curves):
             columns = {
                 "kind": [special.kind for special in specials],
                 "frequency": None if self.parameter_name else [float(special.frequency) for special in specials],
-                "parameter": [float(special.parameter) for special in specials] if self.parameter_name else None,
+                "parameter": np.array([special.parameter for special in specials], float) if self.parameter_name else None,
                 "after_point": [special.point + 1 for special in specials],
                 "rms": np.stack([special.rms for special in specials]),
             }

@@ -232,7 +232,10 @@ class Readings:
         """
         names = (self._free_name, "kind", "direction", "cause", "rms_before", "rms_after", "candidates", "undecided")
         return Jumps((
-            Jump(self._lambda(float(at)), kind, direction, cause, before, after, int(candidates), bool(undecided), *self._speeds(float(at)))
+            Jump(
+                self._lambda(float(at)), kind, direction, cause, before, after, int(candidates), bool(undecided),
+                *self._speeds(float(at)),
+            )
             for at, kind, direction, cause, before, after, candidates, undecided in self._read_off("jumps").rows(*names)
         ), length_unit(self.train))
 

@@ -2,9 +2,10 @@
 
 import pickle
 
-import geartrain as gt
 import numpy as np
 import pytest
+
+import geartrain as gt
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,7 @@
 !> What the executable prints of a branch: peaks, folds, jumps, ranges, largest forces, and why it ended.
 module geartrain_analyses_branch_report
    use geartrain_analyses_analysis, only: fixed
-   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type, in_width, length_unit, text_for
+   use geartrain_analyses_frequency_text, only: frequency_text_type, in_width, length_unit, text_for
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type, carried_by, has_sets, response_settings_type
    use geartrain_continuation_contact_ranges, only: back_collision_ranges, separation_ranges
@@ -40,8 +40,8 @@ contains
 
       write (unit, '(a, i0, a, i0, 3a)') 'Further branches: ', size(branches), ', ', sum(branches%points), ' points in ', &
          fixed(seconds, 2), ' s'
-      told = frequency_text(train, settings%unit, 0.0_dp)
       do i = 1, size(branches)
+         told = text_for(branches(i), train, settings%unit)
          call told%of_words(branches(i)%origin, origin)
          write (unit, '(a, i0, a, i0, 2a)') 'Branch ', i, ', period ', branches(i)%subharmonic, ': ', origin
          call report_branch(branches(i), settings, train, unit, whole=.false.)

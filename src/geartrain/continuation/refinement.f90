@@ -2,13 +2,14 @@
 !> not depend on one another, so that the numbers do not depend on how many threads there are.
 module geartrain_continuation_refinement
    use geartrain_balance_motion, only: motion_type
-   use geartrain_base_error, only: error_type, fatal
+   use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_continuation_branch, only: branch_type, coefficients_of
    use geartrain_continuation_waveform_error, only: harmonics_told, waveform_error
    use geartrain_flow_shooting, only: refine
    use geartrain_model_check, only: check_train
+   use geartrain_model_parameter_path, only: parameter_path_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -37,11 +38,15 @@ contains
       type(motion_type) :: motion
       integer :: i, done
       logical :: keep_going, go
+      type(parameter_path_type) :: path
       real(dp) :: correction
 
       call check_train(train, error)
-      if (.not. allocated(error) .and. allocated(branch%parameter)) &
-         call fatal(error, 'refine: a branch over a frequency, not over a parameter')
+      if (.not. allocated(error) .and. allocated(branch%parameter) .and. branch%points > 0) then
+         associate (at => branch%frequency_ratio(:branch%points))
+            call path%setup(train, branch%parameter, branch%constant_frequency, minval(at), maxval(at), error)
+         end associate
+      end if
       if (allocated(error)) return
       if (.not. allocated(branch%correction)) allocate (branch%correction(branch%points), source=untried)
       done = count(branch%correction > untried)
@@ -51,7 +56,7 @@ contains
          !$omp atomic read
          go = keep_going
          if (.not. go .or. branch%correction(i) > untried) cycle
-         call refine_point(train, branch, i, motion, correction)
+         call refine_point(train, path, branch, i, motion, correction)
          if (train%interrupt%raised()) then
             !$omp atomic write
             keep_going = .false.
@@ -76,20 +81,31 @@ contains
    end subroutine refine_branch
 
    !> Finds the orbit near point i; a negative correction means that there is none.
-   subroutine refine_point(train, branch, i, motion, correction)
-      type(train_type), intent(in) :: train
+   subroutine refine_point(given, path, branch, i, motion, correction)
+      type(train_type), intent(in) :: given
+      !> Trains of a branch over a parameter.
+      type(parameter_path_type), intent(in) :: path
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: i
       type(motion_type), intent(out) :: motion
       real(dp), intent(out) :: correction
       type(error_type), allocatable :: error
+      type(train_type) :: train
+      real(dp) :: frequency_ratio
       integer :: attempt
 
+      if (allocated(branch%parameter)) then
+         call path%train_at(branch%frequency_ratio(i), train)
+         frequency_ratio = branch%constant_frequency
+      else
+         train = given
+         frequency_ratio = branch%frequency_ratio(i)
+      end if
       correction = -1
       ! First by single shooting, which is quicker and is enough as a rule, then by multiple shooting, except where the estimate is
       ! doubtful: there may be no orbit.
       do attempt = 1, merge(1, 2, branch%estimate_doubtful(i))
-         motion%frequency_ratio = branch%frequency_ratio(i)
+         motion%frequency_ratio = frequency_ratio
          motion%period = branch%subharmonic
          motion%coefficients = coefficients_of(branch, i)
          if (allocated(motion%state)) deallocate (motion%state)

@@ -49,8 +49,6 @@ contains
       logical :: success
 
       call check_train(train, error)
-      if (.not. allocated(error) .and. allocated(branch%parameter)) &
-         call fatal(error, 'period_doubled: of a branch over a frequency, not over a parameter')
       if (allocated(error)) return
       if (special < 1 .or. special > size(branch%special_points)) then
          call fatal(error, 'special = '//text(special)//': the branch has '//text(size(branch%special_points)) &

@@ -152,8 +152,8 @@ contains
 
       !> Checks the ends of a range of frequencies.
       subroutine check_ends()
-         if (.not. settings%start > 0) call checker%complain('from', real_text(settings%start), 'must be > 0: it is a frequency')
-         if (.not. settings%stop > 0) call checker%complain('to', real_text(settings%stop), 'must be > 0: it is a frequency')
+         if (.not. settings%start > 0) call checker%complain('from', real_text(settings%start), 'must be > 0')
+         if (.not. settings%stop > 0) call checker%complain('to', real_text(settings%stop), 'must be > 0')
          if (settings%start > 0) call check_frequency(train, 'from', settings%start, checker, settings%unit)
          if (settings%stop > 0) call check_frequency(train, 'to', settings%stop, checker, settings%unit)
          if (abs(settings%frequency) > 0) &
@@ -165,11 +165,6 @@ contains
          type(parameter_path_type) :: path
          type(error_type), allocatable :: wrong
 
-         if (settings%period_doublings > 0) call checker%complain('period_doublings', integer_text(settings%period_doublings), &
-            'must be 0 with parameter: period doublings are listed, their branches are not followed')
-         if (settings%branch_points) call checker%complain('branch_points', '.true.', &
-            'must be .false. with parameter: branch points are listed, the branches that cross there are not followed')
-         if (settings%refine) call checker%complain('refine', '.true.', 'must be .false. with parameter')
          if (.not. settings%frequency > 0) then
             call checker%complain('frequency', real_text(settings%frequency), 'must be given with parameter, > 0: &
                                   &the frequency stays constant')
