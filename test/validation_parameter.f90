@@ -1,9 +1,11 @@
 !> Branches over a parameter of the train at constant speed against responses of the train with each value, and closed forms.
 module validation_parameter
    use fixtures, only: linear_pair, long_train, ring, settings_of, single_pair
-   use geartrain, only: branch_type, dp, error_type, folds, gradient_type, motion_gradient, motion_type, response, &
-      response_settings_type, train_type
+   use geartrain, only: branch_type, case_type, dp, error_type, folds, gradient_type, motion_gradient, motion_type, &
+      period_doubled, read_case, refine, refine_branch, response, response_settings_type, train_type
    use geartrain_continuation_points, only: motion_of
+   use geartrain_model_drawing, only: plain_train
+   use geartrain_model_parameter, only: largest_variation
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -20,6 +22,8 @@ contains
       if (tests%runs('fold')) call fold(tests)
       if (tests%runs('estimate')) call estimate(tests)
       if (tests%runs('slopes')) call slopes(tests)
+      if (tests%runs('doubling')) call doubling(tests)
+      if (tests%runs('drawing')) call drawing(tests)
       if (tests%runs('ends')) call ends(tests)
    end subroutine parameter_tests
 
@@ -347,6 +351,87 @@ contains
                              1e-6_dp*(1 + abs(gradient%values(1, 1))), trim(name(n))//': slope')
       end do
    end subroutine slopes
+
+   !> A period doubling over the stiffness variation: the train with this value has a multiplier -1. The branch of twice the period
+   !> and refined points are those of the trains by themselves.
+   subroutine doubling(tests)
+      class(tests_type), intent(inout) :: tests
+      type(branch_type) :: branch, near, twice
+      type(motion_type) :: motion
+      type(error_type), allocatable :: error
+      type(response_settings_type) :: settings
+      integer :: i, k
+
+      branch = over(tests, driven_pair(), 'stiffness_variation', 0.1_dp, 0.5_dp, 1.9_dp, 9)
+      k = findloc(branch%special_points%kind, 'period doubling', 1)
+      call tests%is_true(k > 0, 'a period doubling')
+      if (k == 0) return
+      associate (special => branch%special_points(k))
+         motion = motion_of(branch, special%point)
+         motion%frequency_ratio = 1.9_dp
+         call response(with_value('stiffness_variation', special%frequency_ratio), settings_of(1.899_dp, 1.901_dp, 9), near, error, &
+                       seed=motion)
+         i = minloc(abs(near%frequency_ratio(:near%points) - 1.9_dp), 1)
+         call tests%is_close(minval(abs(near%multipliers(:, i) + 1)), 0.0_dp, 1e-6_dp, 'a multiplier -1')
+      end associate
+      settings = settings_of(0.1_dp, 0.5_dp, 9)
+      settings%parameter = 'stiffness_variation'
+      settings%frequency = 1.9_dp
+      call period_doubled(driven_pair(), settings, branch, k, twice, error)
+      call tests%is_true(.not. allocated(error) .and. twice%points > 5, 'the branch of twice the period')
+      if (allocated(error) .or. twice%points == 0) return
+      do i = 2, twice%points, max(1, twice%points/3)
+         call compare(tests, with_value('stiffness_variation', twice%frequency_ratio(i)), twice, i, 'twice the period')
+      end do
+      call refine_branch(driven_pair(), branch, error)
+      call tests%is_true(.not. allocated(error), 'refined')
+      i = branch%points/2
+      call tests%is_true(branch%correction(i) > 0 .and. branch%correction(i) < 1e-3_dp, 'a correction')
+      motion = motion_of(branch, i)
+      motion%frequency_ratio = 1.9_dp
+      call refine(with_value('stiffness_variation', branch%frequency_ratio(i)), motion, error)
+      call tests%is_close(motion%rms(1), branch%rms(1, i), 1e-11_dp, 'a refined point is an orbit')
+   end subroutine doubling
+
+   !> Parameters of a drawing, and what follows from it, against the train described with the value.
+   subroutine drawing(tests)
+      class(tests_type), intent(inout) :: tests
+      character(*), parameter :: name(*) = [character(24) :: 'motor torque', 'mesh 1 backlash', 'mesh 1 stiffness', &
+                                            'stiffness_variation']
+      real(dp), parameter :: from(*) = [60.0_dp, 40e-6_dp, 6e8_dp, 0.02_dp], to(*) = [140.0_dp, 80e-6_dp, 9e8_dp, 0.2_dp]
+      type(case_type) :: case
+      type(train_type) :: train, plain
+      type(branch_type) :: branch
+      type(error_type), allocatable :: error
+      integer :: i, j, n
+
+      call read_case('namelists/reducer.nml', case, error)
+      call tests%is_true(.not. allocated(error), 'a drawing')
+      if (allocated(error)) return
+      call plain_train(case%train, plain)
+      do n = 1, size(name)
+         ! Lambda is the speed in rpm.
+         branch = over(tests, case%train, trim(name(n)), from(n), to(n), 1500.0_dp, 75)
+         if (branch%points == 0) cycle
+         i = branch%points/2
+         train = case%train
+         associate (value => branch%frequency_ratio(i), mesh => train%meshes(1))
+            select case (name(n))
+            case ('motor torque')
+               train%bodies(1)%torque = value
+            case ('mesh 1 backlash')
+               mesh%backlash = value
+            case ('mesh 1 stiffness')
+               mesh%stiffness = value
+            case ('stiffness_variation')
+               do j = 1, 2
+                  train%meshes(j)%stiffness_cos = value/largest_variation(plain%meshes)*plain%meshes(j)%stiffness_cos
+               end do
+            end select
+         end associate
+         call compare(tests, train, branch, i, trim(name(n)))
+      end do
+   end subroutine drawing
 
    !> What is refused, and that a branch ends at the end of the range of its parameter.
    subroutine ends(tests)

@@ -94,19 +94,22 @@ contains
       type(tracer_type) :: fixed
       type(response_settings_type) :: settings
       type(motion_type) :: motion
+      integer :: first
 
       settings = tracer%settings
       settings%parameter = ''
       associate (path => tracer%corrector%balance%path)
          call path%train_at(value, train)
          call begin_trace(train, settings, fixed)
+         first = fixed%corrector%balance%highest
          call find_start(train, fixed, path%frequency_ratio, 2*path%frequency_ratio, solution, success, enough, stopped, observer)
       end associate
       if (.not. success) return
       motion = motion_at(fixed, solution)
       motion%frequency_ratio = value
-      associate (highest => fixed%corrector%balance%highest, harmonic => fixed%corrector%balance%harmonic)
-         if (settings%harmonics == 0 .and. highest > tracer%corrector%balance%highest) call tracer%prepare(highest, harmonic)
+      ! A motion that took more harmonics to solve takes them here as well.
+      associate (highest => fixed%corrector%balance%highest)
+         if (highest > max(first, tracer%corrector%balance%highest)) call tracer%prepare(highest)
       end associate
       solution = solution_of(tracer, motion)
       call tracer%corrector%solve_at(solution, success)

@@ -6,8 +6,9 @@ module geartrain_model_parameter_path
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: real_text
    use geartrain_model_check, only: check_train
-   use geartrain_model_drawing, only: plain_train
+   use geartrain_model_drawing, only: plain_train, reduce_light_loads
    use geartrain_model_limits, only: check_frequency
+   use geartrain_model_mesh, only: has_table, is_given
    use geartrain_model_parameter, only: add_to_parameter, find_parameter, own_value, parameter_type, table_type, variation
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
@@ -78,7 +79,8 @@ contains
       self%unit = trim(self%parameter%unit)
       if (self%unit == '') self%unit = '1'
       self%train = train
-      if (self%parameter%variable == variation .or. self%parameter%derived) self%train = plain
+      if (any(self%parameter%variable == [character(24) :: variation, 'stiffness_cos', 'stiffness_sin'])) &
+         call give_variation(plain, self%train)
       ! The units of displacement and time stay when the parameter is one that they would follow from.
       self%train%characteristic_length = plain%characteristic_length
       self%train%characteristic_frequency = plain%characteristic_frequency
@@ -99,6 +101,34 @@ contains
       call self%check_at(self%high, middle, outside)
       if (allocated(outside)) self%high = max(start, stop)
    end subroutine setup
+
+   !> Gives the train the harmonics of its mesh stiffnesses that follow from a drawing, a contact ratio or a table.
+   subroutine give_variation(plain, train)
+      !> Its plain train.
+      type(train_type), intent(in) :: plain
+      !> The train as described.
+      type(train_type), intent(inout) :: train
+      type(train_type) :: loaded
+      integer :: j
+
+      ! The loads stay as they are when the harmonics change, and so do the mean stiffnesses.
+      loaded = plain
+      call reduce_light_loads(loaded)
+      do j = 1, size(train%meshes)
+         associate (mesh => train%meshes(j), own => loaded%meshes(j))
+            if (.not. (is_given(own%stiffness_cos) .or. is_given(own%stiffness_sin))) cycle
+            if (mesh%contact_ratio > 0 .or. has_table(mesh)) mesh%stiffness = own%stiffness
+            mesh%contact_ratio = 0
+            if (allocated(mesh%stiffness_table)) deallocate (mesh%stiffness_table)
+            if (allocated(own%stiffness_cos)) mesh%stiffness_cos = own%stiffness_cos
+            if (allocated(own%stiffness_sin)) mesh%stiffness_sin = own%stiffness_sin
+            ! In the plain train these have the phase already.
+            if (allocated(own%error_cos)) mesh%error_cos = own%error_cos
+            if (allocated(own%error_sin)) mesh%error_sin = own%error_sin
+            mesh%phase = 0
+         end associate
+      end do
+   end subroutine give_variation
 
    !> Adds an error where the train is not in order at a value, or is one of another kind than in the middle of the path.
    subroutine check_at(self, value, middle, error)
