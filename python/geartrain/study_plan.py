@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ._box import Box
 from ._namelist import parse
 from .errors import DrawingWarning, InputError, shown
-from .parameter import Target, assigned, checked_column, own_value, targets_of
+from .parameter import Target, add_targets, assigned, checked_column, own_value, targets_of
 from .quantity import Quantity, taken
 from .space import Axis, Space
 from .train import Train
@@ -83,11 +83,9 @@ class Plan:
         targets: list[Target] = []
         columns = []
         for name, values in space.columns().items():
-            for target in targets_of(name, train, call, settings, space.relative[name]):
-                if any(target[:2] == known[:2] and target.element in (0, known.element) for known in targets):
-                    raise InputError(f"parameter {shown(name)}: {target.place} {target.variable} is set by another one as well")
-                targets.append(target)
-                columns.append(checked_column(target, values))
+            found = targets_of(name, train, call, settings, space.relative[name])
+            add_targets(name, found, targets)
+            columns += [checked_column(target, values) for target in found]
         keys = _keys(train, call, settings, keep, targets, columns)
         text = train.namelist()
         return cls(text, call, settings, tuple(keep), space.axes, space.relative, tuple(targets), tuple(columns), keys)

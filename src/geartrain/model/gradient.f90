@@ -14,7 +14,7 @@ module geartrain_model_gradient
    use geartrain_model_train_rate, only: find_train_rate, has_effect
    implicit none (type, external)
    private
-   public :: gradient_type, parameters_type, begin_gradient, frequency_gradient, reason_length
+   public :: gradient_type, parameters_type, begin_gradient, check_parameters, frequency_gradient, reason_length
 
    integer, parameter :: reason_length = 120
    !> Variables that make a train of another kind where they are 0.
@@ -49,6 +49,18 @@ module geartrain_model_gradient
    end type parameters_type
 
 contains
+
+   !> Refuses names of no parameters, and of those that are not in force.
+   subroutine check_parameters(train, names, error)
+      !> The train.
+      type(train_type), intent(in) :: train
+      !> Names of the parameters, (parameter).
+      character(*), intent(in) :: names(:)
+      type(error_type), allocatable, intent(out) :: error
+      type(parameters_type) :: given
+
+      call given%setup(train, names, error)
+   end subroutine check_parameters
 
    !> Finds the derivatives of the natural frequencies over characteristic frequency.
    subroutine frequency_gradient(train, names, gradient, error)
@@ -116,7 +128,7 @@ contains
          call find_parameters(self%train, self%plain, given, derived, names(n), found, error)
          if (size(found) > 0) found = pack(found, [(has_effect(self%train, found(i)), i=1, size(found))])
          if (.not. allocated(error) .and. size(found) == 0) call fatal(error, 'parameter "'//trim(adjustl(names(n)))//'": not in &
-            &force in this train: nothing follows from it, as what could is given or is not asked for')
+            &force in this train: what would follow from it is given, or is not used')
          self%named(n)%parameter = found
       end do
       if (allocated(error)) return
