@@ -40,11 +40,11 @@ def gradient_of(
 
 
 def refuse_without_effect(box: Box, parameters: Sequence[str]) -> None:
-    """Refuse parameters that are not in force in the train of a box, which is closed; other problems are told elsewhere."""
+    """Refuse parameters without effect in the train of a box, which is closed; other problems are told elsewhere."""
     with box:
         try:
             box.gradient("/parameters", "\n".join(parameters), np.zeros(3), 0, 0.0, np.zeros((1, 1)))
         except InputError as error:
-            told = [line for line in str(error).splitlines() if "not in force" in line]
+            told = [line for line in str(error).splitlines() if "what would follow from it" in line]
             if told:
                 raise InputError("\n".join(told)) from None

@@ -12,12 +12,14 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ._box import Box
+from ._gradient import refuse_without_effect
 from ._variable import Part, Variable
 from .description import Description
 from .errors import InputError, shown
 from .variables import PARTS, VARIABLES
 
-__all__ = ["Target", "add_targets", "assigned", "checked_column", "label", "own_value", "targets_of", "with_values"]
+__all__ = ["Target", "add_targets", "assigned", "check_effects", "checked_column", "label", "own_value", "targets_of", "with_values"]
 
 AnyTrain = TypeVar("AnyTrain", bound=Description)
 
@@ -265,4 +267,13 @@ def with_values(train: AnyTrain, values: Mapping[str, Any]) -> AnyTrain:
         found = targets_of(name, train, "train", {})
         add_targets(name, found, targets)
         numbers += [checked_column(target, np.asarray([value]))[0].item() for target in found]
-    return assigned(train, {}, targets, numbers)[0]
+    changed = assigned(train, {}, targets, numbers)[0]
+    check_effects(changed, targets)
+    return changed
+
+
+def check_effects(train: Description, targets: Sequence[Target]) -> None:
+    """Refuse variables of a train that nothing follows from, such as the diameter of a shaft whose stiffness is given."""
+    names = [f"{place} {variable}".removeprefix("train ") + (f" {element}" if element else "")
+             for place, variable, element, _ in targets if place.partition(" ")[0] in ("train", *PARTS)]
+    refuse_without_effect(Box(copy=train._kept), names)

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from hashlib import blake2b
-from itertools import repeat
+from itertools import islice, repeat
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ._box import Box
 from ._namelist import parse
 from .errors import DrawingWarning, InputError, shown
-from .parameter import Target, add_targets, assigned, checked_column, own_value, targets_of
+from .parameter import Target, add_targets, assigned, check_effects, checked_column, own_value, targets_of
 from .quantity import Quantity, taken
 from .space import Axis, Space
 from .train import Train
@@ -28,6 +28,8 @@ __all__ = ["Plan"]
 
 #: Of the records of points: what is written by another version is not taken for done.
 _RESULTS_VERSION = 1
+
+_TRIED = 20  # points among which one is allowed, as a rule
 
 with Box() as _opened:
     _PROGRAM = _opened.text("version")
@@ -86,6 +88,7 @@ class Plan:
             found = targets_of(name, train, call, settings, space.relative[name])
             add_targets(name, found, targets)
             columns += [checked_column(target, values) for target in found]
+        _check_effects(train, settings, targets, columns)
         keys = _keys(train, call, settings, keep, targets, columns)
         text = train.namelist()
         return cls(text, call, settings, tuple(keep), space.axes, space.relative, tuple(targets), tuple(columns), keys)
@@ -171,6 +174,21 @@ class Plan:
     def in_batches_of(self, points: int, seconds: float) -> Plan:
         """The same, with so many points computed in one go, each in so many seconds."""
         return replace(self, batch=points, seconds=seconds)
+
+
+def _check_effects(
+    train: Train, settings: Mapping[str, Any], targets: Sequence[Target], columns: Sequence[NDArray[Any]]
+) -> None:
+    """Refuse parameters without effect, by the first point that is allowed."""
+    for values in islice(zip(*columns), _TRIED):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DrawingWarning)
+            try:
+                first = assigned(train, settings, targets, [value.item() for value in values])[0]
+            except InputError:  # told where the point is computed
+                continue
+        check_effects(first, targets)
+        return
 
 
 def _plain(value: Any) -> Any:
