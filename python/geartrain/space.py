@@ -193,13 +193,15 @@ def _columns(sample: Any, names: Sequence[Name] | None) -> dict[str, NDArray[Any
 def _column(name: str, values: Any) -> NDArray[Any]:
     column = np.atleast_1d(np.asarray(values))
     if not column.size:
-        raise InputError(f"parameter {name!r}: has no values")
+        raise InputError(f"parameter {name!r}: has no values: must be a list of numbers or of texts")
     if column.dtype.kind == "O":
         column = np.array(column.tolist())
     if column.ndim != 1 or not len(column) or column.dtype.kind not in "biufU":
         raise InputError(f"parameter {name!r}: {shown(values)}: must be a list of numbers or of texts")
     if column.dtype.kind == "f" and not np.isfinite(column).all():
-        raise InputError(f"parameter {name!r}: value {int(np.argmin(np.isfinite(column)))}, counted from 0, is not finite")
+        wrong = np.flatnonzero(~np.isfinite(column))
+        more = f", nor are {len(wrong) - 1} more" if len(wrong) > 1 else ""
+        raise InputError(f"parameter {name!r}: value {wrong[0]}, counted from 0, is not finite{more}")
     return column
 
 

@@ -23,6 +23,7 @@ from .quantity import check_kept
 from .space import Space
 from .study_dataset import dataset_of
 from .study_engine import compute_all, cores, executor_of
+from .study_failures import failures_of, words_of
 from .study_plan import Plan
 from .study_progress import Progress
 from .study_store import DONE, Store
@@ -177,9 +178,11 @@ class Study:
               for axis in self.space.axes for name, values in axis.columns.items()),
             f"kept of each: {', '.join(self.keep)}",
             f"there: {len(own)}" + (f", {sum(status != DONE for status in own)} of them failed" if own else "") + f"; left: {left}",
-            problem or f"expected: {_duration(seconds or 0)} a point, {_duration(total or 0)} on {cores()} cores",
+            problem or (f"expected: {_duration(seconds or 0)} a point, {_duration(total or 0)} on {cores()} cores" if left else "all done"),
         ]
         failed = sum(status != DONE for status in own)
+        if failed and store is not None:
+            told.append(words_of(plan, failures_of(plan, store)))
         return StudyExplanation(
             len(plan), len(plan) - len(plan.distinct), len(own), failed, seconds, total, problem, "\n".join(told)
         )
@@ -224,7 +227,8 @@ class Study:
         failed = np.flatnonzero(found.status.values != DONE)
         if len(failed):
             message = found.message.values.flat[failed[0]]
-            warnings.warn(f"{len(failed)} of {len(self)} points failed, the first with {message}", stacklevel=2)
+            warnings.warn(f"{len(failed)} of {len(self)} points failed, the first with {message} at {plan.told(int(failed[0]))}; "
+                          "study.explain() tells more", stacklevel=2)
         return found
 
     def prepare(self, folder: str | os.PathLike[str], parts: int = 1) -> None:
@@ -346,7 +350,7 @@ def run_plan(
 ) -> Progress:
     """Compute batches of a plan whose points are not yet in the folder; workers are all cores unless told."""
     if retry:
-        store.forget([key for key, status in store.statuses().items() if status != DONE and key in plan.known])
+        store.forget([plan.key(failure.point) for failure in failures_of(plan, store, blocks)])
     there = store.statuses().keys()
     left = [block for block in blocks if not there >= {plan.key(point) for point in plan.block(block)}]
     with Progress(plan, store, progress) as told:

@@ -29,6 +29,7 @@ __all__ = ["Plan"]
 #: Of the records of points: what is written by another version is not taken for done.
 _RESULTS_VERSION = 1
 
+_LONGEST = 200  # characters of the values of a point in a message
 _TRIED = 20  # points among which one is allowed, as a rule
 
 with Box() as _opened:
@@ -118,6 +119,15 @@ class Plan:
     def known(self) -> set[bytes]:
         """The keys."""
         return set(self.keys.tolist())
+
+    @cached_property
+    def _values(self) -> dict[str, NDArray[Any]]:
+        return Space.of(self.axes, self.relative).columns()
+
+    def told(self, point: int) -> str:
+        """The point in words, with the values of its parameters."""
+        values = ", ".join(f"{name} = {column[point]}" for name, column in self._values.items())
+        return f"point {point} ({values if len(values) <= _LONGEST else values[: _LONGEST - 3] + '...'})"
 
     @property
     def blocks(self) -> int:
