@@ -1,4 +1,4 @@
-"""Design by derivatives, the example of docs/design.md: `python example/design.py`, about a minute on one core.
+"""Design by derivatives, the example of docs/design.md: `python example/design.py`, one to two minutes on one core.
 
 1. Shaft stiffness and mesh phase of figure 3's train for the least largest dynamic factor over a range of speeds.
 2. The least change of a gear pair that takes its jump out of a range.
@@ -61,7 +61,7 @@ class FactorsOfRanges:
     start = np.array([8.0, 0.0])
     bounds = ((5.0, 8.5), (-np.inf, np.inf))
 
-    def __init__(self, ranges: int = 7, low: float = 0.5, high: float = 2.6) -> None:
+    def __init__(self, ranges: int = 7, low: float = 0.3, high: float = 2.6) -> None:
         self.train = gt.read_case(CASES / "fig03.nml").train.with_values({"mesh * damping_ratio": 0.1})
         self.edges = np.linspace(low, high, ranges + 1)
         self.responses = 0
@@ -306,7 +306,9 @@ def main(folder: str = "results") -> None:
           f"{chances.responses} responses; {chances.monte_carlo:.4f} +- {chances.error:.4f} of {len(chances.samples)} samples")
     Path(folder).mkdir(parents=True, exist_ok=True)
     designs = {"as it is": problem.start, "optimum": best.x, "robust": robust.x}
-    draw(designs, chances, Path(folder) / "design.png")
+    path = Path(folder) / "design.png"
+    draw(designs, chances, path)
+    print(f"drawn: {path}")
 
 
 if __name__ == "__main__":

@@ -223,7 +223,18 @@ def checked_column(target: Target, values: NDArray[Any]) -> NDArray[Any]:
         return found.astype(str)
     if not kind and found.dtype.kind in "biufU":
         return found
-    raise InputError(f"{target.place} {target.variable}: {shown(values.tolist())}: must be of type {kind or 'number or text'}")
+    wrong = [place for place, value in enumerate(values.tolist()) if kind not in ("real", "integer") or not _fits(value, kind)]
+    which = f"value {wrong[0]}, counted from 0, {shown(values[wrong[0]].item())}" if wrong and len(values) > 1 else shown(values.tolist())
+    raise InputError(f"{target.place} {target.variable}: {which}: must be of type {kind or 'number or text'}")
+
+
+def _fits(value: Any, kind: str) -> bool:
+    """Whether a value, perhaps as a text, is a number of a kind."""
+    try:
+        number = float(value)
+    except ValueError:
+        return False
+    return kind == "real" or number == round(number)
 
 
 def assigned(

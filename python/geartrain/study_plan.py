@@ -126,7 +126,7 @@ class Plan:
 
     def told(self, point: int) -> str:
         """The point in words, with the values of its parameters."""
-        values = ", ".join(f"{name} = {column[point]}" for name, column in self._values.items())
+        values = ", ".join(f"{name} = {column[point]:{'.6g' if column.dtype.kind == 'f' else ''}}" for name, column in self._values.items())
         return f"point {point} ({values if len(values) <= _LONGEST else values[: _LONGEST - 3] + '...'})"
 
     @property
