@@ -19,7 +19,9 @@ from .description import Description
 from .errors import InputError, shown
 from .variables import PARTS, VARIABLES
 
-__all__ = ["Target", "add_targets", "assigned", "check_effects", "checked_column", "label", "own_value", "targets_of", "with_values"]
+__all__ = [
+    "Target", "add_targets", "assigned", "check_effects", "checked_column", "label", "own_value", "targets_of", "with_values",
+]
 
 AnyTrain = TypeVar("AnyTrain", bound=Description)
 
@@ -224,7 +226,9 @@ def checked_column(target: Target, values: NDArray[Any]) -> NDArray[Any]:
     if not kind and found.dtype.kind in "biufU":
         return found
     wrong = [place for place, value in enumerate(values.tolist()) if kind not in ("real", "integer") or not _fits(value, kind)]
-    which = f"value {wrong[0]}, counted from 0, {shown(values[wrong[0]].item())}" if wrong and len(values) > 1 else shown(values.tolist())
+    which = shown(values.tolist())
+    if wrong and len(values) > 1:
+        which = f"value {wrong[0]}, counted from 0, {shown(values[wrong[0]].item())}"
     raise InputError(f"{target.place} {target.variable}: {which}: must be of type {kind or 'number or text'}")
 
 

@@ -178,9 +178,10 @@ def _columns(sample: Any, names: Sequence[Name] | None) -> dict[str, NDArray[Any
         if names is not None:
             raise InputError("names: the columns of the sample have names of their own")
         own = list(sample if isinstance(sample, Mapping) else sample.columns)
-        if any(str(name).startswith("Unnamed: ") for name in own):
-            raise InputError(f"sample: column {next(str(name) for name in own if str(name).startswith('Unnamed: '))!r} has no name: "
-                             "an index, which to_csv(..., index=False) leaves out, or read_csv(..., index_col=0) takes?")
+        unnamed = [str(name) for name in own if str(name).startswith("Unnamed: ")]  # as pandas calls them
+        if unnamed:
+            raise InputError(f"sample: column {unnamed[0]!r} has no name: an index, which to_csv(..., index=False) leaves out and "
+                             "read_csv(..., index_col=0) takes?")
         if own and not len(sample[own[0]]):
             raise InputError("sample: has no rows")
         return {label(name): _column(label(name), sample[name]) for name in own}

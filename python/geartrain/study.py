@@ -178,7 +178,7 @@ class Study:
               for axis in self.space.axes for name, values in axis.columns.items()),
             f"kept of each: {', '.join(self.keep)}",
             f"there: {len(own)}" + (f", {sum(status != DONE for status in own)} of them failed" if own else "") + f"; left: {left}",
-            problem or (f"expected: {_duration(seconds or 0)} a point, {_duration(total or 0)} on {cores()} cores" if left else "all done"),
+            problem or f"expected: {_duration(seconds or 0)} a point, {_duration(total or 0)} on {cores()} cores",
         ]
         failed = sum(status != DONE for status in own)
         if failed and store is not None:

@@ -29,9 +29,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         store = Store(told.folder)
         plan = store.plan()
         if told.status:
-            there = read_study(told.folder).explain()
-            print(there)
-            return 1 if there.failed else 0
+            explanation = read_study(told.folder).explain()
+            print(explanation)
+            return 1 if explanation.failed else 0
         number, parts = told.part
         if parts == 1:
             store.mend()

@@ -40,7 +40,7 @@ def failures_of(plan: Plan, store: Store, blocks: Collection[int] | None = None)
 
 
 def words_of(plan: Plan, failures: Collection[Failure]) -> str:
-    """A line for each kind of failure, with how many there are and the first point of it; messages that differ in numbers are one."""
+    """A line for each kind of failure, with how many there are and its first point; kinds differ in more than numbers."""
     kinds: dict[str, list[Failure]] = {}
     for failure in failures:
         kinds.setdefault(re.sub(r"[-+]?\d[\d.]*(?:e[-+]?\d+)?", "0", failure.message, flags=re.IGNORECASE), []).append(failure)

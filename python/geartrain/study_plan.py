@@ -126,7 +126,8 @@ class Plan:
 
     def told(self, point: int) -> str:
         """The point in words, with the values of its parameters."""
-        values = ", ".join(f"{name} = {column[point]:{'.6g' if column.dtype.kind == 'f' else ''}}" for name, column in self._values.items())
+        items = ((name, column[point].item()) for name, column in self._values.items())
+        values = ", ".join(f"{name} = {value:.6g}" if isinstance(value, float) else f"{name} = {value}" for name, value in items)
         return f"point {point} ({values if len(values) <= _LONGEST else values[: _LONGEST - 3] + '...'})"
 
     @property

@@ -131,7 +131,7 @@ class Jump:
         Examples
         --------
         >>> branch.jumps[0].gradient(["mesh 1 damping_ratio", "stiffness_variation"]).round(4)
-        array([0., 0.])
+        array([ 0.0115, -0.3316])
         """
         if self.special_point is None:
             raise SolverError(f"gradient: the branch has no {self.cause} at the jump: there are no derivatives")
@@ -274,8 +274,8 @@ class Readings:
 
     def _special_at(self, frequency: float, kind: str) -> Any:
         """The special point of a kind at a Lambda; None where there is none."""
-        near = [special for special in self.special_points if special.kind == kind and np.isclose(special.frequency, frequency, 1e-9)]
-        return near[0] if near else None
+        same = (special for special in self.special_points if special.kind == kind)
+        return next((special for special in same if abs(special.frequency - frequency) <= 1e-9 * frequency), None)
 
     def _speeds(self, frequency: float) -> tuple[float | None, float | None]:
         return speed_of(self.train, frequency), hertz_of(self.train, frequency)

@@ -147,8 +147,8 @@ class Train(Description):
 
         Examples
         --------
-        >>> (train.frequency_gradient(["shaft 2 stiffness"], unit="Hz")[:2, 0] * 1e6).round(2)  # Hz per 1e6 N m/rad
-        array([0., 0.])
+        >>> (train.frequency_gradient(["mesh * stiffness"], unit="Hz")[:2, 0] * 1e6).round(2)  # Hz per N/um
+        array([1.53, 5.78])
         """
         return gradient_of(Box(copy=self._kept), "/frequency", parameters) / lambda_of(self, 1.0, unit)
 

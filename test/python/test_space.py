@@ -188,5 +188,5 @@ def test_a_tuple_of_names_is_one_parameter():
 def test_columns_without_effect_are_told(diameter):
     """Also where the first point is not allowed."""
     space = gt.Space(sample={"shaft 1 diameter": diameter, "shaft 1 stiffness": [1e5, 2e5]})
-    with pytest.raises(gt.InputError, match="shaft 1 diameter.*not in force"):
+    with pytest.raises(gt.InputError, match=r"shaft 1 diameter.*not in force"):
         gt.Study(reducer(), space, modes={}, keep=["natural_frequency"])
