@@ -1,4 +1,4 @@
-"""Design by derivatives, the example of docs/design.md: `python example/design.py`, one to two minutes on one core.
+"""Design by derivatives, the example of docs/design.md: `python example/design.py`, two minutes on one core.
 
 1. Shaft stiffness and mesh phase of figure 3's train for the least largest dynamic factor over a range of speeds.
 2. The least change of a gear pair that takes its jump out of a range.
