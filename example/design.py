@@ -143,7 +143,7 @@ def _minimax(factors: Callable[[Array], tuple[Array, Array]], start: Array, boun
 
 
 class JumpOfPair:
-    """The jump of a gear pair with falling speed, the fold near Lambda 0.84, by damping ratio and stiffness variation."""
+    """The jump of a gear pair with rising speed, the fold near Lambda 0.84, by damping ratio and stiffness variation."""
 
     names = ("mesh 1 damping_ratio", "stiffness_variation")
     nominal = np.array([0.05, 0.3])

@@ -159,7 +159,7 @@ contains
       else if (balances_others()) then
          call refuse('not in force in this train: the torque of this body balances those of all others')
       else if (is_toothed_radius()) then
-         call refuse('not in force in this train: the numbers of teeth tell the ratio of the radii (normal_module changes both)')
+         call refuse('not in force in this train: the numbers of teeth tell the ratio of the radii')
       else if (row%values > 0 .and. (parameter%item < 1 .or. parameter%item > row%values)) then
          call refuse('a list: its values are named by their numbers, 1 to '//integer_text(row%values)//', as in "'// &
                      trim(parameter%variable)//' 1"')
