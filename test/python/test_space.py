@@ -143,6 +143,8 @@ def test_an_unknown_parameter_is_told(name, told):
     ({"product": {"mesh * damping_ratio": [0.1], "mesh 1 damping_ratio": [0.2]}}, "is set by another one as well"),
     ({"product": {"mesh 2 order": [1.5]}}, "must be of type integer"),
     ({"product": {"mesh 2 half_backlash": ["wide"]}}, "must be of type real"),
+    ({"product": {"mesh 2 half_backlash": [1e-5, "20 um", 3e-5]}}, "value 1, counted from 0, '20 um': must be of type real"),
+    ({"product": {"mesh 2 order": [1, 2, 2.5]}}, "value 2, counted from 0, 2.5: must be of type integer"),
     ({"product": {"mesh 2 stiffness_sin": [1.1]}, "relative": True}, "has no number of its own"),
 ])
 def test_values_that_do_not_go_with_the_parameter_are_told(arguments, told):

@@ -173,6 +173,12 @@ def test_a_failed_point_is_a_status_and_a_message(tmp_path):
     assert (every.status == "failed").all()
 
 
+@pytest.mark.parametrize("point", [(2, 1, 0), (3, 0), (-1, 0), 6, -1, 1.5, "first", True, None, (0, 0.5)])
+def test_a_point_that_is_not_there_is_told(point):
+    with pytest.raises(gt.InputError, match="must be a number from 0 to 5, or 2 places, 0 to 2 of input_torque, 0 to 1 of mesh 1 dam"):
+        pair_study().branch(point)
+
+
 def test_failures_are_told_by_their_kind(tmp_path, capsys):
     """By `run`, `explain` and the command: how many, the first point with its values, and why."""
     values = {"mesh 1 half_backlash": [1.0, -1.0, 1.1, -2.0], "mesh 1 damping_ratio": [0.05, 0.05, -1.0, 0.05]}
