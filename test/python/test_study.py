@@ -175,7 +175,7 @@ def test_a_failed_point_is_a_status_and_a_message(tmp_path):
 
 @pytest.mark.parametrize("point", [(2, 1, 0), (3, 0), (-1, 0), 6, -1, 1.5, "first", True, None, (0, 0.5)])
 def test_a_point_that_is_not_there_is_told(point):
-    with pytest.raises(gt.InputError, match="must be a number from 0 to 5, or 2 places, 0 to 2 of input_torque, 0 to 1 of mesh 1 dam"):
+    with pytest.raises(gt.InputError, match="must be a number from 0 to 5, or 2 places, 0 to 2 of input_torque, 0 to 1 of mesh"):
         pair_study().branch(point)
 
 
