@@ -369,8 +369,8 @@ contains
       associate (special => branch%special_points(k))
          motion = motion_of(branch, special%point)
          motion%frequency_ratio = 1.9_dp
-         call response(with_value('stiffness_variation', special%frequency_ratio), settings_of(1.899_dp, 1.901_dp, 9), near, error, &
-                       seed=motion)
+         call response(with_value('stiffness_variation', special%frequency_ratio), settings_of(1.899_dp, 1.901_dp, 9), near, &
+                       error, seed=motion)
          i = minloc(abs(near%frequency_ratio(:near%points) - 1.9_dp), 1)
          call tests%is_close(minval(abs(near%multipliers(:, i) + 1)), 0.0_dp, 1e-6_dp, 'a multiplier -1')
       end associate
@@ -444,6 +444,7 @@ contains
       call refused(driven_pair(), 'mesh 2 stiffness', 0.1_dp, 0.2_dp, 0.9_dp, 'must tell which &mesh')
       call refused(driven_pair(), 'mesh 1 order', 1.0_dp, 2.0_dp, 0.9_dp, 'no continuous parameter')
       call refused(driven_pair(), 'input_torque', 0.1_dp, 0.2_dp, 0.0_dp, 'frequency')
+      call refused(driven_pair(), 'mesh 1 pressure_angle', 15.0_dp, 20.0_dp, 0.9_dp, 'not in force')
       call refused(driven_pair(), 'input_torque', 0.1_dp, 0.1_dp, 0.9_dp, 'must differ')
       call refused(driven_pair(), '', -0.1_dp, 0.1_dp, 0.0_dp, 'must be > 0')
       grounded = ring()

@@ -233,7 +233,7 @@ class Train(Description):
             between ``start`` and ``stop``, or of this train with such a value, as `Branch.at` of another branch over the parameter
             gives it.
         **settings
-            Further variables of ``&response``, but ``period_doublings``, ``branch_points`` and ``refine``.
+            Further variables of ``&response``.
 
         Returns
         -------

@@ -88,7 +88,8 @@ contains
       real(dp), intent(in) :: u(:, :)
       !> Lambda [1], or the parameter of the path [its unit], which the path must reach.
       real(dp), intent(in) :: s
-      real(dp) :: rate(self%block, self%unknowns), from, to
+      real(dp), allocatable :: rate(:, :)
+      real(dp) :: from, to
 
       if (.not. allocated(self%path)) then
          call self%evaluate_at(u, s)

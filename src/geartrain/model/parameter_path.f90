@@ -13,6 +13,7 @@ module geartrain_model_parameter_path
    use geartrain_model_parameter_table, only: add_to_parameter, entry_type, parameter_type, table_type
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
+   use geartrain_model_train_rate, only: has_effect
    implicit none (type, external)
    private
    public :: parameter_path_type
@@ -76,6 +77,10 @@ contains
       call of_given%take(given)
       call of_plain%take(plain)
       call find_parameters(given, plain, of_given, of_plain, name, self%parameter, error)
+      if (allocated(error)) return
+      self%parameter = pack(self%parameter, [(has_effect(train, self%parameter(i)), i=1, size(self%parameter))])
+      if (size(self%parameter) == 0) call fatal(error, 'parameter "'//self%name//'": not in force in this train: what would follow &
+                                                &from it is given, or is not used')
       if (allocated(error)) return
       self%own_value = self%parameter(1)%value
       self%unit = trim(self%parameter(1)%unit)
