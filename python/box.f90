@@ -4,8 +4,8 @@ module geartrain_python_box
    use, intrinsic :: iso_fortran_env, only: int64, real64
    use geartrain, only: audit_branch, audit_text, audit_type, branch_type, case_text, case_type, error_type, &
                         frequency_gradient, gradient_type, integrate, interrupt_by, locate_contact_edges, motion_gradient, &
-                        motion_type, name_parameter, observer_type, parameter_path_type, period_doubled, refine, &
-                        refine_branch, results_type, solutions_at, special_gradient, status_input, version
+                        motion_type, name_parameter, observer_type, period_doubled, refine, refine_branch, &
+                        refine_motions, results_type, solutions_at, special_gradient, status_input, version
    use geartrain_analyses_analysis, only: analysis_type
    use geartrain_analyses_audit_fields, only: visit_audit
    use geartrain_analyses_list, only: find_analysis, number_of
@@ -119,13 +119,9 @@ contains
       real(real64), intent(in) :: values(:)
       type(watch_type), intent(inout) :: watch
       type(error_type), allocatable, intent(out) :: error
-      type(error_type), allocatable :: not_found
       type(branch_type), allocatable :: doubled
       type(motion_type), pointer :: start
       type(motion_type) :: motion
-      type(parameter_path_type) :: path
-      type(train_type) :: train
-      integer :: i
 
       select case (what)
       case ('at')
@@ -133,18 +129,7 @@ contains
          ! What there is then may not be solutions.
          if (box%case%train%interrupt%raised()) deallocate (box%motions)
          if (allocated(error) .or. .not. (allocated(box%results%response%correction) .and. allocated(box%motions))) return
-         ! Like a point of the branch, one that shooting does not find stays as it is.
-         train = box%case%train
-         associate (branch => box%results%response)
-            if (allocated(branch%parameter)) then
-               call path%setup(train, branch%parameter, branch%constant_frequency, values(1), values(1), error)
-               if (allocated(error)) return
-               call path%train_at(values(1), train)
-            end if
-         end associate
-         do i = 1, size(box%motions)
-            call refine(train, box%motions(i), not_found)
-         end do
+         call refine_motions(box%case%train, box%results%response, values(1), box%motions, error)
       case ('refine')
          call refine_branch(box%case%train, box%results%response, error, watch)
       case ('double')

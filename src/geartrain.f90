@@ -22,7 +22,7 @@ module geartrain
    use geartrain_continuation_contact_ranges, only: back_collision_ranges, separation_ranges
    use geartrain_continuation_jumps, only: jump_type, jumps
    use geartrain_continuation_motion_gradient, only: motion_gradient
-   use geartrain_continuation_refinement, only: refine_branch
+   use geartrain_continuation_refinement, only: refine_branch, refine_motions
    use geartrain_continuation_response, only: response
    use geartrain_continuation_solutions, only: solutions_at
    use geartrain_continuation_special_gradient, only: special_gradient
@@ -42,7 +42,6 @@ module geartrain
    use geartrain_model_gradient, only: frequency_gradient, gradient_type
    use geartrain_model_mesh, only: mesh_type
    use geartrain_model_modes, only: modes_type, natural_modes
-   use geartrain_model_parameter_path, only: parameter_path_type
    use geartrain_model_shaft, only: shaft_type
    use geartrain_model_train, only: train_type
    use geartrain_run_read_results, only: read_results

@@ -13,7 +13,7 @@ module geartrain_continuation_refinement
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: refine_branch
+   public :: refine_branch, refine_motions
 
    !> An orbit that differs from the point by more than `another` times the estimated error of the point is another orbit.
    real(dp), parameter :: another = 10
@@ -79,6 +79,33 @@ contains
       branch%complete = .false.
       branch%ended = 'refinement cancelled; before it: '//branch%ended
    end subroutine refine_branch
+
+   !> Refines motions of a branch at one Lambda, or at one value of its parameter; one that shooting does not find stays as it is.
+   subroutine refine_motions(train, branch, value, motions, error)
+      !> The train as described.
+      type(train_type), intent(in) :: train
+      !> The branch.
+      type(branch_type), intent(in) :: branch
+      !> Value of its free parameter [1, or unit of the parameter].
+      real(dp), intent(in) :: value
+      !> Motions of the branch there.
+      type(motion_type), intent(inout) :: motions(:)
+      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable :: not_found
+      type(parameter_path_type) :: path
+      type(train_type) :: own
+      integer :: i
+
+      own = train
+      if (allocated(branch%parameter)) then
+         call path%setup(train, branch%parameter, branch%constant_frequency, value, value, error)
+         if (allocated(error)) return
+         call path%train_at(value, own)
+      end if
+      do i = 1, size(motions)
+         call refine(own, motions(i), not_found)
+      end do
+   end subroutine refine_motions
 
    !> Finds the orbit near point i; a negative correction means that there is none.
    subroutine refine_point(given, path, branch, i, motion, correction)
