@@ -35,6 +35,8 @@ class SpecialPoint:
         Whether it rests on undecided points: on one side of it the next points are all undecided.
     speed, fundamental_frequency : float or None
         In rpm, where every mesh has teeth; in Hz.
+    parameter : float or None
+        Value of the parameter, on a branch over one.
     branch : Branch or None
         The one that it was found on.
     """
@@ -46,6 +48,7 @@ class SpecialPoint:
     undecided: bool = False
     speed: float | None = None
     fundamental_frequency: float | None = None
+    parameter: float | None = None
     branch: Any = field(default=None, repr=False)
 
     def gradient(self, parameters: Sequence[str]) -> Array:
