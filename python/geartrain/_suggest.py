@@ -1,10 +1,9 @@
-"""A misspelt keyword of a public call is told with the name that was probably meant, as Python itself does from 3.13 on."""
+"""A misspelt keyword of a public call is told with the name that was probably meant."""
 
 from __future__ import annotations
 
 import functools
 import inspect
-import sys
 from collections.abc import Callable
 from types import FunctionType
 from typing import Any
@@ -19,8 +18,6 @@ def suggest_names(module: dict[str, Any]) -> None:
 
     Not those that pass keywords on: they, or what takes the keywords, tell.
     """
-    if sys.version_info >= (3, 13):
-        return
     for name in module["__all__"]:
         public = module[name]
         if isinstance(public, FunctionType):
