@@ -91,8 +91,8 @@ VARIABLES: dict[str, dict[str, Variable]] = {
     },
     "modes": {},
     "response": {
-        "start": Variable("from", "real", "float", None, True, "Frequency at which the branch begins, or any value of parameter; > 0"),
-        "stop": Variable("to", "real", "float", None, True, "Frequency at which it ends, above or below, or any value of parameter; > 0"),
+        "start": Variable("from", "real", "float", None, True, "Frequency or value of parameter at which the branch begins"),
+        "stop": Variable("to", "real", "float", None, True, "Frequency or value of parameter at which it ends, above or below"),
         "parameter": Variable("parameter", "text", "str", "", False, "Number of the train that from and to are values of, at constant frequency, as in 'input_torque', 'mesh 2 half_backlash', 'mesh * damping_ratio', 'stiffness_variation'; blank: none, they are frequencies"),
         "frequency": Variable("frequency", "real", "float", None, False, "With parameter: the constant frequency; > 0"),
         "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Unit of the frequencies of the group: Lambda; rpm, the speed, of a train whose meshes all have teeth; Hz, of the fundamental; 'Lambda', 'rpm' or 'Hz'"),

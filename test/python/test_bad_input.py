@@ -301,7 +301,7 @@ def test_all_problems_of_a_call_in_one_go():
     # What was given, though wrongly, is not said to be lacking.
     assert not re.search("lacks (input_torque|driving_radius)|&shaft 1: lacks", str(caught.value))
     with pytest.raises(gt.InputError) as caught:
-        paper_train().response(start="x", stop=-1.0, harmonics=1.5, step=0.0, stability=3)
+        paper_train().response(start="x", stop="y", harmonics=1.5, step=0.0, stability=3)
     assert len(str(caught.value).splitlines()) == 5
 
 
@@ -316,7 +316,7 @@ def test_messages_have_the_words_of_the_call():
         (lambda: train.response(start=-1, stop=2.0), "&response: start = -1.0: must be > 0"),
         (lambda: train.response(start="x", stop=0),
          "&response: start = 'x': must be a number", "&response: stop = 0.0: must be > 0"),
-        (lambda: train.response(start=None, stop=2.0), "&response: lacks start (> 0)"),
+        (lambda: train.response(start=None, stop=2.0), "&response: lacks start"),
         (lambda: train.response(start=1e-9, stop=2.0), f"&response: start = 1.0e-9: must be >= 0.0001: {slow}"),
         (lambda: train.response(**ends), '&response: stop = 0.5: must differ from "start": a branch needs a range'),
         (lambda: train.response(start=0.5, stop=0.6, period_doublings=1, stability=False),

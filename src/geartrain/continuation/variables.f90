@@ -28,16 +28,12 @@ contains
       class(visitor_type), intent(inout) :: v
       character(:), allocatable :: word
       logical :: given
-      real(dp) :: least
 
       call v%enter('response', 1)
-      ! A parameter may be 0 or negative, a frequency may not.
-      least = zero
-      if (settings%parameter /= '') least = -huge(zero)
-      call v%on_real(row('from', '', 'frequency at which the branch begins, or any value of parameter (start in a call)', &
-                         required=.true., above=least), settings%start)
-      call v%on_real(row('to', '', 'frequency at which it ends, above or below, or any value of parameter (stop in a call)', &
-                         required=.true., above=least), settings%stop)
+      call v%on_real(row('from', '', 'frequency or value of parameter at which the branch begins (start in a call)', &
+                         required=.true.), settings%start)
+      call v%on_real(row('to', '', 'frequency or value of parameter at which it ends, above or below (stop in a call)', &
+                         required=.true.), settings%stop)
       word = trim(settings%parameter)
       call v%on_text(row('parameter', '', "number of the train that from and to are values of, at constant frequency, as in &
                          &'input_torque', 'mesh 2 half_backlash', 'mesh * damping_ratio', 'stiffness_variation'; blank: none, they &
@@ -156,8 +152,10 @@ contains
 
       !> Checks the ends of a range of frequencies.
       subroutine check_ends()
-         call check_frequency(train, 'from', settings%start, checker, settings%unit)
-         call check_frequency(train, 'to', settings%stop, checker, settings%unit)
+         if (.not. settings%start > 0) call checker%complain('from', real_text(settings%start), 'must be > 0')
+         if (.not. settings%stop > 0) call checker%complain('to', real_text(settings%stop), 'must be > 0')
+         if (settings%start > 0) call check_frequency(train, 'from', settings%start, checker, settings%unit)
+         if (settings%stop > 0) call check_frequency(train, 'to', settings%stop, checker, settings%unit)
          if (abs(settings%frequency) > 0) &
             call checker%complain('frequency', real_text(settings%frequency), 'belongs to parameter, which is not given')
       end subroutine check_ends
