@@ -426,4 +426,3 @@ contains
    end subroutine ends
 
 end module validation_parameter
-   use branches_over_parameters, only: compare, over
