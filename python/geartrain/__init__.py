@@ -39,6 +39,7 @@ from .branch import Branch
 from .campbell import Campbell, Crossing, Order
 from .case import Case, Results, read_case, read_results
 from .errors import DrawingWarning, InputError, Interrupted, NotDifferentiableWarning, SolverError
+from .exact_point import ExactPoint
 from .explanation import Explanation
 from .modes import Modes
 from .motion import Motion
@@ -63,6 +64,7 @@ __all__ = [
     "Case",
     "Crossing",
     "DrawingWarning",
+    "ExactPoint",
     "Explanation",
     "InputError",
     "Interrupted",

@@ -8,6 +8,7 @@ module geartrain_flow_sections
    use geartrain_base_kinds, only: dp, pi
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_orbit, only: flow_order, flow_tolerance
+   use geartrain_linalg_bracket, only: between, shrink
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
@@ -16,6 +17,8 @@ module geartrain_flow_sections
    !> Relative change of Lambda in the central difference for the drift. Rounding makes a relative error of 1e-6, small enough for
    !> Newton steps.
    real(dp), parameter :: difference = 1e-7_dp
+   !> Pieces of a step in each of which a mesh velocity has at most one zero; most steps towards it.
+   integer, parameter :: pieces = 8, max_steps = 60
 
    type :: sections_type
       !> Period of the orbit [periods of the fundamental]; sections of the period.
@@ -34,6 +37,7 @@ module geartrain_flow_sections
       procedure :: fly
       procedure :: guess
       procedure :: step_at
+      procedure :: extremes
       procedure :: interrupted
    end type sections_type
 
@@ -138,6 +142,77 @@ contains
       step = first
       if (k > 1) step = matmul(self%transfer(:, :, k), first) + frequency_ratio*self%drift(:, k)
    end function step_at
+
+   !> Extremes of the displacement of a mesh over the period; with several sections or variable Lambda only.
+   subroutine extremes(self, frequency_ratio, states, mesh, smallest, largest)
+      class(sections_type), intent(inout) :: self
+      !> Lambda [1]; states at the beginnings of the sections [1], (state, section).
+      real(dp), intent(in) :: frequency_ratio, states(:, :)
+      !> Number of the mesh.
+      integer, intent(in) :: mesh
+      !> Smallest and largest displacement over b_c [1].
+      real(dp), intent(out) :: smallest, largest
+      real(dp) :: end_time
+      integer :: k, part, parts
+
+      smallest = huge(1.0_dp)
+      largest = -smallest
+      parts = self%sections/self%period
+      do k = 1, self%sections
+         part = mod(k - 1, parts)
+         self%single%x(1, :) = states(:, k)
+         call self%single%start(frequency_ratio, 2*pi/frequency_ratio*part/parts)
+         end_time = 2*pi/frequency_ratio*(part + 1)/parts
+         do while (self%single%time < end_time)
+            if (self%interrupted()) return
+            call self%single%step(end_time)
+            call extremes_of_step(self%single, mesh, smallest, largest)
+         end do
+      end do
+   end subroutine extremes
+
+   !> Takes the displacement of a mesh over the latest step into its extremes.
+   subroutine extremes_of_step(flow, mesh, smallest, largest)
+      type(flow_type), intent(in) :: flow
+      integer, intent(in) :: mesh
+      real(dp), intent(inout) :: smallest, largest
+      real(dp) :: a, b, fa, fb, f, t, before, v
+      integer :: i, k, kept
+
+      before = flow%velocity(mesh, 0.0_dp)
+      call take(0.0_dp)
+      do i = 1, pieces
+         b = i*flow%length/pieces
+         v = flow%velocity(mesh, b)
+         call take(b)
+         if (before*v < 0) then
+            a = b - flow%length/pieces
+            fa = before
+            fb = v
+            kept = 0
+            do k = 1, max_steps
+               t = between(a, b, fa, fb)
+               f = flow%velocity(mesh, t)
+               call shrink(a, b, fa, fb, t, f, kept)
+               if (b - a < 1e-9_dp*flow%length .or. abs(f) < 1e-10_dp*abs(before - v)) exit
+            end do
+            call take(t)
+         end if
+         before = v
+      end do
+
+   contains
+
+      subroutine take(time)
+         real(dp), intent(in) :: time
+
+         associate (p => flow%displacement(mesh, time))
+            smallest = min(smallest, p)
+            largest = max(largest, p)
+         end associate
+      end subroutine take
+
+   end subroutine extremes_of_step
 
    !> Carries a state over section k.
    subroutine carry(flow, k, parts, frequency_ratio, state)
