@@ -13,7 +13,7 @@ module geartrain_model_parameter
    use geartrain_model_variables, only: visit_body, visit_mesh, visit_model, visit_shaft, visit_train
    implicit none (type, external)
    private
-   public :: parameter_type, table_type, add_to_parameter, find_parameter, largest_variation, variation
+   public :: parameter_type, table_type, add_to_parameter, find_parameter, largest_variation, own_value, variation
 
    !> Variables that are in the plain train as they are given.
    character(*), parameter :: plain_variables(*) = [character(24) :: 'input_torque', 'torque_cos', 'torque_sin', &
@@ -30,8 +30,9 @@ module geartrain_model_parameter
       character(5) :: group = ''
       character(24) :: variable = ''
       integer :: index = 0, item = 0
-      !> Value [unit of the variable]; of several groups that of the first.
+      !> Value [unit of the variable]; of several groups that of the first. The unit, blank for a dimensionless one.
       real(dp) :: value = 0
+      character(12) :: unit = ''
       !> A number of the plain train that the drawing gives: the derivative is as if it were given.
       logical :: derived = .false.
       !> In the plain train as it is given, and nothing else is derived from it.
@@ -42,6 +43,7 @@ module geartrain_model_parameter
    type :: entry_type
       character(5) :: group = ''
       character(24) :: variable = ''
+      character(12) :: unit = ''
       !> Number of the group; number of values, -1: no list; place of the first among all numbers.
       integer :: index = 0, values = -1, first = 0
       logical :: in_force = .true., continuous = .true.
@@ -127,6 +129,7 @@ contains
          parameter%item = 1
          call given%find(parameter, found, row, parameter%value)
       end if
+      parameter%unit = row%unit
       parameter%direct = any(plain_variables == parameter%variable)
       if (parameter%direct .and. .not. (is_given(row) .and. abs(parameter%value) > 0)) then
          call derived%find(parameter, found, of_plain, value)
@@ -319,6 +322,18 @@ contains
       if (row%first > 0 .and. item > 0 .and. item <= abs(row%values)) value = self%number(row%first + item - 1)
    end subroutine find
 
+   !> Value of a parameter in a train, of several groups that of the first [unit of the variable].
+   pure real(dp) function own_value(table, parameter)
+      !> Variables of the train.
+      type(table_type), intent(in) :: table
+      !> A variable.
+      type(parameter_type), intent(in) :: parameter
+      type(entry_type) :: row
+      integer :: found
+
+      call table%find(parameter, found, row, own_value)
+   end function own_value
+
    !> Whether a variable has a value that is used.
    pure logical function is_given(row)
       type(entry_type), intent(in) :: row
@@ -335,7 +350,7 @@ contains
       if (self%way /= 'take') return
       if (self%rows == size(self%row)) self%row = [self%row, self%row]
       self%rows = self%rows + 1
-      self%row(self%rows) = entry_type(self%group(:5), variable%name, self%index, continuous=continuous)
+      self%row(self%rows) = entry_type(self%group(:5), variable%name, variable%unit, self%index, continuous=continuous)
    end subroutine meet
 
    subroutine on_real(self, variable, value, in_force)
