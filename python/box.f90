@@ -2,10 +2,10 @@
 module geartrain_python_box
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_char, c_null_ptr
    use, intrinsic :: iso_fortran_env, only: int64, real64
-   use geartrain, only: audit_branch, audit_text, audit_type, branch_type, case_text, case_type, error_type, &
-                        frequency_gradient, gradient_type, integrate, interrupt_by, locate_contact_edges, motion_gradient, &
-                        motion_type, observer_type, period_doubled, refine, refine_branch, results_type, solutions_at, &
-                        special_gradient, special_point_type, status_input, version
+   use geartrain, only: audit_branch, audit_text, audit_type, branch_type, case_text, case_type, error_type, exact_point_type, &
+                        find_exact_point, frequency_gradient, gradient_type, integrate, interrupt_by, locate_contact_edges, &
+                        motion_gradient, motion_type, observer_type, onsets_of, period_doubled, refine, refine_branch, &
+                        refine_special_points, results_type, solutions_at, special_gradient, special_point_type, status_input, version
    use geartrain_analyses_analysis, only: analysis_type
    use geartrain_analyses_audit_fields, only: visit_audit
    use geartrain_analyses_list, only: find_analysis, number_of
@@ -15,7 +15,6 @@ module geartrain_python_box
    use geartrain_base_fields, only: fields_type, reading
    use geartrain_base_numbers, only: integer_text
    use geartrain_continuation_exact_fields, only: visit_exact_point, visit_onsets
-   use geartrain_continuation_exact_point, only: exact_point_type, find_exact_point, onsets_of
    use geartrain_continuation_summary_fields, only: visit_bands, visit_jumps, visit_peaks, visit_ranges
    use geartrain_flow_fields, only: visit_motions
    use geartrain_input_check, only: check_analyses
@@ -141,6 +140,7 @@ contains
          end do
       case ('refine')
          call refine_branch(box%case%train, box%results%response, error, watch)
+         if (.not. allocated(error)) call refine_special_points(box%case%train, box%results%response)
       case ('double')
          allocate (doubled)
          call period_doubled(box%case%train, box%case%response, box%results%response, nint(values(1)), doubled, error, watch)

@@ -41,6 +41,7 @@ from .case import Case, Results, read_case, read_results
 from .errors import DrawingWarning, InputError, Interrupted, NotDifferentiableWarning, SolverError
 from .exact_point import ExactPoint
 from .explanation import Explanation
+from .locus import Locus, LocusPoint
 from .modes import Modes
 from .motion import Motion
 from .motions import Motions
@@ -69,6 +70,8 @@ __all__ = [
     "InputError",
     "Interrupted",
     "Jump",
+    "Locus",
+    "LocusPoint",
     "Mesh",
     "Modes",
     "Motion",

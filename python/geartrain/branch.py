@@ -162,7 +162,8 @@ class Branch(Curves):
         """The same branch with every point polished by shooting to about 1e-11, multipliers included.
 
         Its ``correction`` tells by how much each point moved; its ``at`` gives refined motions. A point near which shooting finds
-        no orbit stays as it is, as next to a fold, whose true place is elsewhere. Special points stay as they are.
+        no orbit stays as it is, as next to a fold, whose true place is elsewhere. Special points become those of the exact motion
+        near them, as `SpecialPoint.exact` has them, where there are such.
 
         Examples
         --------

@@ -22,6 +22,8 @@ __all__ = ["ExactPoint", "exact_point"]
 
 #: Distance from the unit circle, or from the value at which it crosses, within which a multiplier is critical.
 _CRITICAL = 1e-6
+#: What Fortran tells where there is no contact event is larger.
+_NO_EVENT = 1e300
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +43,12 @@ class ExactPoint:
     before, after : int or None
         Multipliers outside the unit circle just before and just after it along the branch; None where there is no motion beside
         it.
+    criticality : str
+        Of a period doubling ``'supercritical'`` (the doubled motions are stable where this one is unstable, as far as its other
+        multipliers go) or ``'subcritical'``; empty where the motion stays on linear pieces, and for other kinds.
+    slowest_event : float or None
+        Smallest mesh speed at a contact event, dimensionless; None where there is no event. Near 0 the motion grazes a wall of the
+        gap, and the multipliers change there like a square root.
     speed, fundamental_frequency : float or None
         In rpm, where every mesh has teeth; in Hz.
     """
@@ -51,6 +59,8 @@ class ExactPoint:
     mesh: int | None = None
     before: int | None = None
     after: int | None = None
+    criticality: str = ""
+    slowest_event: float | None = None
     speed: float | None = None
     fundamental_frequency: float | None = None
 
@@ -82,7 +92,9 @@ def exact_point(box: Box, train: Description, number: int, onset: bool) -> Exact
             motion = Motion(train=train, **motions_of(box)[0])
             counts = {name: None if found[name] < 0 else int(found[name]) for name in ("before", "after")}
             return ExactPoint(
-                str(found["kind"]), float(found["frequency"]), motion, int(found["mesh"]) or None, **counts,
+                str(found["kind"]).strip(), float(found["frequency"]), motion, int(found["mesh"]) or None, **counts,
+                criticality=str(found["criticality"]).strip(),
+                slowest_event=float(found["slowest_event"]) if found["slowest_event"] < _NO_EVENT else None,
                 speed=speed_of(train, float(found["frequency"])), fundamental_frequency=hertz_of(train, float(found["frequency"])),
             )
 

@@ -15,6 +15,7 @@ module geartrain_continuation_augmented_system
    use geartrain_floquet_multipliers, only: eigenvalues
    use geartrain_flow_multiple_shooting, only: has_converged, most_parts
    use geartrain_flow_sections, only: sections_type
+   use geartrain_linalg_border, only: border_type
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
    use geartrain_model_parameter_path, only: parameter_path_type
    use geartrain_model_system, only: system_type
@@ -50,17 +51,6 @@ module geartrain_continuation_augmented_system
       !> its eigenvalue 0 is double.
       real(dp) :: singular_plus = 0, product_plus = 0, singular_minus = 0, product_minus = 0
    end type augmented_point_type
-
-   !> Null vectors of M - I or M + I, by the matrix bordered by fixed vectors.
-   type :: border_type
-      !> Borders: column and row, (state).
-      real(dp), allocatable :: column(:), row(:)
-      !> Null vectors, right and left, (state), and the last unknown.
-      real(dp), allocatable :: right(:), left(:)
-      real(dp) :: value = 0
-      !> Product of the null vectors over their lengths, 0 where the eigenvalue is double.
-      real(dp) :: product = 0
-   end type border_type
 
    type :: augmented_system_type
       !> Kind of the special point; of a contact onset the number of the mesh.
@@ -131,20 +121,8 @@ contains
          self%weight(:n, :) = 1/(parts*self%units%length**2)
          self%weight(n + 1:, :) = 1/(parts*(self%units%length*self%units%frequency_ratio)**2)
       end associate
-      call begin(self%plus)
-      call begin(self%minus)
-
-   contains
-
-      subroutine begin(border)
-         type(border_type), intent(inout) :: border
-         integer :: i
-
-         ! Orthogonal to nothing that a train can have.
-         border%column = [(modulo(i*0.6180339887498949_dp, 1.0_dp) - 0.5_dp, i=1, system%states)]
-         border%row = [(modulo(i*0.4142135623730951_dp, 1.0_dp) - 0.5_dp, i=1, system%states)]
-      end subroutine begin
-
+      call self%plus%begin(system%states)
+      call self%minus%begin(system%states)
    end subroutine setup
 
    !> Takes the train with a value of the parameter.
@@ -321,22 +299,12 @@ contains
       class(augmented_system_type), intent(inout) :: self
       integer, intent(out) :: info
 
-      call find_null(self%moving%monodromy, -1.0_dp, self%plus, info)
+      call self%plus%find(self%moving%monodromy, -1.0_dp, info)
       if (info /= 0) return
-      call find_null(self%moving%monodromy, 1.0_dp, self%minus, info)
+      call self%minus%find(self%moving%monodromy, 1.0_dp, info)
       if (info /= 0) return
-      call turn(self%plus)
-      call turn(self%minus)
-
-   contains
-
-      subroutine turn(border)
-         type(border_type), intent(inout) :: border
-
-         border%row = border%right/norm2(border%right)
-         border%column = border%left/norm2(border%left)
-         border%product = dot_product(border%row, border%column)
-      end subroutine turn
+      call self%plus%renew()
+      call self%minus%renew()
 
    end subroutine take_borders
 
@@ -360,7 +328,7 @@ contains
 
       n = size(y, 1)
       last = self%moving%sections + 1
-      call bordered_matrix(self%moving%monodromy, -1.0_dp, self%plus, matrix)
+      call self%plus%fill(self%moving%monodromy, -1.0_dp, matrix)
       right = 0
       right(:n, rest) = -self%moving%missed(:, last)
       right(:n, along_lambda) = -self%moving%drift(:, last)
@@ -372,50 +340,6 @@ contains
       y = right(:n, :)
       h = right(n + 1, :)
    end subroutine close_orbit
-
-   !> M + shift I, bordered.
-   pure subroutine bordered_matrix(monodromy, shift, border, matrix)
-      real(dp), intent(in) :: monodromy(:, :), shift
-      type(border_type), intent(in) :: border
-      real(dp), intent(out) :: matrix(:, :)
-      integer :: k, n
-
-      n = size(monodromy, 1)
-      matrix(:n, :n) = monodromy
-      do k = 1, n
-         matrix(k, k) = matrix(k, k) + shift
-      end do
-      matrix(:n, n + 1) = border%column
-      matrix(n + 1, :n) = border%row
-      matrix(n + 1, n + 1) = 0
-   end subroutine bordered_matrix
-
-   !> Null vectors of M + shift I and the last unknown, which is 0 where the matrix is singular.
-   subroutine find_null(monodromy, shift, border, info)
-      real(dp), intent(in) :: monodromy(:, :), shift
-      type(border_type), intent(inout) :: border
-      integer, intent(out) :: info
-      real(dp) :: matrix(size(monodromy, 1) + 1, size(monodromy, 1) + 1), adjoint(size(monodromy, 1) + 1, size(monodromy, 1) + 1)
-      real(dp) :: x(size(monodromy, 1) + 1)
-      integer :: pivot(size(monodromy, 1) + 1), n
-
-      n = size(monodromy, 1)
-      call bordered_matrix(monodromy, shift, border, matrix)
-      adjoint = transpose(matrix)
-      x = 0
-      x(n + 1) = 1
-      call factor_matrix(n + 1, matrix, pivot, info)
-      if (info /= 0) return
-      call solve_factored(n + 1, 1, matrix, pivot, x)
-      border%right = x(:n)
-      border%value = x(n + 1)
-      x = 0
-      x(n + 1) = 1
-      call factor_matrix(n + 1, adjoint, pivot, info)
-      if (info /= 0) return
-      call solve_factored(n + 1, 1, adjoint, pivot, x)
-      border%left = x(:n)
-   end subroutine find_null
 
    !> Value of the test function at an orbit.
    subroutine test_value(self, point, monodromy, half_backlash, on_orbit, value, info)
@@ -436,10 +360,10 @@ contains
       value = 0
       select case (self%kind)
       case ('fold')
-         call find_null(monodromy, -1.0_dp, self%plus, info)
+         call self%plus%find(monodromy, -1.0_dp, info)
          value = self%plus%value
       case ('period doubling')
-         call find_null(monodromy, 1.0_dp, self%minus, info)
+         call self%minus%find(monodromy, 1.0_dp, info)
          value = self%minus%value
       case ('neimark-sacker')
          matrix = monodromy

@@ -1,25 +1,30 @@
 !> Special points and contact onsets of the exact motion: where they are, the motion there, and which multipliers cross.
 module geartrain_continuation_exact_point
    use geartrain_balance_motion, only: motion_type
-   use geartrain_balance_repetition, only: repeat_motion
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
+   use geartrain_continuation_augmented_system, only: augmented_point_type, augmented_system_type
    use geartrain_continuation_branch, only: branch_type, special_point_type
    use geartrain_continuation_decided, only: nearest_decided
    use geartrain_continuation_exact_search, only: ends_of, find_exact
+   use geartrain_continuation_normal_form, only: degenerate, doubling_coefficient
    use geartrain_continuation_orbit_corrector, only: orbit_corrector_type, orbit_type
    use geartrain_continuation_orbit_tests, only: back_contact, critical, is_onset, outside, separation
-   use geartrain_flow_orbit, only: measure, stored_harmonics
+   use geartrain_flow_multiple_shooting, only: most_parts, section_states
+   use geartrain_flow_orbit, only: measure
+   use geartrain_flow_sections, only: sections_type
    use geartrain_model_check, only: check_train
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: exact_point_type, find_exact_point, onsets_of
+   public :: exact_point_type, find_exact_point, onsets_of, refine_special_points
 
    !> Distance from a special point to the orbits on either side whose multipliers are counted, in the units of units_type.
    real(dp), parameter :: beside = 1e-4_dp
+   !> Change of Lambda up to which the solution of the augmented system is the special point that was found, in its unit.
+   real(dp), parameter :: near = 1e-6_dp
 
    type :: exact_point_type
       !> Kind as in special_point_type; number of the mesh of a contact onset, else 0.
@@ -31,6 +36,10 @@ module geartrain_continuation_exact_point
       type(motion_type) :: motion
       !> Number of multipliers outside the unit circle just before and just after it along the branch; -1: not known.
       integer :: before = -1, after = -1
+      !> Smallest mesh speed at a contact event [1]: near 0 the motion grazes; huge: no event, or not known.
+      real(dp) :: slowest_event = huge(1.0_dp)
+      !> Of a period doubling 'supercritical' or 'subcritical'; blank where the motion stays on linear pieces, or it is not known.
+      character(16) :: criticality = ''
    end type exact_point_type
 
 contains
@@ -89,8 +98,32 @@ contains
       end if
       exact%kind = special%kind
       exact%mesh = special%mesh
-      call take_orbit(corrector, orbit, exact)
+      call take_orbit(system, corrector, orbit, exact)
    end subroutine find_exact_point
+
+   !> Replaces the special points of a branch by those of the exact motion near them; one near which none is found stays as it is.
+   subroutine refine_special_points(train, branch)
+      !> The train.
+      type(train_type), intent(in) :: train
+      !> The branch.
+      type(branch_type), intent(inout) :: branch
+      type(exact_point_type), allocatable :: exact(:)
+      type(error_type), allocatable :: error
+      integer :: i
+
+      if (.not. allocated(branch%special_points)) return
+      allocate (exact(size(branch%special_points)))
+      do i = 1, size(exact)
+         if (train%interrupt%raised()) return
+         call find_exact_point(train, branch, i, branch%special_points(i), exact(i), error)
+      end do
+      ! All are sought on the branch as it was.
+      do i = 1, size(exact)
+         if (.not. exact(i)%frequency_ratio > 0) cycle
+         branch%special_points(i)%frequency_ratio = exact(i)%frequency_ratio
+         branch%special_points(i)%rms = exact(i)%motion%rms
+      end do
+   end subroutine refine_special_points
 
    !> Change of the number that `critical` counts at a special point of a branch; 0: not known.
    integer function change_at(branch, number, special) result(change)
@@ -107,23 +140,22 @@ contains
       change = critical(special%kind, branch%multipliers(:, sides(2))) - critical(special%kind, branch%multipliers(:, sides(1)))
    end function change_at
 
-   !> Takes the motion from the orbit at a special point, and counts multipliers beside it.
-   subroutine take_orbit(corrector, orbit, exact)
+   !> Takes the motion from the orbit at a special point, solved for both conditions at once, and counts multipliers beside it.
+   subroutine take_orbit(system, corrector, orbit, exact)
+      type(system_type), intent(in) :: system
       type(orbit_corrector_type), intent(inout) :: corrector
       type(orbit_type), intent(in) :: orbit
       type(exact_point_type), intent(inout) :: exact
       type(orbit_type) :: side
       logical :: found
-      integer :: harmonics
 
       associate (motion => exact%motion)
-         motion%frequency_ratio = orbit%frequency_ratio
+         motion%frequency_ratio = orbit%frequency_ratio/corrector%times
          motion%period = corrector%period
          motion%state = orbit%states(:, 1)
-         harmonics = stored_harmonics(corrector%system)
-         call measure(corrector%system, harmonics, motion)
-         if (corrector%times > 1) call repeat_motion(corrector%times, corrector%times*harmonics, motion)
          motion%multipliers = orbit%multipliers
+         if (exact%kind /= 'branch point') call polish(system, exact)
+         call measure(system, 0, motion)
          motion%undecided = .true.
          motion%error_estimate = 0
          exact%frequency_ratio = motion%frequency_ratio
@@ -133,5 +165,35 @@ contains
       call corrector%advance(orbit, beside, side, found)
       if (found) exact%after = outside(side%multipliers)
    end subroutine take_orbit
+
+   !> Solves the augmented system, from the special point of the search, whose error is that of a bracket. Where the system is
+   !> singular, as where multipliers coincide by symmetry, the point stays as it is.
+   subroutine polish(system, exact)
+      type(system_type), intent(in) :: system
+      type(exact_point_type), intent(inout) :: exact
+      type(augmented_system_type) :: augmented
+      type(augmented_point_type) :: point
+      type(sections_type) :: sections
+      real(dp) :: coefficient
+      logical :: success
+
+      associate (motion => exact%motion)
+         call augmented%setup(system, motion%period, exact%kind, exact%mesh)
+         call sections%setup(system, motion%period, most_parts(system, motion%period), moves=.false.)
+         call section_states(system, motion, sections, point%states)
+         point%frequency_ratio = motion%frequency_ratio
+         call augmented%solve(point, .false., success)
+         if (success) success = abs(point%frequency_ratio - motion%frequency_ratio) < near*augmented%units%frequency_ratio
+         if (.not. success) return
+         motion%frequency_ratio = point%frequency_ratio
+         motion%state = point%states(:, 1)
+         motion%multipliers = point%multipliers
+         exact%slowest_event = point%slowest_event
+      end associate
+      if (exact%kind /= 'period doubling') return
+      coefficient = doubling_coefficient(augmented, point)
+      if (coefficient > degenerate) exact%criticality = 'supercritical'
+      if (coefficient < -degenerate) exact%criticality = 'subcritical'
+   end subroutine polish
 
 end module geartrain_continuation_exact_point

@@ -28,6 +28,10 @@ module geartrain_continuation_locus
    !> Most points on either side of the first; most steps towards a point where two conditions meet, and its error.
    integer, parameter :: most_points = 2000, most_steps = 60
    real(dp), parameter :: located = 1e-10_dp
+   !> Distance of an extreme displacement from a wall that counts as touching, over half the backlash.
+   real(dp), parameter :: touching = 1e-3_dp
+   !> Steps that are tried across a corner of the curve.
+   real(dp), parameter :: leaps(*) = [1e-4_dp, 1e-3_dp, 3e-3_dp, 1e-2_dp]
    !> Largest Lambda over the one at the beginning, and its inverse the least: the integration of slow motions takes ever longer.
    real(dp), parameter :: widest = 20
 
@@ -180,7 +184,7 @@ contains
       type(augmented_point_type) :: here, next
       type(tests_type) :: before, after
       real(dp) :: h, ends(2), cosine
-      integer :: k
+      integer :: k, leapt
       logical :: success, ends_here
 
       allocate (side%point(most_points), side%special(most_points))
@@ -190,7 +194,7 @@ contains
       call augmented%solve(here, .true., success)
       call find_tests(augmented, here, before)
       h = first_step
-      side%ended = 'has the most points'
+      leapt = -10
       do while (side%points < most_points)
          if (here%parameter <= ends(1) .and. here%tangent_parameter < 0 .or. here%parameter >= ends(2) &
              .and. here%tangent_parameter > 0) then
@@ -211,8 +215,15 @@ contains
          if (.not. success) then
             h = h/3
             if (h > shortest) cycle
-            side%ended = 'Newton''s method does not converge at Lambda = '//text(here%frequency_ratio)
-            return
+            if (touches(augmented, here)) then
+               call leap(success)
+               side%ended = 'a grazing at Lambda = '//text(here%frequency_ratio)
+               if (.not. success) return
+            end if
+            if (.not. success) then
+               side%ended = 'Newton''s method does not converge at Lambda = '//text(here%frequency_ratio)
+               return
+            end if
          end if
          if (next%parameter < ends(1) .or. next%parameter > ends(2)) then
             call land(merge(ends(1), ends(2), next%parameter < ends(1)), success)
@@ -248,8 +259,35 @@ contains
          before = after
          if (cosine > wanted_cosine) h = min(longest, 1.5_dp*h)
       end do
+      side%ended = 'has the most points'
 
    contains
+
+      !> Goes on beyond a grazing, where the curve has a corner at which Newton's method fails.
+      subroutine leap(success)
+         logical, intent(out) :: success
+         integer :: i
+
+         success = .false.
+         if (side%points - leapt < 4) return
+         leapt = side%points
+         call put('grazing', here)
+         do i = 1, size(leaps)
+            next = here
+            next%states = here%states + leaps(i)*here%tangent
+            next%frequency_ratio = here%frequency_ratio + leaps(i)*here%tangent_frequency
+            next%parameter = here%parameter + leaps(i)*here%tangent_parameter
+            call augmented%solve(next, .false., success)
+            if (success) success = next%events /= here%events .and. augmented%distance(here, next) < 10*leaps(i)
+            if (.not. success) cycle
+            if (augmented%product_of(next%states - here%states, next%frequency_ratio - here%frequency_ratio, &
+                                     next%parameter - here%parameter, next) < 0) call reverse(next)
+            before%events = next%events
+            h = first_step
+            cosine = 0
+            return
+         end do
+      end subroutine leap
 
       !> Makes `next` the point at an end of the range.
       subroutine land(end_value, success)
@@ -337,6 +375,23 @@ contains
       end subroutine put
 
    end subroutine trace_side
+
+   !> Whether a mesh just touches a wall of its gap, at an extreme of its displacement.
+   logical function touches(augmented, point)
+      type(augmented_system_type), intent(inout) :: augmented
+      type(augmented_point_type), intent(in) :: point
+      real(dp) :: smallest, largest
+      integer :: j
+
+      touches = .false.
+      do j = 1, augmented%system%meshes
+         associate (b => augmented%system%half_backlash(j))
+            if (.not. b > 0) cycle
+            call augmented%probe%extremes(point%frequency_ratio, point%states, j, smallest, largest)
+            touches = touches .or. minval(abs([smallest, smallest, largest, largest] + [b, -b, b, -b])) < touching*b
+         end associate
+      end do
+   end function touches
 
    !> Whether the step from a point to the next one passes the first point of the curve.
    pure logical function passes(augmented, here, next, first)

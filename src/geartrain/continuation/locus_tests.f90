@@ -2,7 +2,7 @@
 module geartrain_continuation_locus_tests
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_augmented_system, only: augmented_point_type, augmented_system_type, pair_of
-   use geartrain_continuation_normal_form, only: doubling_coefficient
+   use geartrain_continuation_normal_form, only: degenerate, doubling_coefficient
    implicit none (type, external)
    private
    public :: find_tests, most_tests, name_of, tests_type
@@ -58,6 +58,7 @@ contains
          tests%value(:4) = [point%g(4), point%h(2), point%product_plus, point%singular_minus]
       case ('period doubling')
          tests%value(:3) = [doubling_coefficient(augmented, point), point%product_minus, point%singular_plus]
+         if (abs(tests%value(1)) < degenerate) tests%value(1) = 0
       case ('neimark-sacker')
          total = real(sum(pair_of(point%multipliers, huge(total))), dp)
          tests%value = [total - 2, total + 2, total + 1, total, point%singular_plus, point%singular_minus]
