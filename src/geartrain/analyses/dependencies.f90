@@ -22,14 +22,16 @@ module geartrain_analyses_dependencies
 contains
 
    !> Checks the groups of a case against one another.
-   subroutine check_agreement(case, checker)
+   subroutine check_agreement(case, seeded, checker)
       !> The case.
       type(case_type), intent(in) :: case
+      !> Whether an analysis may start from a given motion.
+      logical, intent(in) :: seeded
       !> Collects the problems.
       class(checker_type), intent(inout) :: checker
       real(dp) :: low, high, at, factor
 
-      if (allocated(case%locus) .and. .not. allocated(case%response)) then
+      if (allocated(case%locus) .and. .not. (seeded .or. allocated(case%response))) then
          call checker%enter('locus', 1)
          call checker%complain('near', real_text(case%locus%near), 'needs &response, which has the special point')
          call checker%leave()
