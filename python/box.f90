@@ -5,7 +5,8 @@ module geartrain_python_box
    use geartrain, only: audit_branch, audit_text, audit_type, branch_type, case_text, case_type, error_type, exact_point_type, &
                         find_exact_point, frequency_gradient, gradient_type, integrate, interrupt_by, locate_contact_edges, &
                         motion_gradient, motion_type, observer_type, onsets_of, period_doubled, refine, refine_branch, &
-                        refine_special_points, results_type, solutions_at, special_gradient, special_point_type, status_input, version
+                        refine_special_points, results_type, solutions_at, special_gradient, special_point_type, &
+                        status_input, version
    use geartrain_analyses_analysis, only: analysis_type
    use geartrain_analyses_audit_fields, only: visit_audit
    use geartrain_analyses_list, only: find_analysis, number_of

@@ -118,7 +118,8 @@ class Locus(Table):
             return None
         rows = box.results().get(_SPECIAL, Group()).rows("kind", "frequency", "parameter", "after_point")
         return replace(found, kind=found.kind.strip(), special_points=LocusPoints(
-            LocusPoint(kind.strip(), float(frequency), float(parameter), int(point) - 1) for kind, frequency, parameter, point in rows
+            LocusPoint(kind.strip(), float(frequency), float(parameter), int(point) - 1)
+            for kind, frequency, parameter, point in rows
         ))
 
     def _columns(self) -> tuple[dict[str, Any], dict[str, Any]]:

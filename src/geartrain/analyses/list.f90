@@ -11,7 +11,7 @@ module geartrain_analyses_list
    use geartrain_analyses_stability_grid, only: stability_map_settings_type, stability_map_type
    use geartrain_analyses_stability_map, only: stability_map_analysis_type, stability_map_row
    use geartrain_continuation_branch, only: branch_type, response_settings_type
-   use geartrain_continuation_locus, only: locus_type
+   use geartrain_continuation_locus_result, only: locus_type
    use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_flow_run_up, only: run_up_type
    use geartrain_model_modes, only: modes_type

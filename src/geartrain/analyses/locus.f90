@@ -14,7 +14,8 @@ module geartrain_analyses_locus
    use geartrain_continuation_branch, only: branch_type, response_settings_type, special_point_type
    use geartrain_continuation_contact_edges, only: locate_contact_edges
    use geartrain_continuation_exact_point, only: exact_point_type, find_exact_point, onsets_of
-   use geartrain_continuation_locus, only: double_point_type, locus_type, trace_locus
+   use geartrain_continuation_locus, only: trace_locus
+   use geartrain_continuation_locus_result, only: double_point_type, locus_type
    use geartrain_flow_fields, only: about_frequency, about_multipliers
    use geartrain_model_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
    use geartrain_model_train, only: train_type

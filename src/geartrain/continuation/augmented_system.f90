@@ -1,17 +1,18 @@
 !> The augmented system of a special point of the exact motion: an orbit, by shooting in sections, at which a test function is 0. Its
-!> unknowns are the states of the orbit, Lambda and, along a curve in two parameters, the value of a parameter of the train.
+!> unknowns are the states, Lambda and, along a curve in two parameters, the value of a parameter of the train.
 !>
 !> Newton's method is reduced to three unknowns. Bordered by fixed vectors, M - I is regular even where an orbit folds; so the states
 !> follow from the changes l of Lambda, m of the parameter and s along the null vector, and what remains is
-!>    h + h_l l + h_m m + h_s s = 0 (the orbit closes),  g + g_l l + g_m m + g_s s = 0 (the test function),  and the step along the curve.
-!> Test functions g: of a fold and a doubling the last unknown of M - I and M + I, bordered; of a Neimark-Sacker point the product of the
-!> pair of multipliers less 1; of a contact onset the distance of an extreme displacement from the wall. Derivatives of g are
+!>    h + h_l l + h_m m + h_s s = 0, the orbit closes;   g + g_l l + g_m m + g_s s = 0, the test function;   the step along the curve.
+!> Test functions g: of a fold and a doubling the last unknown of M - I and M + I, bordered; of a Neimark-Sacker point the product of
+!> the pair of multipliers less 1; of a contact onset the distance of an extreme displacement from the wall. Derivatives of g are
 !> differences along the four directions, whose errors slow Newton's method, and do not move its result.
 module geartrain_continuation_augmented_system
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_contact_ranges, only: depth_below
    use geartrain_continuation_orbit_tests, only: back_contact, is_onset
    use geartrain_continuation_units, only: units_of, units_type
+   use geartrain_floquet_critical_pair, only: pair_of
    use geartrain_floquet_multipliers, only: eigenvalues
    use geartrain_flow_multiple_shooting, only: has_converged, most_parts
    use geartrain_flow_sections, only: sections_type
@@ -21,7 +22,7 @@ module geartrain_continuation_augmented_system
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: augmented_point_type, augmented_system_type, pair_of
+   public :: augmented_point_type, augmented_system_type
 
    integer, parameter :: max_iterations = 12
    !> Length of a displacement for differences of the test function, and for those over the parameter, in the units of the metric.
@@ -99,8 +100,9 @@ contains
       character(*), intent(in) :: kind
       !> Of contact onsets the number of the mesh.
       integer, intent(in) :: mesh
-      !> The train with variable parameter, and the value of the parameter that counts as 0 [unit of the parameter].
+      !> The train with variable parameter.
       type(parameter_path_type), intent(in), optional :: path
+      !> The value of the parameter that counts as 0 [unit of the parameter].
       real(dp), intent(in), optional :: origin
       integer :: parts
 
@@ -376,35 +378,6 @@ contains
          value = depth_below(smallest, largest, half_backlash(self%mesh), self%kind == back_contact)
       end select
    end subroutine test_value
-
-   !> The two multipliers whose product is nearest to 1, or, with a known sum, those nearest to it as well.
-   pure function pair_of(multipliers, known) result(pair)
-      !> Multipliers, (state).
-      complex(dp), intent(in) :: multipliers(:)
-      !> Sum of the pair of a neighbouring motion; huge: not known.
-      real(dp), intent(in) :: known
-      complex(dp) :: pair(2)
-      real(dp) :: off, least
-      integer :: i, k
-
-      least = huge(1.0_dp)
-      pair = 0
-      do i = 1, size(multipliers)
-         do k = i + 1, size(multipliers)
-            associate (total => multipliers(i) + multipliers(k), both => multipliers(i)*multipliers(k))
-               if (abs(both%im) > 1e-9_dp*abs(both) .or. abs(total%im) > 1e-9_dp*abs(total)) cycle
-               off = abs(both - 1)
-               if (known < huge(1.0_dp)) then
-                  off = off + abs(total%re - known)
-               else if (.not. abs(multipliers(i)%im) > 0) then
-                  cycle
-               end if
-               if (off < least) pair = [multipliers(i), multipliers(k)]
-               least = min(off, least)
-            end associate
-         end do
-      end do
-   end function pair_of
 
    !> Derivatives of the test function in the directions, whose steps of all states are given.
    subroutine differentiate(self, point, step, value, g)

@@ -7,6 +7,7 @@ module geartrain_continuation_locus
    use geartrain_base_numbers, only: real_text, text
    use geartrain_base_observer, only: observer_type
    use geartrain_continuation_augmented_system, only: augmented_point_type, augmented_system_type
+   use geartrain_continuation_locus_result, only: double_point_type, locus_type
    use geartrain_continuation_locus_tests, only: find_tests, most_tests, name_of, tests_type
    use geartrain_flow_multiple_shooting, only: most_parts, section_states
    use geartrain_flow_sections, only: sections_type
@@ -19,7 +20,7 @@ module geartrain_continuation_locus
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: double_point_type, locus_type, trace_locus
+   public :: trace_locus
 
    !> First, shortest and longest step in the metric of the curve: the way from `start` to `stop` of the parameter has length 1.
    real(dp), parameter :: first_step = 5e-3_dp, shortest = 1e-8_dp, longest = 0.04_dp
@@ -34,32 +35,6 @@ module geartrain_continuation_locus
    real(dp), parameter :: leaps(*) = [1e-4_dp, 1e-3_dp, 3e-3_dp, 1e-2_dp]
    !> Largest Lambda over the one at the beginning, and its inverse the least: the integration of slow motions takes ever longer.
    real(dp), parameter :: widest = 20
-
-   !> A point of the curve at which two conditions meet.
-   type :: double_point_type
-      character(24) :: kind = ''
-      !> Lambda [1], parameter [its unit].
-      real(dp) :: frequency_ratio = 0, parameter = 0
-      !> Number of the point of the curve before it.
-      integer :: point = 0
-   end type double_point_type
-
-   type :: locus_type
-      !> Kind of the special point, and of a contact onset the number of the mesh.
-      character(16) :: kind = ''
-      integer :: mesh = 0
-      !> Name of the parameter, its unit.
-      character(:), allocatable :: name, unit
-      !> Period of the motions [periods of the fundamental].
-      integer :: period = 1
-      !> Lambda [1], parameter [its unit], (point); state of the motion [1], (state, point); its multipliers, (state, point).
-      real(dp), allocatable :: frequency_ratio(:), parameter(:), state(:, :)
-      complex(dp), allocatable :: multipliers(:, :)
-      type(double_point_type), allocatable :: special_points(:)
-      !> Why it ended on either side, in words; whether it got to the ends of the range, or closed; whether it closed.
-      character(:), allocatable :: ended
-      logical :: complete = .false., closed = .false.
-   end type locus_type
 
    !> A side of the curve as it is traced.
    type :: side_type

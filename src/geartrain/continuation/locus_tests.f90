@@ -1,8 +1,9 @@
 !> Test functions along the curve of a special point: each changes sign where a second condition is met.
 module geartrain_continuation_locus_tests
    use geartrain_base_kinds, only: dp
-   use geartrain_continuation_augmented_system, only: augmented_point_type, augmented_system_type, pair_of
+   use geartrain_continuation_augmented_system, only: augmented_point_type, augmented_system_type
    use geartrain_continuation_normal_form, only: degenerate, doubling_coefficient
+   use geartrain_floquet_critical_pair, only: pair_of
    implicit none (type, external)
    private
    public :: find_tests, most_tests, name_of, tests_type

@@ -15,7 +15,8 @@ module geartrain_continuation_normal_form
 contains
 
    !> Coefficient b of x -> -x + b x^3 along the null vector of M + I, in units of displacement: positive where the doubling is
-   !> supercritical. Kuznetsov, Elements of Applied Bifurcation Theory, equation (5.44): b = w.(C(q, q, q) + 3 B(q, (I - M)^-1 B(q, q)))/6.
+   !> supercritical: b = w.(C(q, q, q) + 3 B(q, (I - M)^-1 B(q, q)))/6, Kuznetsov, Elements of Applied Bifurcation Theory, section
+   !> 5.4.
    real(dp) function doubling_coefficient(augmented, point) result(coefficient)
       !> The system, with the flight of the latest solution.
       type(augmented_system_type), intent(inout) :: augmented

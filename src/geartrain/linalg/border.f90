@@ -1,4 +1,4 @@
-!> A square matrix plus a multiple of the identity, bordered by a column and a row, so that it is regular where the matrix is singular.
+!> A square matrix plus a multiple of the identity, bordered by a column and a row: regular where the matrix itself is singular.
 module geartrain_linalg_border
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
