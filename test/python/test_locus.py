@@ -33,9 +33,9 @@ def hill(frequency, kappa, zeta, terms=20):
 
 
 def test_boundary_of_mathieu(pair, branch):
-    locus = pair.locus(of_kind(branch, "period doubling")[0], parameter="stiffness_variation", start=0.21, stop=0.5)
+    locus = pair.locus(of_kind(branch, "period doubling")[0], parameter="stiffness_variation", start=0.1, stop=0.5)
     assert locus.complete and locus.kind == "period doubling"
-    assert {0.21, 0.5} & {round(value, 12) for value in locus.parameter[[0, -1]]}
+    assert list(locus.parameter[[0, -1]]) == [0.5, 0.5]
     # Both edges of the band, which meet at its tip at the least kappa.
     assert locus.frequency.min() < 1.8 and locus.frequency.max() > 2.1
     off = []
