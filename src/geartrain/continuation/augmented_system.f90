@@ -43,6 +43,8 @@ module geartrain_continuation_augmented_system
       real(dp), allocatable :: tangent(:, :)
       !> Multipliers, largest magnitude first, (state).
       complex(dp), allocatable :: multipliers(:)
+      !> Of a Neimark-Sacker point the sum of its pair of multipliers, by which the pair is known; huge: not known.
+      real(dp) :: pair_sum = huge(1.0_dp)
       !> Contact events in a period; smallest mesh speed at one of them [1].
       integer :: events = 0
       real(dp) :: slowest_event = 0
@@ -74,7 +76,7 @@ module geartrain_continuation_augmented_system
       !> Of M - I, and of M + I; whether their borders are null vectors of a nearby orbit.
       type(border_type) :: plus, minus
       logical, private :: has_borders = .false.
-      !> Sum of the pair of multipliers of the latest solution, by which the pair is known.
+      !> Sum of the pair of multipliers of the latest flight, by which the pair is known.
       real(dp), private :: pair_sum = huge(1.0_dp)
    contains
       procedure :: setup
@@ -187,6 +189,7 @@ contains
       n = size(point%states, 1)
       m = size(point%states, 2)
       guess = point
+      self%pair_sum = point%pair_sum
       success = .false.
       before = huge(1.0_dp)
       do i = 1, max_iterations
@@ -253,6 +256,7 @@ contains
       call take_borders(self, info)
       if (info /= 0) success = .false.
       point%multipliers = self%multipliers()
+      point%pair_sum = self%pair_sum
       point%singular_plus = self%plus%value
       point%singular_minus = self%minus%value
       point%product_plus = self%plus%product

@@ -6,7 +6,7 @@ module geartrain_continuation_exact_point
    use geartrain_base_numbers, only: text
    use geartrain_continuation_augmented_system, only: augmented_point_type, augmented_system_type
    use geartrain_continuation_branch, only: branch_type, special_point_type
-   use geartrain_continuation_decided, only: nearest_decided
+   use geartrain_continuation_decided, only: joined, nearest_decided
    use geartrain_continuation_exact_search, only: ends_of, find_exact
    use geartrain_continuation_normal_form, only: degenerate, doubling_coefficient
    use geartrain_continuation_orbit_corrector, only: orbit_corrector_type, orbit_type
@@ -109,7 +109,7 @@ contains
       type(branch_type), intent(inout) :: branch
       type(exact_point_type), allocatable :: exact(:)
       type(error_type), allocatable :: error
-      integer :: i
+      integer :: i, k, n(3)
 
       if (.not. allocated(branch%special_points)) return
       allocate (exact(size(branch%special_points)))
@@ -120,8 +120,22 @@ contains
       ! All are sought on the branch as it was.
       do i = 1, size(exact)
          if (.not. exact(i)%frequency_ratio > 0) cycle
-         branch%special_points(i)%frequency_ratio = exact(i)%frequency_ratio
-         branch%special_points(i)%rms = exact(i)%motion%rms
+         associate (special => branch%special_points(i))
+            special%frequency_ratio = exact(i)%frequency_ratio
+            special%rms = exact(i)%motion%rms
+            if (special%kind == 'fold') cycle
+            ! It may lie beyond one of the two points that it was between.
+            do k = 0, 2
+               n = special%point + [0, 1, -1]
+               if (n(k + 1) < 1 .or. n(k + 1) >= branch%points) cycle
+               if (.not. joined(branch, n(k + 1))) cycle
+               associate (ends => branch%frequency_ratio(n(k + 1):n(k + 1) + 1))
+                  if (exact(i)%frequency_ratio < minval(ends) .or. exact(i)%frequency_ratio > maxval(ends)) cycle
+               end associate
+               special%point = n(k + 1)
+               exit
+            end do
+         end associate
       end do
    end subroutine refine_special_points
 

@@ -27,8 +27,10 @@ module geartrain_continuation_locus
    !> Cosine of the angle between the tangents at the ends of a step that is wanted, and the least.
    real(dp), parameter :: wanted_cosine = 0.995_dp, least_cosine = 0.95_dp
    !> Most points on either side of the first; most steps towards a point where two conditions meet, and its error.
-   integer, parameter :: most_points = 2000, most_steps = 60
+   integer, parameter :: most_points = 1000, most_steps = 60
    real(dp), parameter :: located = 1e-10_dp
+   !> Distance within which the first point is found again on its other side.
+   real(dp), parameter :: found_again = 1e-7_dp
    !> Distance of an extreme displacement from a wall that counts as touching, over half the backlash.
    real(dp), parameter :: touching = 1e-3_dp
    !> Steps that are tried across a corner of the curve.
@@ -167,6 +169,11 @@ contains
       here = first
       ! The null vectors of the first point again, where the other side has left its own.
       call augmented%solve(here, .true., success)
+      if (success) success = augmented%distance(here, first) < found_again
+      if (.not. success) then
+         side%ended = 'Newton''s method does not converge at Lambda = '//text(first%frequency_ratio)
+         return
+      end if
       call find_tests(augmented, here, before)
       h = first_step
       leapt = -10
