@@ -37,6 +37,8 @@ class SpecialPoint:
         Whether it rests on undecided points: on one side of it the next points are all undecided.
     speed, fundamental_frequency : float or None
         In rpm, where every mesh has teeth; in Hz.
+    parameter : float or None
+        Value of the parameter, on a branch over one.
     branch : Branch or None
         The one that it was found on.
     mesh : int or None
@@ -50,11 +52,14 @@ class SpecialPoint:
     undecided: bool = False
     speed: float | None = None
     fundamental_frequency: float | None = None
+    parameter: float | None = None
     branch: Any = field(default=None, repr=False)
     mesh: int | None = None
 
     def gradient(self, parameters: Sequence[str]) -> Array:
         """Derivatives of Lambda of a fold or a period doubling with respect to parameters of the train.
+
+        Lambda is ``frequency``: where ``characteristic_frequency`` is left out, as on a drawing, it is the speed in rpm.
 
         They are those of the harmonic balance: of its fold, R = 0 and dR/dp singular, or of its own period doubling, which with
         few harmonics is not quite where the multipliers have it.
@@ -67,7 +72,8 @@ class SpecialPoint:
         Returns
         -------
         ndarray, (parameters,)
-            Over the unit of the parameter; NaN where there is no derivative.
+            Of Lambda [1, or rpm as above] over the unit of the parameter, which is that of the case (angles of the drawing in
+            degrees, phases in rad); NaN where there is no derivative.
 
         Raises
         ------
@@ -86,7 +92,7 @@ class SpecialPoint:
         ('fold', array([ 0.0067, -0.1799]))
         """
         place, _ = self._place()
-        found: Array = gradient_of(self.branch._box(), "special", parameters, place)[0]
+        found: Array = gradient_of(self.branch._box(), "/special", parameters, place)[0]
         return found
 
 

@@ -87,6 +87,10 @@ contains
 
       call check_train(train, error)
       if (allocated(error)) return
+      if (allocated(branch%parameter)) then
+         call fatal(error, 'exact: the branch is over a parameter: only special points of a branch over frequency are made exact')
+         return
+      end if
       call build_system(train, system)
       call corrector%setup(system, branch%subharmonic)
       call find_exact(corrector, branch, special, change_at(branch, number, special), orbit, found)
@@ -111,7 +115,7 @@ contains
       type(error_type), allocatable :: error
       integer :: i, k, n(3)
 
-      if (.not. allocated(branch%special_points)) return
+      if (.not. allocated(branch%special_points) .or. allocated(branch%parameter)) return
       allocate (exact(size(branch%special_points)))
       do i = 1, size(exact)
          if (train%interrupt%raised()) return

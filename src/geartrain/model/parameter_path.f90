@@ -6,11 +6,14 @@ module geartrain_model_parameter_path
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: real_text
    use geartrain_model_check, only: check_train
-   use geartrain_model_drawing, only: plain_train
+   use geartrain_model_drawing, only: plain_train, reduce_light_loads
    use geartrain_model_limits, only: check_frequency
-   use geartrain_model_parameter, only: add_to_parameter, find_parameter, own_value, parameter_type, table_type, variation
+   use geartrain_model_mesh, only: has_table, is_given
+   use geartrain_model_parameter, only: find_parameters, variation
+   use geartrain_model_parameter_table, only: add_to_parameter, entry_type, parameter_type, table_type
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
+   use geartrain_model_train_rate, only: has_effect
    implicit none (type, external)
    private
    public :: parameter_path_type
@@ -31,10 +34,13 @@ module geartrain_model_parameter_path
       real(dp) :: length = 0, low = 0, high = 0
       !> A value amid the path, at which nothing is 0 by chance [unit of the parameter].
       real(dp) :: amid = 0
+      !> Value of the train that the path was made from [unit of the parameter].
+      real(dp) :: own_value = 0
       !> Meshes that are unknowns of the balance, (mesh): those that have backlash or a varying stiffness anywhere between the ends.
       logical, allocatable :: unknown(:)
       type(train_type), private :: train
-      type(parameter_type), private :: parameter
+      !> The variables that take the value, with * one of each group.
+      type(parameter_type), allocatable, private :: parameter(:)
    contains
       procedure :: setup
       procedure :: train_at
@@ -70,12 +76,18 @@ contains
       call plain_train(train, plain)
       call of_given%take(given)
       call of_plain%take(plain)
-      call find_parameter(given, plain, of_given, of_plain, name, self%parameter, error)
+      call find_parameters(given, plain, of_given, of_plain, name, self%parameter, error)
       if (allocated(error)) return
-      self%unit = trim(self%parameter%unit)
+      self%parameter = pack(self%parameter, [(has_effect(train, self%parameter(i)), i=1, size(self%parameter))])
+      if (size(self%parameter) == 0) call fatal(error, 'parameter "'//self%name//'": not in force in this train: what would follow &
+                                                &from it is given, or is not used')
+      if (allocated(error)) return
+      self%own_value = self%parameter(1)%value
+      self%unit = trim(self%parameter(1)%unit)
       if (self%unit == '') self%unit = '1'
       self%train = train
-      if (self%parameter%variable == variation .or. self%parameter%derived) self%train = plain
+      if (any(self%parameter(1)%variable == [character(24) :: variation, 'stiffness_cos', 'stiffness_sin'])) &
+         call give_variation(plain, self%train)
       ! The units of displacement and time stay when the parameter is one that they would follow from.
       self%train%characteristic_length = plain%characteristic_length
       self%train%characteristic_frequency = plain%characteristic_frequency
@@ -97,6 +109,34 @@ contains
       if (allocated(outside)) self%high = max(start, stop)
    end subroutine setup
 
+   !> Gives the train the harmonics of its mesh stiffnesses that follow from a drawing, a contact ratio or a table.
+   subroutine give_variation(plain, train)
+      !> Its plain train.
+      type(train_type), intent(in) :: plain
+      !> The train as described.
+      type(train_type), intent(inout) :: train
+      type(train_type) :: loaded
+      integer :: j
+
+      ! The loads stay as they are when the harmonics change, and so do the mean stiffnesses.
+      loaded = plain
+      call reduce_light_loads(loaded)
+      do j = 1, size(train%meshes)
+         associate (mesh => train%meshes(j), own => loaded%meshes(j))
+            if (.not. (is_given(own%stiffness_cos) .or. is_given(own%stiffness_sin))) cycle
+            if (mesh%contact_ratio > 0 .or. has_table(mesh)) mesh%stiffness = own%stiffness
+            mesh%contact_ratio = 0
+            if (allocated(mesh%stiffness_table)) deallocate (mesh%stiffness_table)
+            if (allocated(own%stiffness_cos)) mesh%stiffness_cos = own%stiffness_cos
+            if (allocated(own%stiffness_sin)) mesh%stiffness_sin = own%stiffness_sin
+            ! In the plain train these have the phase already.
+            if (allocated(own%error_cos)) mesh%error_cos = own%error_cos
+            if (allocated(own%error_sin)) mesh%error_sin = own%error_sin
+            mesh%phase = 0
+         end associate
+      end do
+   end subroutine give_variation
+
    !> Adds an error where the train is not in order at a value, or is one of another kind than in the middle of the path.
    subroutine check_at(self, value, middle, error)
       class(parameter_path_type), intent(in) :: self
@@ -110,6 +150,7 @@ contains
       type(table_type) :: table
       real(dp) :: has
       logical :: same
+      integer :: i
 
       call self%train_at(value, train)
       call check_train(train, found)
@@ -123,11 +164,13 @@ contains
       end if
       call plain_train(train, plain)
       call table%take(plain)
-      has = own_value(table, self%parameter)
-      if (self%parameter%direct .and. abs(has - value) > 1e-12_dp*abs(value)) then
-         call refuse('there the train takes '//real_text(has)//' from its drawing instead')
-         return
-      end if
+      do i = 1, size(self%parameter)
+         has = value_of(table, self%parameter(i))
+         if (self%parameter(i)%direct .and. abs(has - value) > 1e-12_dp*abs(value)) then
+            call refuse('there the train takes '//real_text(has)//' from its drawing instead')
+            return
+         end if
+      end do
       call self%system_at(value, system)
       same = system%elements == middle%elements .and. system%states == middle%states .and. &
              system%cut%unknowns == middle%cut%unknowns .and. size(system%torque) == size(middle%torque)
@@ -151,12 +194,11 @@ contains
       !> The train.
       type(train_type), intent(out) :: train
       type(table_type) :: table
-      type(parameter_type) :: one
-      integer :: i, j, last
+      integer :: i, j
 
       train = self%train
-      if (self%parameter%variable == variation) then
-         associate (factor => value/self%parameter%value)
+      if (self%parameter(1)%variable == variation) then
+         associate (factor => value/self%parameter(1)%value)
             do j = 1, size(train%meshes)
                if (allocated(train%meshes(j)%stiffness_cos)) train%meshes(j)%stiffness_cos = factor*train%meshes(j)%stiffness_cos
                if (allocated(train%meshes(j)%stiffness_sin)) train%meshes(j)%stiffness_sin = factor*train%meshes(j)%stiffness_sin
@@ -165,20 +207,21 @@ contains
          return
       end if
       call table%take(train)
-      one = self%parameter
-      last = one%index
-      if (one%index == 0) then
-         if (one%group == 'shaft') last = size(train%shafts)
-         if (one%group == 'mesh') last = size(train%meshes)
-         if (one%group == 'body') last = size(train%bodies)
-      end if
-      do i = max(1, self%parameter%index), last
-         one%index = i
-         call add_to_parameter(train, one, value - own_value(table, one))
-         ! A stiffness that is given stays as it is under light loads.
-         if (one%group == 'mesh' .and. one%variable == 'stiffness') train%meshes(i)%light_force = 0
+      do i = 1, size(self%parameter)
+         call add_to_parameter(train, self%parameter(i), value - value_of(table, self%parameter(i)))
       end do
    end subroutine train_at
+
+   !> Value of a parameter in a train.
+   pure real(dp) function value_of(table, parameter)
+      !> Variables of the train.
+      type(table_type), intent(in) :: table
+      type(parameter_type), intent(in) :: parameter
+      type(entry_type) :: row
+      integer :: found
+
+      call table%find(parameter, found, row, value_of)
+   end function value_of
 
    !> The dimensionless system of the train with a value of the parameter.
    subroutine system_at(self, value, system)
