@@ -46,6 +46,21 @@ def test_onset_of_separation(branch):
     assert onset.crossing == 0
 
 
+@pytest.mark.parametrize("near, criticality", [(0.6177, "supercritical"), (0.6573, "subcritical")])
+def test_criticality(near, criticality):
+    # The doubled motions by harmonic balance: supercritical where they are on the side on which the branch is unstable.
+    train = paper_train().with_values({"mesh * damping_ratio": 0.01})
+    branch = train.response(start=0.3, stop=0.7, harmonics=16)
+    doubling = min((special for special in branch.special_points if special.kind == "period doubling"),
+                   key=lambda special: abs(special.frequency - near))
+    exact = doubling.exact()
+    doubled = branch.period_doubled(doubling).frequency
+    unstable_above = branch.stable[doubling.point]
+    assert branch.frequency[doubling.point] < branch.frequency[doubling.point + 1]
+    assert (criticality == "supercritical") == ((doubled[6] > doubled[0]) == unstable_above)
+    assert exact.criticality == criticality
+
+
 def test_fold_of_an_island():
     # Figure 9 with zeta = 0.01: a closed branch joined to no other; its motion at 0.85 by random starts, its fold with R = 48
     # (test/hard_branches.f90).

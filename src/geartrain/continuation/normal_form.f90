@@ -57,11 +57,10 @@ contains
          real(dp), intent(in) :: way, vector(:)
          real(dp), intent(out) :: final(:, :)
          real(dp) :: states(n, size(point%states, 2))
-         integer :: i
 
-         do i = 1, size(states, 2)
-            states(:, i) = point%states(:, i) + way*augmented%moving%step_at(i, q, 0.0_dp)
-         end do
+         ! The later sections begin where the flow is: a displacement to first order would miss part of the third derivative.
+         states(:, 1) = point%states(:, 1) + way*q
+         call augmented%probe%guess(point%frequency_ratio, states)
          final(:, 1) = vector
          call augmented%probe%carry_vectors(point%frequency_ratio, states, final)
       end subroutine fly
