@@ -40,7 +40,9 @@ from .branch import Branch
 from .campbell import Campbell, Crossing, Order
 from .case import Case, Results, read_case, read_results
 from .errors import DrawingWarning, InputError, Interrupted, NotDifferentiableWarning, SolverError
+from .exact_point import ExactPoint
 from .explanation import Explanation
+from .locus import Locus, LocusPoint
 from .modes import Modes
 from .motion import Motion
 from .motions import Motions
@@ -64,10 +66,13 @@ __all__ = [
     "Case",
     "Crossing",
     "DrawingWarning",
+    "ExactPoint",
     "Explanation",
     "InputError",
     "Interrupted",
     "Jump",
+    "Locus",
+    "LocusPoint",
     "Mesh",
     "Modes",
     "Motion",
