@@ -33,6 +33,7 @@ from __future__ import annotations
 
 from . import _box
 from ._draw import plot_style
+from ._suggest import suggest_names
 from .attractors import Attractors
 from .audit import Audit
 from .branch import Branch
@@ -100,3 +101,5 @@ __all__ = [
 
 with _box.Box() as _opened:
     __version__ = _opened.text("version")
+
+suggest_names(globals())

@@ -225,8 +225,8 @@ class Train(Description):
         Parameters
         ----------
         parameter : str
-            A number of the train, as in `with_values`: ``'input_torque'``, ``'mesh 2 half_backlash'``, ``'shaft 2 stiffness'``,
-            ``'mesh * damping_ratio'`` (of all meshes alike), ``'stiffness_variation'``.
+            A number of the train, as in `Train.with_values`: ``'input_torque'``, ``'mesh 2 half_backlash'``,
+            ``'shaft 2 stiffness'``, ``'mesh * damping_ratio'`` (of all meshes alike), ``'stiffness_variation'``.
         start, stop : float
             First and last value, in the unit of the parameter, in either order; 0 and below where the parameter may be.
         frequency : float

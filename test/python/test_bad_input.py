@@ -306,7 +306,7 @@ def test_all_problems_of_a_call_in_one_go():
     # What was given, though wrongly, is not said to be lacking.
     assert not re.search("lacks (input_torque|driving_radius)|&shaft 1: lacks", str(caught.value))
     with pytest.raises(gt.InputError) as caught:
-        paper_train().response(start="x", stop=-1.0, harmonics=1.5, step=0.0, stability=3)
+        paper_train().response(start="x", stop="y", harmonics=1.5, step=0.0, stability=3)
     assert len(str(caught.value).splitlines()) == 5
 
 
