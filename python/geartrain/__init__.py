@@ -43,6 +43,7 @@ from .explanation import Explanation
 from .modes import Modes
 from .motion import Motion
 from .motions import Motions
+from .page import Page, page
 from .run_up import RunUp
 from .space import Space
 from .special_point import SpecialPoint
@@ -73,6 +74,7 @@ __all__ = [
     "Motions",
     "NotDifferentiableWarning",
     "Order",
+    "Page",
     "Peak",
     "Peaks",
     "Results",
@@ -87,6 +89,7 @@ __all__ = [
     "Sweep",
     "Train",
     "Trajectory",
+    "page",
     "plot_style",
     "read_case",
     "read_results",

@@ -8,7 +8,8 @@ from typing import Any
 __all__ = ["extra", "missing"]
 
 #: The optional dependencies of pyproject.toml that bring them.
-_EXTRAS = {"matplotlib": "plot", "tqdm": "progress", "h5py": "data", "xarray": "data", "scipy": "study"}
+_EXTRAS = {"matplotlib": "plot", "tqdm": "progress", "h5py": "data", "xarray": "data", "scipy": "study",
+           "plotly": "page"}
 
 
 def extra(module: str) -> Any:

@@ -21,6 +21,7 @@ from .audit import Audit
 from .description import Description, mesh_names, shaft_names
 from .errors import InputError, SolverError, shown
 from .motion import Motion
+from .page import Page, page
 from .response_plot import Curves
 from .special_point import SpecialPoint, SpecialPoints
 
@@ -296,6 +297,10 @@ class Branch(Curves):
             for place, branch in enumerate([self, *self.branches]):
                 branch._put(box, place)
             box.write(path)
+
+    def page(self, path: str | os.PathLike[str] | None = None, *, compare: Any = None) -> Page:
+        """The branch and its ``branches`` as a page for a browser, as `geartrain.page` gives it; needs plotly."""
+        return page(self, path, compare=compare)
 
     def arrays(self) -> dict[str, NDArray[Any] | None]:
         """The fields of the points by their names in the results file; None for what there is not."""

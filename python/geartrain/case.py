@@ -18,6 +18,7 @@ from ._watch import watched
 from .attractors import Attractors
 from .branch import Branch
 from .modes import Modes
+from .page import Page, page
 from .run_up import RunUp
 from .stability_map import StabilityMap
 from .sweep import Sweep
@@ -87,6 +88,20 @@ class Results:
             for place, branch in enumerate(self.branches, 1):
                 branch._put(box, place)
             box.write(path)
+
+    def page(self, path: str | os.PathLike[str] | None = None, *, compare: Any = None) -> Page:
+        """The results as a page for a browser, as `geartrain.page` gives it; needs plotly.
+
+        Parameters
+        ----------
+        path : path-like, optional
+            Where to write it.
+        compare : Results, Branch or path-like, optional
+            Laid over these: results, or a results file.
+        """
+        if isinstance(compare, (str, os.PathLike)):
+            compare = read_results(compare)
+        return page(self, path, compare=compare)
 
     def __getattr__(self, name: str) -> Any:
         # Only what is no attribute comes here; `others` itself is not there yet while results are copied.

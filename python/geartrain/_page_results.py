@@ -1,0 +1,272 @@
+"""Results as what a page shows of them: curves with their points, tables, the train."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._box import described
+from ._extras import extra
+from ._motion_table import as_columns
+from ._orders import named_orders
+from ._page_force import force_laws, largest_difference
+from ._page_pack import Block
+from ._units import hertz_of, length_unit, speed_of, units_of
+from .campbell import exciting_orders
+from .description import Description
+from .errors import InputError
+from .schematic import draw_schematic, figure_size
+
+__all__ = ["quantities", "shown_results"]
+
+Array = NDArray[np.float64]
+
+#: Largest difference between forces as the page computes them and the program's, over the largest force, for them to be shown.
+_ALIKE = 0.02
+#: Fields of a point that are told as they are where a point is chosen.
+_FACTS = ("error_estimate", "estimate_doubtful", "correction", "harmonics", "second_estimate", "lyapunov_exponent",
+          "lyapunov_error", "share", "floating", "count_undecided")
+
+
+def quantities() -> dict[str, dict[str, str]]:
+    """What can be drawn over the speed: fields with a column for each mesh or for each shaft, what they are and their unit."""
+    about = described()["/response"].about
+    return {
+        name: {"along": dimensions[1], "unit": unit, "about": words}
+        for name, (dimensions, unit, words) in about.items()
+        if len(dimensions) == 2 and dimensions[1] in ("mesh", "shaft")
+    }
+
+
+def shown_results(results: Any, name: str, block: Block) -> dict[str, Any]:
+    """Results, or a branch alone, as a page shows them; their numbers go into the block.
+
+    Parameters
+    ----------
+    results : Results or Branch
+    name : str
+        What the page calls them; the title of the train unless told.
+    block : Block
+    """
+    alone = hasattr(results, "special_points")
+    response = results if alone else results.response
+    branches = ([response] if response is not None else []) + list(results.branches)
+    parts = {part: None if alone else getattr(results, part, None)
+             for part in ("modes", "integration", "attractors", "stability_map", "run_up")}
+    train = _train_of([*branches, *parts.values()])
+    shown = [_of_branch(branch, place == 0 and response is not None, block) for place, branch in enumerate(branches)]
+    for kind in ("integration", "attractors"):
+        if parts[kind]:
+            shown.append(_of_motions(parts[kind], kind, block))
+    laws, forces = _laws(train, branches, shown)
+    tables = [table for place, branch in enumerate(branches) for table in _tables(branch, place, shown[place]["name"])]
+    if parts["modes"] is not None:
+        tables.append(_table("Natural modes", {
+            "mode": list(range(1, len(parts["modes"].natural_frequency) + 1)),
+            "natural frequency, Lambda": parts["modes"].natural_frequency.tolist(),
+            **({} if (hertz := hertz_of(train, 1.0)) is None else
+               {"natural frequency [Hz]": (hertz * parts["modes"].natural_frequency).tolist()}),
+            "damping ratio": parts["modes"].damping_ratio.tolist(),
+        }))
+    return {
+        "name": name or train.title or "",
+        "title": train.title or "",
+        "ended": getattr(results, "ended", ""),
+        "warnings": list(train.warnings),
+        "perLambda": {"Lambda": 1.0, "rpm": speed_of(train, 1.0), "Hz": hertz_of(train, 1.0)},
+        "unit": units_of(train, None).unit,
+        "speedOf": train.speed_name,
+        "length": train._outline["characteristic_length"],
+        "lengthUnit": length_unit(train).strip(" []"),
+        "meshes": list(train.mesh_labels),
+        "shafts": list(train.shaft_labels),
+        "laws": laws,
+        "forces": forces,
+        "slowest": min((order.order for order in exciting_orders(train)), default=1),
+        "orderNames": [[order, words] for order, words in named_orders(train).items()],
+        "series": shown,
+        "tables": tables,
+        "schematic": _schematic(train),
+        "explanation": str(train.explain()),
+        "map": None if parts["stability_map"] is None else _of_map(parts["stability_map"], block),
+        "runUp": None if parts["run_up"] is None else _of_run_up(parts["run_up"], block),
+    }
+
+
+def _train_of(parts: Iterable[Any]) -> Description:
+    """The train of the first part that has one."""
+    for part in parts:
+        first = part[0] if isinstance(part, list) and part else part
+        train = getattr(first, "train", None)
+        if isinstance(train, Description):
+            return train
+    raise InputError("page: there is nothing in these results that a page could show")
+
+
+def _of_branch(branch: Any, first: bool, block: Block) -> dict[str, Any]:
+    kind = "response" if first else "island" if branch.origin.startswith("attractor") else (
+        "cascade" if branch.origin.startswith("period doubling") else "branch")
+    arrays = branch.arrays()
+    arrays["true_ac_rms"] = branch.true_ac_rms
+    known = branch.stable is not None
+    meshes = range(1, branch.rms.shape[1] + 1)
+    ranges = [
+        [mesh - 1, what, float(low), float(high)]
+        for mesh in meshes
+        for what, found in (("apart", branch.separation_ranges(mesh, known)), ("back", branch.back_collision_ranges(mesh, known)))
+        for low, high in found
+    ]
+    return {
+        **_points(arrays, block),
+        "kind": kind,
+        "name": "response" if first else branch.origin or "branch",
+        "ended": branch.ended,
+        "complete": branch.complete,
+        "period": block.add(np.full(len(branch), branch.subharmonic), "i4"),
+        "orders": [int(order) for order in branch.orders],
+        "jumps": [
+            {"at": jump.frequency, "kind": jump.kind, "direction": jump.direction, "before": jump.before, "after": jump.after}
+            for jump in branch.jumps
+        ],
+        "specials": [
+            {"kind": special.kind, "at": special.frequency, "point": special.point, "rms": special.rms}
+            for special in branch.special_points
+        ],
+        "ranges": ranges,
+        "bands": branch.bands_without_stability if known else [],
+        "ofStable": known,
+    }
+
+
+def _of_motions(motions: Any, kind: str, block: Block) -> dict[str, Any]:
+    """A sweep by integration, or attractors."""
+    columns = as_columns(motions)
+    words = {"integration": "time integration", "attractors": "attractors"}[kind]
+    harmonics = (np.shape(columns["coefficients"])[-1] - 1) // 2
+    return {
+        **_points(columns, block),
+        "kind": kind,
+        "name": words,
+        "ended": motions.ended,
+        "complete": motions.complete,
+        "period": block.add(columns["period"], "i4"),
+        "kinds": list(columns["kind"]),
+        "directions": list(getattr(motions, "direction", ())),
+        "orders": list(range(1, harmonics + 1)),
+        "jumps": [], "specials": [], "ranges": [], "bands": [], "ofStable": False,
+    }
+
+
+def _points(arrays: Mapping[str, Any], block: Block) -> dict[str, Any]:
+    """Points of a branch or of a sweep."""
+    multipliers = arrays.get("multipliers")
+    if multipliers is not None:
+        multipliers = np.stack([multipliers.real, multipliers.imag], axis=-1)
+    return {
+        "count": len(arrays["frequency"]),
+        "lambda": block.add(arrays["frequency"], "f8"),
+        "stable": block.add(arrays.get("stable"), "u1"),
+        "undecided": block.add(arrays.get("undecided"), "u1"),
+        "segment": block.add(arrays.get("segment"), "i4"),
+        "facts": {name: block.add(arrays[name]) for name in _FACTS if arrays.get(name) is not None},
+        "values": {name: block.add(arrays[name]) for name in quantities() if arrays.get(name) is not None},
+        "coefficients": block.add(arrays.get("coefficients"), drawn=True),
+        "multipliers": block.add(multipliers, drawn=True),
+    }
+
+
+def _laws(train: Description, branches: Sequence[Any], shown: Sequence[Any]) -> tuple[list[Any], str]:
+    """The force laws; None, and why, of a mesh whose largest forces they do not give."""
+    if not shown:
+        return [], ""
+    laws = force_laws(train)
+    numbers = train.explain()
+    off = []
+    for mesh in range(len(laws)):
+        mean = numbers[f"mesh {mesh + 1}"].get("mean_force", 0.0)
+        for branch in branches:
+            worst = largest_difference(
+                laws[mesh], mesh, -1.0 if mean < 0 else 1.0, branch.frequency, np.full(len(branch), branch.subharmonic),
+                branch.orders, branch.coefficients, branch.mesh_force_maximum,
+            )
+            if worst > _ALIKE:
+                off.append(f"mesh {mesh + 1}")
+                break
+    told = f"The force of {', '.join(off)} over time is not shown: its law is not one that this page can compute." if off else ""
+    return [None if f"mesh {mesh + 1}" in off else law for mesh, law in enumerate(laws)], told
+
+
+def _tables(branch: Any, place: int, name: str) -> list[dict[str, Any]]:
+    """What is read off a branch, as tables; with the point of each row where there is one."""
+    what = "" if place == 0 else f", {name}"
+    peaks, jumps, specials = branch.peaks(), branch.jumps, branch.special_points
+    ends = [peak for peak, _ in getattr(peaks, "ends", ())]
+    found = [
+        _table(f"Peaks{what}", peaks._table(), [[place, peak.point] for peak in [*peaks, *ends]]),
+        _table(f"Jumps{what}", jumps._table(), [[place, _nearest(branch, jump)] for jump in jumps]),
+        _table(f"Special points{what}", specials._table(), [[place, special.point] for special in specials]),
+    ]
+    return [table for table in found if table["rows"]]
+
+
+def _nearest(branch: Any, jump: Any) -> int:
+    """The point of a branch nearest to where a jump begins."""
+    apart = np.abs(branch.frequency / jump.frequency - 1) + np.abs(branch.rms - jump.before).max(axis=1) / branch.rms.max()
+    return int(apart.argmin())
+
+
+def _table(name: str, columns: Mapping[str, Sequence[Any]], points: Sequence[Sequence[int]] = ()) -> dict[str, Any]:
+    """A table: headings and rows; a column of lists becomes one for each mesh."""
+    flat: dict[str, list[Any]] = {}
+    for heading, values in columns.items():
+        if all(value is None for value in values):
+            continue
+        widest = max((np.size(value) for value in values if isinstance(value, np.ndarray)), default=0)
+        if not widest:
+            flat[heading] = list(values)
+        for mesh in range(widest):
+            # "rms before" and "after" belong together where they stand side by side, as in the printed table.
+            words = f"rms {heading}" if heading == "after" else heading
+            flat[f"{words}, mesh {mesh + 1}" if widest > 1 else words] = [value[mesh] for value in values]
+    return {"name": name, "headings": list(flat), "rows": list(zip(*flat.values())), "points": list(points)}
+
+
+def _schematic(train: Description) -> str:
+    """The train as an SVG drawing."""
+    extra("matplotlib")
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    with mpl.rc_context({"svg.hashsalt": "geartrain", "svg.fonttype": "path"}):
+        figure = Figure(figsize=figure_size(train), layout="constrained")
+        draw_schematic(train, figure.add_subplot())
+        text = io.StringIO()
+        figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
+    return text.getvalue()
+
+
+def _of_map(chart: Any, block: Block) -> dict[str, Any]:
+    """A stability map; ``curves`` are lines of special points over it, where it has any."""
+    return {
+        "parameter": chart.name, "unit": chart.unit, "ended": chart.ended, "linear": chart.linear,
+        "lambda": block.add(chart.frequency, "f8"), "values": block.add(chart.parameter, "f8"),
+        "motions": block.add(chart.motions, "i4"), "stable_motions": block.add(chart.stable_motions, "i4"),
+        "spectral_radius": block.add(chart.spectral_radius),
+        "multiplier": block.add(np.stack([chart.multiplier.real, chart.multiplier.imag], axis=-1)),
+        "curves": [
+            {"kind": curve.kind, "lambda": curve.frequency, "values": curve.parameter} for curve in getattr(chart, "curves", ())
+        ],
+    }
+
+
+def _of_run_up(run_up: Any, block: Block) -> dict[str, Any]:
+    """Extremes of a run-up over its windows."""
+    frequency = np.interp(run_up.window_time, run_up.time, run_up.frequency)
+    return {
+        "ended": run_up.ended, "lambda": block.add(frequency, "f8"), "time": block.add(run_up.window_time),
+        "low": block.add(run_up.mesh_force_minimum), "high": block.add(run_up.mesh_force_maximum),
+    }
