@@ -20,12 +20,18 @@ _SAMPLES, _ROUNDING = 256, 1e-9
 _MOST = 2**19
 
 
-def force_laws(train: Description) -> list[dict[str, Any]]:
+def force_laws(train: Description, frequency: float) -> list[dict[str, Any]]:
     """Of each mesh: half backlash over the characteristic length, stiffness of both flanks over the phase, damping of the regions.
 
-    They are found from the program's own force at made-up motions: at rest on either flank, and moving slowly on a flank and in the
-    gap. With p the displacement, v its derivative by the phase of the fundamental and Lambda the frequency, the force in N is
+    They are found from the program's own force at made-up motions: at rest on either flank, and moving on a flank and in the gap.
+    With p the displacement, v its derivative by the phase of the fundamental and Lambda the frequency, the force in N is
     stiffness(phase) (p -+ half) + damping Lambda v.
+
+    Parameters
+    ----------
+    train : Description
+    frequency : float
+        A Lambda that the train can have.
 
     Returns
     -------
@@ -34,43 +40,36 @@ def force_laws(train: Description) -> list[dict[str, Any]]:
         drive flank.
     """
     numbers = train.explain()
-    meshes = len(train.meshes)
-    half = np.array([numbers[f"mesh {mesh}"].get("half_backlash", 0.0) for mesh in range(1, meshes + 1)])
-    half /= numbers["train"]["characteristic_length"]
-    order = int(max(train._outline["order"], default=1))
-    samples = int(min(_SAMPLES * max(order, 1), _MOST))
-    phase = 2 * np.pi * np.arange(samples) / samples
+    length = numbers["train"]["characteristic_length"]
+    half = np.array([numbers[f"mesh {mesh}"].get("half_backlash", 0.0) / length for mesh in range(1, len(train.meshes) + 1)])
+    samples = min(_SAMPLES * int(max(train._outline["order"])), _MOST)
+    phase = 2 * np.pi * np.arange(samples)[:, np.newaxis] / samples
 
     def force(mean: Array, amplitude: Array) -> Array:
         """At p = mean + amplitude sin(phase), (samples, meshes)."""
-        return _trial(train, np.stack([mean, 0 * mean, amplitude], axis=1), samples)
+        return _trial(train, frequency, np.stack([mean, 0 * mean, amplitude], axis=1), samples)
 
-    still = np.zeros(meshes)
-    flanks = {}
-    for name, side in (("drive", 1.0), ("back", -1.0)):
-        far = force(side * (half + 2.0), still)
-        flanks[name] = side * (far - force(side * (half + 1.0), still))
-    moved = np.where(half > 0, 0.5 * half, 1.0)
-    damping = []
-    for name, mean in (("back", -half - 2.0), ("gap", still), ("drive", half + 2.0)):
-        amplitude = moved if name == "gap" else np.ones(meshes)
-        elastic = flanks[name] * (np.abs(mean) - half) * np.sign(mean) if name != "gap" else np.where(half > 0, 0.0, 1.0) * 0.0
-        displaced = amplitude * np.sin(phase)[:, np.newaxis]
-        if name != "gap":
-            elastic = elastic + flanks[name] * displaced
-        else:
-            elastic = np.where(half > 0, 0.0, flanks["drive"] * displaced)
-        velocity = amplitude * np.cos(phase)[:, np.newaxis]
-        rest = force(mean, amplitude) - elastic
-        damping.append((rest * velocity).sum(axis=0) / (velocity**2).sum(axis=0))
+    def damping(mean: Array, amplitude: Array, stiffness: Array, origin: Array) -> Array:
+        """What is left of the force without its elastic part, over the velocity."""
+        elastic = stiffness * (mean + amplitude * np.sin(phase) - origin)
+        velocity = frequency * amplitude * np.cos(phase)
+        found: Array = ((force(mean, amplitude) - elastic) * velocity).sum(axis=0) / (velocity**2).sum(axis=0)
+        return found
+
+    still, one = np.zeros(len(half)), np.ones(len(half))
+    drive = force(half + 2, still) - force(half + 1, still)
+    back = force(-half - 1, still) - force(-half - 2, still)
+    # Without a gap the drive flank is everywhere.
+    in_gap = np.where(half > 0, half / 2, 1.0), np.where(half > 0, 0.0, drive)
+    dampings = [damping(-half - 2, one, back, -half), damping(still, *in_gap, still), damping(half + 2, one, drive, half)]
     return [
         {
             "half": float(half[mesh]),
-            "drive": _harmonics(flanks["drive"][:, mesh]),
-            "back": _harmonics(flanks["back"][:, mesh]),
-            "damping": [float(region[mesh]) for region in damping],
+            "drive": _harmonics(drive[:, mesh]),
+            "back": _harmonics(back[:, mesh]),
+            "damping": [float(region[mesh]) for region in dampings],
         }
-        for mesh in range(meshes)
+        for mesh in range(len(half))
     ]
 
 
@@ -133,11 +132,11 @@ def largest_difference(
     return float(worst)
 
 
-def _trial(train: Description, coefficients: Array, samples: int) -> Array:
-    """The program's force at a made-up motion at Lambda = 1, (samples, meshes)."""
+def _trial(train: Description, frequency: float, coefficients: Array, samples: int) -> Array:
+    """The program's force at a made-up motion, (samples, meshes)."""
     nothing = np.zeros(len(coefficients))
     motion = Motion(
-        frequency=1.0, period=1, rms=nothing, mean=nothing, minimum=nothing, maximum=nothing, mesh_force_maximum=nothing,
+        frequency=frequency, period=1, rms=nothing, mean=nothing, minimum=nothing, maximum=nothing, mesh_force_maximum=nothing,
         dynamic_factor=nothing, separation_fraction=nothing, back_contact_fraction=nothing, coefficients=coefficients, train=train,
     )
     return motion._sample(samples)[2]

@@ -62,7 +62,8 @@ def shown_results(results: Any, name: str, block: Block) -> dict[str, Any]:
     for kind in ("integration", "attractors"):
         if parts[kind]:
             shown.append(_of_motions(parts[kind], kind, block))
-    laws, forces = _laws(train, branches, shown)
+    motions = [*branches, *(parts[kind] for kind in ("integration", "attractors") if parts[kind])]
+    laws, forces = _laws(train, branches, float(np.ravel(motions[0].frequency)[0])) if motions else ([], "")
     tables = [table for place, branch in enumerate(branches) for table in _tables(branch, place, shown[place]["name"])]
     if parts["modes"] is not None:
         tables.append(_table("Natural modes", {
@@ -179,11 +180,9 @@ def _points(arrays: Mapping[str, Any], block: Block) -> dict[str, Any]:
     }
 
 
-def _laws(train: Description, branches: Sequence[Any], shown: Sequence[Any]) -> tuple[list[Any], str]:
+def _laws(train: Description, branches: Sequence[Any], frequency: float) -> tuple[list[Any], str]:
     """The force laws; None, and why, of a mesh whose largest forces they do not give."""
-    if not shown:
-        return [], ""
-    laws = force_laws(train)
+    laws = force_laws(train, frequency)
     numbers = train.explain()
     off = []
     for mesh in range(len(laws)):

@@ -233,10 +233,10 @@
       make("div", { class: "controls" }, unitChoice("response"), quantityLabel, partLabel),
       make("div", { class: "controls" }, make("fieldset", {}, make("legend", {}, "show"), ...boxes)),
       make("div", { class: "columns" },
-        make("div", {}, key, plot,
+        make("div", { class: "curves" }, key, plot,
           make("p", { class: "note", id: "keys" }, "Click a point, or give the picture the focus: left and right arrow go along the " +
             "branch (with Shift by ten points), Home and End to its ends, up and down to the next branch.")),
-        pointPanel()),
+        ...pointPanels()),
     );
     plot.addEventListener("keydown", moveKeys);
     let drawn = false;
@@ -405,10 +405,11 @@
     }
     const layout = {
       ...baseLayout(frequencyTitle(), quantityTitle(state.quantity)),
-      margin: { l: 68, r: 14, t: 8, b: 48 }, shapes, annotations, hovermode: "closest", dragmode: "zoom",
+      margin: { l: 68, r: 14, t: 32, b: 48 }, shapes, annotations, hovermode: "closest", dragmode: "zoom",
       uirevision: `${state.unit} ${state.quantity}`, hoverdistance: 30,
     };
     layout.yaxis.domain = [0, top];
+    if (data.quantities[state.quantity].unit !== "1") layout.yaxis.exponentformat = "none";
     layout.yaxis.title.standoff = 8;
     if (rows.length) {
       layout.yaxis2 = { domain: [top + 0.015, 1], range: [-0.6, rows.length - 0.4], tickvals: range(rows.length), fixedrange: true,
@@ -539,23 +540,26 @@
     if (select) select.value = String(mesh);
   }
 
-  function pointPanel() {
+  function pointPanels() {
     const [meshLabel, select] = choice("mesh of the phase plane", main.meshes.map((name, place) => [String(place), name]), "0", (mesh) => {
       state.mesh = Number(mesh);
       drawPoint();
     });
     select.id = "plane-mesh";
     const small = (id, words) => make("div", { id, class: "plot small", role: "img", "aria-label": words });
-    return make("section", { "aria-label": "The chosen motion", id: "point" },
-      make("h2", {}, "The chosen motion"),
-      make("div", { id: "facts", "aria-live": "polite" }),
-      small("wave", "Displacement of the meshes over time"), small("force", "Force of the meshes over time"),
-      make("p", { class: "note", id: "force-note", hidden: true }),
-      make("div", { class: "pair" }, make("div", {}, small("spectrum", "Spectrum of the displacement")),
-        make("div", {}, small("plane", "Phase plane: velocity over displacement"))),
-      make("div", { class: "controls" }, meshLabel),
-      small("multipliers", "Floquet multipliers and the unit circle"),
-      make("p", { class: "note", id: "multipliers-note", hidden: true }));
+    return [
+      make("section", { "aria-label": "The chosen motion", id: "point" },
+        make("h2", {}, "The chosen motion"),
+        make("div", { id: "facts", "aria-live": "polite" })),
+      make("section", { "aria-label": "Time histories of the chosen motion" },
+        small("wave", "Displacement of the meshes over time"), small("force", "Force of the meshes over time"),
+        make("p", { class: "note", id: "force-note", hidden: true })),
+      make("section", { "aria-label": "Phase plane, spectrum and multipliers of the chosen motion" },
+        make("div", { class: "pair" }, make("div", {}, small("spectrum", "Spectrum of the displacement")),
+          make("div", {}, small("plane", "Phase plane: velocity over displacement"), make("div", { class: "controls" }, meshLabel))),
+        small("multipliers", "Floquet multipliers and the unit circle"),
+        make("p", { class: "note", id: "multipliers-note", hidden: true })),
+    ];
   }
 
   let waiting = false;
@@ -665,10 +669,16 @@
     })) : [];
     const static_ = { displayModeBar: false, responsive: true };
     const layout = (x, y, more = {}) => ({ ...baseLayout(x, y), margin: { l: 58, r: 8, t: 8, b: 40 }, hovermode: "closest", ...more });
-    Plotly.react("wave", lines("p"), layout(timeTitle, `displacement ${lengthUnit(file)}`), static_);
+    const legend = { showlegend: shownMeshes.length > 1, legend: { orientation: "h", x: 0, y: 1, yanchor: "bottom" },
+      margin: { l: 58, r: 8, t: shownMeshes.length > 1 ? 30 : 8, b: 40 } };
+    Plotly.react("wave", lines("p"), layout(timeTitle, `displacement ${lengthUnit(file)}`, legend), static_);
     const told = lines("force");
     byId("force").hidden = !told.length;
-    if (told.length) Plotly.react("force", told, layout(timeTitle, "mesh force  [N]"), static_);
+    if (told.length) {
+      const made = layout(timeTitle, "mesh force  [N]");
+      made.yaxis.exponentformat = "none";
+      Plotly.react("force", told, made, static_);
+    }
     byId("force-note").textContent = file.forces;
     byId("force-note").hidden = !file.forces;
     drawSpectrum(series, point, file, shownMeshes, there, layout, static_);
@@ -860,7 +870,7 @@
         fill: place ? "tonexty" : "none", name: safe(main.meshes[mesh]), showlegend: place === 1,
         hovertemplate: `${safe(main.meshes[mesh])}<br>%{x:.6g}${unitSuffix()}: %{y:.5g} N<extra></extra>`,
       })));
-      const layout = { ...baseLayout(frequencyTitle(), "mesh force  [N]"), margin: { l: 68, r: 10, t: 30, b: 48 }, hovermode: "closest",
+      const layout = { ...baseLayout(frequencyTitle(), "mesh force  [N]"), margin: { l: 68, r: 10, t: 40, b: 48 }, hovermode: "closest",
         showlegend: true, legend: { orientation: "h", y: 1.02, yanchor: "bottom" } };
       Plotly.react(plot, traces, layout, CONFIG);
     };
@@ -870,8 +880,8 @@
     for (const file of files) {
       if (files.length > 1) panel.append(make("h2", {}, file.name || file.title));
       const source = URL.createObjectURL(new Blob([file.schematic], { type: "image/svg+xml" }));
-      panel.append(make("img", { class: "schematic", src: source, alt:
-        `The train: meshes ${file.meshes.join(", ")}; shafts ${file.shafts.join(", ") || "none"}.` }));
+      panel.append(make("div", { class: "scroll", tabindex: 0, role: "group", "aria-label": "Drawing of the train" }, make("img", { class: "schematic",
+        src: source, alt: `The train: meshes ${file.meshes.join(", ")}; shafts ${file.shafts.join(", ") || "none"}.` })));
       for (const warning of file.warnings) panel.append(make("p", {}, warning));
       panel.append(make("details", { open: files.length === 1 }, make("summary", {}, "Every number of the train"), make("pre", { tabindex: 0 }, file.explanation)));
     }
