@@ -20,6 +20,7 @@ from .campbell import exciting_orders
 from .description import Description
 from .errors import InputError
 from .schematic import draw_schematic, figure_size
+from .special_point import SpecialPoints
 
 __all__ = ["quantities", "shown_results"]
 
@@ -202,7 +203,8 @@ def _laws(train: Description, branches: Sequence[Any], frequency: float) -> tupl
 def _tables(branch: Any, place: int, name: str) -> list[dict[str, Any]]:
     """What is read off a branch, as tables; with the point of each row where there is one."""
     what = "" if place == 0 else f", {name}"
-    peaks, jumps, specials = branch.peaks(), branch.jumps, branch.special_points
+    peaks, jumps = branch.peaks(), branch.jumps
+    specials = SpecialPoints(branch.special_points, length_unit(branch.train))
     ends = [peak for peak, _ in getattr(peaks, "ends", ())]
     found = [
         _table(f"Peaks{what}", peaks._table(), [[place, peak.point] for peak in [*peaks, *ends]]),

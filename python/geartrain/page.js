@@ -15,6 +15,7 @@
   const LENGTHS = new Set(["rms", "true_ac_rms", "mean", "minimum", "maximum"]);
   const CONFIG = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
   const INK = "#1b1f24";
+  const AROUND_ONE = [[0, "#053061"], [0.25, "#4393c3"], [0.5, "#f7f7f7"], [0.75, "#d6604d"], [1, "#67001f"]];
 
   // ------------------------------------------------------------------------------------------------- unpacking
 
@@ -119,8 +120,11 @@
   byId("title").textContent = main.title || "Gear train";
   byId("about").textContent = [
     ...files.map((file, number) => `${files.length > 1 ? (number ? "pale: " : "dark: ") + (file.name || file.title) + ", " : ""}` +
-      file.series.map((s) => `${s.name} (${s.count} points${s.kind === "response" ? `; ${s.ended}` : ""})`).slice(0, 6).join(", ") +
-      (file.series.length > 6 ? `, and ${file.series.length - 6} more branches` : "")),
+      Object.entries(KINDS).map(([kind, words]) => {
+        const own = file.series.filter((s) => s.kind === kind), points = own.reduce((sum, s) => sum + s.count, 0);
+        const branches = own.length > 1 ? `${own.length} branches, ` : "";
+        return own.length && `${words} (${branches}${points} ${isBranch(own[0]) ? "points" : "motions"}${kind === "response" ? `; ${own[0].ended}` : ""})`;
+      }).filter(Boolean).join(", ")),
     ...files.map((file) => file.ended).filter(Boolean),
   ].join(". ") + ".";
   byId("footer").textContent = `Made by geartrain ${data.version}. Drawn with plotly.js. This file needs no network.`;
@@ -212,7 +216,7 @@
     const there = new Set(files.flatMap((file) => file.series.map((series) => series.kind)));
     const switches = [
       ...Object.entries(KINDS).filter(([kind]) => there.has(kind)),
-      ...(main.series.some((s) => s.jumps.length) ? [["jumps", "jumps"]] : []),
+      ...(main.series.some((s) => s.kind === "response" && s.jumps.length) ? [["jumps", "jumps"]] : []),
       ...(main.series.some((s) => s.specials.length) ? [["specials", "special points"]] : []),
       ...(main.series.some((s) => s.ranges.length || s.bands.length) ? [["ranges", "ranges"]] : []),
       ...(files.length > 1 ? [["compare", `compared: ${files[1].name || files[1].title || "second file"}`]] : []),
@@ -386,7 +390,7 @@
       }
     }
     if (isOn("jumps")) {
-      for (const series of main.series.filter((s) => isOn(s.kind))) {
+      for (const series of main.series.filter((s) => s.kind === "response" && isOn(s.kind))) {
         for (const jump of series.jumps) {
           const x = jump.at * per(main), factor = { rms: 1, true_ac_rms: Math.SQRT1_2 }[state.quantity];
           let drawn = 0;
@@ -452,8 +456,8 @@
       }
     }
     if (kinds.has("attractors")) items.push([mark("M14 1l2 4 4 .5-3 3 .8 4.3-3.8-2-3.8 2 .8-4.3-3-3 4-.5z", "#4a525c"), "attractors"]);
-    if (isOn("jumps") && main.series.some((s) => isOn(s.kind) && s.jumps.length)) {
-      items.push([mark("M14 12V4M11 6.5L14 3L17 6.5", "none"), "jump (dotted: to another branch or period)"]);
+    if (isOn("jumps") && main.series.some((s) => s.kind === "response" && isOn(s.kind) && s.jumps.length)) {
+      items.push([mark("M14 12V4M11 6.5L14 3L17 6.5", "none"), "jump of the response (dotted: to another branch or period)"]);
     }
     const circle = `<circle cx="14" cy="7" r="4" fill="#fff" stroke="${INK}" stroke-width="1.4"/>`;
     const signs = { "fold": circle, "period doubling": mark("M14 2L19 7L14 12L9 7Z"), "neimark-sacker": mark("M10 3H18V11H10Z"),
@@ -541,7 +545,7 @@
   }
 
   function pointPanels() {
-    const [meshLabel, select] = choice("mesh of the phase plane", main.meshes.map((name, place) => [String(place), name]), "0", (mesh) => {
+    const [meshLabel, select] = choice("phase plane of", main.meshes.map((name, place) => [String(place), name]), "0", (mesh) => {
       state.mesh = Number(mesh);
       drawPoint();
     });
@@ -828,7 +832,7 @@
       const steps = range(most + 1).flatMap((k) => [k, k + 1].map((edge) => [edge / (most + 1), colors[Math.min(k, 5)]]));
       const traces = [{
         type: "heatmap", x, y, z, hoverongaps: false,
-        ...(radius ? { colorscale: "RdBu", reversescale: false, zmin: 0.5, zmax: 1.5 } : { colorscale: steps, zmin: -0.5, zmax: most + 0.5 }),
+        ...(radius ? { colorscale: AROUND_ONE, zmin: 0.5, zmax: 1.5 } : { colorscale: steps, zmin: -0.5, zmax: most + 0.5 }),
         colorbar: { title: { text: radius ? "largest |multiplier|" : state.mapWhat.replace("_", " "), side: "right" }, thickness: 14,
           ...(radius ? {} : { tickvals: range(most + 1) }) },
         hovertemplate: `%{x:.6g}${unitSuffix()}, %{y:.5g}: %{z:.4g}<extra></extra>`,
@@ -842,7 +846,7 @@
           line: { color: INK, width: 2, dash: curve.kind === "fold" ? "solid" : "dash" }, hovertemplate: `${safe(curve.kind)}<br>%{x:.6g}, %{y:.6g}<extra></extra>` });
       }
       const title = (PARAMETERS[chart.parameter] || safe(chart.parameter.replace(/_/g, " "))) + (chart.unit && chart.unit !== "1" ? `  [${chart.unit}]` : "");
-      const layout = { ...baseLayout(frequencyTitle(), title), margin: { l: 68, r: 10, t: 10, b: 48 }, hovermode: "closest" };
+      const layout = { ...baseLayout(frequencyTitle(), title), margin: { l: 68, r: 10, t: 36, b: 48 }, hovermode: "closest" };
       Plotly.react(plot, traces, layout, CONFIG);
       if (plot.hasClick) return;
       plot.hasClick = true;
