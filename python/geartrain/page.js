@@ -170,7 +170,9 @@
 
   /** The choice of the unit of frequencies, in every view that has one. */
   function unitChoice(where) {
-    const units = ["Lambda", "rpm", "Hz"].filter((unit) => files.every((file) => file.perLambda[unit]));
+    // Where Lambda is the speed in rpm it is not offered twice.
+    const same = files.every((file) => file.perLambda.rpm && Math.abs(file.perLambda.rpm - 1) < 1e-9);
+    const units = ["Lambda", "rpm", "Hz"].filter((unit) => files.every((file) => file.perLambda[unit]) && !(same && unit === "Lambda"));
     return make("fieldset", {}, make("legend", {}, "frequency"), ...units.map((unit) => {
       const input = make("input", {
         type: "radio", name: `unit-${where}`, value: unit, checked: unit === state.unit,
@@ -566,14 +568,22 @@
     ];
   }
 
-  let waiting = false;
-  /** Facts at once; the pictures once a frame at most, so that a held key does not pile them up. */
+  const PICTURES = [drawHistories, drawForces, drawSpectrum, drawPlane, drawMultipliers];
+  let left = 0, next = 0;
+  /** Facts at once; the pictures one a frame, by turns, so that a held key does not wait for them. */
   function drawPoint() {
     if (!state.chosen) return;
     drawFacts();
-    if (waiting) return;
-    waiting = true;
-    requestAnimationFrame(() => setTimeout(() => { waiting = false; if (state.tab === "response") drawPictures(); }));
+    if (!left) requestAnimationFrame(drawNext);
+    left = PICTURES.length;
+  }
+
+  function drawNext() {
+    if (state.tab === "response") PICTURES[next](pictured());
+    next = (next + 1) % PICTURES.length;
+    left -= 1;
+    if (left) requestAnimationFrame(drawNext);
+    byId("point").dataset.drawn = left ? "no" : "yes";
   }
 
   function verdict(series, point) {
@@ -652,7 +662,11 @@
   }
   const evenly = (count, end) => Float64Array.from({ length: count }, (_, i) => end * i / (count - 1));
 
-  function drawPictures() {
+  const STILL = { displayModeBar: false, responsive: true };
+  const smallLayout = (x, y, more = {}) => ({ ...baseLayout(x, y), margin: { l: 58, r: 8, t: 8, b: 40 }, hovermode: "closest", ...more });
+
+  /** What the pictures of the chosen motion share. */
+  function pictured() {
     const { series, point } = state.chosen, file = files[series.file], lambda = series.lambda[point];
     const there = series.coefficients && Number.isFinite(series.coefficients[point * series.coefficients.shape[1] * series.coefficients.shape[2]]);
     const period = series.period[point] || 16, columns = range(file.meshes.length);
@@ -660,38 +674,44 @@
     const highest = Math.max(1, ...series.orders) / period;
     // A few periods of the slowest excitation, where the period of the train has many, as with hunting teeth.
     const turns = Math.min(period, Math.max(4, period) / file.slowest);
+    return { series, point, file, lambda, there, period, highest, turns, meshes: shownMeshes, all: series.coefficients };
+  }
+
+  /** Time histories: what is `p` or `force` of the waveforms. */
+  function histories({ series, point, file, lambda, there, highest, turns, meshes }, what) {
     const phases = evenly(Math.min(8000, Math.max(400, Math.ceil(16 * highest * turns))), 2 * Math.PI * turns);
     const waves = there ? waveform(series, point, phases) : null;
     const inTime = state.unit !== "Lambda" && file.perLambda.Hz;
     const scale = inTime ? 1e3 / (file.perLambda.Hz * lambda) : 1;
     const time = Array.from(phases, (phase) => scale * phase / (2 * Math.PI));
     const timeTitle = inTime ? "time  [ms]" : "time, periods of the fundamental";
-    const lines = (what) => waves ? shownMeshes.filter((mesh) => waves[mesh][what]).map((mesh, row) => ({
+    const lines = waves ? meshes.filter((mesh) => waves[mesh][what]).map((mesh, row) => ({
       type: "scatter", mode: "lines", x: time, y: Array.from(waves[mesh][what]), name: safe(file.meshes[mesh]),
       line: { color: COLORS[mesh % COLORS.length], width: 1.8, dash: DASHES[row % DASHES.length] },
       hovertemplate: `${safe(file.meshes[mesh])}<br>%{x:.4g}: %{y:.5g}<extra></extra>`,
     })) : [];
-    const static_ = { displayModeBar: false, responsive: true };
-    const layout = (x, y, more = {}) => ({ ...baseLayout(x, y), margin: { l: 58, r: 8, t: 8, b: 40 }, hovermode: "closest", ...more });
-    const legend = { showlegend: shownMeshes.length > 1, legend: { orientation: "h", x: 0, y: 1, yanchor: "bottom" },
-      margin: { l: 58, r: 8, t: shownMeshes.length > 1 ? 30 : 8, b: 40 } };
-    Plotly.react("wave", lines("p"), layout(timeTitle, `displacement ${lengthUnit(file)}`, legend), static_);
-    const told = lines("force");
-    byId("force").hidden = !told.length;
-    if (told.length) {
-      const made = layout(timeTitle, "mesh force  [N]");
-      made.yaxis.exponentformat = "none";
-      Plotly.react("force", told, made, static_);
-    }
-    byId("force-note").textContent = file.forces;
-    byId("force-note").hidden = !file.forces;
-    drawSpectrum(series, point, file, shownMeshes, there, layout, static_);
-    drawPlane(series, point, file, there, layout, static_);
-    drawMultipliers(series, point, layout, static_);
+    return [lines, timeTitle];
   }
 
-  function drawSpectrum(series, point, file, meshes, there, layout, config) {
-    const all = series.coefficients, period = series.period[point] || 16, traces = [];
+  function drawHistories(picture) {
+    const [lines, time] = histories(picture, "p"), several = picture.meshes.length > 1;
+    Plotly.react("wave", lines, smallLayout(time, `displacement ${lengthUnit(picture.file)}`, {
+      showlegend: several, legend: { orientation: "h", x: 0, y: 1, yanchor: "bottom" }, margin: { l: 58, r: 8, t: several ? 30 : 8, b: 40 },
+    }), STILL);
+  }
+
+  function drawForces(picture) {
+    const [lines, time] = histories(picture, "force"), layout = smallLayout(time, "mesh force  [N]");
+    byId("force").hidden = !lines.length;
+    byId("force-note").textContent = picture.file.forces;
+    byId("force-note").hidden = !picture.file.forces;
+    if (!lines.length) return;
+    layout.yaxis.exponentformat = "none";
+    Plotly.react("force", lines, layout, STILL);
+  }
+
+  function drawSpectrum({ series, point, file, meshes, there, period, all }) {
+    const traces = [], names = new Map(file.orderNames);
     const factor = state.unit === "Hz" && file.perLambda.Hz ? file.perLambda.Hz * series.lambda[point]
       : state.unit === "rpm" ? file.perLambda.Hz / (file.perLambda.rpm / 60) : 1;
     if (there) {
@@ -705,28 +725,31 @@
       meshes.forEach((mesh, place) => {
         // Side by side, so that no mesh hides another.
         const gap = seen.length > 1 ? Math.min(...seen.slice(1).map((h, i) => series.orders[h] - series.orders[seen[i]])) : 1;
-        const x = [], y = [];
+        const x = [], y = [], told = [];
         for (const h of seen) {
+          const order = series.orders[h] / period, name = names.get(order);
+          const words = `order ${show(order, 6)}${name ? `: ${safe(name)}` : ""}`;
+          told.push(words, words, "");
           const at = factor * (series.orders[h] + gap * 0.16 * (place - (meshes.length - 1) / 2)) / period;
           x.push(at, at, null); y.push(0, rows[place][h], null);
         }
         traces.push({ type: "scatter", mode: "lines+markers", x, y, line: { color: COLORS[mesh % COLORS.length], width: 2.5 },
           marker: { size: range(x.length).map((i) => i % 3 === 1 ? 6 : 0), opacity: 1, symbol: ["circle", "square", "triangle-up", "diamond"][place % 4] },
-          hovertemplate: `${safe(file.meshes[mesh])}<br>%{y:.4g}<extra></extra>` });
+          text: told, hovertemplate: `${safe(file.meshes[mesh])}<br>%{text}<br>%{y:.4g}<extra></extra>` });
       });
     }
     const title = { Lambda: "order, multiples of Λ", rpm: `order, per revolution of ${safe(file.speedOf)}`, Hz: "frequency  [Hz]" }[state.unit];
-    const made = layout(title, `amplitude ${lengthUnit(file)}`);
+    const made = smallLayout(title, `amplitude ${lengthUnit(file)}`);
     made.yaxis.rangemode = "tozero";
     made.xaxis.rangemode = "tozero";
-    Plotly.react("spectrum", traces, made, config);
+    Plotly.react("spectrum", traces, made, STILL);
   }
 
-  function drawPlane(series, point, file, there, layout, config) {
-    const period = series.period[point] || 16, highest = Math.max(1, ...series.orders) / period, mesh = Math.min(state.mesh, file.meshes.length - 1);
+  function drawPlane({ series, point, file, there, period, highest, lambda }) {
+    const mesh = Math.min(state.mesh, file.meshes.length - 1);
     const phases = evenly(Math.min(8000, Math.max(600, Math.ceil(24 * highest * period))), 2 * Math.PI * period);
-    const wave = there ? waveform(series, point, phases)[mesh] : null, lambda = series.lambda[point];
-    const made = layout(`displacement ${lengthUnit(file)}`, `velocity ${file.lengthUnit === "um" ? "[mm/s]" : file.lengthUnit ? "[m/s]" : "/ b<sub>c</sub> ω<sub>c</sub>"}`);
+    const wave = there ? waveform(series, point, phases)[mesh] : null;
+    const made = smallLayout(`displacement ${lengthUnit(file)}`, `velocity ${file.lengthUnit === "um" ? "[mm/s]" : file.lengthUnit ? "[m/s]" : "/ b<sub>c</sub> ω<sub>c</sub>"}`);
     const half = file.laws[mesh]?.half || 0;
     if (wave && half) {
       const low = Math.min(...wave.p), high = Math.max(...wave.p), room = 0.06 * (high - low);
@@ -740,10 +763,11 @@
     const omega = 2 * Math.PI * file.perLambda.Hz;
     const factor = lambda * (file.lengthUnit === "um" ? 1e-3 * omega : file.lengthUnit ? omega : 1);
     Plotly.react("plane", wave ? [{ type: "scatter", mode: "lines", x: Array.from(wave.p), y: Array.from(wave.v, (v) => v * factor),
-      line: { color: COLORS[mesh % COLORS.length], width: 1.6 }, hovertemplate: "%{x:.4g}, %{y:.4g}<extra></extra>" }] : [], made, config);
+      line: { color: COLORS[mesh % COLORS.length], width: highest * period > 100 ? 0.6 : 1.6 },
+      hovertemplate: "%{x:.4g}, %{y:.4g}<extra></extra>" }] : [], made, STILL);
   }
 
-  function drawMultipliers(series, point, layout, config) {
+  function drawMultipliers({ series, point }) {
     const note = byId("multipliers-note"), all = series.multipliers;
     const values = all ? range(all.shape[1]).map((i) => [0, 1].map((part) => all[(point * all.shape[1] + i) * 2 + part])).filter((z) => Number.isFinite(z[0])) : [];
     byId("multipliers").hidden = !values.length;
@@ -759,13 +783,13 @@
         hovertemplate: `%{x:.5g}, %{y:.5g} i<extra>${out ? "outside" : "inside"}</extra>` };
     });
     const reach = 1.15 * Math.max(1, largest);
-    const made = layout("real part", "imaginary part", {
+    const made = smallLayout("real part", "imaginary part", {
       shapes: [{ type: "circle", x0: -1, x1: 1, y0: -1, y1: 1, line: { color: INK, width: 1.3 } }],
     });
     made.yaxis.scaleanchor = "x";
     made.yaxis.range = [-reach, reach];
     made.xaxis.range = [-reach, reach];
-    Plotly.react("multipliers", traces, made, config);
+    Plotly.react("multipliers", traces, made, STILL);
   }
 
   // ------------------------------------------------------------------------------------------------- tables
