@@ -6,7 +6,7 @@ import html
 import os
 import tempfile
 import webbrowser
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -15,9 +15,13 @@ from ._box import Box
 from ._extras import extra
 from ._page_pack import Block
 from ._page_results import quantities, shown_results
+from ._page_study import shown_study
 from .errors import InputError, shown
 
 __all__ = ["Page", "page"]
+
+#: The script of a page in its parts, in their order.
+_SCRIPTS = ("tools", "response", "motion", "views", "study", "begin")
 
 
 class Page:
@@ -61,18 +65,22 @@ class Page:
 
 def page(
     results: Any, path: str | os.PathLike[str] | None = None, *, compare: Any = None, names: Sequence[str] = ("", ""),
+    branches: Mapping[int, Any] | None = None,
 ) -> Page:
     """Results as a page for a browser, with the response curves, the motion at every point, tables and the train.
 
     Parameters
     ----------
-    results : Results or Branch
+    results : Results, Branch or xarray.Dataset
+        The Dataset of a `Study` becomes parallel coordinates and a scatter of its points.
     path : path-like, optional
         Where to write it.
     compare : Results or Branch, optional
         Laid over the first.
     names : (str, str)
         What the page calls the two; the titles of their trains unless told.
+    branches : mapping of int to Branch, optional
+        Of a study: whole results by the numbers of their points, as `Study.branch` gives them, which a click on the point opens.
 
     Returns
     -------
@@ -92,32 +100,44 @@ def page(
     --------
     >>> page = gt.page(branch, "response.html")  # doctest: +SKIP
     >>> page.show()  # doctest: +SKIP
+    >>> gt.page(dataset, "study.html", branches={7: study.branch(7)})  # doctest: +SKIP
     """
-    for what, value in (("results", results), *((("compare", compare),) if compare is not None else ())):
-        if not (hasattr(value, "special_points") or hasattr(value, "response")):
-            raise InputError(f"{what} = {shown(value)}: must be gt.Results or a gt.Branch")
     extra("plotly.offline")
     block = Block()
-    both = [results] if compare is None else [results, compare]
-    told = {
-        "quantities": quantities(),
-        "files": [shown_results(one, names[place], block) for place, one in enumerate(both)],
-        "version": _version(),
-    }
-    found = Page(_filled(told["files"][0]["title"] or "Gear train", block.packed(told)))
+    told: dict[str, Any] = {"quantities": quantities(), "version": _version(), "study": None}
+    if hasattr(results, "data_vars"):
+        if compare is not None:
+            raise InputError("compare: must be left out with the Dataset of a study")
+        known = branches or {}
+        told["files"] = [shown_results(_checked("branches", one), f"point {point}", block) for point, one in known.items()]
+        told["study"] = shown_study(results, block, {point: place for place, point in enumerate(known)})
+        title = told["study"]["title"] or "Study"
+    else:
+        if branches is not None:
+            raise InputError("branches: must be left out but with the Dataset of a study")
+        both = {"results": results} if compare is None else {"results": results, "compare": compare}
+        told["files"] = [shown_results(_checked(what, one), name, block) for (what, one), name in zip(both.items(), names)]
+        title = told["files"][0]["title"] or "Gear train"
+    found = Page(_filled(title, block.packed(told)))
     if path is not None:
         found.write(path)
     return found
 
 
+def _checked(what: str, results: Any) -> Any:
+    """Results or a branch."""
+    if hasattr(results, "special_points") or hasattr(results, "response"):
+        return results
+    raise InputError(f"{what} = {shown(results)}: must be gt.Results, a gt.Branch, or the Dataset of a study")
+
+
 def _filled(title: str, data: str) -> str:
     """The page with its parts in their places."""
-    library = Block()
     parts = {
         "title": html.escape(f"{title} - geartrain"),
         "style": _part("page.css"),
-        "script": _part("page.js"),
-        "plotly": library.packed(extra("plotly.offline").get_plotlyjs()),
+        "script": "\n".join(_part(f"{name}.js") for name in _SCRIPTS),
+        "plotly": Block().packed(extra("plotly.offline").get_plotlyjs()),
         "data": data,
     }
     text = _part("page.html")
@@ -127,7 +147,8 @@ def _filled(title: str, data: str) -> str:
 
 
 def _part(name: str) -> str:
-    return files(__package__).joinpath(name).read_text(encoding="utf-8")
+    """A file of the folder ``page_parts``."""
+    return files(__package__).joinpath("page_parts", name).read_text(encoding="utf-8")
 
 
 def _version() -> str:

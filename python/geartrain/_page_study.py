@@ -1,0 +1,61 @@
+"""A study's Dataset as what a page shows of it: a column for each parameter and each number that is kept."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ._page_pack import Block
+from .errors import InputError
+
+__all__ = ["shown_study"]
+
+#: Most places along a dimension of its own, such as jumps, of which each becomes a column.
+_PLACES = 12
+
+
+def shown_study(dataset: Any, block: Block, results: Mapping[int, int]) -> dict[str, Any]:
+    """The points of a study; ``results`` are the files of the page by the points that they are of."""
+    if "status" not in dataset:
+        raise InputError("results: must be gt.Results, a gt.Branch or the Dataset of a gt.Study, which has 'status'")
+    axes = dataset["status"].dims
+    count = int(dataset["status"].size)
+    wrong = [point for point in results if not 0 <= point < count]
+    if wrong:
+        raise InputError(f"branches: point {wrong[0]}: must be from 0 to {count - 1}")
+    parameters, outputs, texts = [], [], []
+    for name, values in {**dataset.coords, **dataset.data_vars}.items():
+        if not values.dims or not {*values.dims} & {*axes} or not {*values.dims} >= {*axes} & {*values.dims}:
+            continue
+        own = [dimension for dimension in values.dims if dimension not in axes]
+        if name in dataset.coords and own or name == "sample" or any(values.sizes[dimension] > _PLACES for dimension in own):
+            continue
+        whole = values.broadcast_like(dataset["status"]).transpose(*axes, *own)
+        columns = np.asarray(whole.values).reshape(count, -1)
+        for place, label in enumerate(_labels(dataset, values, own)):
+            column, words = columns[:, place], f"{name}{label}"
+            if column.dtype.kind in "OU":
+                texts.append({"name": words, "values": [str(text) for text in column]})
+            elif np.isfinite(column.astype(float)).any():
+                told = {"name": words, "unit": values.attrs.get("units", ""), "values": block.add(column, "f8")}
+                # What never changes tells nothing beside the others, and comes last.
+                (parameters if name in dataset.coords else outputs).append((np.ptp(column[np.isfinite(column.astype(float))]) == 0, told))
+    columns = [told for group in (parameters, outputs) for _, told in sorted(group, key=lambda row: bool(row[0]))]
+    words = f"Study of {count} points: {dataset.attrs.get('analysis', 'results')}"
+    return {
+        "title": dataset.attrs.get("title", ""), "about": words, "count": count, "parameters": len(parameters), "columns": columns,
+        "texts": [text for text in texts if any(text["values"])], "results": dict(results),
+    }
+
+
+def _labels(dataset: Any, values: Any, own: list[str]) -> list[str]:
+    """What is added to the name of a field at each place along its own dimensions."""
+    labels = [""]
+    for dimension in own:
+        names = dataset[f"{dimension}_label"].values if f"{dimension}_label" in dataset.coords else None
+        places = [f", {name}" for name in names] if names is not None else [
+            f", {dimension} {place}" for place in (dataset[dimension].values if dimension in dataset.coords else range(1, values.sizes[dimension] + 1))]
+        labels = [label + place for label in labels for place in places]
+    return labels
