@@ -25,12 +25,13 @@ def shown_study(dataset: Any, block: Block, results: Mapping[int, int]) -> dict[
     wrong = [point for point in results if not 0 <= point < count]
     if wrong:
         raise InputError(f"branches: point {wrong[0]}: must be from 0 to {count - 1}")
-    parameters, outputs, texts = [], [], []
+    parameters: list[tuple[bool, dict[str, Any]]] = []
+    outputs: list[tuple[bool, dict[str, Any]]] = []
+    texts: list[dict[str, Any]] = []
     for name, values in {**dataset.coords, **dataset.data_vars}.items():
-        if not values.dims or not {*values.dims} & {*axes} or not {*values.dims} >= {*axes} & {*values.dims}:
-            continue
         own = [dimension for dimension in values.dims if dimension not in axes]
-        if name in dataset.coords and own or name == "sample" or any(values.sizes[dimension] > _PLACES for dimension in own):
+        known = name in dataset.coords
+        if len(own) == len(values.dims) or (known and own) or name == "sample" or any(values.sizes[each] > _PLACES for each in own):
             continue
         whole = values.broadcast_like(dataset["status"]).transpose(*axes, *own)
         columns = np.asarray(whole.values).reshape(count, -1)
@@ -38,14 +39,17 @@ def shown_study(dataset: Any, block: Block, results: Mapping[int, int]) -> dict[
             column, words = columns[:, place], f"{name}{label}"
             if column.dtype.kind in "OU":
                 texts.append({"name": words, "values": [str(text) for text in column]})
-            elif np.isfinite(column.astype(float)).any():
-                told = {"name": words, "unit": values.attrs.get("units", ""), "values": block.add(column, "f8")}
+                continue
+            numbers = column.astype(float)
+            finite = numbers[np.isfinite(numbers)]
+            if finite.size:
                 # What never changes tells nothing beside the others, and comes last.
-                (parameters if name in dataset.coords else outputs).append((np.ptp(column[np.isfinite(column.astype(float))]) == 0, told))
-    columns = [told for group in (parameters, outputs) for _, told in sorted(group, key=lambda row: bool(row[0]))]
+                told = {"name": words, "unit": values.attrs.get("units", ""), "values": block.add(numbers, "f8")}
+                (parameters if known else outputs).append((bool(np.ptp(finite) == 0), told))
+    columns_told = [told for group in (parameters, outputs) for _, told in sorted(group, key=lambda row: row[0])]
     words = f"Study of {count} points: {dataset.attrs.get('analysis', 'results')}"
     return {
-        "title": dataset.attrs.get("title", ""), "about": words, "count": count, "parameters": len(parameters), "columns": columns,
+        "title": dataset.attrs.get("title", ""), "about": words, "count": count, "parameters": len(parameters), "columns": columns_told,
         "texts": [text for text in texts if any(text["values"])], "results": dict(results),
     }
 
