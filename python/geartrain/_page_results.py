@@ -77,7 +77,7 @@ def shown_results(results: Any, name: str, block: Block) -> dict[str, Any]:
     return {
         "name": name or train.title or "",
         "title": train.title or "",
-        "ended": getattr(results, "ended", ""),
+        "ended": "" if alone else results.ended,
         "warnings": list(train.warnings),
         "perLambda": {"Lambda": 1.0, "rpm": speed_of(train, 1.0), "Hz": hertz_of(train, 1.0)},
         "unit": units_of(train, None).unit,

@@ -25,8 +25,8 @@ def shown_study(dataset: Any, block: Block, results: Mapping[int, int]) -> dict[
     wrong = [point for point in results if not 0 <= point < count]
     if wrong:
         raise InputError(f"branches: point {wrong[0]}: must be from 0 to {count - 1}")
-    parameters: list[tuple[bool, dict[str, Any]]] = []
-    outputs: list[tuple[bool, dict[str, Any]]] = []
+    parameters: list[dict[str, Any]] = []
+    outputs: list[dict[str, Any]] = []
     texts: list[dict[str, Any]] = []
     for name, values in {**dataset.coords, **dataset.data_vars}.items():
         own = [dimension for dimension in values.dims if dimension not in axes]
@@ -43,13 +43,12 @@ def shown_study(dataset: Any, block: Block, results: Mapping[int, int]) -> dict[
             numbers = column.astype(float)
             finite = numbers[np.isfinite(numbers)]
             if finite.size:
-                # What never changes tells nothing beside the others, and comes last.
-                told = {"name": words, "unit": values.attrs.get("units", ""), "values": block.add(numbers, "f8")}
-                (parameters if known else outputs).append((bool(np.ptp(finite) == 0), told))
-    columns_told = [told for group in (parameters, outputs) for _, told in sorted(group, key=lambda row: row[0])]
+                told = {"name": words, "unit": values.attrs.get("units", ""), "constant": bool(np.ptp(finite) == 0),
+                        "values": block.add(numbers, "f8")}
+                (parameters if known else outputs).append(told)
     words = f"Study of {count} points: {dataset.attrs.get('analysis', 'results')}"
     return {
-        "title": dataset.attrs.get("title", ""), "about": words, "count": count, "parameters": len(parameters), "columns": columns_told,
+        "title": dataset.attrs.get("title", ""), "about": words, "count": count, "parameters": len(parameters), "columns": parameters + outputs,
         "texts": [text for text in texts if any(text["values"])], "results": dict(results),
     }
 

@@ -1,12 +1,14 @@
 // The view of a study: parallel coordinates and two quantities over one another, with a point to choose in both.
 
-const SHADES = ["#440154", "#3b528b", "#21918c", "#5ec962", "#e6c200"];  // from dark to light; nothing hangs on hue alone
+const SHADES = ["#440154", "#3b528b", "#21918c", "#5ec962", "#d8a800"];  // from dark to light; nothing hangs on hue alone
 const AXES_WIDE = 8, AXES_NARROW = 4;
 
 function studyView(panel) {
   const study = data.study, columns = study.columns;
-  const onAxes = new Set(range(Math.min(columns.length, window.innerWidth < 700 ? AXES_NARROW : AXES_WIDE)));
-  const outputs = range(columns.length).filter((c) => c >= study.parameters);
+  // What never changes tells nothing beside the others.
+  const telling = range(columns.length).filter((place) => !columns[place].constant || place < study.parameters);
+  const onAxes = new Set(telling.slice(0, window.innerWidth < 700 ? AXES_NARROW : AXES_WIDE));
+  const outputs = telling.filter((place) => place >= study.parameters);
   const chosen = { x: 0, y: outputs[0] ?? Math.min(1, columns.length - 1), color: outputs[0] ?? 0 };
   const names = columns.map((column, place) => [String(place), column.name]);
   const pick = (words, what) => choice(words, names, String(chosen[what]), (value) => { chosen[what] = Number(value); draw(); })[0];
@@ -20,6 +22,12 @@ function studyView(panel) {
   panel.append(
     make("div", { class: "controls" }, pick("colour", "color"), pick("across", "x"), pick("up", "y")),
     make("details", {}, make("summary", {}, "axes of the parallel coordinates"), make("fieldset", {}, ...boxes)),
+    make("ul", { class: "key", "aria-label": "Key" }, ...SHADES.map((shade, place) => {
+      const item = make("li");
+      item.innerHTML = `<svg width="28" height="14" aria-hidden="true"><rect x="1" y="2" width="26" height="10" fill="${shade}"/></svg>`;
+      item.append(place === 0 ? "smallest" : place === SHADES.length - 1 ? "largest of what colours" : "");
+      return item;
+    })),
     parallel,
     make("div", { class: "columns" }, scatter, make("section", { "aria-label": "The chosen point" }, make("h2", {}, "The chosen point of the study"),
       make("div", { id: "study-facts", "aria-live": "polite" }, make("p", {}, "None yet: click a line or a point.")))),
