@@ -16,8 +16,8 @@ Array = NDArray[np.float64]
 
 #: Samples of a period of the fastest mesh; harmonics of kappa below this, over its mean, are rounding.
 _SAMPLES, _ROUNDING = 256, 1e-9
-#: Most samples of a trial.
-_MOST = 2**19
+#: Most samples of a trial; points of a branch at which forces are compared.
+_MOST, _TRIED = 2**19, 40
 
 
 def force_laws(train: Description, frequency: float) -> list[dict[str, Any]]:
@@ -118,12 +118,13 @@ def largest_difference(
     """
     worst = 0.0
     scale = np.nanmax(np.abs(known[:, mesh]), initial=0.0)
-    for point in np.unique(np.linspace(0, len(frequency) - 1, min(len(frequency), 40)).astype(int)):
+    samples = int(max(1024, 16 * orders[-1]))
+    angle = 2 * np.pi * np.arange(samples) / samples
+    wave = np.exp(1j * np.outer(angle, orders))
+    for point in np.unique(np.linspace(0, len(frequency) - 1, min(len(frequency), _TRIED)).astype(int)):
         row = coefficients[point, mesh]
-        if not (np.isfinite(row[0]) and np.isfinite(known[point, mesh]) and period[point] > 0):
+        if not (np.isfinite(row[0]) and np.isfinite(known[point, mesh])):
             continue
-        angle = 2 * np.pi * np.arange(samples := int(max(1024, 16 * orders[-1]))) / samples
-        wave = np.exp(1j * np.outer(angle, orders))
         amplitude = np.nan_to_num(row[1::2] - 1j * row[2::2])
         displacement = row[0] + (wave @ amplitude).real
         velocity = (wave @ (1j * orders * amplitude)).real / period[point]
@@ -146,7 +147,6 @@ def _harmonics(values: Array) -> list[list[float]]:
     """A function of the phase as order, cosine, sine."""
     spectrum = np.fft.rfft(values) / len(values)
     largest = np.abs(spectrum).max() or 1.0
-    return [
-        [int(order), float((1 if order == 0 else 2) * spectrum[order].real), float(0.0 if order == 0 else -2 * spectrum[order].imag)]
-        for order in np.flatnonzero(np.abs(spectrum) > _ROUNDING * largest)
-    ]
+    spectrum[1:] *= 2
+    return [[int(order), float(spectrum[order].real), -float(spectrum[order].imag)]
+            for order in np.flatnonzero(np.abs(spectrum) > _ROUNDING * largest)]

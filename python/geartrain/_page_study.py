@@ -31,7 +31,8 @@ def shown_study(dataset: Any, block: Block, results: Mapping[int, int]) -> dict[
     for name, values in {**dataset.coords, **dataset.data_vars}.items():
         own = [dimension for dimension in values.dims if dimension not in axes]
         known = name in dataset.coords
-        if len(own) == len(values.dims) or (known and own) or name == "sample" or any(values.sizes[each] > _PLACES for each in own):
+        many = any(values.sizes[dimension] > _PLACES for dimension in own)
+        if len(own) == len(values.dims) or (known and own) or name == "sample" or many:
             continue
         whole = values.broadcast_like(dataset["status"]).transpose(*axes, *own)
         columns = np.asarray(whole.values).reshape(count, -1)
@@ -46,10 +47,14 @@ def shown_study(dataset: Any, block: Block, results: Mapping[int, int]) -> dict[
                 told = {"name": words, "unit": values.attrs.get("units", ""), "constant": bool(np.ptp(finite) == 0),
                         "values": block.add(numbers, "f8")}
                 (parameters if known else outputs).append(told)
-    words = f"Study of {count} points: {dataset.attrs.get('analysis', 'results')}"
     return {
-        "title": dataset.attrs.get("title", ""), "about": words, "count": count, "parameters": len(parameters), "columns": parameters + outputs,
-        "texts": [text for text in texts if any(text["values"])], "results": dict(results),
+        "title": dataset.attrs.get("title", ""),
+        "about": f"Study of {count} points: {dataset.attrs.get('analysis', 'results')}",
+        "count": count,
+        "parameters": len(parameters),
+        "columns": parameters + outputs,
+        "texts": [text for text in texts if any(text["values"])],
+        "results": dict(results),
     }
 
 
@@ -57,8 +62,9 @@ def _labels(dataset: Any, values: Any, own: list[str]) -> list[str]:
     """What is added to the name of a field at each place along its own dimensions."""
     labels = [""]
     for dimension in own:
-        names = dataset[f"{dimension}_label"].values if f"{dimension}_label" in dataset.coords else None
-        places = [f", {name}" for name in names] if names is not None else [
-            f", {dimension} {place}" for place in (dataset[dimension].values if dimension in dataset.coords else range(1, values.sizes[dimension] + 1))]
+        if f"{dimension}_label" in dataset.coords:
+            places = [f", {name}" for name in dataset[f"{dimension}_label"].values]
+        else:
+            places = [f", {dimension} {place}" for place in dataset[dimension].values]
         labels = [label + place for label in labels for place in places]
     return labels

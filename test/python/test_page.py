@@ -6,6 +6,7 @@ import json
 import re
 import shutil
 import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +15,7 @@ from conftest import ROOT, reducer
 
 import geartrain as gt
 from geartrain import _extras
+from geartrain._motion_check import VALUES
 from geartrain._page_force import force_laws, force_of
 from geartrain._page_pack import Block
 from geartrain.page_command import main
@@ -120,16 +122,15 @@ def test_force_law_is_that_of_the_program(kind, train):
     coefficients[:, 1:3] = 2.0 * half[:, np.newaxis]
     coefficients += 0.3 * half[:, np.newaxis] * rng.standard_normal(coefficients.shape)
     nothing = np.zeros(len(laws))
-    motion = gt.Motion(frequency=frequency, period=2, **{name: nothing for name in (
-        "rms", "mean", "minimum", "maximum", "mesh_force_maximum", "dynamic_factor", "separation_fraction", "back_contact_fraction",
-    )}, coefficients=coefficients, train=train)
+    motion = gt.Motion(frequency=frequency, period=2, **dict.fromkeys(VALUES, nothing), coefficients=coefficients, train=train)
     known = motion.mesh_force
     angle = 2 * np.pi * np.arange(len(known)) / len(known)
     orders = np.arange(1, 7)
+    cos, sin = np.cos(np.outer(angle, orders)), np.sin(np.outer(angle, orders))
     for mesh, law in enumerate(laws):
-        cosine, sine = coefficients[mesh, 1::2], coefficients[mesh, 2::2]
-        p = coefficients[mesh, 0] + np.cos(np.outer(angle, orders)) @ cosine + np.sin(np.outer(angle, orders)) @ sine
-        v = (np.cos(np.outer(angle, orders)) @ (orders * sine) - np.sin(np.outer(angle, orders)) @ (orders * cosine)) / 2
+        a, b = coefficients[mesh, 1::2], coefficients[mesh, 2::2]
+        p = coefficients[mesh, 0] + cos @ a + sin @ b
+        v = (cos @ (orders * b) - sin @ (orders * a)) / 2
         assert p.min() < -law["half"] and p.max() > law["half"]
         found = force_of(law, frequency, 2 * angle, p, v)
         np.testing.assert_allclose(found, known[:, mesh], atol=1e-9 * np.abs(known[:, mesh]).max())
@@ -182,11 +183,12 @@ def browser(tmp_path_factory):
     selenium = pytest.importorskip("selenium.webdriver")
     programs = [shutil.which("chromium"), shutil.which("chromedriver")]
     if not all(programs):
-        pytest.skip("no chromium or no chromedriver: scripts/test installs them, from Debian's packages chromium and chromium-driver")
+        pytest.skip("no chromium or no chromedriver, Debian's packages chromium and chromium-driver, which scripts/test installs")
     options = selenium.ChromeOptions()
     options.binary_location = programs[0]
+    folder = tmp_path_factory.mktemp("chromium")
     for flag in ("headless=new", "no-sandbox", "disable-gpu", "no-first-run", "disable-background-networking",
-                 "disable-component-update", "disable-sync", "window-size=1400,1000", f"user-data-dir={tmp_path_factory.mktemp('chromium')}"):
+                 "disable-component-update", "disable-sync", "window-size=1400,1000", f"user-data-dir={folder}"):
         options.add_argument(f"--{flag}")
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     driver = selenium.Chrome(options=options, service=selenium.ChromeService(programs[1]))
@@ -237,8 +239,8 @@ class Shown:
         """A click where a plot has these values."""
         from selenium.webdriver import ActionChains
 
-        place = self.js("((p) => [p._fullLayout.xaxis._offset + p._fullLayout.xaxis.l2p(arguments[1]),"
-                        "p._fullLayout.yaxis._offset + p._fullLayout.yaxis.l2p(arguments[2])])(byId(arguments[0]))", plot, float(x), float(y))
+        pixel = "((axis) => axis._offset + axis.l2p(arguments[2]))(byId(arguments[0])._fullLayout[arguments[1]])"
+        place = [self.js(pixel, plot, *at) for at in (("xaxis", float(x)), ("yaxis", float(y)))]
         element = self.find(f"#{plot}")
         element.location_once_scrolled_into_view  # noqa: B018 (which scrolls)
         width, height = element.size["width"], element.size["height"]
@@ -264,11 +266,8 @@ def test_pictures_of_a_point_are_those_of_the_motion(shown, results):
     for series, point, branch in ((0, 40, results.response), (1, 17, results.branches[0])):
         shown.js("choose(main.series[arguments[0]], arguments[1], 1)", series, point)
         shown.settle()
-        motion = gt.Motion(
-            frequency=branch.frequency[point], period=branch.subharmonic, coefficients=branch.coefficients[point], train=branch.train,
-            **{name: getattr(branch, name)[point] for name in (
-                "rms", "mean", "minimum", "maximum", "mesh_force_maximum", "dynamic_factor", "separation_fraction", "back_contact_fraction")},
-        )
+        values = {name: getattr(branch, name)[point] for name in (*VALUES, "frequency", "coefficients")}
+        motion = gt.Motion(**values, period=branch.subharmonic, train=branch.train)
         samples = len(shown.js("Array.from(byId('wave').data[0].x)")) - 1  # the last one is the first again
         for plot, known in (("wave", motion.waveform(samples)[1]), ("force", motion._sample(samples)[2])):
             for mesh in (0, 1):
@@ -308,15 +307,16 @@ def test_keys_move_along_the_branches(shown):
     at = shown.js("state.chosen.series.lambda[state.chosen.point]")
     shown.press("#curve", "ARROW_DOWN")
     assert shown.js("state.chosen.series.place") == 1
-    assert shown.js("Math.max(...state.chosen.series.lambda)") == pytest.approx(
-        shown.js("state.chosen.series.lambda[state.chosen.point]"), abs=0.05) or at > 0
+    nearest = "Math.min(...state.chosen.series.lambda.map((l) => Math.abs(l - arguments[0])))"
+    assert shown.js("Math.abs(state.chosen.series.lambda[state.chosen.point] - arguments[0])", at) == shown.js(nearest, at)
     # By the tab key alone: the curves can be reached, and a ring is seen where the focus is.
     shown.js("byId('tab-response').focus()")
     for _ in range(25):
-        shown.press("body", "TAB") if shown.js("document.activeElement === document.body") else shown.browser.switch_to.active_element.send_keys("\ue004")
+        shown.browser.switch_to.active_element.send_keys("\ue004")  # the tab key
         if shown.js("document.activeElement.id") == "curve":
             break
-    assert shown.js("document.activeElement.id") == "curve"
+    else:
+        pytest.fail("the curves are not reached")
     assert shown.js("getComputedStyle(byId('curve')).outlineStyle") == "solid"
     shown.press("#tab-response", "ARROW_RIGHT")
     assert shown.js("[state.tab, document.activeElement.id, byId('view-map').hidden, byId('view-response').hidden]") == [
@@ -336,8 +336,8 @@ def test_switches_and_quantities(shown, results):
     assert shown.js(jumps) >= len(results.response.jumps)
     shown.click("#show-jumps")
     assert shown.js(jumps) == 0
-    dashes = "[...new Set(byId('curve').data.filter((t) => t.meta.kind === 'response').map((t) => `${t.meta.stable} ${t.line.dash}`))].sort()"
-    assert shown.js(dashes) == ["false 5px,3px", "true solid"]
+    dashes = "byId('curve').data.filter((t) => t.meta.kind === 'response').map((t) => `${t.meta.stable} ${t.line.dash}`)"
+    assert {*shown.js(dashes)} == {"false 5px,3px", "true solid"}
     for quantity in ("mesh_force_maximum", "shaft_torque_maximum", "dynamic_factor"):
         shown.js("((s) => { s.value = arguments[0]; s.onchange(); })(document.querySelector('#view-response select'))", quantity)
         shown.settle()
@@ -401,12 +401,14 @@ def test_two_files_and_a_narrow_screen(browser, branch, train, tmp_path):
 
 def test_study(browser, train, tmp_path):
     space = gt.Space({"input_torque": [140.0, 150.0, 160.0], "mesh 2 damping_ratio": [0.05, 0.06]})
-    study = gt.Study(train, space, response=dict(start=0.55, stop=0.8), keep=["largest dynamic_factor", "first jump up", "jumps"])
-    dataset = study.run(tmp_path / "study", progress=False)
+    study = gt.Study(train, space, response=dict(start=0.6, stop=0.8), keep=["largest dynamic_factor", "first jump up", "jumps"])
+    with ThreadPoolExecutor(1) as executor:
+        dataset = study.run(tmp_path / "study", executor, progress=False)
     path = tmp_path / "study.html"
     gt.page(dataset, path, branches={3: study.branch(3)})
     page = Shown(browser, path)
-    assert page.js("data.study.columns.slice(0, 3).map((c) => c.name)") == ["input_torque", "mesh 2 damping_ratio", "largest dynamic_factor"]
+    names = ["input_torque", "mesh 2 damping_ratio", "largest dynamic_factor"]
+    assert page.js("data.study.columns.slice(0, 3).map((c) => c.name)") == names
     factor = dataset["largest dynamic_factor"].values.ravel()
     np.testing.assert_allclose(page.js("Array.from(data.study.columns[2].values)"), factor)
     page.click_at("scatter", 150.0, factor[3])

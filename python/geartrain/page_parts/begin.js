@@ -1,6 +1,6 @@
 // What is on the page: its head, a tab for each view, and how it begins.
 
-const views = [];  // of each its name, and what draws it when it is shown, and again after a change of units
+const views = []; // of each its name, and what draws it when it is shown, and again after a change of units
 
 /** Shows files, the first and one to compare: their views, after that of the study where there is one. */
 function showFiles(list) {
@@ -12,7 +12,8 @@ function showFiles(list) {
     state.unit = files.every((file) => file.perLambda[main.unit]) ? main.unit : "Lambda";
   }
   tellWhat();
-  for (const { id } of views.filter((view) => view.id !== "study")) for (const part of ["tab", "view"]) byId(`${part}-${id}`).remove();
+  for (const { id } of views.filter((view) => view.id !== "study"))
+    for (const part of ["tab", "view"]) byId(`${part}-${id}`).remove();
   views.length = byId("view-study") ? 1 : 0;
   const wanted = [
     ["study", "Study", data.study && !views.length, studyView],
@@ -24,9 +25,20 @@ function showFiles(list) {
   ];
   for (const [id, words, there, build] of wanted) {
     if (!there) continue;
-    byId("tabs").append(make("button", {
-      role: "tab", id: `tab-${id}`, "aria-controls": `view-${id}`, type: "button", onclick: () => openTab(id), onkeydown: tabKeys,
-    }, words));
+    byId("tabs").append(
+      make(
+        "button",
+        {
+          role: "tab",
+          id: `tab-${id}`,
+          "aria-controls": `view-${id}`,
+          type: "button",
+          onclick: () => openTab(id),
+          onkeydown: tabKeys,
+        },
+        words,
+      ),
+    );
     const panel = make("section", { role: "tabpanel", id: `view-${id}`, "aria-labelledby": `tab-${id}`, hidden: true });
     byId("views").append(panel);
     views.push({ id, draw: build(panel) });
@@ -38,19 +50,30 @@ function tellWhat() {
   byId("title").textContent = data.study?.title || main?.title || (data.study ? "Study" : "Gear train");
   const told = files.map((file, number) => {
     const name = files.length > 1 ? `${number ? "pale" : "dark"}: ${file.name}, ` : data.study ? `${file.name}: ` : "";
-    return name + Object.entries(KINDS).map(([kind, words]) => {
-      const own = file.series.filter((series) => series.kind === kind), points = own.reduce((sum, series) => sum + series.count, 0);
-      const branches = own.length > 1 ? `${own.length} branches, ` : "", ended = kind === "response" ? `; ${own[0]?.ended}` : "";
-      return own.length && `${words} (${branches}${points} ${isBranch(own[0]) ? "points" : "motions"}${ended})`;
-    }).filter(Boolean).join(", ");
+    return (
+      name +
+      Object.entries(KINDS)
+        .map(([kind, words]) => {
+          const own = file.series.filter((series) => series.kind === kind),
+            points = own.reduce((sum, series) => sum + series.count, 0);
+          const branches = own.length > 1 ? `${own.length} branches, ` : "",
+            ended = kind === "response" ? `; ${own[0]?.ended}` : "";
+          return own.length && `${words} (${branches}${points} ${isBranch(own[0]) ? "points" : "motions"}${ended})`;
+        })
+        .filter(Boolean)
+        .join(", ")
+    );
   });
-  byId("about").textContent = [...(data.study ? [data.study.about] : []), ...told, ...files.map((file) => file.ended)].filter(Boolean)
-    .map((sentence) => `${sentence}.`).join(" ");
+  byId("about").textContent = [...(data.study ? [data.study.about] : []), ...told, ...files.map((file) => file.ended)]
+    .filter(Boolean)
+    .map((sentence) => `${sentence}.`)
+    .join(" ");
 }
 
 function openTab(id) {
   for (const { id: other } of views) {
-    const own = other === id, tab = byId(`tab-${other}`);
+    const own = other === id,
+      tab = byId(`tab-${other}`);
     tab.setAttribute("aria-selected", own);
     tab.tabIndex = own ? 0 : -1;
     byId(`view-${other}`).hidden = !own;
@@ -78,18 +101,30 @@ function tabKeys(event) {
 function unitChoice(where) {
   // Where Lambda is the speed in rpm it is not offered twice.
   const same = files.every((file) => file.perLambda.rpm && Math.abs(file.perLambda.rpm - 1) < 1e-9);
-  const units = ["Lambda", "rpm", "Hz"].filter((unit) => files.every((file) => file.perLambda[unit]) && !(same && unit === "Lambda"));
-  return make("fieldset", {}, make("legend", {}, "frequency"), ...units.map((unit) => {
-    const input = make("input", {
-      type: "radio", name: `unit-${where}`, value: unit, checked: unit === state.unit,
-      onchange: () => {
-        state.unit = unit;
-        document.querySelectorAll(`input[type=radio][value="${unit}"]`).forEach((other) => { other.checked = true; });
-        redraw();
-      },
-    });
-    return make("label", {}, input, unit === "Lambda" ? "Λ" : unit);
-  }));
+  const units = ["Lambda", "rpm", "Hz"].filter(
+    (unit) => files.every((file) => file.perLambda[unit]) && !(same && unit === "Lambda"),
+  );
+  return make(
+    "fieldset",
+    {},
+    make("legend", {}, "frequency"),
+    ...units.map((unit) => {
+      const input = make("input", {
+        type: "radio",
+        name: `unit-${where}`,
+        value: unit,
+        checked: unit === state.unit,
+        onchange: () => {
+          state.unit = unit;
+          document.querySelectorAll(`input[type=radio][value="${unit}"]`).forEach((other) => {
+            other.checked = true;
+          });
+          redraw();
+        },
+      });
+      return make("label", {}, input, unit === "Lambda" ? "Λ" : unit);
+    }),
+  );
 }
 
 /** A choice of one of `[value, text]`, with its label; both the label and the choice itself. */

@@ -1,7 +1,9 @@
 // The other views: tables, stability map, run-up, train.
 
 function tablesView(panel) {
-  panel.append(make("p", { class: "note" }, "A click on a heading sorts, a second one the other way. ‘show’ goes to the motion."));
+  panel.append(
+    make("p", { class: "note" }, "A click on a heading sorts, a second one the other way. ‘show’ goes to the motion."),
+  );
   files.forEach((file, number) => {
     if (files.length > 1) panel.append(make("h2", {}, file.name || file.title || `file ${number + 1}`));
     for (const table of file.tables) panel.append(sortable(table, number));
@@ -12,30 +14,68 @@ function tablesView(panel) {
 function sortable(table, number) {
   const rows = table.rows.map((cells, place) => ({ cells, place }));
   const body = make("tbody");
-  const heads = table.headings.map((heading, column) => make("th", { scope: "col" },
-    make("button", { type: "button", onclick: () => sort(column) }, heading)));
+  const heads = table.headings.map((heading, column) =>
+    make("th", { scope: "col" }, make("button", { type: "button", onclick: () => sort(column) }, heading)),
+  );
   function fill() {
-    body.replaceChildren(...rows.map(({ cells, place }) => make("tr", {}, ...cells.map((cell) => make("td", {}, words(cell))),
-      table.points.length ? make("td", {}, make("button", { type: "button", "aria-label": `show row ${place + 1} of ${table.name}`, onclick: () => {
-        const [series, point] = table.points[place];
-        openTab("response");
-        choose(files[number].series[series], point);
-        byId("curve").focus();
-      } }, "show")) : null)));
+    body.replaceChildren(
+      ...rows.map(({ cells, place }) =>
+        make(
+          "tr",
+          {},
+          ...cells.map((cell) => make("td", {}, words(cell))),
+          table.points.length
+            ? make(
+                "td",
+                {},
+                make(
+                  "button",
+                  {
+                    type: "button",
+                    "aria-label": `show row ${place + 1} of ${table.name}`,
+                    onclick: () => {
+                      const [series, point] = table.points[place];
+                      openTab("response");
+                      choose(files[number].series[series], point);
+                      byId("curve").focus();
+                    },
+                  },
+                  "show",
+                ),
+              )
+            : null,
+        ),
+      ),
+    );
   }
   function sort(column) {
-    const down = heads[column].getAttribute("aria-sort") === "ascending", sign = down ? -1 : 1;
+    const down = heads[column].getAttribute("aria-sort") === "ascending",
+      sign = down ? -1 : 1;
     heads.forEach((head) => head.removeAttribute("aria-sort"));
     heads[column].setAttribute("aria-sort", down ? "descending" : "ascending");
-    const order = (a, b) => a == null ? 1 : b == null ? -1 :
-      sign * (typeof a === "string" || typeof b === "string" ? String(a).localeCompare(String(b)) : a - b) || 0;
+    const order = (a, b) =>
+      a == null
+        ? 1
+        : b == null
+          ? -1
+          : sign * (typeof a === "string" || typeof b === "string" ? String(a).localeCompare(String(b)) : a - b) || 0;
     rows.sort((one, other) => order(one.cells[column], other.cells[column]) || one.place - other.place);
     fill();
   }
-  const words = (cell) => cell === true ? "yes" : cell === false ? "no" : typeof cell === "number" ? show(cell) : cell ?? "";
+  const words = (cell) =>
+    cell === true ? "yes" : cell === false ? "no" : typeof cell === "number" ? show(cell) : (cell ?? "");
   fill();
-  return make("div", { class: "scroll" }, make("table", {}, make("caption", {}, table.name),
-    make("thead", {}, make("tr", {}, ...heads, table.points.length ? make("th", { scope: "col" }, "") : null)), body));
+  return make(
+    "div",
+    { class: "scroll" },
+    make(
+      "table",
+      {},
+      make("caption", {}, table.name),
+      make("thead", {}, make("tr", {}, ...heads, table.points.length ? make("th", { scope: "col" }, "") : null)),
+      body,
+    ),
+  );
 }
 
 // ------------------------------------------------------------------------------------------------- map, run-up, train
@@ -43,48 +83,103 @@ function sortable(table, number) {
 const PARAMETERS = { stiffness_variation: "stiffness variation  κ", mesh_damping_ratio: "mesh damping ratio  ζ" };
 
 function mapView(panel) {
-  const chart = main.map, plot = make("div", { id: "chart", class: "plot", role: "img", "aria-label": "Stability map" });
+  const chart = main.map,
+    plot = make("div", { id: "chart", class: "plot", role: "img", "aria-label": "Stability map" });
   plot.style.height = "560px";
-  const [what] = choice("show", [["spectral_radius", "largest |multiplier|"], ["stable_motions", "stable motions"], ["motions", "motions"]],
-    state.mapWhat, (value) => { state.mapWhat = value; draw(); });
-  panel.append(make("div", { class: "controls" }, unitChoice("map"), what), plot,
+  const [what] = choice(
+    "show",
+    [
+      ["spectral_radius", "largest |multiplier|"],
+      ["stable_motions", "stable motions"],
+      ["motions", "motions"],
+    ],
+    state.mapWhat,
+    (value) => {
+      state.mapWhat = value;
+      draw();
+    },
+  );
+  panel.append(
+    make("div", { class: "controls" }, unitChoice("map"), what),
+    plot,
     make("p", { class: "note", id: "cell", "aria-live": "polite" }, "Click a cell: its numbers stand here."),
-    make("p", { class: "note" }, `${chart.linear ? "Of the train without backlash. " : ""}${chart.ended}.`));
+    make("p", { class: "note" }, `${chart.linear ? "Of the train without backlash. " : ""}${chart.ended}.`),
+  );
   function draw() {
-    const rows = chart.values.length, columns = chart.lambda.length, values = chart[state.mapWhat];
-    const x = Array.from(chart.lambda, (l) => l * per(main)), y = Array.from(chart.values);
-    const z = range(rows).map((row) => range(columns).map((column) => {
-      const value = values[row * columns + column];
-      return Number.isFinite(value) && value >= 0 ? value : null;
-    }));
-    const radius = state.mapWhat === "spectral_radius", most = Math.max(1, ...z.flat().filter((v) => v != null));
+    const rows = chart.values.length,
+      columns = chart.lambda.length,
+      values = chart[state.mapWhat];
+    const x = Array.from(chart.lambda, (l) => l * per(main)),
+      y = Array.from(chart.values);
+    const z = range(rows).map((row) =>
+      range(columns).map((column) => {
+        const value = values[row * columns + column];
+        return Number.isFinite(value) && value >= 0 ? value : null;
+      }),
+    );
+    const radius = state.mapWhat === "spectral_radius",
+      most = Math.max(1, ...z.flat().filter((v) => v != null));
     const colors = ["#440154", "#31688e", "#35b779", "#fde725", "#ffffff", "#bbbbbb"];
     const steps = range(most + 1).flatMap((k) => [k, k + 1].map((edge) => [edge / (most + 1), colors[Math.min(k, 5)]]));
-    const traces = [{
-      type: "heatmap", x, y, z, hoverongaps: false,
-      ...(radius ? { colorscale: AROUND_ONE, zmin: 0.5, zmax: 1.5 } : { colorscale: steps, zmin: -0.5, zmax: most + 0.5 }),
-      colorbar: { title: { text: radius ? "largest |multiplier|" : state.mapWhat.replace("_", " "), side: "right" }, thickness: 14,
-        ...(radius ? {} : { tickvals: range(most + 1) }) },
-      hovertemplate: `%{x:.6g}${unitSuffix()}, %{y:.5g}: %{z:.4g}<extra></extra>`,
-    }];
+    const traces = [
+      {
+        type: "heatmap",
+        x,
+        y,
+        z,
+        hoverongaps: false,
+        ...(radius ? { colorscale: AROUND_ONE, zmin: 0.5, zmax: 1.5 } : { colorscale: steps, zmin: -0.5, zmax: most + 0.5 }),
+        colorbar: {
+          title: { text: radius ? "largest |multiplier|" : state.mapWhat.replace("_", " "), side: "right" },
+          thickness: 14,
+          ...(radius ? {} : { tickvals: range(most + 1) }),
+        },
+        hovertemplate: `%{x:.6g}${unitSuffix()}, %{y:.5g}: %{z:.4g}<extra></extra>`,
+      },
+    ];
     if (radius && rows > 1 && columns > 1) {
-      traces.push({ type: "contour", x, y, z, contours: { start: 1, end: 1, size: 1, coloring: "none" }, line: { color: INK, width: 1.4 },
-        showscale: false, hoverinfo: "skip", ncontours: 1 });
+      traces.push({
+        type: "contour",
+        x,
+        y,
+        z,
+        contours: { start: 1, end: 1, size: 1, coloring: "none" },
+        line: { color: INK, width: 1.4 },
+        showscale: false,
+        hoverinfo: "skip",
+        ncontours: 1,
+      });
     }
     for (const curve of chart.curves) {
-      traces.push({ type: "scatter", mode: "lines", x: curve.lambda.map((l) => l * per(main)), y: curve.values, name: safe(curve.kind),
-        line: { color: INK, width: 2, dash: curve.kind === "fold" ? "solid" : "dash" }, hovertemplate: `${safe(curve.kind)}<br>%{x:.6g}, %{y:.6g}<extra></extra>` });
+      traces.push({
+        type: "scatter",
+        mode: "lines",
+        x: curve.lambda.map((l) => l * per(main)),
+        y: curve.values,
+        name: safe(curve.kind),
+        line: { color: INK, width: 2, dash: curve.kind === "fold" ? "solid" : "dash" },
+        hovertemplate: `${safe(curve.kind)}<br>%{x:.6g}, %{y:.6g}<extra></extra>`,
+      });
     }
-    const title = (PARAMETERS[chart.parameter] || safe(chart.parameter.replace(/_/g, " "))) + (chart.unit && chart.unit !== "1" ? `  [${chart.unit}]` : "");
+    const title =
+      (PARAMETERS[chart.parameter] || safe(chart.parameter.replace(/_/g, " "))) +
+      (chart.unit && chart.unit !== "1" ? `  [${chart.unit}]` : "");
     const layout = { ...baseLayout(frequencyTitle(), title), margin: { l: 68, r: 10, t: 36, b: 48 }, hovermode: "closest" };
     Plotly.react(plot, traces, layout, CONFIG);
     if (plot.hasClick) return;
     plot.hasClick = true;
     plot.on("plotly_click", (event) => {
-      const nearest = (list, value) => list.reduce((best, one, i) => Math.abs(one - value) < Math.abs(list[best] - value) ? i : best, 0);
-      const row = nearest(chart.values, event.points[0].y), column = nearest(Array.from(chart.lambda, (l) => l * per(main)), event.points[0].x);
-      const cell = row * columns + column, at = [0, 1].map((part) => chart.multiplier[2 * cell + part]);
-      byId("cell").textContent = `${chart.parameter.replace(/_/g, " ")} = ${show(chart.values[row])}, ` +
+      const nearest = (list, value) =>
+        list.reduce((best, one, i) => (Math.abs(one - value) < Math.abs(list[best] - value) ? i : best), 0);
+      const row = nearest(chart.values, event.points[0].y),
+        column = nearest(
+          Array.from(chart.lambda, (l) => l * per(main)),
+          event.points[0].x,
+        );
+      const cell = row * columns + column,
+        at = [0, 1].map((part) => chart.multiplier[2 * cell + part]);
+      byId("cell").textContent =
+        `${chart.parameter.replace(/_/g, " ")} = ${show(chart.values[row])}, ` +
         `${show(chart.lambda[column] * per(main))}${unitSuffix() || " Λ"}: ${chart.motions[cell]} motions, ${chart.stable_motions[cell]} of them stable; ` +
         `largest multiplier of the most stable one ${show(at[0], 5)}${at[1] < 0 ? " - " : " + "}${show(Math.abs(at[1]), 5)} i, magnitude ${show(Math.hypot(...at), 5)}.`;
     });
@@ -95,17 +190,39 @@ function mapView(panel) {
 function runUpView(panel) {
   const plot = make("div", { id: "ramp", class: "plot", role: "img", "aria-label": "Mesh forces of the run-up" });
   plot.style.height = "460px";
-  panel.append(make("div", { class: "controls" }, unitChoice("run-up")), plot, make("p", { class: "note" },
-    `Smallest to largest force of each mesh in each tooth period of the slowest mesh. ${main.runUp.ended}.`));
+  panel.append(
+    make("div", { class: "controls" }, unitChoice("run-up")),
+    plot,
+    make(
+      "p",
+      { class: "note" },
+      `Smallest to largest force of each mesh in each tooth period of the slowest mesh. ${main.runUp.ended}.`,
+    ),
+  );
   return () => {
-    const { lambda, low, high } = main.runUp, meshes = low.shape[1], x = Array.from(lambda, (l) => l * per(main));
-    const traces = range(meshes).flatMap((mesh) => [low, high].map((values, place) => ({
-      type: "scatter", mode: "lines", x, y: x.map((_, i) => values[i * meshes + mesh]), line: { color: COLORS[mesh % COLORS.length], width: 1 },
-      fill: place ? "tonexty" : "none", name: safe(main.meshes[mesh]), showlegend: place === 1,
-      hovertemplate: `${safe(main.meshes[mesh])}<br>%{x:.6g}${unitSuffix()}: %{y:.5g} N<extra></extra>`,
-    })));
-    const layout = { ...baseLayout(frequencyTitle(), "mesh force  [N]"), margin: { l: 68, r: 10, t: 40, b: 48 }, hovermode: "closest",
-      showlegend: true, legend: { orientation: "h", y: 1.02, yanchor: "bottom" } };
+    const { lambda, low, high } = main.runUp,
+      meshes = low.shape[1],
+      x = Array.from(lambda, (l) => l * per(main));
+    const traces = range(meshes).flatMap((mesh) =>
+      [low, high].map((values, place) => ({
+        type: "scatter",
+        mode: "lines",
+        x,
+        y: x.map((_, i) => values[i * meshes + mesh]),
+        line: { color: COLORS[mesh % COLORS.length], width: 1 },
+        fill: place ? "tonexty" : "none",
+        name: safe(main.meshes[mesh]),
+        showlegend: place === 1,
+        hovertemplate: `${safe(main.meshes[mesh])}<br>%{x:.6g}${unitSuffix()}: %{y:.5g} N<extra></extra>`,
+      })),
+    );
+    const layout = {
+      ...baseLayout(frequencyTitle(), "mesh force  [N]"),
+      margin: { l: 68, r: 10, t: 40, b: 48 },
+      hovermode: "closest",
+      showlegend: true,
+      legend: { orientation: "h", y: 1.02, yanchor: "bottom" },
+    };
     Plotly.react(plot, traces, layout, CONFIG);
   };
 }
@@ -114,10 +231,26 @@ function trainView(panel) {
   for (const file of files) {
     if (files.length > 1) panel.append(make("h2", {}, file.name || file.title));
     const source = URL.createObjectURL(new Blob([file.schematic], { type: "image/svg+xml" }));
-    panel.append(make("div", { class: "scroll", tabindex: 0, role: "group", "aria-label": "Drawing of the train" }, make("img", { class: "schematic",
-      src: source, alt: `The train: meshes ${file.meshes.join(", ")}; shafts ${file.shafts.join(", ") || "none"}.` })));
+    panel.append(
+      make(
+        "div",
+        { class: "scroll", tabindex: 0, role: "group", "aria-label": "Drawing of the train" },
+        make("img", {
+          class: "schematic",
+          src: source,
+          alt: `The train: meshes ${file.meshes.join(", ")}; shafts ${file.shafts.join(", ") || "none"}.`,
+        }),
+      ),
+    );
     for (const warning of file.warnings) panel.append(make("p", {}, warning));
-    panel.append(make("details", { open: files.length === 1 }, make("summary", {}, "Every number of the train"), make("pre", { tabindex: 0 }, file.explanation)));
+    panel.append(
+      make(
+        "details",
+        { open: files.length === 1 },
+        make("summary", {}, "Every number of the train"),
+        make("pre", { tabindex: 0 }, file.explanation),
+      ),
+    );
   }
   return null;
 }
