@@ -43,7 +43,7 @@ def quantities() -> dict[str, dict[str, str]]:
     }
 
 
-def shown_results(results: Any, name: str, block: Block) -> dict[str, Any]:
+def shown_results(results: Any, name: str, block: Block, every: int = 1) -> dict[str, Any]:
     """Results, or a branch alone, as a page shows them; their numbers go into the block.
 
     Parameters
@@ -52,6 +52,8 @@ def shown_results(results: Any, name: str, block: Block) -> dict[str, Any]:
     name : str
         What the page calls them; the title of the train unless told.
     block : Block
+    every : int
+        Of every so many points the coefficients and multipliers are kept.
     """
     alone = hasattr(results, "special_points")
     response = results if alone else results.response
@@ -59,10 +61,10 @@ def shown_results(results: Any, name: str, block: Block) -> dict[str, Any]:
     parts = {part: None if alone else getattr(results, part, None)
              for part in ("modes", "integration", "attractors", "stability_map", "run_up")}
     train = _train_of([*branches, *parts.values()])
-    shown = [_of_branch(branch, place == 0 and response is not None, block) for place, branch in enumerate(branches)]
+    shown = [_of_branch(branch, place == 0 and response is not None, block, every) for place, branch in enumerate(branches)]
     for kind in ("integration", "attractors"):
         if parts[kind]:
-            shown.append(_of_motions(parts[kind], kind, block))
+            shown.append(_of_motions(parts[kind], kind, block, every))
     motions = [*branches, *(parts[kind] for kind in ("integration", "attractors") if parts[kind])]
     laws, forces = _laws(train, branches, float(np.ravel(motions[0].frequency)[0])) if motions else ([], "")
     tables = [table for place, branch in enumerate(branches) for table in _tables(branch, place, shown[place]["name"])]
@@ -109,7 +111,7 @@ def _train_of(parts: Iterable[Any]) -> Description:
     raise InputError("page: there is nothing in these results that a page could show")
 
 
-def _of_branch(branch: Any, first: bool, block: Block) -> dict[str, Any]:
+def _of_branch(branch: Any, first: bool, block: Block, every: int) -> dict[str, Any]:
     kind = "response" if first else "island" if branch.origin.startswith("attractor") else (
         "cascade" if branch.origin.startswith("period doubling") else "branch")
     arrays = branch.arrays()
@@ -123,7 +125,7 @@ def _of_branch(branch: Any, first: bool, block: Block) -> dict[str, Any]:
         for low, high in found
     ]
     return {
-        **_points(arrays, block),
+        **_points(arrays, block, every),
         "kind": kind,
         "name": "response" if first else branch.origin or "branch",
         "ended": branch.ended,
@@ -144,13 +146,15 @@ def _of_branch(branch: Any, first: bool, block: Block) -> dict[str, Any]:
     }
 
 
-def _of_motions(motions: Any, kind: str, block: Block) -> dict[str, Any]:
+def _of_motions(motions: Any, kind: str, block: Block, every: int) -> dict[str, Any]:
     """A sweep by integration, or attractors."""
     columns = as_columns(motions)
     words = {"integration": "time integration", "attractors": "attractors"}[kind]
     harmonics = (np.shape(columns["coefficients"])[-1] - 1) // 2
+    if columns["stable"] is not None:
+        columns["stable"] = [2 if motion.stable is None else int(motion.stable) for motion in motions]  # 2: not known
     return {
-        **_points(columns, block),
+        **_points(columns, block, every),
         "kind": kind,
         "name": words,
         "ended": motions.ended,
@@ -163,12 +167,13 @@ def _of_motions(motions: Any, kind: str, block: Block) -> dict[str, Any]:
     }
 
 
-def _points(arrays: Mapping[str, Any], block: Block) -> dict[str, Any]:
+def _points(arrays: Mapping[str, Any], block: Block, every: int) -> dict[str, Any]:
     """Points of a branch or of a sweep."""
     multipliers = arrays.get("multipliers")
     if multipliers is not None:
-        multipliers = np.stack([multipliers.real, multipliers.imag], axis=-1)
+        multipliers = np.stack([multipliers.real, multipliers.imag], axis=-1)[::every]
     return {
+        "every": every,
         "count": len(arrays["frequency"]),
         "lambda": block.add(arrays["frequency"], "f8"),
         "stable": block.add(arrays.get("stable"), "u1"),
@@ -176,7 +181,7 @@ def _points(arrays: Mapping[str, Any], block: Block) -> dict[str, Any]:
         "segment": block.add(arrays.get("segment"), "i4"),
         "facts": {name: block.add(arrays[name]) for name in _FACTS if arrays.get(name) is not None},
         "values": {name: block.add(arrays[name]) for name in quantities() if arrays.get(name) is not None},
-        "coefficients": block.add(arrays.get("coefficients"), drawn=True),
+        "coefficients": block.add(arrays["coefficients"][::every], drawn=True),
         "multipliers": block.add(multipliers, drawn=True),
     }
 
@@ -202,16 +207,15 @@ def _laws(train: Description, branches: Sequence[Any], frequency: float) -> tupl
 
 def _tables(branch: Any, place: int, name: str) -> list[dict[str, Any]]:
     """What is read off a branch, as tables; with the point of each row where there is one."""
-    what = "" if place == 0 else f", {name}"
     peaks, jumps = branch.peaks(), branch.jumps
     specials = SpecialPoints(branch.special_points, length_unit(branch.train))
     ends = [peak for peak, _ in getattr(peaks, "ends", ())]
     found = [
-        _table(f"Peaks{what}", peaks._table(), [[place, peak.point] for peak in [*peaks, *ends]]),
-        _table(f"Jumps{what}", jumps._table(), [[place, _nearest(branch, jump)] for jump in jumps]),
-        _table(f"Special points{what}", specials._table(), [[place, special.point] for special in specials]),
+        _table("Peaks", peaks._table(), [[place, peak.point] for peak in [*peaks, *ends]]),
+        _table("Jumps", jumps._table(), [[place, _nearest(branch, jump)] for jump in jumps]),
+        _table("Special points", specials._table(), [[place, special.point] for special in specials]),
     ]
-    return [table for table in found if table["rows"]]
+    return [{**table, "branch": "" if place == 0 else name} for table in found if table["rows"]]
 
 
 def _nearest(branch: Any, jump: Any) -> int:

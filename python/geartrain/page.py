@@ -7,6 +7,7 @@ import os
 import tempfile
 import webbrowser
 from collections.abc import Mapping, Sequence
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,9 @@ from .errors import InputError, shown
 __all__ = ["Page", "page"]
 
 #: The script of a page in its parts, in their order.
-_SCRIPTS = ("tools", "response", "motion", "views", "study", "begin")
+_SCRIPTS = ("tools", "response", "motion", "pictures", "views", "study", "begin")
+#: Largest size of a page in bytes; beyond it waveforms and multipliers are kept of every second point, every fourth, ...
+_LARGE, _SPARSE = 6_000_000, 64
 
 
 class Page:
@@ -69,6 +72,9 @@ def page(
 ) -> Page:
     """Results as a page for a browser, with the response curves, the motion at every point, tables and the train.
 
+    Where it would be larger than 6 MB it has the waveforms and multipliers of every second point, or every fourth, and so on; it
+    says so where another point is chosen.
+
     Parameters
     ----------
     results : Results, Branch or xarray.Dataset
@@ -102,33 +108,33 @@ def page(
     >>> page.show()  # doctest: +SKIP
     >>> gt.page(dataset, "study.html", branches={7: study.branch(7)})  # doctest: +SKIP
     """
-    extra("plotly.offline")
-    block = Block()
-    told: dict[str, Any] = {"quantities": quantities(), "version": _version(), "study": None}
-    if hasattr(results, "data_vars"):
-        if compare is not None:
-            raise InputError("compare: must be left out with the Dataset of a study")
-        known = branches or {}
-        told["files"] = [shown_results(_checked("branches", one), f"point {point}", block) for point, one in known.items()]
-        told["study"] = shown_study(results, block, {point: place for place, point in enumerate(known)})
-        title = told["study"]["title"] or "Study"
+    is_study = hasattr(results, "data_vars")
+    if is_study and compare is not None:
+        raise InputError("compare: must be left out with the Dataset of a study")
+    if not is_study and branches is not None:
+        raise InputError("branches: must be left out but with the Dataset of a study")
+    if is_study:
+        pieces = [(f"branches[{point}]", f"point {point}", branch) for point, branch in (branches or {}).items()]
     else:
-        if branches is not None:
-            raise InputError("branches: must be left out but with the Dataset of a study")
-        both = {"results": results} if compare is None else {"results": results, "compare": compare}
-        told["files"] = [shown_results(_checked(what, one), name, block) for (what, one), name in zip(both.items(), names)]
-        title = told["files"][0]["title"] or "Gear train"
-    found = Page(_filled(title, block.packed(told)))
+        pieces = [("results", names[0], results), ("compare", names[1], compare)][:1 if compare is None else 2]
+    for what, _, piece in pieces:
+        if not (hasattr(piece, "special_points") or hasattr(piece, "response")):
+            raise InputError(f"{what} = {shown(piece)}: must be gt.Results, a gt.Branch, or the Dataset of a study")
+    extra("plotly.offline")
+    places = {point: place for place, point in enumerate(branches or ())}
+    every = 1
+    while True:
+        block = Block()
+        told: dict[str, Any] = {"quantities": quantities(), "version": _version()}
+        told["files"] = [shown_results(piece, name, block, every) for _, name, piece in pieces]
+        told["study"] = shown_study(results, block, places) if is_study else None
+        found = Page(_filled((told["study"] or told["files"][0])["title"] or "Gear train", block.packed(told)))
+        if len(found.html) < _LARGE or every >= _SPARSE:
+            break
+        every *= 2
     if path is not None:
         found.write(path)
     return found
-
-
-def _checked(what: str, results: Any) -> Any:
-    """Results or a branch."""
-    if hasattr(results, "special_points") or hasattr(results, "response"):
-        return results
-    raise InputError(f"{what} = {shown(results)}: must be gt.Results, a gt.Branch, or the Dataset of a study")
 
 
 def _filled(title: str, data: str) -> str:
@@ -137,13 +143,19 @@ def _filled(title: str, data: str) -> str:
         "title": html.escape(f"{title} - geartrain"),
         "style": _part("page.css"),
         "script": "\n".join(_part(f"{name}.js") for name in _SCRIPTS),
-        "plotly": Block().packed(extra("plotly.offline").get_plotlyjs()),
+        "plotly": _library(),
         "data": data,
     }
     text = _part("page.html")
     for name, part in parts.items():
         text = text.replace(f"<!--{name}-->", part)
     return text
+
+
+@cache
+def _library() -> str:
+    """The script of plotly, compressed."""
+    return Block().packed(extra("plotly.offline").get_plotlyjs())
 
 
 def _part(name: str) -> str:

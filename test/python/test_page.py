@@ -143,6 +143,18 @@ def test_force_of_an_unknown_law_is_not_shown(branch):
     assert told["forces"].startswith("The force of mesh 2 over time is not shown")
 
 
+def test_a_large_page_has_fewer_waveforms(branch, monkeypatch):
+    """The limit of its size stands in docs/page.md; here it is lowered, so that a small branch is too large."""
+    told = unpacked(branch.page().html)["files"][0]["series"][0]
+    assert told["every"] == 1
+    monkeypatch.setattr("geartrain.page._LARGE", len(branch.page().html) - 1000)
+    fewer = unpacked(branch.page().html)["files"][0]["series"][0]
+    assert fewer["every"] == 2
+    np.testing.assert_array_equal(fewer["coefficients"], told["coefficients"][::2])
+    np.testing.assert_array_equal(fewer["multipliers"], told["multipliers"][::2])
+    np.testing.assert_array_equal(fewer["values"]["rms"], told["values"]["rms"])
+
+
 def test_what_is_refused(branch, results, tmp_path, monkeypatch):
     with pytest.raises(gt.InputError, match=r"results = 3: must be gt\.Results, a gt\.Branch"):
         gt.page(3)
@@ -382,13 +394,18 @@ def test_map_tells_a_cell(shown, results):
     assert f"{chart.motions[3, 6]} motions, {chart.stable_motions[3, 6]} of them stable" in text
 
 
-def test_two_files_and_a_narrow_screen(browser, branch, train, tmp_path):
+def test_two_files_and_a_narrow_screen(browser, branch, train, tmp_path, monkeypatch):
     other = train.with_values({"mesh 2 damping_ratio": 0.07}).response(start=0.4, stop=1.0)
     path = tmp_path / "both.html"
+    monkeypatch.setattr("geartrain.page._LARGE", 0)
+    monkeypatch.setattr("geartrain.page._SPARSE", 4)
     gt.page(branch, path, compare=other, names=("given", "more <b>damping</b>"))
     page = Shown(browser, path, width=400)
     assert page.js("byId('curve').data.filter((t) => t.meta.file === 1).length") >= 2
     assert "more <b>damping</b>" in page.find("#key").text
+    page.js("choose(main.series[0], 5)")
+    page.settle()
+    assert "those of point 5, the nearest" in page.find("#force-note").text
     page.click("#show-compare")
     assert page.js("byId('curve').data.filter((t) => t.meta.file === 1).length") == 0
     for tab in ("response", "tables", "train"):

@@ -64,6 +64,12 @@ function tellWhat() {
         .join(", ")
     );
   });
+  const lengths = files.map((file) => file.length);
+  if (Math.max(...lengths) > 1.000001 * Math.min(...lengths)) {
+    told.push(
+      `Displacements of the two are over lengths of their own, ${lengths.map((length) => show(length)).join(" and ")} m`,
+    );
+  }
   byId("about").textContent = [...(data.study ? [data.study.about] : []), ...told, ...files.map((file) => file.ended)]
     .filter(Boolean)
     .map((sentence) => `${sentence}.`)

@@ -388,7 +388,7 @@ function drawKey(key, traces) {
   const kinds = new Set(traces.map((trace) => trace.meta?.kind)),
     items = [];
   const line = (color, dash = "", width = 2.2, opacity = 1) =>
-    `<line x1="1" y1="7" x2="27" y2="7" stroke="${color}" stroke-width="${width}" stroke-dasharray="${dash}" opacity="${opacity}"/>`;
+    `<path d="M1 7H27" stroke="${color}" stroke-width="${width}" stroke-dasharray="${dash}" opacity="${opacity}"/>`;
   const mark = (path, fill = "#fff") => `<path d="${path}" fill="${fill}" stroke="${INK}" stroke-width="1.4"/>`;
   for (const column of columnsShown(main)) items.push([line(COLORS[column % COLORS.length]), partsOf(main)[column]]);
   if (traces.some((trace) => trace.meta?.stable === false)) items.push([line("#4a525c", "5,3"), "unstable"]);

@@ -57,7 +57,8 @@ function studyView(panel) {
       { class: "key", "aria-label": "Key" },
       ...SHADES.map((shade, place) => {
         const item = make("li");
-        item.innerHTML = `<svg width="28" height="14" aria-hidden="true"><rect x="1" y="2" width="26" height="10" fill="${shade}"/></svg>`;
+        const field = `<rect x="1" y="2" width="26" height="10" fill="${shade}"/>`;
+        item.innerHTML = `<svg width="28" height="14" aria-hidden="true">${field}</svg>`;
         item.append(place === 0 ? "smallest" : place === SHADES.length - 1 ? "largest of what colours" : "");
         return item;
       }),

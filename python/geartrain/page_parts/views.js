@@ -6,7 +6,11 @@ function tablesView(panel) {
   );
   files.forEach((file, number) => {
     if (files.length > 1) panel.append(make("h2", {}, file.name || file.title || `file ${number + 1}`));
-    for (const table of file.tables) panel.append(sortable(table, number));
+    for (const table of file.tables.filter((one) => !one.branch)) panel.append(sortable(table, number));
+    for (const branch of new Set(file.tables.map((one) => one.branch).filter(Boolean))) {
+      const own = file.tables.filter((one) => one.branch === branch);
+      panel.append(make("details", {}, make("summary", {}, branch), ...own.map((table) => sortable(table, number))));
+    }
   });
   return null;
 }
@@ -180,8 +184,12 @@ function mapView(panel) {
         at = [0, 1].map((part) => chart.multiplier[2 * cell + part]);
       byId("cell").textContent =
         `${chart.parameter.replace(/_/g, " ")} = ${show(chart.values[row])}, ` +
-        `${show(chart.lambda[column] * per(main))}${unitSuffix() || " Λ"}: ${chart.motions[cell]} motions, ${chart.stable_motions[cell]} of them stable; ` +
-        `largest multiplier of the most stable one ${show(at[0], 5)}${at[1] < 0 ? " - " : " + "}${show(Math.abs(at[1]), 5)} i, magnitude ${show(Math.hypot(...at), 5)}.`;
+        `${state.unit === "Lambda" ? "Λ = " : ""}${show(chart.lambda[column] * per(main))}${unitSuffix()}: ` +
+        `${chart.motions[cell]} motions, ${chart.stable_motions[cell]} of them stable` +
+        (Number.isFinite(at[0])
+          ? `; largest multiplier of the most stable one ${show(at[0], 5)}${at[1] < 0 ? " - " : " + "}` +
+            `${show(Math.abs(at[1]), 5)} i, magnitude ${show(Math.hypot(...at), 5)}.`
+          : ".");
     });
   }
   return draw;
