@@ -21,6 +21,7 @@ module geartrain_python_box
    use geartrain_model_drawing_warnings, only: warnings_text
    use geartrain_model_explain, only: explain_train, explanation_text
    use geartrain_model_frequency_unit, only: hertz_per_lambda, speed_per_lambda
+   use geartrain_model_gradient, only: check_parameters
    use geartrain_model_labels, only: body_labels, mesh_labels, shaft_labels
    use geartrain_model_train, only: train_type
    use geartrain_python_taker, only: taker_type
@@ -153,9 +154,9 @@ contains
       end select
    end subroutine work
 
-   !> Differentiates with respect to parameters, whose names are parted by line feeds: 'frequency', the natural frequencies;
-   !> 'special', Lambda of special point `number` of the box's branch; else a figure of the motion of period `number` at Lambda =
-   !> `frequency` that has the coefficients.
+   !> Differentiates with respect to parameters, whose names are parted by line feeds: '/parameters', nothing, the names are checked
+   !> alone; '/frequency', the natural frequencies; '/special', Lambda of special point `number` of the box's branch; else a figure
+   !> of the motion of period `number` at Lambda = `frequency` that has the coefficients.
    subroutine differentiate(box, what, text, number, frequency, coefficients, error)
       type(box_type), intent(inout) :: box
       character(*), intent(in) :: what, text
@@ -174,9 +175,11 @@ contains
          first = first + at
       end do
       select case (what)
-      case ('frequency')
+      case ('/parameters')
+         call check_parameters(box%case%train, names, error)
+      case ('/frequency')
          call frequency_gradient(box%case%train, names, box%gradient, error)
-      case ('special')
+      case ('/special')
          call special_gradient(box%case%train, box%case%response, box%results%response, number, names, box%gradient, error)
       case default
          motion%period = number

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -15,7 +15,7 @@ from ._draw import check_number
 from ._text_table import Rows
 from ._units import hertz_of, lambda_of, length_unit, own_lambda, speed_of
 from .description import Description
-from .errors import InputError
+from .errors import InputError, SolverError
 
 __all__ = ["Jump", "Jumps", "Peak", "Peaks", "Readings", "speeds"]
 
@@ -109,6 +109,8 @@ class Jump:
         motion after it is undecided.
     speed, fundamental_frequency : float or None
         In rpm, where every mesh has teeth; in Hz.
+    special_point : SpecialPoint or None
+        At which the stable motion ends.
     """
 
     frequency: float
@@ -121,6 +123,20 @@ class Jump:
     undecided: bool = False
     speed: float | None = None
     fundamental_frequency: float | None = None
+    special_point: Any = field(default=None, repr=False)
+
+    def gradient(self, parameters: Sequence[str]) -> Array:
+        """Derivatives of Lambda of the jump with respect to parameters of the train, (parameters,): see `SpecialPoint.gradient`.
+
+        Examples
+        --------
+        >>> branch.jumps[0].gradient(["mesh 1 damping_ratio", "stiffness_variation"]).round(4)
+        array([ 0.0115, -0.3316])
+        """
+        if self.special_point is None:
+            raise SolverError(f"gradient: the branch has no {self.cause} at the jump: there are no derivatives")
+        found: Array = self.special_point.gradient(parameters)
+        return found
 
 
 class Jumps(Rows[Jump]):
@@ -149,6 +165,7 @@ class Readings:
     dynamic_factor: Array
     settings: Mapping[str, Any]
     train: Description | None
+    special_points: Sequence[Any]
 
     def _box(self) -> Box:
         """A box of the branch, which may be changed."""
@@ -210,7 +227,8 @@ class Readings:
         """
         names = ("frequency", "kind", "direction", "cause", "rms_before", "rms_after", "candidates", "undecided")
         return Jumps((
-            Jump(float(at), kind, direction, cause, before, after, int(candidates), bool(undecided), *self._speeds(float(at)))
+            Jump(float(at), kind, direction, cause, before, after, int(candidates), bool(undecided), *self._speeds(float(at)),
+                 self._special_at(float(at), cause))
             for at, kind, direction, cause, before, after, candidates, undecided in self._read_off("jumps").rows(*names)
         ), length_unit(self.train))
 
@@ -253,6 +271,11 @@ class Readings:
         array([[0.566, 0.732]])
         """
         return self._ranges("back collision", mesh, stable)
+
+    def _special_at(self, frequency: float, kind: str) -> Any:
+        """The special point of a kind at a Lambda; None where there is none."""
+        same = (special for special in self.special_points if special.kind == kind)
+        return next((special for special in same if abs(special.frequency - frequency) <= 1e-9 * frequency), None)
 
     def _speeds(self, frequency: float) -> tuple[float | None, float | None]:
         return speed_of(self.train, frequency), hertz_of(self.train, frequency)

@@ -90,13 +90,15 @@ class Train(Description):
         Parameters
         ----------
         values : mapping
-            Values [SI] by the names of the parameters, which are those of `Space` and `Motion.gradient`: ``'input_torque'``,
-            ``'mesh 2 half_backlash'``, ``'mesh * damping_ratio'``, ``'mesh 1 stiffness_cos 2'``, ``'stiffness_variation'``.
+            A value each, in the unit of its variable in the case: SI, but for angles of the drawing, ``'mesh 1 helix_angle'``,
+            in degrees. The names are those of `Space` and `Motion.gradient`: ``'input_torque'``, ``'mesh 2 half_backlash'``,
+            ``'mesh * damping_ratio'`` of all meshes, ``'mesh 1 stiffness_cos 2'`` of a list, ``'stiffness_variation'``; a tuple of
+            names for several with the same value.
 
         Raises
         ------
         InputError
-            Where a name is unknown or a value is not allowed.
+            Where a name is unknown, a value is not allowed, or one variable is set twice.
 
         Examples
         --------
@@ -127,21 +129,28 @@ class Train(Description):
         """
         return self.modes().natural_frequency / lambda_of(self, 1.0, unit)
 
-    def frequency_gradient(self, parameters: Sequence[str]) -> NDArray[np.float64]:
+    def frequency_gradient(self, parameters: Sequence[str], *, unit: Unit = "Lambda") -> NDArray[np.float64]:
         """Derivatives of the natural frequencies with respect to parameters.
 
         Parameters
         ----------
         parameters : sequence of str
             As in `Motion.gradient`, whose errors and warnings are these as well.
+        unit : {'Lambda', 'rpm', 'Hz'}
+            Of the natural frequencies, as in `natural_frequencies`.
 
         Returns
         -------
         ndarray, (modes, parameters)
             x . (dK - omega^2 dM) x/(2 omega) with the mode x of x . M x = 1, over the unit of the parameter; NaN where natural
             frequencies that are equal part.
+
+        Examples
+        --------
+        >>> (train.frequency_gradient(["mesh * stiffness"], unit="Hz")[:2, 0] * 1e6).round(2)  # Hz per N/um
+        array([1.53, 5.78])
         """
-        return gradient_of(Box(copy=self._kept), "frequency", parameters)
+        return gradient_of(Box(copy=self._kept), "/frequency", parameters) / lambda_of(self, 1.0, unit)
 
     def modes(self) -> Modes:
         """Natural frequencies, damping ratios and mode shapes of the mean system."""
@@ -384,8 +393,9 @@ class Train(Description):
             raise InputError(f"frequency = {shown(frequency)}: must be a number > 0")
         at = lambda_of(self, float(frequency), unit)
         if response is None:
-            response = self.response(start=0.7 * at, stop=1.4 * at, harmonics=0, period_doublings=int(period).bit_length() - 1,
-                                     branch_points=True)
+            # Shooting makes every motion exact: a tighter tolerance would cost ten times as much and find no more.
+            response = self.response(start=0.7 * at, stop=1.4 * at, harmonics=0, tolerance=1e-2,
+                                     period_doublings=int(period).bit_length() - 1, branch_points=True)
         return find_motions(self, at, int(period), int(starts), int(seeds), int(random_seed), [response, *response.branches])
 
     @takes(VARIABLES["stability_map"], StabilityMapKeywords)
