@@ -88,10 +88,23 @@ function responseView(panel) {
     drawn = state.unit;
     drawCurves(plot, key);
     const first = main.series.find((series) => series.count);
-    if (!state.chosen && first) choose(first, Math.floor(first.count / 2), 0);
+    if (!state.chosen && first) choose(first, ...largest(first));
     else drawPoint();
   }
   return draw;
+}
+
+/** The point and the mesh of the largest rms of a stable motion, with which the page begins. */
+function largest(series) {
+  const rms = series.values.rms,
+    width = rms.shape[1];
+  let best = -1;
+  for (let i = 0; i < rms.length; i++) {
+    const verdict = !series.stable || series.stable[Math.floor(i / width)] === 1;
+    if (verdict && Number.isFinite(rms[i]) && (best < 0 || rms[i] > rms[best])) best = i;
+  }
+  best = Math.max(best, 0);
+  return [Math.floor(best / width), best % width];
 }
 
 /** Pieces of one stability, each up to the first point of the next piece of the same segment. */
