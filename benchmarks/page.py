@@ -3,6 +3,7 @@
 `python benchmarks/page.py` needs Chromium and its driver, Debian's packages chromium and chromium-driver.
 """
 
+import shutil
 import tempfile
 import time
 from dataclasses import replace
@@ -58,9 +59,10 @@ def main():
         path = Path(folder) / "page.html"
         print(finer(train.response(start=0.2, stop=2.6, harmonics=10), POINTS).page(path), f"{POINTS} points")
         options = webdriver.ChromeOptions()
+        options.binary_location = shutil.which("chromium")
         for flag in (*FLAGS, f"user-data-dir={folder}/browser"):
             options.add_argument(f"--{flag}")
-        driver = webdriver.Chrome(options=options)
+        driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(shutil.which("chromedriver")))
         begun = time.perf_counter()
         driver.get(path.as_uri())
         while not driver.execute_script("return document.documentElement.dataset.ready === 'yes'"):

@@ -1,11 +1,12 @@
 """A page for a browser: the train of figure 3 with its period doublings, time integration, attractors and a stability map.
 
-`python example/page.py results` writes results/page.html; `python example/page.py results docs` also takes its picture, docs/page.png,
-which needs Chromium.
+`python example/page.py results` writes results/page.html; `python example/page.py results docs` also takes a picture of it,
+docs/page.png, which needs Chromium and Selenium.
 """
 
-import subprocess
+import shutil
 import sys
+import time
 from pathlib import Path
 
 import geartrain as gt
@@ -15,8 +16,27 @@ analyses = {
     "response": {"start": 0.2, "stop": 2.6, "harmonics": 10, "period_doublings": 1},
     "integration": {"start": 0.4, "stop": 2.4, "points": 101, "direction": "both", "stability": True},
     "attractors": {"frequency": 1.6, "starts": 60},
-    "stability_map": {"start": 0.2, "stop": 2.6, "points": 121, "parameter_start": 0.0, "parameter_stop": 0.5, "parameter_points": 41},
+    "stability_map": {
+        "start": 0.2, "stop": 2.6, "points": 121, "parameter_start": 0.0, "parameter_stop": 0.5, "parameter_points": 41,
+    },
 }
+
+
+def take_picture(page, picture):
+    """A picture of the page as a browser shows it."""
+    from selenium import webdriver
+
+    options = webdriver.ChromeOptions()
+    options.binary_location = shutil.which("chromium")
+    for flag in ("headless=new", "no-sandbox", "disable-gpu", "hide-scrollbars", "window-size=1400,1520"):
+        options.add_argument(f"--{flag}")
+    with webdriver.Chrome(options, webdriver.ChromeService(shutil.which("chromedriver"))) as driver:
+        driver.get(page.resolve().as_uri())
+        while not driver.execute_script("return document.getElementById('point')?.dataset.drawn === 'yes'"):
+            time.sleep(0.1)
+        time.sleep(0.5)  # for what fades in
+        driver.save_screenshot(picture)
+
 
 if __name__ == "__main__":
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
@@ -25,8 +45,4 @@ if __name__ == "__main__":
     page = folder / "page.html"
     print(gt.read_case(case).run().page(page), page)
     if len(sys.argv) > 2:
-        # Time in the page goes on at once until the pictures are drawn.
-        flags = ["--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--window-size=1400,1230"]
-        flags.append("--virtual-time-budget=20000")
-        picture = f"--screenshot={Path(sys.argv[2]).resolve() / 'page.png'}"
-        subprocess.run(["chromium", *flags, picture, page.resolve().as_uri()], check=True, capture_output=True)
+        take_picture(page, Path(sys.argv[2]) / "page.png")

@@ -91,6 +91,7 @@ function setMesh(mesh) {
   if (select) select.value = String(mesh);
 }
 
+/** What the page has of the chosen motion, below one another on a narrow screen: its facts; time histories; the other pictures. */
 function pointPanels() {
   const [meshLabel, select] = choice(
     "phase plane of",
@@ -112,14 +113,14 @@ function pointPanels() {
     ),
     make(
       "section",
-      { "aria-label": "Time histories of the chosen motion" },
+      { "aria-label": "Time histories of the chosen motion", class: "histories" },
       small("wave", "Displacement of the meshes over time"),
       small("force", "Force of the meshes over time"),
       make("p", { class: "note", id: "force-note", hidden: true }),
     ),
     make(
       "section",
-      { "aria-label": "Phase plane, spectrum and multipliers of the chosen motion" },
+      { class: "planes", "aria-label": "Phase plane, spectrum and multipliers of the chosen motion" },
       make(
         "div",
         { class: "pair" },
@@ -128,7 +129,12 @@ function pointPanels() {
           "div",
           {},
           small("plane", "Phase plane: velocity over displacement"),
-          make("div", { class: "controls" }, meshLabel),
+          make(
+            "div",
+            { class: "controls" },
+            meshLabel,
+            make("span", { class: "note", id: "gap", hidden: true }, "grey: the gap"),
+          ),
         ),
       ),
       small("multipliers", "Floquet multipliers and the unit circle"),

@@ -94,7 +94,7 @@ function histories({ series, row, file, lambda, there, highest, turns, meshes },
           x: time,
           y: Array.from(waves[mesh][what]),
           name: safe(file.meshes[mesh]),
-          line: { color: COLORS[mesh % COLORS.length], width: 1.8, dash: DASHES[place % DASHES.length] },
+          line: { color: COLORS[mesh % COLORS.length], width: 1.8, dash: DASHES[place % DASHES.length], simplify: false },
           hovertemplate: `${safe(file.meshes[mesh])}<br>%{x:.4g}: %{y:.5g}<extra></extra>`,
         }))
     : [];
@@ -206,6 +206,7 @@ function drawPlane({ series, row, file, there, period, highest, lambda }) {
     `velocity ${file.lengthUnit === "um" ? "[mm/s]" : file.lengthUnit ? "[m/s]" : "/ b<sub>c</sub> ω<sub>c</sub>"}`,
   );
   const half = file.laws[mesh]?.half || 0;
+  let inGap = false;
   if (wave && half) {
     const low = Math.min(...wave.p),
       high = Math.max(...wave.p),
@@ -226,22 +227,9 @@ function drawPlane({ series, row, file, there, period, highest, lambda }) {
         layer: "below",
       },
     ];
-    if (half > low && -half < high) {
-      made.annotations = [
-        {
-          x: 0.98,
-          y: 0.98,
-          xref: "paper",
-          yref: "paper",
-          xanchor: "right",
-          yanchor: "top",
-          text: "grey: gap",
-          showarrow: false,
-          font: { size: 11 },
-        },
-      ];
-    }
+    inGap = half > low && -half < high;
   }
+  byId("gap").hidden = !inGap;
   // By the phase of the fundamental; over time it is Lambda times that, over 1/characteristic frequency.
   const omega = 2 * Math.PI * file.perLambda.Hz;
   const factor = lambda * (file.lengthUnit === "um" ? 1e-3 * omega : file.lengthUnit ? omega : 1);
@@ -254,7 +242,7 @@ function drawPlane({ series, row, file, there, period, highest, lambda }) {
             mode: "lines",
             x: Array.from(wave.p),
             y: Array.from(wave.v, (v) => v * factor),
-            line: { color: COLORS[mesh % COLORS.length], width: highest * period > 100 ? 0.6 : 1.6 },
+            line: { color: COLORS[mesh % COLORS.length], width: highest * period > 100 ? 0.6 : 1.6, simplify: false },
             hovertemplate: "%{x:.4g}, %{y:.4g}<extra></extra>",
           },
         ]

@@ -57,25 +57,27 @@ function responseView(panel) {
     "aria-label": "Response curves. Arrow keys left and right go along the branch, up and down to the next one.",
   });
   const key = make("ul", { class: "key", id: "key", "aria-label": "Key" });
+  const [facts, histories, planes] = pointPanels();
+  const curves = make(
+    "div",
+    { class: "curves" },
+    key,
+    plot,
+    make(
+      "p",
+      { class: "note", id: "keys" },
+      "Click a point, or give the picture the focus: left and right arrow go along the " +
+        "branch (with Shift by ten points), Home and End to its ends, up and down to the next branch.",
+    ),
+  );
   panel.append(
     make("div", { class: "controls" }, unitChoice("response"), quantityLabel, partLabel),
     make("div", { class: "controls" }, make("fieldset", {}, make("legend", {}, "show"), ...boxes)),
     make(
       "div",
       { class: "columns" },
-      make(
-        "div",
-        { class: "curves" },
-        key,
-        plot,
-        make(
-          "p",
-          { class: "note", id: "keys" },
-          "Click a point, or give the picture the focus: left and right arrow go along the " +
-            "branch (with Shift by ten points), Home and End to its ends, up and down to the next branch.",
-        ),
-      ),
-      ...pointPanels(),
+      make("div", { class: "column" }, curves, histories),
+      make("div", { class: "column" }, facts, planes),
     ),
   );
   plot.addEventListener("keydown", moveKeys);
