@@ -117,19 +117,19 @@ def largest_difference(
         Largest forces as the program has them [N].
     """
     worst = 0.0
-    scale = np.nanmax(np.abs(known[:, mesh]), initial=0.0)
-    samples = int(max(1024, 16 * orders[-1]))
+    scale = np.nanmax(np.abs(known[:, mesh]), initial=0.0) or 1.0
+    samples = 2 ** int(np.ceil(np.log2(max(1024, 16 * orders[-1]))))
     angle = 2 * np.pi * np.arange(samples) / samples
-    wave = np.exp(1j * np.outer(angle, orders))
-    for point in np.unique(np.linspace(0, len(frequency) - 1, min(len(frequency), _TRIED)).astype(int)):
-        row = coefficients[point, mesh]
-        if not (np.isfinite(row[0]) and np.isfinite(known[point, mesh])):
-            continue
-        amplitude = np.nan_to_num(row[1::2] - 1j * row[2::2])
-        displacement = row[0] + (wave @ amplitude).real
-        velocity = (wave @ (1j * orders * amplitude)).real / period[point]
+    points = np.flatnonzero(np.isfinite(coefficients[:, mesh, 0]) & np.isfinite(known[:, mesh]) & (period > 0))
+    tried = max(2, min(_TRIED, len(points), _MOST // samples))
+    for point in points[np.linspace(0, len(points) - 1, tried).astype(int)] if len(points) else ():
+        row = np.nan_to_num(coefficients[point, mesh])
+        spectrum = np.zeros(samples // 2 + 1, complex)
+        spectrum[orders] = samples / 2 * (row[1::2] - 1j * row[2::2])
+        displacement = row[0] + np.fft.irfft(spectrum)
+        velocity = np.fft.irfft(1j * np.arange(len(spectrum)) * spectrum) / period[point]
         force = sign * force_of(law, frequency[point], angle * period[point], displacement, velocity)
-        worst = max(worst, abs(force.max() - known[point, mesh]) / (scale or 1.0))
+        worst = max(worst, abs(force.max() - known[point, mesh]) / scale)
     return float(worst)
 
 

@@ -26,8 +26,11 @@ __all__ = ["quantities", "shown_results"]
 
 Array = NDArray[np.float64]
 
-#: Largest difference between forces as the page computes them and the program's, over the largest force, for them to be shown.
-_ALIKE = 0.02
+#: Largest difference between forces as the page computes them and the program's, over the largest force, for them to be shown: of
+#: branches; of motions that time integration found, whose coefficients leave out what lies above their highest harmonic.
+_ALIKE, _ALIKE_SETTLED = 0.005, 0.02
+#: Coefficients below this, over the largest amplitude of the mesh at the point, are not seen, and are kept as 0.
+_SEEN = 1e-6
 #: Fields of a point that are told as they are where a point is chosen.
 _FACTS = ("error_estimate", "estimate_doubtful", "correction", "harmonics", "second_estimate", "lyapunov_exponent",
           "lyapunov_error", "share", "floating", "count_undecided")
@@ -65,8 +68,8 @@ def shown_results(results: Any, name: str, block: Block, every: int = 1) -> dict
     for kind in ("integration", "attractors"):
         if parts[kind]:
             shown.append(_of_motions(parts[kind], kind, block, every))
-    motions = [*branches, *(parts[kind] for kind in ("integration", "attractors") if parts[kind])]
-    laws, forces = _laws(train, branches, float(np.ravel(motions[0].frequency)[0])) if motions else ([], "")
+    settled = [motion for kind in ("integration", "attractors") for motion in parts[kind] or () if motion.period]
+    laws, forces = _laws(train, branches, settled)
     tables = [table for place, branch in enumerate(branches) for table in _tables(branch, place, shown[place]["name"])]
     if parts["modes"] is not None:
         tables.append(_table("Natural modes", {
@@ -181,28 +184,44 @@ def _points(arrays: Mapping[str, Any], block: Block, every: int) -> dict[str, An
         "segment": block.add(arrays.get("segment"), "i4"),
         "facts": {name: block.add(arrays[name]) for name in _FACTS if arrays.get(name) is not None},
         "values": {name: block.add(arrays[name]) for name in quantities() if arrays.get(name) is not None},
-        "coefficients": block.add(arrays["coefficients"][::every], drawn=True),
+        "coefficients": block.add(_seen(arrays["coefficients"][::every]), drawn=True),
         "multipliers": block.add(multipliers, drawn=True),
     }
 
 
-def _laws(train: Description, branches: Sequence[Any], frequency: float) -> tuple[list[Any], str]:
+def _seen(coefficients: Array) -> Array:
+    """Coefficients without those that no picture shows; a motion of hunting teeth has thousands of them."""
+    cosine, sine = coefficients[..., 1::2], coefficients[..., 2::2]
+    amplitude = np.hypot(cosine, sine)
+    largest = np.nanmax(amplitude, axis=-1, keepdims=True, initial=0.0)
+    kept = coefficients.copy()
+    unseen = np.repeat(amplitude < _SEEN * largest, 2, axis=-1)
+    kept[..., 1:][unseen] = 0.0
+    return kept
+
+
+def _laws(train: Description, branches: Sequence[Any], settled: Sequence[Any]) -> tuple[list[Any], str]:
     """The force laws; None, and why, of a mesh whose largest forces they do not give."""
-    laws = force_laws(train, frequency)
+    tried = [(_ALIKE, branch.frequency, np.full(len(branch), branch.subharmonic), branch.orders, branch.coefficients,
+              branch.mesh_force_maximum) for branch in branches if len(branch)]
+    if settled:
+        columns = as_columns(settled)
+        orders = np.arange(1, (columns["coefficients"].shape[-1] + 1) // 2)
+        names = ("frequency", "period", "coefficients", "mesh_force_maximum")
+        frequency, period, coefficients, largest = (columns[name] for name in names)
+        tried.append((_ALIKE_SETTLED, frequency, period, orders, coefficients, largest))
+    if not tried:
+        return [], ""
+    laws = force_laws(train, float(tried[0][1][0]))
     numbers = train.explain()
     off = []
-    for mesh in range(len(laws)):
-        mean = numbers[f"mesh {mesh + 1}"].get("mean_force", 0.0)
-        for branch in branches:
-            worst = largest_difference(
-                laws[mesh], mesh, -1.0 if mean < 0 else 1.0, branch.frequency, np.full(len(branch), branch.subharmonic),
-                branch.orders, branch.coefficients, branch.mesh_force_maximum,
-            )
-            if worst > _ALIKE:
-                off.append(f"mesh {mesh + 1}")
-                break
-    told = f"The force of {', '.join(off)} over time is not shown: its law is not one that this page can compute." if off else ""
-    return [None if f"mesh {mesh + 1}" in off else law for mesh, law in enumerate(laws)], told
+    for mesh, law in enumerate(laws):
+        sign = -1.0 if numbers[f"mesh {mesh + 1}"].get("mean_force", 0.0) < 0 else 1.0
+        if any(largest_difference(law, mesh, sign, *values) > most for most, *values in tried):
+            off.append(mesh)
+    words = ", ".join(f"mesh {mesh + 1}" for mesh in off)
+    told = f"The force of {words} over time is not shown: its law is not one that this page can compute." if off else ""
+    return [None if mesh in off else law for mesh, law in enumerate(laws)], told
 
 
 def _tables(branch: Any, place: int, name: str) -> list[dict[str, Any]]:

@@ -129,12 +129,7 @@ function pointPanels() {
           "div",
           {},
           small("plane", "Phase plane: velocity over displacement"),
-          make(
-            "div",
-            { class: "controls" },
-            meshLabel,
-            make("span", { class: "note", id: "gap", hidden: true }, "grey: the gap"),
-          ),
+          make("div", { class: "controls" }, meshLabel, make("span", { class: "note", id: "gap", hidden: true })),
         ),
       ),
       small("multipliers", "Floquet multipliers and the unit circle"),

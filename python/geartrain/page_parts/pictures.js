@@ -51,6 +51,8 @@ function forces(law, lambda, phases, p, v) {
 }
 const evenly = (count, end) => Float64Array.from({ length: count }, (_, i) => (end * i) / (count - 1));
 
+/** Most points of a picture. */
+const MOST = 12000;
 const STILL = { displayModeBar: false, responsive: true };
 const smallLayout = (x, y, more = {}) => ({
   ...baseLayout(x, y),
@@ -73,13 +75,13 @@ function pictured() {
   const shownMeshes = data.quantities[state.quantity].along === "mesh" ? columnsShown(file) : columns;
   const highest = Math.max(1, ...series.orders) / period;
   // A few periods of the slowest excitation, where the period of the train has many, as with hunting teeth.
-  const turns = Math.min(period, Math.max(4, period) / file.slowest);
+  const turns = Math.min(period, Math.max(4, period) / file.slowest, MOST / (16 * highest));
   return { series, row, point, file, lambda, there, period, highest, turns, meshes: shownMeshes, all };
 }
 
 /** Time histories: what is `p` or `force` of the waveforms. */
 function histories({ series, row, file, lambda, there, highest, turns, meshes }, what) {
-  const phases = evenly(Math.min(8000, Math.max(400, Math.ceil(16 * highest * turns))), 2 * Math.PI * turns);
+  const phases = evenly(Math.max(400, Math.ceil(16 * highest * turns)), 2 * Math.PI * turns);
   const waves = there ? waveform(series, row, phases) : null;
   const inTime = state.unit !== "Lambda" && file.perLambda.Hz;
   const scale = inTime ? 1e3 / (file.perLambda.Hz * lambda) : 1;
@@ -199,7 +201,8 @@ function drawSpectrum({ series, row, file, lambda, meshes, there, period, all })
 
 function drawPlane({ series, row, file, there, period, highest, lambda }) {
   const mesh = Math.min(state.mesh, file.meshes.length - 1);
-  const phases = evenly(Math.min(8000, Math.max(600, Math.ceil(24 * highest * period))), 2 * Math.PI * period);
+  const part = Math.min(1, MOST / (24 * highest * period));
+  const phases = evenly(Math.max(600, Math.ceil(24 * highest * period * part)), 2 * Math.PI * period * part);
   const wave = there ? waveform(series, row, phases)[mesh] : null;
   const made = smallLayout(
     `displacement ${lengthUnit(file)}`,
@@ -229,7 +232,9 @@ function drawPlane({ series, row, file, there, period, highest, lambda }) {
     ];
     inGap = half > low && -half < high;
   }
-  byId("gap").hidden = !inGap;
+  const told = [inGap && "grey: the gap", part < 1 && `the first ${show(100 * part, 2)} % of the period`].filter(Boolean);
+  byId("gap").textContent = told.join("; ");
+  byId("gap").hidden = !told.length;
   // By the phase of the fundamental; over time it is Lambda times that, over 1/characteristic frequency.
   const omega = 2 * Math.PI * file.perLambda.Hz;
   const factor = lambda * (file.lengthUnit === "um" ? 1e-3 * omega : file.lengthUnit ? omega : 1);

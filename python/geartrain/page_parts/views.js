@@ -27,7 +27,6 @@ function sortable(table, number) {
         make(
           "tr",
           {},
-          ...cells.map((cell) => make("td", {}, words(cell))),
           table.points.length
             ? make(
                 "td",
@@ -48,6 +47,7 @@ function sortable(table, number) {
                 ),
               )
             : null,
+          ...cells.map((cell) => make("td", {}, words(cell))),
         ),
       ),
     );
@@ -76,7 +76,7 @@ function sortable(table, number) {
       "table",
       {},
       make("caption", {}, table.name),
-      make("thead", {}, make("tr", {}, ...heads, table.points.length ? make("th", { scope: "col" }, "") : null)),
+      make("thead", {}, make("tr", {}, table.points.length ? make("td", {}, "") : null, ...heads)),
       body,
     ),
   );
