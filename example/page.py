@@ -7,6 +7,7 @@ docs/page.png, which needs Chromium and Selenium.
 import shutil
 import sys
 import time
+from io import BytesIO
 from pathlib import Path
 
 import geartrain as gt
@@ -24,6 +25,7 @@ analyses = {
 
 def take_picture(page, picture):
     """A picture of the page as a browser shows it."""
+    from PIL import Image
     from selenium import webdriver
 
     options = webdriver.ChromeOptions()
@@ -35,7 +37,8 @@ def take_picture(page, picture):
         while not driver.execute_script("return document.getElementById('point')?.dataset.drawn === 'yes'"):
             time.sleep(0.1)
         time.sleep(0.5)  # for what fades in
-        driver.save_screenshot(picture)
+        shown = Image.open(BytesIO(driver.get_screenshot_as_png()))
+    shown.convert("P", palette=Image.Palette.ADAPTIVE, colors=64).save(picture, optimize=True)
 
 
 if __name__ == "__main__":

@@ -115,8 +115,8 @@ def _train_of(parts: Iterable[Any]) -> Description:
 
 
 def _of_branch(branch: Any, first: bool, block: Block, every: int) -> dict[str, Any]:
-    kind = "response" if first else "island" if branch.origin.startswith("attractor") else (
-        "cascade" if branch.origin.startswith("period doubling") else "branch")
+    origins = (("period doubling", "cascade"), ("branch point", "branch"))
+    kind = next((kind for words, kind in origins if branch.origin.startswith(words)), "response" if first else "island")
     arrays = branch.arrays()
     arrays["true_ac_rms"] = branch.true_ac_rms
     known = branch.stable is not None

@@ -12,7 +12,7 @@ from .errors import InputError
 
 __all__ = ["shown_study"]
 
-#: Most places along a dimension of its own, such as jumps, of which each becomes a column.
+#: Most places along a dimension of its own, such as jumps, of which each becomes a column; a field with more is left out.
 _PLACES = 12
 
 
@@ -28,11 +28,14 @@ def shown_study(dataset: Any, block: Block, results: Mapping[int, int]) -> dict[
     parameters: list[dict[str, Any]] = []
     outputs: list[dict[str, Any]] = []
     texts: list[dict[str, Any]] = []
+    left_out: list[str] = []
     for name, values in {**dataset.coords, **dataset.data_vars}.items():
         own = [dimension for dimension in values.dims if dimension not in axes]
         known = name in dataset.coords
-        many = any(values.sizes[dimension] > _PLACES for dimension in own)
-        if len(own) == len(values.dims) or (known and own) or name == "sample" or many:
+        if len(own) == len(values.dims) or (known and own) or name == "sample":
+            continue
+        if any(values.sizes[dimension] > _PLACES for dimension in own):
+            left_out.append(str(name))
             continue
         whole = values.broadcast_like(dataset["status"]).transpose(*axes, *own)
         columns = np.asarray(whole.values).reshape(count, -1)
@@ -53,6 +56,7 @@ def shown_study(dataset: Any, block: Block, results: Mapping[int, int]) -> dict[
         "count": count,
         "parameters": len(parameters),
         "columns": parameters + outputs,
+        "leftOut": left_out,
         "texts": [text for text in texts if any(text["values"])],
         "results": dict(results),
     }

@@ -176,6 +176,14 @@ def test_what_is_refused(branch, results, tmp_path, monkeypatch):
         branch.page()
 
 
+def test_train_of_rigid_shafts():
+    """Nothing is told of rigid shafts in the numbers of a train, and its drawing calls them so."""
+    train = gt.read_case(ROOT / "namelists" / "single_pair.nml").train
+    assert any("rigid" in text.get_text() for text in train.plot().texts)
+    told = unpacked(train.response(start=0.6, stop=0.9).page().html)["files"][0]
+    assert told["laws"][0] is not None and told["schematic"].startswith("<?xml")
+
+
 def test_command(results, branch, tmp_path, capsys):
     one, other = tmp_path / "one.h5", tmp_path / "other.h5"
     results.write(one)
@@ -429,6 +437,8 @@ def test_study(browser, train, tmp_path):
     assert page.js("data.study.columns.slice(0, 3).map((c) => c.name)") == names
     factor = dataset["largest dynamic_factor"].values.ravel()
     np.testing.assert_allclose(page.js("Array.from(data.study.columns[2].values)"), factor)
+    many = [name for name, values in dataset.data_vars.items() if "jump" in values.dims and values.sizes["jump"] > 12]
+    assert page.js("data.study.leftOut") == many
     page.click_at("scatter", 150.0, factor[3])
     assert page.js("state.study") == 3
     facts = page.find("#study-facts").text

@@ -58,7 +58,10 @@ function tellWhat() {
             points = own.reduce((sum, series) => sum + series.count, 0);
           const branches = own.length > 1 ? `${own.length} branches, ` : "",
             ended = kind === "response" ? `; ${own[0]?.ended}` : "";
-          return own.length && `${words} (${branches}${points} ${isBranch(own[0]) ? "points" : "motions"}${ended})`;
+          return (
+            own.length &&
+            `${words} (${branches}${points} ${isBranch(own[0]) ? "point" : "motion"}${points === 1 ? "" : "s"}${ended})`
+          );
         })
         .filter(Boolean)
         .join(", ")

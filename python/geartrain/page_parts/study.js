@@ -76,6 +76,11 @@ function studyView(panel) {
       ),
     ),
     make("p", { class: "note" }, `${help} Each axis goes from its smallest to its largest value.`),
+    make(
+      "p",
+      { class: "note", hidden: !study.leftOut.length },
+      `Not on this page, because a point has more than twelve of each: ${study.leftOut.join(", ")}.`,
+    ),
   );
   for (const plot of [parallel, scatter]) {
     plot.addEventListener("keydown", (event) => {
