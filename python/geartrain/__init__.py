@@ -33,6 +33,7 @@ from __future__ import annotations
 
 from . import _box
 from ._draw import plot_style
+from ._page import Page, page
 from .attractors import Attractors
 from .audit import Audit
 from .branch import Branch
@@ -43,7 +44,6 @@ from .explanation import Explanation
 from .modes import Modes
 from .motion import Motion
 from .motions import Motions
-from .page import Page, page
 from .run_up import RunUp
 from .space import Space
 from .special_point import SpecialPoint

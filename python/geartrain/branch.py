@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 from ._box import Box, Group, described
 from ._dataset import dataset
 from ._motion_table import motions_of
+from ._page import Page, page
 from ._units import Unit, hertz_of, lambda_of, length_unit, speed_of
 from ._watch import watched
 from .audit import Audit
 from .description import Description, mesh_names, shaft_names
 from .errors import InputError, SolverError, shown
 from .motion import Motion
-from .page import Page, page
 from .response_plot import Curves
 from .special_point import SpecialPoint, SpecialPoints
 

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from ._box import Box, Group, file_name, fortran
 from ._motion_table import ATTRACTORS, INTEGRATION
 from ._namelist import parse
+from ._page import Page, page
 from ._table import Found
 from ._watch import watched
 from .attractors import Attractors
 from .branch import Branch
 from .modes import Modes
-from .page import Page, page
 from .run_up import RunUp
 from .stability_map import StabilityMap
 from .sweep import Sweep

@@ -7,9 +7,9 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from ._page import page
 from .case import read_results
 from .errors import InputError
-from .page import page
 
 __all__ = ["main"]
 

@@ -148,7 +148,7 @@ def test_a_large_page_has_fewer_waveforms(branch, monkeypatch):
     """The limit of its size stands in docs/page.md; here it is lowered, so that a small branch is too large."""
     told = unpacked(branch.page().html)["files"][0]["series"][0]
     assert told["every"] == 1
-    monkeypatch.setattr("geartrain.page._LARGE", len(branch.page().html) - 1000)
+    monkeypatch.setattr("geartrain._page._LARGE", len(branch.page().html) - 1000)
     fewer = unpacked(branch.page().html)["files"][0]["series"][0]
     assert fewer["every"] == 2
     np.testing.assert_array_equal(fewer["coefficients"], told["coefficients"][::2])
@@ -406,8 +406,8 @@ def test_map_tells_a_cell(shown, results):
 def test_two_files_and_a_narrow_screen(browser, branch, train, tmp_path, monkeypatch):
     other = train.with_values({"mesh 2 damping_ratio": 0.07}).response(start=0.4, stop=1.0)
     path = tmp_path / "both.html"
-    monkeypatch.setattr("geartrain.page._LARGE", 0)
-    monkeypatch.setattr("geartrain.page._SPARSE", 4)
+    monkeypatch.setattr("geartrain._page._LARGE", 0)
+    monkeypatch.setattr("geartrain._page._SPARSE", 4)
     gt.page(branch, path, compare=other, names=("given", "more <b>damping</b>"))
     page = Shown(browser, path, width=400)
     assert page.js("byId('curve').data.filter((t) => t.meta.file === 1).length") >= 2
