@@ -34,13 +34,16 @@ from __future__ import annotations
 from . import _box
 from ._draw import plot_style
 from ._page import Page, page
+from ._suggest import suggest_names
 from .attractors import Attractors
 from .audit import Audit
 from .branch import Branch
 from .campbell import Campbell, Crossing, Order
 from .case import Case, Results, read_case, read_results
 from .errors import DrawingWarning, InputError, Interrupted, NotDifferentiableWarning, SolverError
+from .exact_point import ExactPoint
 from .explanation import Explanation
+from .locus import Locus, LocusPoint
 from .modes import Modes
 from .motion import Motion
 from .motions import Motions
@@ -64,10 +67,13 @@ __all__ = [
     "Case",
     "Crossing",
     "DrawingWarning",
+    "ExactPoint",
     "Explanation",
     "InputError",
     "Interrupted",
     "Jump",
+    "Locus",
+    "LocusPoint",
     "Mesh",
     "Modes",
     "Motion",
@@ -98,3 +104,5 @@ __all__ = [
 
 with _box.Box() as _opened:
     __version__ = _opened.text("version")
+
+suggest_names(globals())

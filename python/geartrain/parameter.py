@@ -20,7 +20,8 @@ from .errors import InputError, shown
 from .variables import PARTS, VARIABLES
 
 __all__ = [
-    "Target", "add_targets", "assigned", "check_effects", "checked_column", "label", "own_value", "targets_of", "with_values",
+    "Target", "add_targets", "assigned", "check_effects", "checked_column", "label", "own_value", "targets_of", "value_in",
+    "with_values",
 ]
 
 AnyTrain = TypeVar("AnyTrain", bound=Description)
@@ -207,6 +208,17 @@ def _own(target: Target, train: Description, settings: Mapping[str, Any]) -> flo
     if value is None or isinstance(value, (bool, str)):
         raise InputError(f"parameter {target.place} {target.variable}: has no number of its own that relative=True could multiply")
     return float(value)
+
+
+def value_in(train: Description, name: str) -> float | None:
+    """The value of a parameter in a train, of several parts that of the first; None where the train does not give it."""
+    for target in targets_of(name, train, "train", {}):
+        value = own_value(target, train, {})
+        if _is_list(target):
+            value = value[max(0, target.element - 1)] if value else None
+        if target.factor and isinstance(value, Real) and not isinstance(value, bool):
+            return float(value) / target.factor
+    return None
 
 
 def checked_column(target: Target, values: NDArray[Any]) -> NDArray[Any]:

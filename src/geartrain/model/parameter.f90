@@ -127,6 +127,7 @@ contains
          parameter%item = 1
          call given%find(parameter, found, row, parameter%value)
       end if
+      parameter%unit = row%unit
       parameter%plain = any(plain_variables == parameter%variable)
       parameter%direct = parameter%plain
       if (parameter%direct .and. .not. (is_given(row) .and. abs(parameter%value) > 0)) then

@@ -13,8 +13,9 @@ module geartrain_model_parameter_table
       character(5) :: group = ''
       character(24) :: variable = ''
       integer :: index = 0, item = 0
-      !> Value [unit of the variable].
+      !> Value [unit of the variable]; the unit, blank for a dimensionless one.
       real(dp) :: value = 0
+      character(12) :: unit = ''
       !> A number of the plain train that the drawing gives: the derivative is as if it were given.
       logical :: derived = .false.
       !> A number of the plain train, not one that another number is derived from.
@@ -27,6 +28,7 @@ module geartrain_model_parameter_table
    type :: entry_type
       character(5) :: group = ''
       character(24) :: variable = ''
+      character(12) :: unit = ''
       !> Number of the group; number of values, -1: no list; place of the first among all numbers.
       integer :: index = 0, values = -1, first = 0
       logical :: in_force = .true., continuous = .true.
@@ -174,7 +176,7 @@ contains
       if (self%way /= 'take') return
       if (self%rows == size(self%row)) self%row = [self%row, self%row]
       self%rows = self%rows + 1
-      self%row(self%rows) = entry_type(self%group(:5), variable%name, self%index, continuous=continuous)
+      self%row(self%rows) = entry_type(self%group(:5), variable%name, variable%unit, self%index, continuous=continuous)
    end subroutine meet
 
    subroutine on_real(self, variable, value, in_force)
