@@ -127,6 +127,9 @@ def page(
         block = Block()
         told: dict[str, Any] = {"quantities": quantities(), "version": _version()}
         told["files"] = [shown_results(piece, name, block, every) for _, name, piece in pieces]
+        over = [file["over"] or "frequency" for file in told["files"]]
+        if compare is not None and len({*over}) > 1:
+            raise InputError(f"compare: goes over {over[1]}: must go over {over[0]}, as the results do")
         told["study"] = shown_study(results, block, places) if is_study else None
         found = Page(_filled((told["study"] or told["files"][0])["title"] or "Gear train", block.packed(told)))
         if len(found.html) < _LARGE or every >= _SPARSE:

@@ -62,13 +62,17 @@ def shown_results(results: Any, name: str, block: Block, every: int = 1) -> dict
     response = results if alone else results.response
     branches = ([response] if response is not None else []) + list(results.branches)
     parts = {part: None if alone else getattr(results, part, None)
-             for part in ("modes", "integration", "attractors", "stability_map", "run_up")}
+             for part in ("modes", "integration", "attractors", "stability_map", "run_up", "locus")}
     train = _train_of([*branches, *parts.values()])
     shown = [_of_branch(branch, place == 0 and response is not None, block, every) for place, branch in enumerate(branches)]
+    over = branches[0].parameter_name if branches else ""
+    notes = [] if alone or not results.ended else [results.ended]
     for kind in ("integration", "attractors"):
-        if parts[kind]:
+        if parts[kind] and over:
+            notes.append(f"{kind} is over frequency, and not drawn over {over}")
+        elif parts[kind]:
             shown.append(_of_motions(parts[kind], kind, block, every))
-    settled = [motion for kind in ("integration", "attractors") for motion in parts[kind] or () if motion.period]
+    settled = [motion for kind in ("integration", "attractors") for motion in parts[kind] or () if motion.period and not over]
     laws, forces = _laws(train, branches, settled)
     tables = [table for place, branch in enumerate(branches) for table in _tables(branch, place, shown[place]["name"])]
     if parts["modes"] is not None:
@@ -82,7 +86,9 @@ def shown_results(results: Any, name: str, block: Block, every: int = 1) -> dict
     return {
         "name": name or train.title or "",
         "title": train.title or "",
-        "ended": "" if alone else results.ended,
+        "notes": notes,
+        "over": over,
+        "overUnit": branches[0].parameter_unit if branches else "",
         "warnings": list(train.warnings),
         "perLambda": {"Lambda": 1.0, "rpm": speed_of(train, 1.0), "Hz": hertz_of(train, 1.0)},
         "unit": units_of(train, None).unit,
@@ -99,6 +105,7 @@ def shown_results(results: Any, name: str, block: Block, every: int = 1) -> dict
         "tables": tables,
         "schematic": _schematic(train),
         "explanation": str(train.explain()),
+        "loci": [] if parts["locus"] is None else [_of_locus(parts["locus"], block)],
         "map": None if parts["stability_map"] is None else _of_map(parts["stability_map"], block),
         "runUp": None if parts["run_up"] is None else _of_run_up(parts["run_up"], block),
     }
@@ -131,16 +138,17 @@ def _of_branch(branch: Any, first: bool, block: Block, every: int) -> dict[str, 
         **_points(arrays, block, every),
         "kind": kind,
         "name": "response" if first else branch.origin or "branch",
+        "across": block.add(branch.parameter, "f8"),
         "ended": branch.ended,
         "complete": branch.complete,
         "period": block.add(np.full(len(branch), branch.subharmonic), "i4"),
         "orders": [int(order) for order in branch.orders],
         "jumps": [
-            {"at": jump.frequency, "kind": jump.kind, "direction": jump.direction, "before": jump.before, "after": jump.after}
+            {"at": _free(jump), "kind": jump.kind, "direction": jump.direction, "before": jump.before, "after": jump.after}
             for jump in branch.jumps
         ],
         "specials": [
-            {"kind": special.kind, "at": special.frequency, "point": special.point, "rms": special.rms}
+            {"kind": special.kind, "at": _free(special), "point": special.point, "rms": special.rms}
             for special in branch.special_points
         ],
         "ranges": ranges,
@@ -234,12 +242,23 @@ def _tables(branch: Any, place: int, name: str) -> list[dict[str, Any]]:
         _table("Jumps", jumps._table(), [[place, _nearest(branch, jump)] for jump in jumps]),
         _table("Special points", specials._table(), [[place, special.point] for special in specials]),
     ]
-    return [{**table, "branch": "" if place == 0 else name} for table in found if table["rows"]]
+    unit = f" [{branch.parameter_unit}]" if branch.parameter_unit not in ("", "1") else ""
+    for table in found:
+        table["branch"] = "" if place == 0 else name
+        table["headings"] = [branch.parameter_name + unit if heading == "parameter" else heading for heading in table["headings"]]
+    return [table for table in found if table["rows"]]
+
+
+def _free(place: Any) -> float:
+    """Where a jump or a special point is: Lambda, or the value of the parameter that its branch goes over."""
+    value: float = place.frequency if place.parameter is None else place.parameter
+    return value
 
 
 def _nearest(branch: Any, jump: Any) -> int:
     """The point of a branch nearest to where a jump begins."""
-    apart = np.abs(branch.frequency / jump.frequency - 1) + np.abs(branch.rms - jump.before).max(axis=1) / branch.rms.max()
+    across = branch.frequency if branch.parameter is None else branch.parameter
+    apart = np.abs(across - _free(jump)) / (np.ptp(across) or 1.0) + np.abs(branch.rms - jump.before).max(axis=1) / branch.rms.max()
     return int(apart.argmin())
 
 
@@ -274,16 +293,22 @@ def _schematic(train: Description) -> str:
 
 
 def _of_map(chart: Any, block: Block) -> dict[str, Any]:
-    """A stability map; ``curves`` are lines of special points over it, where it has any."""
+    """A stability map."""
     return {
         "parameter": chart.name, "unit": chart.unit, "ended": chart.ended, "linear": chart.linear,
         "lambda": block.add(chart.frequency, "f8"), "values": block.add(chart.parameter, "f8"),
         "motions": block.add(chart.motions, "i4"), "stable_motions": block.add(chart.stable_motions, "i4"),
         "spectral_radius": block.add(chart.spectral_radius),
         "multiplier": block.add(np.stack([chart.multiplier.real, chart.multiplier.imag], axis=-1)),
-        "curves": [
-            {"kind": curve.kind, "lambda": curve.frequency, "values": curve.parameter} for curve in getattr(chart, "curves", ())
-        ],
+    }
+
+
+def _of_locus(locus: Any, block: Block) -> dict[str, Any]:
+    """The curve of a special point over frequency and a parameter."""
+    return {
+        "kind": locus.kind, "parameter": locus.parameter_name, "ended": locus.ended,
+        "lambda": block.add(locus.frequency, "f8"), "values": block.add(locus.parameter, "f8"),
+        "specials": [{"kind": point.kind, "at": point.frequency, "value": point.parameter} for point in locus.special_points],
     }
 
 

@@ -6,7 +6,11 @@ const views = []; // of each its name, and what draws it when it is shown, and a
 function showFiles(list) {
   files = list;
   main = files[0];
-  files.forEach((file, number) => file.series.forEach((series, place) => Object.assign(series, { file: number, place })));
+  files.forEach((file, number) =>
+    file.series.forEach((series, place) =>
+      Object.assign(series, { file: number, place, across: series.across || series.lambda }),
+    ),
+  );
   state.chosen = null;
   if (main && !files.every((file) => file.perLambda[state.unit])) {
     state.unit = files.every((file) => file.perLambda[main.unit]) ? main.unit : "Lambda";
@@ -18,7 +22,7 @@ function showFiles(list) {
   const wanted = [
     ["study", "Study", data.study && !views.length, studyView],
     ["response", "Response", main?.series.length, responseView],
-    ["map", "Stability map", main?.map, mapView],
+    ["map", main?.map ? "Stability map" : "Curves", main?.map || main?.loci.length, mapView],
     ["tables", "Tables", main?.tables.length, tablesView],
     ["run-up", "Run-up", main?.runUp, runUpView],
     ["train", "Train", main, trainView],
@@ -73,7 +77,7 @@ function tellWhat() {
       `Displacements of the two are over lengths of their own, ${lengths.map((length) => show(length)).join(" and ")} m`,
     );
   }
-  byId("about").textContent = [...(data.study ? [data.study.about] : []), ...told, ...files.map((file) => file.ended)]
+  byId("about").textContent = [...(data.study ? [data.study.about] : []), ...told, ...files.flatMap((file) => file.notes)]
     .filter(Boolean)
     .map((sentence) => `${sentence}.`)
     .join(" ");

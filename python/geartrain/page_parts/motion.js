@@ -4,7 +4,7 @@
 function selectionShapes() {
   const file = state.chosen ? files[state.chosen.series.file] : main;
   const rings = Math.max(...files.map((other) => columnsShown(other).length));
-  const x = state.chosen ? state.chosen.series.lambda[state.chosen.point] * per(file) : 0;
+  const x = state.chosen ? state.chosen.series.across[state.chosen.point] * acrossFactor(file) : 0;
   const there = Boolean(state.chosen);
   const shapes = [
     {
@@ -75,11 +75,11 @@ function moveKeys(event) {
     const place = all.indexOf(series) + (event.key === "ArrowDown" ? 1 : -1);
     const other = all[(place + all.length) % all.length];
     // The point of the other branch that is nearest in speed.
-    const at = series.lambda[point] * per(files[series.file]),
-      factor = per(files[other.file]);
+    const at = series.across[point] * acrossFactor(files[series.file]),
+      factor = acrossFactor(files[other.file]);
     let best = 0;
     for (let i = 1; i < other.count; i++) {
-      if (Math.abs(other.lambda[i] * factor - at) < Math.abs(other.lambda[best] * factor - at)) best = i;
+      if (Math.abs(other.across[i] * factor - at) < Math.abs(other.across[best] * factor - at)) best = i;
     }
     choose(other, best);
   }
@@ -172,6 +172,7 @@ function drawFacts() {
     speeds = [];
   if (file.perLambda.rpm) speeds.push(`${show(lambda * file.perLambda.rpm)} rpm of ${file.speedOf}`);
   if (file.perLambda.Hz) speeds.push(`${show(lambda * file.perLambda.Hz)} Hz`);
+  if (file.over) facts.push([file.over.replace(/_/g, " "), show(series.across[point], 7) + acrossSuffix()]);
   if (!(file.perLambda.rpm && Math.abs(file.perLambda.rpm - 1) < 1e-9)) speeds.unshift(`Λ = ${show(lambda, 7)}`);
   facts.push([
     "motion",

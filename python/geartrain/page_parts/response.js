@@ -149,7 +149,7 @@ function curveTraces() {
               for (const [from, to, verdict] of pieces(series)) {
                 if (verdict !== stable) continue;
                 for (let i = from; i < to; i++) {
-                  x.push(series.lambda[i] * per(file));
+                  x.push(series.across[i] * acrossFactor(file));
                   y.push(values[i * width + column]);
                   own.push(code(series, i));
                 }
@@ -170,7 +170,8 @@ function curveTraces() {
               line: { color, dash: stable ? "solid" : UNSTABLE, width: (kind === "response" ? 2.2 : 1.3) + (pale ? 5 : 0) },
               opacity: pale ? 0.3 : 1,
               connectgaps: false,
-              hovertemplate: `${told}, ${KINDS[kind]}${words && `, ${words}`}<br>%{x:.6g}${unitSuffix()}: %{y:.5g}<extra></extra>`,
+              hovertemplate:
+                `${told}, ${KINDS[kind]}${words && `, ${words}`}<br>` + `%{x:.6g}${acrossSuffix()}: %{y:.5g}<extra></extra>`,
             });
           }
         } else {
@@ -181,7 +182,7 @@ function curveTraces() {
             traces.push({
               type: "scatter",
               mode: "markers",
-              x: Array.from(series.lambda, (l) => l * per(file)),
+              x: Array.from(series.across, (l) => l * acrossFactor(file)),
               y: range(series.count).map((i) => values[i * width + column]),
               customdata: range(series.count).map((i) => code(series, i)),
               meta: { file: number, column, kind, stable: true },
@@ -195,7 +196,7 @@ function curveTraces() {
                     ? "star"
                     : range(series.count).map((i) => (ways[i] === "down" ? "triangle-down-open" : "triangle-up")),
               },
-              hovertemplate: `${told}, ${KINDS[kind]}<br>%{x:.6g}${unitSuffix()}: %{y:.5g}<extra></extra>`,
+              hovertemplate: `${told}, ${KINDS[kind]}<br>%{x:.6g}${acrossSuffix()}: %{y:.5g}<extra></extra>`,
             });
           }
         }
@@ -214,7 +215,7 @@ function specialTraces() {
       const mark = (marks[special.kind] ??= { x: [], y: [], own: [] });
       for (const column of columnsShown(main)) {
         const factor = state.quantity === "rms" ? 1 : state.quantity === "true_ac_rms" ? Math.SQRT1_2 : 0;
-        mark.x.push(special.at * per(main));
+        mark.x.push(special.at * acrossFactor(main));
         mark.y.push(factor ? factor * special.rms[column] : valueAt(series, state.quantity, special.point, column));
         mark.own.push(code(series, special.point));
       }
@@ -228,7 +229,7 @@ function specialTraces() {
     customdata: mark.own,
     meta: { file: 0, column: null, kind: "specials" },
     marker: { symbol: SPECIALS[kind] || "star", size: 8, color: "#fff", line: { color: INK, width: 1.6 } },
-    hovertemplate: `${kind}<br>%{x:.6g}${unitSuffix()}: %{y:.5g}<extra></extra>`,
+    hovertemplate: `${kind}<br>%{x:.6g}${acrossSuffix()}: %{y:.5g}<extra></extra>`,
   }));
 }
 
@@ -242,7 +243,7 @@ function rangeTraces(rows) {
       for (const series of main.series.filter((s) => s.kind === "response")) {
         for (const [own, kind, low, high] of series.ranges) {
           if (own !== mesh || kind !== what) continue;
-          x.push(low * per(main), high * per(main), null);
+          x.push(low * acrossFactor(main), high * acrossFactor(main), null);
           y.push(rows.indexOf(mesh), rows.indexOf(mesh), null);
         }
       }
@@ -257,7 +258,7 @@ function rangeTraces(rows) {
           meta: { kind: "ranges" },
           opacity: what === "apart" ? 0.4 : 1,
           line: { color: COLORS[mesh % COLORS.length], width: 9 },
-          hovertemplate: `${safe(main.meshes[mesh])}: ${words}, to %{x:.6g}${unitSuffix()}<extra></extra>`,
+          hovertemplate: `${safe(main.meshes[mesh])}: ${words}, to %{x:.6g}${acrossSuffix()}<extra></extra>`,
         });
       }
     }
@@ -283,8 +284,8 @@ function drawCurves(plot, key) {
           type: "rect",
           xref: "x",
           yref: "paper",
-          x0: low * per(main),
-          x1: high * per(main),
+          x0: low * acrossFactor(main),
+          x1: high * acrossFactor(main),
           y0: 0,
           y1: top,
           fillcolor: "#999",
@@ -298,7 +299,7 @@ function drawCurves(plot, key) {
   if (isOn("jumps")) {
     for (const series of main.series.filter((s) => s.kind === "response" && isOn(s.kind))) {
       for (const jump of series.jumps) {
-        const x = jump.at * per(main),
+        const x = jump.at * acrossFactor(main),
           factor = { rms: 1, true_ac_rms: Math.SQRT1_2 }[state.quantity];
         let drawn = 0;
         for (const column of factor ? columnsShown(main) : []) {
@@ -337,7 +338,7 @@ function drawCurves(plot, key) {
     }
   }
   const layout = {
-    ...baseLayout(frequencyTitle(), quantityTitle(state.quantity)),
+    ...baseLayout(acrossTitle(), quantityTitle(state.quantity)),
     margin: { l: 68, r: 14, t: 32, b: 48 },
     shapes,
     annotations,

@@ -109,6 +109,14 @@ const frequencyTitle = () =>
     rpm: `speed of ${safe(main.speedOf)}  [rpm]`,
     Hz: "fundamental frequency  [Hz]",
   })[state.unit];
+/** What the curves go over: the speed, or a parameter of the train; its factor, unit and title. */
+const acrossFactor = (file) => (main.over ? 1 : per(file));
+const acrossSuffix = () =>
+  main.over ? (main.overUnit && main.overUnit !== "1" ? ` ${safe(main.overUnit)}` : "") : unitSuffix();
+const acrossTitle = () =>
+  main.over
+    ? safe(main.over.replace(/_/g, " ")) + (main.overUnit && main.overUnit !== "1" ? `  [${safe(main.overUnit)}]` : "")
+    : frequencyTitle();
 const lengthUnit = (file) => (file.lengthUnit === "um" ? "[µm]" : file.lengthUnit ? `[${file.lengthUnit}]` : "/ b<sub>c</sub>");
 const lengthText = (file) => ({ um: " µm", m: " m" })[file.lengthUnit] || " b_c";
 function quantityTitle(name) {

@@ -86,113 +86,148 @@ function sortable(table, number) {
 
 const PARAMETERS = { stiffness_variation: "stiffness variation  κ", mesh_damping_ratio: "mesh damping ratio  ζ" };
 
+/** The stability map, and curves of special points: over it where they are over its parameter, else on their own. */
 function mapView(panel) {
   const chart = main.map,
-    plot = make("div", { id: "chart", class: "plot", role: "img", "aria-label": "Stability map" });
+    plot = make("div", { id: "chart", class: "plot", role: "img", "aria-label": "Stability over speed and a parameter" });
   plot.style.height = "560px";
-  const [what] = choice(
-    "show",
-    [
-      ["spectral_radius", "largest |multiplier|"],
-      ["stable_motions", "stable motions"],
-      ["motions", "motions"],
-    ],
-    state.mapWhat,
-    (value) => {
-      state.mapWhat = value;
-      draw();
-    },
-  );
+  const shows = chart
+    ? [
+        ["spectral_radius", "largest |multiplier|"],
+        ["stable_motions", "stable motions"],
+        ["motions", "motions"],
+      ]
+    : [];
+  const apart = [...new Set(main.loci.map((locus) => locus.parameter))].filter((name) => name !== chart?.parameter);
+  shows.push(...apart.map((name) => [name, `curves over ${name.replace(/_/g, " ")}`]));
+  if (!shows.some(([what]) => what === state.mapWhat)) state.mapWhat = shows[0][0];
+  const [what] = choice("show", shows, state.mapWhat, (value) => {
+    state.mapWhat = value;
+    draw();
+  });
+  const notes = main.loci.map((locus) => `Curve of a ${locus.kind}: ${locus.ended}.`);
+  if (chart) notes.unshift(`${chart.linear ? "Of the train without backlash. " : ""}${chart.ended}.`);
   panel.append(
     make("div", { class: "controls" }, unitChoice("map"), what),
     plot,
-    make("p", { class: "note", id: "cell", "aria-live": "polite" }, "Click a cell: its numbers stand here."),
-    make("p", { class: "note" }, `${chart.linear ? "Of the train without backlash. " : ""}${chart.ended}.`),
+    make("p", { class: "note", id: "cell", "aria-live": "polite" }, chart ? "Click a cell: its numbers stand here." : ""),
+    ...notes.map((note) => make("p", { class: "note" }, note)),
   );
   function draw() {
-    const rows = chart.values.length,
-      columns = chart.lambda.length,
-      values = chart[state.mapWhat];
-    const x = Array.from(chart.lambda, (l) => l * per(main)),
-      y = Array.from(chart.values);
-    const z = range(rows).map((row) =>
-      range(columns).map((column) => {
-        const value = values[row * columns + column];
-        return Number.isFinite(value) && value >= 0 ? value : null;
-      }),
-    );
-    const radius = state.mapWhat === "spectral_radius",
-      most = Math.max(1, ...z.flat().filter((v) => v != null));
-    const colors = ["#440154", "#31688e", "#35b779", "#fde725", "#ffffff", "#bbbbbb"];
-    const steps = range(most + 1).flatMap((k) => [k, k + 1].map((edge) => [edge / (most + 1), colors[Math.min(k, 5)]]));
-    const traces = [
-      {
-        type: "heatmap",
-        x,
-        y,
-        z,
-        hoverongaps: false,
-        ...(radius ? { colorscale: AROUND_ONE, zmin: 0.5, zmax: 1.5 } : { colorscale: steps, zmin: -0.5, zmax: most + 0.5 }),
-        colorbar: {
-          title: { text: radius ? "largest |multiplier|" : state.mapWhat.replace("_", " "), side: "right" },
-          thickness: 14,
-          ...(radius ? {} : { tickvals: range(most + 1) }),
-        },
-        hovertemplate: `%{x:.6g}${unitSuffix()}, %{y:.5g}: %{z:.4g}<extra></extra>`,
-      },
-    ];
-    if (radius && rows > 1 && columns > 1) {
-      traces.push({
-        type: "contour",
-        x,
-        y,
-        z,
-        contours: { start: 1, end: 1, size: 1, coloring: "none" },
-        line: { color: INK, width: 1.4 },
-        showscale: false,
-        hoverinfo: "skip",
-        ncontours: 1,
-      });
-    }
-    for (const curve of chart.curves) {
-      traces.push({
-        type: "scatter",
-        mode: "lines",
-        x: curve.lambda.map((l) => l * per(main)),
-        y: curve.values,
-        name: safe(curve.kind),
-        line: { color: INK, width: 2, dash: curve.kind === "fold" ? "solid" : "dash" },
-        hovertemplate: `${safe(curve.kind)}<br>%{x:.6g}, %{y:.6g}<extra></extra>`,
-      });
-    }
-    const title =
-      (PARAMETERS[chart.parameter] || safe(chart.parameter.replace(/_/g, " "))) +
-      (chart.unit && chart.unit !== "1" ? `  [${chart.unit}]` : "");
-    const layout = { ...baseLayout(frequencyTitle(), title), margin: { l: 68, r: 10, t: 36, b: 48 }, hovermode: "closest" };
-    Plotly.react(plot, traces, layout, CONFIG);
+    const own = chart && !apart.includes(state.mapWhat),
+      parameter = own ? chart.parameter : state.mapWhat;
+    const loci = main.loci.filter((locus) => locus.parameter === parameter);
+    const unit = own && chart.unit && chart.unit !== "1" ? `  [${chart.unit}]` : "";
+    const title = (PARAMETERS[parameter] || safe(parameter.replace(/_/g, " "))) + unit;
+    const layout = {
+      ...baseLayout(frequencyTitle(), title),
+      margin: { l: 68, r: 10, t: 36, b: 48 },
+      hovermode: "closest",
+      uirevision: `${state.unit} ${parameter}`,
+    };
+    Plotly.react(plot, [...(own ? mapTraces(chart) : []), ...loci.flatMap(locusTraces)], layout, CONFIG);
     if (plot.hasClick) return;
     plot.hasClick = true;
-    plot.on("plotly_click", (event) => {
-      const nearest = (list, value) =>
-        list.reduce((best, one, i) => (Math.abs(one - value) < Math.abs(list[best] - value) ? i : best), 0);
-      const row = nearest(chart.values, event.points[0].y),
-        column = nearest(
-          Array.from(chart.lambda, (l) => l * per(main)),
-          event.points[0].x,
-        );
-      const cell = row * columns + column,
-        at = [0, 1].map((part) => chart.multiplier[2 * cell + part]);
-      byId("cell").textContent =
-        `${chart.parameter.replace(/_/g, " ")} = ${show(chart.values[row])}, ` +
-        `${state.unit === "Lambda" ? "Λ = " : ""}${show(chart.lambda[column] * per(main))}${unitSuffix()}: ` +
-        `${chart.motions[cell]} motions, ${chart.stable_motions[cell]} of them stable` +
-        (Number.isFinite(at[0])
-          ? `; largest multiplier of the most stable one ${show(at[0], 5)}${at[1] < 0 ? " - " : " + "}` +
-            `${show(Math.abs(at[1]), 5)} i, magnitude ${show(Math.hypot(...at), 5)}.`
-          : ".");
-    });
+    plot.on("plotly_click", (event) => tellCell(chart, event.points[0]));
   }
   return draw;
+}
+
+/** A map in colours, with the boundary of stability. */
+function mapTraces(chart) {
+  const rows = chart.values.length,
+    columns = chart.lambda.length,
+    values = chart[state.mapWhat];
+  const x = Array.from(chart.lambda, (l) => l * per(main)),
+    y = Array.from(chart.values);
+  const z = range(rows).map((row) =>
+    range(columns).map((column) => {
+      const value = values[row * columns + column];
+      return Number.isFinite(value) && value >= 0 ? value : null;
+    }),
+  );
+  const radius = state.mapWhat === "spectral_radius",
+    most = Math.max(1, ...z.flat().filter((v) => v != null));
+  const colors = ["#440154", "#31688e", "#35b779", "#fde725", "#ffffff", "#bbbbbb"];
+  const steps = range(most + 1).flatMap((k) => [k, k + 1].map((edge) => [edge / (most + 1), colors[Math.min(k, 5)]]));
+  const traces = [
+    {
+      type: "heatmap",
+      x,
+      y,
+      z,
+      hoverongaps: false,
+      ...(radius ? { colorscale: AROUND_ONE, zmin: 0.5, zmax: 1.5 } : { colorscale: steps, zmin: -0.5, zmax: most + 0.5 }),
+      colorbar: {
+        title: { text: radius ? "largest |multiplier|" : state.mapWhat.replace("_", " "), side: "right" },
+        thickness: 14,
+        ...(radius ? {} : { tickvals: range(most + 1) }),
+      },
+      hovertemplate: `%{x:.6g}${unitSuffix()}, %{y:.5g}: %{z:.4g}<extra></extra>`,
+    },
+  ];
+  if (radius && rows > 1 && columns > 1) {
+    traces.push({
+      type: "contour",
+      x,
+      y,
+      z,
+      contours: { start: 1, end: 1, size: 1, coloring: "none" },
+      line: { color: INK, width: 1.4 },
+      showscale: false,
+      hoverinfo: "skip",
+      ncontours: 1,
+    });
+  }
+  return traces;
+}
+
+/** The curve of a special point, and the points on it at which two conditions meet. */
+function locusTraces(locus) {
+  const words = safe(locus.kind);
+  return [
+    {
+      type: "scatter",
+      mode: "lines",
+      showlegend: false,
+      x: Array.from(locus.lambda, (l) => l * per(main)),
+      y: Array.from(locus.values),
+      line: { color: INK, width: 2.5, dash: locus.kind === "fold" ? "solid" : "dash" },
+      hovertemplate: `${words}<br>%{x:.6g}${unitSuffix()}, %{y:.6g}<extra></extra>`,
+    },
+    {
+      type: "scatter",
+      mode: "markers+text",
+      showlegend: false,
+      x: locus.specials.map((special) => special.at * per(main)),
+      y: locus.specials.map((special) => special.value),
+      text: locus.specials.map((special) => safe(special.kind)),
+      textposition: "top right",
+      marker: { size: 9, color: "#fff", line: { color: INK, width: 2 } },
+      hovertemplate: "%{text}<br>%{x:.6g}, %{y:.6g}<extra></extra>",
+    },
+  ];
+}
+
+/** The numbers of a cell that is clicked. */
+function tellCell(chart, point) {
+  if (!chart || point.data.type !== "heatmap") return;
+  const columns = chart.lambda.length;
+  const nearest = (list, value) =>
+    list.reduce((best, one, i) => (Math.abs(one - value) < Math.abs(list[best] - value) ? i : best), 0);
+  const places = Array.from(chart.lambda, (l) => l * per(main));
+  const row = nearest(chart.values, point.y),
+    column = nearest(places, point.x);
+  const cell = row * columns + column,
+    at = [0, 1].map((part) => chart.multiplier[2 * cell + part]);
+  byId("cell").textContent =
+    `${chart.parameter.replace(/_/g, " ")} = ${show(chart.values[row])}, ` +
+    `${state.unit === "Lambda" ? "Λ = " : ""}${show(places[column])}${unitSuffix()}: ` +
+    `${chart.motions[cell]} motions, ${chart.stable_motions[cell]} of them stable` +
+    (Number.isFinite(at[0])
+      ? `; largest multiplier of the most stable one ${show(at[0], 5)}${at[1] < 0 ? " - " : " + "}` +
+        `${show(Math.abs(at[1]), 5)} i, magnitude ${show(Math.hypot(...at), 5)}.`
+      : ".");
 }
 
 function runUpView(panel) {
