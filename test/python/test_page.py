@@ -57,8 +57,15 @@ def results(tmp_path_factory):
         &integration from = 1.6, to = 2.2, points = 7, direction = 'both', stability = .true. /
         &attractors frequency = 1.6, starts = 4 /
         &stability_map from = 1.6, to = 2.2, points = 13, parameter_from = 0.0, parameter_to = 0.4, parameter_points = 5 /
+        &locus kind = 'period_doubling', near = 1.75, parameter = 'stiffness_variation', from = 0.2, to = 0.4 /
     """)
     return gt.read_case(case).run()
+
+
+@pytest.fixture(scope="module")
+def over(train):
+    """A branch over a parameter of the train."""
+    return train.continuation(parameter="mesh 2 half_backlash", start=10e-6, stop=40e-6, frequency=0.7)
 
 
 @pytest.fixture(scope="module")
@@ -94,6 +101,7 @@ def test_holds_the_results(results, path):
     table = next(table for table in told["tables"] if table["name"] == "Jumps")
     assert [row[table["headings"].index("Lambda")] for row in table["rows"]] == [jump.frequency for jump in results.response.jumps]
     assert told["map"]["spectral_radius"].shape == results.stability_map.spectral_radius.shape
+    np.testing.assert_array_equal(told["loci"][0]["values"], results.locus.parameter)
 
 
 def test_numbers_that_are_not_finite_survive():
@@ -174,6 +182,16 @@ def test_what_is_refused(branch, results, tmp_path, monkeypatch):
     monkeypatch.setattr(_extras, "import_module", absent)
     with pytest.raises(ModuleNotFoundError, match=re.escape("plotly, which is not installed: pip install 'geartrain[page]'")):
         branch.page()
+
+
+def test_branch_over_a_parameter(over, branch):
+    told = unpacked(over.page().html)["files"][0]
+    np.testing.assert_array_equal(told["series"][0]["across"], over.parameter)
+    assert "mesh 2 half_backlash [m]" in told["tables"][0]["headings"]
+    # The gap of mesh 2 changes along the branch, and no one force law is that of all its points; mesh 1 keeps its own.
+    assert told["laws"][0] is not None and told["laws"][1] is None and "mesh 2" in told["forces"]
+    with pytest.raises(gt.InputError, match="compare: goes over frequency: must go over mesh 2 half_backlash"):
+        over.page(compare=branch)
 
 
 def test_train_of_rigid_shafts():
@@ -409,6 +427,9 @@ def test_map_tells_a_cell(shown, results):
     text = shown.find("#cell").text
     assert f"stiffness variation = {chart.parameter[3]:.6g}" in text
     assert f"{chart.motions[3, 6]} motions, {chart.stable_motions[3, 6]} of them stable" in text
+    # The curve of the period doubling lies over the map, in its units.
+    line = shown.js("byId('chart').data.filter((trace) => trace.type === 'scatter').map((trace) => [trace.x, trace.y])[0]")
+    np.testing.assert_allclose(line, [results.locus.frequency, results.locus.parameter])
 
 
 def test_two_files_and_a_narrow_screen(browser, branch, train, tmp_path, monkeypatch):
@@ -430,6 +451,17 @@ def test_two_files_and_a_narrow_screen(browser, branch, train, tmp_path, monkeyp
         assert page.js("document.documentElement.scrollWidth") <= 400, tab
     image = page.js("[...document.querySelectorAll('img')].map((i) => [i.naturalWidth > 100, i.alt.length > 10])")
     assert image == [[True, True]] * 2
+    assert page.complaints() == [""]
+
+
+def test_a_parameter_in_the_browser(over, browser, tmp_path):
+    over.page(tmp_path / "over.html")
+    page = Shown(browser, tmp_path / "over.html")
+    assert page.js("byId('curve').layout.xaxis.title.text") == "mesh 2 half backlash  [m]"
+    assert page.js("byId('curve').data[0].x[0]") == pytest.approx(over.parameter[0])
+    page.press("#curve", "END")
+    facts = page.find("#facts").text
+    assert "mesh 2 half backlash" in facts and "0.00004 m" in facts and "Λ = 0.7" in facts
     assert page.complaints() == [""]
 
 
