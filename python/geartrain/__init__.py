@@ -33,6 +33,7 @@ from __future__ import annotations
 
 from . import _box
 from ._draw import plot_style
+from ._page import Page, page
 from ._suggest import suggest_names
 from .attractors import Attractors
 from .audit import Audit
@@ -79,6 +80,7 @@ __all__ = [
     "Motions",
     "NotDifferentiableWarning",
     "Order",
+    "Page",
     "Peak",
     "Peaks",
     "Results",
@@ -93,6 +95,7 @@ __all__ = [
     "Sweep",
     "Train",
     "Trajectory",
+    "page",
     "plot_style",
     "read_case",
     "read_results",

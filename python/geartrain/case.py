@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ._box import Box, Group, file_name, fortran
 from ._motion_table import ATTRACTORS, INTEGRATION
 from ._namelist import parse
+from ._page import Page, page
 from ._table import Found
 from ._watch import watched
 from .attractors import Attractors
@@ -90,6 +91,20 @@ class Results:
             for place, branch in enumerate(self.branches, 1):
                 branch._put(box, place)
             box.write(path)
+
+    def page(self, path: str | os.PathLike[str] | None = None, *, compare: Any = None) -> Page:
+        """The results as a page for a browser, as `geartrain.page` gives it; needs plotly.
+
+        Parameters
+        ----------
+        path : path-like, optional
+            Where to write it.
+        compare : Results, Branch or path-like, optional
+            Laid over these: results, or a results file.
+        """
+        if isinstance(compare, (str, os.PathLike)):
+            compare = read_results(compare)
+        return page(self, path, compare=compare)
 
     def __getattr__(self, name: str) -> Any:
         # Only what is no attribute comes here; `others` itself is not there yet while results are copied.
