@@ -34,7 +34,7 @@ module geartrain_analyses_attractors
    implicit none (type, external)
    private
    public :: attractors, attractors_analysis_type, attractors_row, attractors_settings_type, attractors_type, check_attractors, &
-      follow_attractors
+      collect, error_share, follow_attractors
 
    type(group_row_type), parameter :: attractors_row = group_row_type('attractors', 'Asks for the steady motions that random &
       &starts settle on at one frequency, and their shares.', steps='starts', set_aside=.true.)
@@ -261,24 +261,31 @@ contains
    end function random_state
 
    !> Counts a settled motion as one of `motions`, or adds the motion to the list.
-   subroutine collect(motion, uncertainty, motions, hits)
+   subroutine collect(motion, uncertainty, motions, hits, place)
+      !> The motion; without a period it does not count.
       type(motion_type), intent(in) :: motion
       !> Relative error of the figures [1].
       real(dp), intent(in) :: uncertainty
+      !> The motions so far.
       type(motion_type), allocatable, intent(inout) :: motions(:)
       !> Starts that settled on each motion.
       integer, allocatable, intent(inout) :: hits(:)
+      !> Its place among the motions; 0: it has no period.
+      integer, intent(out), optional :: place
       integer :: i
 
+      if (present(place)) place = 0
       if (motion%period == 0) return
       do i = 1, size(motions)
          if (motions(i)%period /= motion%period) cycle
          if (.not. is_same_motion(motion, motions(i), uncertainty)) cycle
          hits(i) = hits(i) + 1
+         if (present(place)) place = i
          return
       end do
       motions = [motions, motion]
       hits = [hits, 1]
+      if (present(place)) place = size(motions)
    end subroutine collect
 
    !> Sorts motions by number of starts, descending.
