@@ -34,6 +34,7 @@ from __future__ import annotations
 from . import _box
 from ._draw import plot_style
 from .attractors import Attractors
+from .basins import Basins
 from .audit import Audit
 from .branch import Branch
 from .campbell import Campbell, Crossing, Order
@@ -57,6 +58,7 @@ from .variables import Body, Mesh, Shaft
 __all__ = [
     "Attractors",
     "Audit",
+    "Basins",
     "Body",
     "Branch",
     "Campbell",

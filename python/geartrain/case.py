@@ -16,6 +16,7 @@ from ._namelist import parse
 from ._table import Found
 from ._watch import watched
 from .attractors import Attractors
+from .basins import Basins
 from .branch import Branch
 from .modes import Modes
 from .run_up import RunUp
@@ -37,6 +38,7 @@ class Results:
     response : Branch or None
     integration : Sweep or None
     attractors : Attractors or None
+    basins : Basins or None
     stability_map : StabilityMap or None
     run_up : RunUp or None
     branches : list of Branch
@@ -53,6 +55,7 @@ class Results:
     response: Branch | None
     integration: Sweep | None
     attractors: Attractors | None = None
+    basins: Basins | None = None
     stability_map: StabilityMap | None = None
     run_up: RunUp | None = None
     branches: list[Branch] = field(default_factory=list)
@@ -105,9 +108,9 @@ class Case:
     train : Train
     modes : bool
         Whether they are wanted.
-    response, integration, attractors, stability_map, run_up : mapping or None
-        The group's variables, as keywords of `Train.response`, `Train.sweep`, `Train.attractors`, `Train.stability_map` and
-        `Train.run_up`; None where it is absent.
+    response, integration, attractors, basins, stability_map, run_up : mapping or None
+        The group's variables, as keywords of `Train.response`, `Train.sweep`, `Train.attractors`, `Train.basins`,
+        `Train.stability_map` and `Train.run_up`; None where it is absent.
     output : str or None
         The output file named in ``&output``.
     text : str
@@ -121,6 +124,7 @@ class Case:
     response: Mapping[str, Any] | None
     integration: Mapping[str, Any] | None
     attractors: Mapping[str, Any] | None
+    basins: Mapping[str, Any] | None
     stability_map: Mapping[str, Any] | None
     run_up: Mapping[str, Any] | None
     output: str | None
@@ -173,6 +177,7 @@ class Case:
             response=response,
             integration=Sweep._from(box, self.train) if INTEGRATION in box.results() else None,
             attractors=Attractors._from(box, self.train, branches[len(bifurcated):]) if ATTRACTORS in box.results() else None,
+            basins=Basins._from(box, self.train),
             stability_map=StabilityMap._from(box, self.train),
             run_up=RunUp._from(box, self.train),
             branches=branches,
@@ -193,6 +198,7 @@ class Case:
             response=one.get("response"),
             integration=one.get("integration"),
             attractors=one.get("attractors"),
+            basins=one.get("basins"),
             stability_map=one.get("stability_map"),
             run_up=one.get("run_up"),
             output=one.get("output", {}).get("file"),
