@@ -54,6 +54,10 @@ class Basins(Table):
         those of the grid over one mesh's alone: the two shares differ.
     unsettled, unbounded : float
         Shares of the starts of the grid.
+    start_state : ndarray, (2*elements,)
+        State at phase 0 that the starts have, as ``Motion.state``, but for the displacement and velocity of the mesh.
+    displacement_place, velocity_place : int
+        Places of these in the state, from 1.
     starts, random_seed : int
         Random starts, and what they were made from.
     ended : str
@@ -74,6 +78,9 @@ class Basins(Table):
     grid_share: Array
     grid_share_error: Array
     share_error: Array
+    start_state: Array
+    displacement_place: int
+    velocity_place: int
     unsettled: float
     unbounded: float
     starts: int
@@ -86,6 +93,18 @@ class Basins(Table):
     def __repr__(self) -> str:
         rows, columns = self.label.shape
         return f"<Basins of {len(self.motions)} motions at Lambda = {self.frequency:g}, {rows} x {columns} starts: {self.ended}>"
+
+    def start(self, displacement: float, velocity: float) -> Array:
+        """The state at phase 0 of a start, (2*elements,), from which `Train.integrate` shows the way to its motion.
+
+        Parameters
+        ----------
+        displacement, velocity : float
+            Of the mesh, as those of the starts.
+        """
+        state = np.array(self.start_state)
+        state[self.displacement_place - 1], state[self.velocity_place - 1] = displacement, velocity
+        return state
 
     def motion_at(self, displacement: float, velocity: float) -> Motion | None:
         """The motion that the nearest start reaches; None where it reaches none.
@@ -160,7 +179,11 @@ class Basins(Table):
         found = super()._from(box, train)
         if found is None:
             return None
-        return replace(found, motions=[Motion(train=train, **fields) for fields in motions_of(box, cls.path)])
+        return replace(
+            found,
+            frequency=box.results()[cls.path].attributes["frequency"],  # the motions have a column of this name
+            motions=[Motion(train=train, **fields) for fields in motions_of(box, cls.path)],
+        )
 
     def _columns(self) -> tuple[dict[str, Any], dict[str, Any]]:
         attributes, arrays = super()._columns()

@@ -50,6 +50,9 @@ module geartrain_analyses_basin_grid
       integer :: mesh = 1, starts = 0, random_seed = 0
       !> Starts: displacement and velocity of the mesh [1], (displacement), (velocity).
       real(dp), allocatable :: displacement(:), velocity(:)
+      !> State at phase 0 that the starts have [1], (state), but for the places of the displacement and the velocity.
+      real(dp), allocatable :: base(:)
+      integer :: displacement_place = 1, velocity_place = 1
       !> Number of the motion that each start reaches; 0: not settled, -1: grown without bound, -2: not done yet; (displacement,
       !> velocity).
       integer, allocatable :: label(:, :)
@@ -194,7 +197,7 @@ contains
       class(basins_type), intent(inout) :: found
       !> The fields of the results.
       class(fields_type), intent(inout) :: fields
-      integer :: n
+      integer :: n, states
 
       if (.not. fields%enter('/basins', 'which steady motion each start reaches at one frequency', .true.)) return
       n = 0
@@ -215,6 +218,14 @@ contains
                              &characteristic_frequency)'), found%velocity)
       call carry(fields, field('label', 'velocity displacement', '1', 'number of the motion that the start reaches, from 1; 0: &
                              &none, -1: it grows without bound, -2: not done yet', least=not_done), found%label)
+      states = 0
+      if (allocated(found%base)) states = size(found%base)
+      call fields%index_axis('start_coordinate', states, 'coordinate of `start_state`, in the order of `initial_state`')
+      call carry(fields, field('start_state', 'start_coordinate', '1', 'state at phase 0 that the starts have, but for &
+                             &the displacement and velocity of the mesh'), found%base)
+      call carry(fields, field('displacement_place', '', '', 'place of the displacement of the mesh in the state, from 1', &
+                               least=1), found%displacement_place)
+      call carry(fields, field('velocity_place', '', '', 'place of its velocity, from 1', least=1), found%velocity_place)
       call fields%index_axis('motion', n, 'motion: as random starts found them, largest share first, then those that only the &
                            &grid found')
       call carry(fields, field('grid_share', 'motion', '1', 'share of the starts of the grid', optional=.true.), &

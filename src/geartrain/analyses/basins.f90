@@ -114,7 +114,6 @@ contains
       type(system_type) :: system
       type(section_map_type) :: map
       type(recognition_type), allocatable :: known(:)
-      real(dp), allocatable :: base(:)
       integer, allocatable :: hits(:)
       integer :: done, rows, i
       logical :: keep_going
@@ -125,10 +124,8 @@ contains
       if (.not. allocated(error)) call analysis%check_alone(train, error)
       if (allocated(error)) return
       call build_system(train, system)
-      if (allocated(found%ended) .or. .not. allocated(found%label)) call begin(train, system, settings, found, error)
+      if (allocated(found%ended) .or. .not. allocated(found%label)) call begin(train, system, settings, found, error, start)
       if (allocated(error) .or. train%interrupt%raised()) return
-      base = resting_state(system)
-      if (present(start)) call state_of(system, start, base)
       call map%setup(system, found%frequency_ratio)
       allocate (known(0))
       hits = [(0, i=1, size(found%motions))]
@@ -138,7 +135,7 @@ contains
       do while (done < settings%velocity_points .and. keep_going)
          call recognise_more(system, map, found%motions, known)
          i = min(done + rows, settings%velocity_points)
-         call label_rows(system, settings, map, known, base, done + 1, i, found, hits)
+         call label_rows(system, settings, map, known, done + 1, i, found, hits)
          if (train%interrupt%raised()) then
             found%label(:, done + 1:i) = not_done
             exit
@@ -150,16 +147,17 @@ contains
    end subroutine basins
 
    !> Finds motions by random starts, and makes the grid.
-   subroutine begin(train, system, settings, found, error)
+   subroutine begin(train, system, settings, found, error, start)
       type(train_type), intent(in) :: train
       type(system_type), intent(in) :: system
       type(basins_settings_type), intent(in) :: settings
       type(basins_type), intent(inout) :: found
       type(error_type), allocatable, intent(inout) :: error
+      type(motion_type), intent(in), optional :: start
       type(attractors_settings_type) :: random
       type(attractors_type) :: by_chance
       type(basins_type) :: empty
-      real(dp) :: rest, state(system%states)
+      real(dp) :: rest
 
       found = empty
       random%frequency = settings%frequency
@@ -173,8 +171,11 @@ contains
       found%starts = settings%starts
       found%random_seed = settings%random_seed
       found%motions = by_chance%motions
-      state = resting_state(system)
-      rest = abs(state(system%mesh_element(settings%mesh)))
+      found%displacement_place = system%mesh_element(settings%mesh)
+      found%velocity_place = system%displacements + found%displacement_place
+      found%base = resting_state(system)
+      rest = abs(found%base(found%displacement_place))
+      if (present(start)) call state_of(system, start, found%base)
       associate (s => settings)
          found%displacement = spaced(s%displacement_start, s%displacement_stop, s%displacement_points)
          found%velocity = spaced(s%velocity_start, s%velocity_stop, s%velocity_points)
@@ -222,29 +223,27 @@ contains
    end subroutine recognise_more
 
    !> Labels the starts of some rows.
-   subroutine label_rows(system, settings, map, known, base, first, last, found, hits)
+   subroutine label_rows(system, settings, map, known, first, last, found, hits)
       type(system_type), intent(in) :: system
       type(basins_settings_type), intent(in) :: settings
       type(section_map_type), intent(in) :: map
       type(recognition_type), intent(in) :: known(:)
-      !> State that the starts have otherwise [1], (state).
-      real(dp), intent(in) :: base(:)
       !> First and last row.
       integer, intent(in) :: first, last
       type(basins_type), intent(inout) :: found
       integer, allocatable, intent(inout) :: hits(:)
       type(integration_settings_type) :: integration
       type(motion_type), allocatable :: settled(:)
-      real(dp) :: state(size(base)), states(size(base), (last - first + 1)*size(found%displacement))
+      real(dp) :: state(size(found%base)), states(size(found%base), (last - first + 1)*size(found%displacement))
       integer :: label((last - first + 1)*size(found%displacement)), i
       integer, allocatable :: left(:)
 
-      associate (points => size(found%displacement), n => system%mesh_element(found%mesh))
+      associate (points => size(found%displacement))
          !$omp parallel do private(state) schedule(dynamic, 8)
          do i = 1, size(label)
-            state = base
-            state(n) = found%displacement(mod(i - 1, points) + 1)
-            state(system%displacements + n) = found%velocity(first + (i - 1)/points)
+            state = found%base
+            state(found%displacement_place) = found%displacement(mod(i - 1, points) + 1)
+            state(found%velocity_place) = found%velocity(first + (i - 1)/points)
             call label_start(system, settings%max_periods, map, known, state, label(i))
             states(:, i) = state
          end do

@@ -5,6 +5,8 @@ module geartrain_analyses_list
    use geartrain_analyses_attractors, only: attractors_analysis_type, attractors_row, attractors_settings_type, attractors_type
    use geartrain_analyses_basin_grid, only: basins_settings_type, basins_type
    use geartrain_analyses_basins, only: basins_analysis_type, basins_row
+   use geartrain_analyses_bifurcation_diagram, only: bifurcation_diagram_analysis_type, bifurcation_diagram_row, &
+      bifurcation_diagram_settings_type, bifurcation_diagram_type
    use geartrain_analyses_integration, only: integration_analysis_type, integration_row, sweep_type
    use geartrain_analyses_modes, only: modes_analysis_type, modes_row
    use geartrain_analyses_response, only: response_analysis_type, response_row
@@ -22,7 +24,7 @@ module geartrain_analyses_list
 
    !> The analyses in the order in which they stand in a case file, run and are written.
    type(group_row_type), parameter :: analyses(*) = [modes_row, response_row, integration_row, attractors_row, basins_row, &
-                                                     stability_map_row, run_up_row]
+                                                     bifurcation_diagram_row, stability_map_row, run_up_row]
 
    !> A case: a train and the analyses that one namelist file asks for.
    type :: case_type
@@ -35,6 +37,7 @@ module geartrain_analyses_list
       type(integration_settings_type), allocatable :: integration
       type(attractors_settings_type), allocatable :: attractors
       type(basins_settings_type), allocatable :: basins
+      type(bifurcation_diagram_settings_type), allocatable :: bifurcation_diagram
       type(stability_map_settings_type), allocatable :: stability_map
       type(run_up_settings_type), allocatable :: run_up
       !> Name of the results file as given in &output; empty: name of the case with .h5.
@@ -49,6 +52,7 @@ module geartrain_analyses_list
       type(sweep_type), allocatable :: integration
       type(attractors_type), allocatable :: attractors
       type(basins_type), allocatable :: basins
+      type(bifurcation_diagram_type), allocatable :: bifurcation_diagram
       type(stability_map_type), allocatable :: stability_map
       type(run_up_type), allocatable :: run_up
       !> Further branches, each with its origin: branches that bifurcate from the response, then branches through attractors.
@@ -77,6 +81,7 @@ contains
       type(integration_analysis_type) :: integration
       type(attractors_analysis_type) :: attractors
       type(basins_analysis_type) :: basins
+      type(bifurcation_diagram_analysis_type) :: bifurcation_diagram
       type(stability_map_analysis_type) :: stability_map
       type(run_up_analysis_type) :: run_up
 
@@ -124,6 +129,14 @@ contains
          if (basins%asked) basins%settings => case%basins
          if (basins%begun) basins%result => results%basins
          allocate (analysis, source=basins)
+      case ('bifurcation_diagram')
+         if (asks .and. .not. allocated(case%bifurcation_diagram)) allocate (case%bifurcation_diagram)
+         if (begins .and. .not. allocated(results%bifurcation_diagram)) allocate (results%bifurcation_diagram)
+         bifurcation_diagram%asked = allocated(case%bifurcation_diagram)
+         bifurcation_diagram%begun = allocated(results%bifurcation_diagram)
+         if (bifurcation_diagram%asked) bifurcation_diagram%settings => case%bifurcation_diagram
+         if (bifurcation_diagram%begun) bifurcation_diagram%result => results%bifurcation_diagram
+         allocate (analysis, source=bifurcation_diagram)
       case ('stability_map')
          if (asks .and. .not. allocated(case%stability_map)) allocate (case%stability_map)
          if (begins .and. .not. allocated(results%stability_map)) allocate (results%stability_map)
@@ -161,6 +174,7 @@ contains
             if (name == 'integration') call move_alloc(nothing%integration, case%integration)
             if (name == 'attractors') call move_alloc(nothing%attractors, case%attractors)
             if (name == 'basins') call move_alloc(nothing%basins, case%basins)
+            if (name == 'bifurcation_diagram') call move_alloc(nothing%bifurcation_diagram, case%bifurcation_diagram)
             if (name == 'stability_map') call move_alloc(nothing%stability_map, case%stability_map)
             if (name == 'run_up') call move_alloc(nothing%run_up, case%run_up)
          end if
@@ -170,6 +184,7 @@ contains
             if (name == 'integration') call move_alloc(none%integration, results%integration)
             if (name == 'attractors') call move_alloc(none%attractors, results%attractors)
             if (name == 'basins') call move_alloc(none%basins, results%basins)
+            if (name == 'bifurcation_diagram') call move_alloc(none%bifurcation_diagram, results%bifurcation_diagram)
             if (name == 'stability_map') call move_alloc(none%stability_map, results%stability_map)
             if (name == 'run_up') call move_alloc(none%run_up, results%run_up)
          end if

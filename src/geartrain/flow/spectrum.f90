@@ -86,8 +86,8 @@ contains
    end subroutine orthogonalise
 
    !> Turns of the sections about their middle in a period of the fundamental, 0 to 1/2: where the motion is quasi-periodic, the
-   !> distance of its second frequency over that of the fundamental from the nearest whole number. Negative: the sections go round no
-   !> point of any plane of displacement and velocity.
+   !> distance of its second frequency over that of the fundamental from the nearest whole number. Negative: the sections go round
+   !> no point of any plane of displacement and velocity.
    !>
    !> The average has weights that are 0 with all derivatives at the ends, so that it converges faster than any power of the number
    !> of sections (Das and others, 2017).
