@@ -4,8 +4,8 @@ module geartrain_python_box
    use, intrinsic :: iso_fortran_env, only: int64, real64
    use geartrain, only: audit_branch, audit_text, audit_type, branch_type, case_text, case_type, error_type, &
                         frequency_gradient, gradient_type, integrate, interrupt_by, locate_contact_edges, motion_gradient, &
-                        motion_type, observer_type, period_doubled, refine, refine_branch, results_type, solutions_at, &
-                        special_gradient, status_input, version
+                        motion_type, name_parameter, observer_type, period_doubled, refine, refine_branch, &
+                        refine_motions, results_type, solutions_at, special_gradient, status_input, version
    use geartrain_analyses_analysis, only: analysis_type
    use geartrain_analyses_audit_fields, only: visit_audit
    use geartrain_analyses_list, only: find_analysis, number_of
@@ -21,6 +21,7 @@ module geartrain_python_box
    use geartrain_model_drawing_warnings, only: warnings_text
    use geartrain_model_explain, only: explain_train, explanation_text
    use geartrain_model_frequency_unit, only: hertz_per_lambda, speed_per_lambda
+   use geartrain_model_gradient, only: check_parameters
    use geartrain_model_labels, only: body_labels, mesh_labels, shaft_labels
    use geartrain_model_train, only: train_type
    use geartrain_python_taker, only: taker_type
@@ -118,11 +119,9 @@ contains
       real(real64), intent(in) :: values(:)
       type(watch_type), intent(inout) :: watch
       type(error_type), allocatable, intent(out) :: error
-      type(error_type), allocatable :: not_found
       type(branch_type), allocatable :: doubled
       type(motion_type), pointer :: start
       type(motion_type) :: motion
-      integer :: i
 
       select case (what)
       case ('at')
@@ -130,15 +129,13 @@ contains
          ! What there is then may not be solutions.
          if (box%case%train%interrupt%raised()) deallocate (box%motions)
          if (allocated(error) .or. .not. (allocated(box%results%response%correction) .and. allocated(box%motions))) return
-         ! Like a point of the branch, one that shooting does not find stays as it is.
-         do i = 1, size(box%motions)
-            call refine(box%case%train, box%motions(i), not_found)
-         end do
+         call refine_motions(box%case%train, box%results%response, values(1), box%motions, error)
       case ('refine')
          call refine_branch(box%case%train, box%results%response, error, watch)
       case ('double')
          allocate (doubled)
          call period_doubled(box%case%train, box%case%response, box%results%response, nint(values(1)), doubled, error, watch)
+         call name_parameter(box%case%train, doubled)
          call move_alloc(doubled, box%results%response)
       case ('audit')
          allocate (box%audit)
@@ -153,9 +150,9 @@ contains
       end select
    end subroutine work
 
-   !> Differentiates with respect to parameters, whose names are parted by line feeds: 'frequency', the natural frequencies;
-   !> 'special', Lambda of special point `number` of the box's branch; else a figure of the motion of period `number` at Lambda =
-   !> `frequency` that has the coefficients.
+   !> Differentiates with respect to parameters, whose names are parted by line feeds: '/parameters', nothing, the names are checked
+   !> alone; '/frequency', the natural frequencies; '/special', Lambda of special point `number` of the box's branch; else a figure
+   !> of the motion of period `number` at Lambda = `frequency` that has the coefficients.
    subroutine differentiate(box, what, text, number, frequency, coefficients, error)
       type(box_type), intent(inout) :: box
       character(*), intent(in) :: what, text
@@ -174,9 +171,11 @@ contains
          first = first + at
       end do
       select case (what)
-      case ('frequency')
+      case ('/parameters')
+         call check_parameters(box%case%train, names, error)
+      case ('/frequency')
          call frequency_gradient(box%case%train, names, box%gradient, error)
-      case ('special')
+      case ('/special')
          call special_gradient(box%case%train, box%case%response, box%results%response, number, names, box%gradient, error)
       case default
          motion%period = number

@@ -35,6 +35,8 @@ class SpecialPoint:
         Whether it rests on undecided points: on one side of it the next points are all undecided.
     speed, fundamental_frequency : float or None
         In rpm, where every mesh has teeth; in Hz.
+    parameter : float or None
+        Value of the parameter, on a branch over one.
     branch : Branch or None
         The one that it was found on.
     """
@@ -46,10 +48,13 @@ class SpecialPoint:
     undecided: bool = False
     speed: float | None = None
     fundamental_frequency: float | None = None
+    parameter: float | None = None
     branch: Any = field(default=None, repr=False)
 
     def gradient(self, parameters: Sequence[str]) -> Array:
         """Derivatives of Lambda of a fold or a period doubling with respect to parameters of the train.
+
+        Lambda is ``frequency``: where ``characteristic_frequency`` is left out, as on a drawing, it is the speed in rpm.
 
         They are those of the harmonic balance: of its fold, R = 0 and dR/dp singular, or of its own period doubling, which with
         few harmonics is not quite where the multipliers have it.
@@ -62,7 +67,8 @@ class SpecialPoint:
         Returns
         -------
         ndarray, (parameters,)
-            Over the unit of the parameter; NaN where there is no derivative.
+            Of Lambda [1, or rpm as above] over the unit of the parameter, which is that of the case (angles of the drawing in
+            degrees, phases in rad); NaN where there is no derivative.
 
         Raises
         ------
@@ -83,7 +89,7 @@ class SpecialPoint:
         if self.branch is None:
             raise ValueError("this special point has no branch")
         place = next(place for place, own in enumerate(self.branch.special_points, 1) if own is self)
-        found: Array = gradient_of(self.branch._box(), "special", parameters, place)[0]
+        found: Array = gradient_of(self.branch._box(), "/special", parameters, place)[0]
         return found
 
 

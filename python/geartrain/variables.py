@@ -91,8 +91,10 @@ VARIABLES: dict[str, dict[str, Variable]] = {
     },
     "modes": {},
     "response": {
-        "start": Variable("from", "real", "float", None, True, "Frequency at which the branch begins; > 0"),
-        "stop": Variable("to", "real", "float", None, True, "Frequency at which it ends, above or below; > 0"),
+        "start": Variable("from", "real", "float", None, True, "Frequency or value of parameter at which the branch begins"),
+        "stop": Variable("to", "real", "float", None, True, "Frequency or value of parameter at which it ends, above or below"),
+        "parameter": Variable("parameter", "text", "str", "", False, "Number of the train that from and to are values of, at constant frequency, as in 'input_torque', 'mesh 2 half_backlash', 'mesh * damping_ratio', 'stiffness_variation'; blank: none, they are frequencies"),
+        "frequency": Variable("frequency", "real", "float", None, False, "With parameter: the constant frequency; > 0"),
         "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Unit of the frequencies of the group: Lambda; rpm, the speed, of a train whose meshes all have teeth; Hz, of the fundamental; 'Lambda', 'rpm' or 'Hz'"),
         "harmonics": Variable("harmonics", "integer", "int", 6, False, "Harmonics R of Lambda/subharmonic; 0: as many as tolerance needs; >= 1 and <= 1000, or 0"),
         "subharmonic": Variable("subharmonic", "integer", "int", 1, False, "Period of the motion in periods of the fundamental, eta; >= 1 and <= 1000"),
@@ -292,6 +294,8 @@ class ResponseKeywords(TypedDict, total=False):
 
     start: Required[float]
     stop: Required[float]
+    parameter: str
+    frequency: float | None
     unit: Literal["Lambda", "rpm", "Hz"]
     harmonics: int
     subharmonic: int
