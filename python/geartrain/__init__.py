@@ -35,12 +35,14 @@ from . import _box
 from ._draw import plot_style
 from .attractors import Attractors
 from .basins import Basins
+from .bifurcation_diagram import BifurcationDiagram
 from .audit import Audit
 from .branch import Branch
 from .campbell import Campbell, Crossing, Order
 from .case import Case, Results, read_case, read_results
 from .errors import DrawingWarning, InputError, Interrupted, NotDifferentiableWarning, SolverError
 from .explanation import Explanation
+from .lyapunov import LyapunovSpectrum
 from .modes import Modes
 from .motion import Motion
 from .motions import Motions
@@ -59,6 +61,7 @@ __all__ = [
     "Attractors",
     "Audit",
     "Basins",
+    "BifurcationDiagram",
     "Body",
     "Branch",
     "Campbell",
@@ -69,6 +72,7 @@ __all__ = [
     "InputError",
     "Interrupted",
     "Jump",
+    "LyapunovSpectrum",
     "Mesh",
     "Modes",
     "Motion",

@@ -17,6 +17,7 @@ from ._table import Found
 from ._watch import watched
 from .attractors import Attractors
 from .basins import Basins
+from .bifurcation_diagram import BifurcationDiagram
 from .branch import Branch
 from .modes import Modes
 from .run_up import RunUp
@@ -39,6 +40,7 @@ class Results:
     integration : Sweep or None
     attractors : Attractors or None
     basins : Basins or None
+    bifurcation_diagram : BifurcationDiagram or None
     stability_map : StabilityMap or None
     run_up : RunUp or None
     branches : list of Branch
@@ -56,6 +58,7 @@ class Results:
     integration: Sweep | None
     attractors: Attractors | None = None
     basins: Basins | None = None
+    bifurcation_diagram: BifurcationDiagram | None = None
     stability_map: StabilityMap | None = None
     run_up: RunUp | None = None
     branches: list[Branch] = field(default_factory=list)
@@ -108,9 +111,9 @@ class Case:
     train : Train
     modes : bool
         Whether they are wanted.
-    response, integration, attractors, basins, stability_map, run_up : mapping or None
+    response, integration, attractors, basins, bifurcation_diagram, stability_map, run_up : mapping or None
         The group's variables, as keywords of `Train.response`, `Train.sweep`, `Train.attractors`, `Train.basins`,
-        `Train.stability_map` and `Train.run_up`; None where it is absent.
+        `Train.bifurcation_diagram`, `Train.stability_map` and `Train.run_up`; None where it is absent.
     output : str or None
         The output file named in ``&output``.
     text : str
@@ -125,6 +128,7 @@ class Case:
     integration: Mapping[str, Any] | None
     attractors: Mapping[str, Any] | None
     basins: Mapping[str, Any] | None
+    bifurcation_diagram: Mapping[str, Any] | None
     stability_map: Mapping[str, Any] | None
     run_up: Mapping[str, Any] | None
     output: str | None
@@ -178,6 +182,7 @@ class Case:
             integration=Sweep._from(box, self.train) if INTEGRATION in box.results() else None,
             attractors=Attractors._from(box, self.train, branches[len(bifurcated):]) if ATTRACTORS in box.results() else None,
             basins=Basins._from(box, self.train),
+            bifurcation_diagram=BifurcationDiagram._from(box, self.train),
             stability_map=StabilityMap._from(box, self.train),
             run_up=RunUp._from(box, self.train),
             branches=branches,
@@ -199,6 +204,7 @@ class Case:
             integration=one.get("integration"),
             attractors=one.get("attractors"),
             basins=one.get("basins"),
+            bifurcation_diagram=one.get("bifurcation_diagram"),
             stability_map=one.get("stability_map"),
             run_up=one.get("run_up"),
             output=one.get("output", {}).get("file"),

@@ -12,16 +12,19 @@ from numpy.typing import ArrayLike, NDArray
 from ._box import Box
 from ._draw import new_axes
 from ._gradient import gradient_of
+from ._namelist import in_words_of_the_call
 from ._motion_table import motions_of, put_motions
 from ._units import Unit, lambda_of, units_of
 from ._variable import takes
 from ._watch import watched
 from .attractors import Attractors
 from .basins import Basins
+from .bifurcation_diagram import BifurcationDiagram
 from .branch import Branch
 from .campbell import Campbell
 from .description import Description
 from .errors import InputError, SolverError, shown
+from .lyapunov import LyapunovSpectrum
 from .modes import Modes
 from .motion import Motion, from_state
 from .motions import Motions, find_motions
@@ -35,6 +38,7 @@ from .variables import (
     VARIABLES,
     AttractorsKeywords,
     BasinsKeywords,
+    BifurcationDiagramKeywords,
     IntegrateKeywords,
     IntegrationKeywords,
     ResponseKeywords,
@@ -450,6 +454,93 @@ class Train(Description):
                 return found
 
         return watched(work, "basins", grid["velocity_points"], "rows")
+
+    @takes(VARIABLES["bifurcation_diagram"], BifurcationDiagramKeywords)
+    def bifurcation_diagram(
+        self, *, seed: Motion | ArrayLike | None = None, **settings: Unpack[BifurcationDiagramKeywords]
+    ) -> BifurcationDiagram:
+        """Sections of the attractors over frequency, with their Lyapunov exponents and rotation numbers; up and down at once.
+
+        Parameters
+        ----------
+        **settings
+            The variables of ``&bifurcation_diagram``.
+        seed : Motion or array_like, optional
+            What each direction begins with: a motion, or a state as ``Motion.state``; at rest unless told.
+
+        Returns
+        -------
+        BifurcationDiagram
+
+        Raises
+        ------
+        InputError
+        Interrupted
+            On Ctrl-C, with the points so far.
+
+        Examples
+        --------
+        >>> diagram = train.bifurcation_diagram(start=1.85, stop=2.0, points=2, direction="up")
+        >>> diagram.period, diagram.displacement.shape
+        (array([2, 2], dtype=int32), (2, 200, 2))
+        """
+        asked = self._ask(bifurcation_diagram=settings)
+
+        def work(progress: NDArray[np.float64]) -> BifurcationDiagram:
+            with asked as box:
+                self._put_start(box, seed, "seed")
+                status = box.run("bifurcation_diagram", progress)
+                found = BifurcationDiagram._from(box, self)
+                box.check(status, whole=found is None)
+                if found is None:
+                    raise SolverError("nothing found")
+                return found
+
+        return watched(work, "bifurcation diagram", settings["points"] * (1 + (settings["direction"] == "both")))
+
+    def lyapunov_spectrum(
+        self, frequency: float, *, unit: Unit = "Lambda", start: Motion | ArrayLike | None = None, transient: int = 500,
+        periods: int = 2000,
+    ) -> LyapunovSpectrum:
+        """All Lyapunov exponents of what the flow does in the long run, and its sections.
+
+        Parameters
+        ----------
+        frequency : float
+            Lambda, or in ``unit``.
+        unit : {'Lambda', 'rpm', 'Hz'}
+        start : Motion or array_like, optional
+            Where to start: a motion, or a state as ``Motion.state``; at rest unless told.
+        transient, periods : int
+            Periods of the fundamental before the average, and those averaged over.
+
+        Returns
+        -------
+        LyapunovSpectrum
+
+        Raises
+        ------
+        InputError
+        SolverError
+            Where the flow grows without bound, or does not settle otherwise.
+        Interrupted
+            On Ctrl-C.
+
+        Examples
+        --------
+        >>> spectrum = train.lyapunov_spectrum(1.92, periods=200)
+        >>> spectrum.kind, spectrum.dimension
+        ('periodic', 0.0)
+        """
+        try:
+            found = self.bifurcation_diagram(seed=start, start=frequency, stop=frequency, unit=unit, points=1, direction="up",
+                                             transient=transient, sections=periods)
+        except InputError as error:
+            told = in_words_of_the_call(str(error), {"start": "frequency", "stop": "frequency", "sections": "periods"})
+            raise InputError("\n".join(dict.fromkeys(told.splitlines()))) from None
+        if not np.isfinite(found.lyapunov_exponents).all():
+            raise SolverError(f"lyapunov_spectrum: no exponents at Lambda = {found.frequency[0]:g}: the flow is {found.kind[0]}")
+        return LyapunovSpectrum._of(found)
 
     def motions(
         self, frequency: float, *, unit: Unit = "Lambda", period: int = 4, starts: int = 100, seeds: int = 200,

@@ -2,7 +2,8 @@
 !>
 !> The steady motions are found by random starts first (geartrain_analyses_attractors). Each start of the grid then flies by a
 !> tabulated map from section to section until it is in a ball about a known motion (geartrain_flow_recognition), and what is in
-!> none after `max_periods` is settled the long way, where it may find a further motion.
+!> none after `max_periods` is compared with the motions without period that are known (geartrain_flow_aperiodic), or else settled
+!> the long way, where it may find a further motion.
 module geartrain_analyses_basins
    use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
    use geartrain_analyses_attractors, only: attractors, attractors_settings_type, attractors_type, collect, error_share
@@ -16,6 +17,7 @@ module geartrain_analyses_basins
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: visitor_type
+   use geartrain_flow_aperiodic, only: aperiodic_type
    use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_flow_recognition, only: recognition_type
    use geartrain_flow_section_map, only: section_map_type
@@ -37,6 +39,8 @@ module geartrain_analyses_basins
    integer, parameter :: batch = 256
    !> Periods of the fundamental after which the long way gives up, beyond `max_periods`.
    integer, parameter :: long_way = 64
+   !> Periods of the fundamental over which motions without period are averaged, and starts that are compared with them.
+   integer, parameter :: average = 2000, short_average = 300
 
    type, extends(analysis_type) :: basins_analysis_type
       type(basins_settings_type), pointer :: settings => null()
@@ -114,6 +118,7 @@ contains
       type(system_type) :: system
       type(section_map_type) :: map
       type(recognition_type), allocatable :: known(:)
+      type(aperiodic_type), allocatable :: wandering(:)
       integer, allocatable :: hits(:)
       integer :: done, rows, i
       logical :: keep_going
@@ -127,7 +132,10 @@ contains
       if (allocated(found%ended) .or. .not. allocated(found%label)) call begin(train, system, settings, found, error, start)
       if (allocated(error) .or. train%interrupt%raised()) return
       call map%setup(system, found%frequency_ratio)
-      allocate (known(0))
+      allocate (known(0), wandering(size(found%motions)))
+      do i = 1, size(wandering)
+         if (found%motions(i)%period == 0) call wandering(i)%find(system, map, found%motions(i)%state, average)
+      end do
       hits = [(0, i=1, size(found%motions))]
       keep_going = .true.
       rows = max(1, batch/settings%displacement_points)
@@ -135,7 +143,7 @@ contains
       do while (done < settings%velocity_points .and. keep_going)
          call recognise_more(system, map, found%motions, known)
          i = min(done + rows, settings%velocity_points)
-         call label_rows(system, settings, map, known, done + 1, i, found, hits)
+         call label_rows(system, settings, map, known, wandering, done + 1, i, found, hits)
          if (train%interrupt%raised()) then
             found%label(:, done + 1:i) = not_done
             exit
@@ -223,17 +231,20 @@ contains
    end subroutine recognise_more
 
    !> Labels the starts of some rows.
-   subroutine label_rows(system, settings, map, known, first, last, found, hits)
+   subroutine label_rows(system, settings, map, known, wandering, first, last, found, hits)
       type(system_type), intent(in) :: system
       type(basins_settings_type), intent(in) :: settings
       type(section_map_type), intent(in) :: map
       type(recognition_type), intent(in) :: known(:)
+      !> What the motions without period do, (motion).
+      type(aperiodic_type), allocatable, intent(inout) :: wandering(:)
       !> First and last row.
       integer, intent(in) :: first, last
       type(basins_type), intent(inout) :: found
       integer, allocatable, intent(inout) :: hits(:)
       type(integration_settings_type) :: integration
       type(motion_type), allocatable :: settled(:)
+      type(aperiodic_type), allocatable :: these(:)
       real(dp) :: state(size(found%base)), states(size(found%base), (last - first + 1)*size(found%displacement))
       integer :: label((last - first + 1)*size(found%displacement)), i
       integer, allocatable :: left(:)
@@ -249,24 +260,43 @@ contains
          end do
          !$omp end parallel do
          left = pack([(i, i=1, size(label))], label == unsettled)
-         allocate (settled(size(left)))
+         allocate (settled(size(left)), these(size(left)))
          integration%max_periods = long_way
          integration%stability = .true.
          !$omp parallel do private(state) schedule(dynamic)
          do i = 1, size(left)
             state = states(:, left(i))
-            call settle(system, found%frequency_ratio, integration, state, settled(i))
+            call these(i)%find(system, map, state, short_average)
+            label(left(i)) = place_of(these(i), wandering)
+            if (label(left(i)) == unsettled) call settle(system, found%frequency_ratio, integration, state, settled(i))
          end do
          !$omp end parallel do
          if (system%interrupt%raised()) return
          do i = 1, size(left)
+            if (label(left(i)) > 0) cycle
+            if (settled(i)%kind == 'undecided') then
+               ! The first such start of a batch adds the motion, the others are the same.
+               settled(i)%kind = these(i)%kind
+               settled(i)%lyapunov_exponent = these(i)%exponent
+               settled(i)%lyapunov_error = these(i)%error
+            end if
             settled(i)%share = 0
-            call collect(settled(i), error_share*integration%tolerance, found%motions, hits, label(left(i)))
+            call collect(settled(i), error_share*integration%tolerance, found%motions, hits, label(left(i)), these(i), wandering)
             if (settled(i)%kind == 'unbounded') label(left(i)) = ran_away
          end do
          found%label(:, first:last) = reshape(label, [points, last - first + 1])
       end associate
    end subroutine label_rows
+
+   !> Number of the motion without period that a start is on; `unsettled`: none.
+   pure integer function place_of(this, wandering) result(place)
+      type(aperiodic_type), intent(in) :: this, wandering(:)
+
+      do place = 1, size(wandering)
+         if (this%kind /= 'still settling' .and. this%is_same(wandering(place))) return
+      end do
+      place = unsettled
+   end function place_of
 
    !> Flies one start until it is recognised.
    subroutine label_start(system, max_periods, map, known, state, label)

@@ -51,7 +51,7 @@ contains
       type(system_type), intent(in) :: system
       !> The map from section to section.
       type(section_map_type), intent(in) :: map
-      !> Period of the orbit [periods of the fundamental].
+      !> Period of the orbit [periods of the fundamental]; 0: there is no orbit.
       integer, intent(in) :: period
       !> A state near the orbit at phase 0 [1], (state).
       real(dp), intent(in) :: state(:)
@@ -61,6 +61,7 @@ contains
       integer :: i, j
       logical :: found, lost
 
+      if (period == 0) return
       now = state
       call find_orbit(system, map%frequency_ratio, period, most_steps, now, monodromy, length, found)
       if (.not. found) return
