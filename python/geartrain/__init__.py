@@ -34,9 +34,9 @@ from __future__ import annotations
 from . import _box
 from ._draw import plot_style
 from .attractors import Attractors
+from .audit import Audit
 from .basins import Basins
 from .bifurcation_diagram import BifurcationDiagram
-from .audit import Audit
 from .branch import Branch
 from .campbell import Campbell, Crossing, Order
 from .case import Case, Results, read_case, read_results

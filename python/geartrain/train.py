@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from ._box import Box
 from ._draw import new_axes
 from ._gradient import gradient_of
-from ._namelist import in_words_of_the_call
 from ._motion_table import motions_of, put_motions
+from ._namelist import in_words_of_the_call
 from ._units import Unit, lambda_of, units_of
 from ._variable import takes
 from ._watch import watched
