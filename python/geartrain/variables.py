@@ -147,6 +147,15 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "random_seed": Variable("random_seed", "integer", "int", 0, False, "The same seed gives the same random starts"),
         "max_periods": Variable("max_periods", "integer", "int", 500, False, "Periods of the fundamental after which a start that goes to no known motion is settled the long way, and given up after 64 more; >= 1"),
     },
+    "bifurcation_diagram": {
+        "start": Variable("from", "real", "float", None, True, "One end of the range of Lambda; > 0"),
+        "stop": Variable("to", "real", "float", None, True, "Its other end; > 0"),
+        "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Unit of the frequencies of the group: Lambda; rpm, the speed, of a train whose meshes all have teeth; Hz, of the fundamental; 'Lambda', 'rpm' or 'Hz'"),
+        "points": Variable("points", "integer", "int", 200, False, "Frequencies in the range, both ends included; >= 1 and <= 100000"),
+        "direction": Variable("direction", "text", "Literal['up', 'down', 'both']", "both", False, "Order in which the frequencies are visited, each starting from the last state before; 'up', 'down' or 'both'"),
+        "transient": Variable("transient", "integer", "int", 500, False, "Periods of the fundamental before the sections of a frequency; >= 0"),
+        "sections": Variable("sections", "integer", "int", 200, False, "Sections of a frequency, one at phase 0 of each period of the fundamental; >= 10 and <= 100000"),
+    },
     "stability_map": {
         "start": Variable("from", "real", "float", None, True, "One end of the range of Lambda; > 0"),
         "stop": Variable("to", "real", "float", None, True, "Its other end; > 0"),
@@ -274,7 +283,7 @@ PARTS: dict[str, tuple[str, type[Part]]] = {
 }
 
 #: Analyses that a case may ask for, in their order.
-ANALYSES = ("modes", "response", "integration", "attractors", "basins", "stability_map", "run_up")
+ANALYSES = ("modes", "response", "integration", "attractors", "basins", "bifurcation_diagram", "stability_map", "run_up")
 
 
 class Analyses(TypedDict, total=False):
@@ -285,6 +294,7 @@ class Analyses(TypedDict, total=False):
     integration: Mapping[str, Any] | None
     attractors: Mapping[str, Any] | None
     basins: Mapping[str, Any] | None
+    bifurcation_diagram: Mapping[str, Any] | None
     stability_map: Mapping[str, Any] | None
     run_up: Mapping[str, Any] | None
 
@@ -350,6 +360,18 @@ class BasinsKeywords(TypedDict, total=False):
     starts: int
     random_seed: int
     max_periods: int
+
+
+class BifurcationDiagramKeywords(TypedDict, total=False):
+    """Variables of ``&bifurcation_diagram`` that a call takes."""
+
+    start: Required[float]
+    stop: Required[float]
+    unit: Literal["Lambda", "rpm", "Hz"]
+    points: int
+    direction: Literal["up", "down", "both"]
+    transient: int
+    sections: int
 
 
 class StabilityMapKeywords(TypedDict, total=False):

@@ -17,7 +17,7 @@ module geartrain_analyses_bifurcation_diagram
    use geartrain_flow_fields, only: about_frequency, about_mesh
    use geartrain_flow_lyapunov, only: kind_of
    use geartrain_flow_section_map, only: section_map_type
-   use geartrain_flow_settling, only: unbounded
+   use geartrain_flow_settling, only: is_leaving, unbounded
    use geartrain_flow_spectrum, only: lyapunov_spectrum, rotation_number
    use geartrain_flow_start_state, only: resting_state, state_of
    use geartrain_model_check, only: check_train
@@ -34,8 +34,9 @@ module geartrain_analyses_bifurcation_diagram
       'Asks for a bifurcation diagram: sections of the attractors over frequency, with their Lyapunov exponents.', set_aside=.true.)
 
    real(dp), parameter :: zero = 0, one = 1
-   !> Relative difference of sections that repeat themselves; most sections of one frequency.
-   real(dp), parameter :: repeated_to = 1e-6_dp, most_sections = 1e5_dp
+   !> Relative difference of sections that repeat themselves; of sections that differ, and do not turn about an orbit as they settle
+   !> on it; most sections of one frequency.
+   real(dp), parameter :: repeated_to = 1e-6_dp, clearly_different = 1e-4_dp, most_sections = 1e5_dp
    !> Least sections for a rotation number.
    integer, parameter :: fewest = 32
 
@@ -330,6 +331,9 @@ contains
       found%period(i) = period_of(sections)
       kind = 'periodic'
       if (found%period(i) == 0) kind = kind_of(found%frequency_ratio(i), found%exponents(1, i), found%errors(1, i))
+      if (kind == 'chaotic') then
+         if (is_leaving(system, found%frequency_ratio(i), state, found%exponents(1, i))) kind = 'still settling'
+      end if
       if (kind == 'quasi-periodic' .and. settings%sections >= fewest) then
          turns = rotation_number(system, sections)
          if (turns >= 0) found%rotation(i) = turns
@@ -337,17 +341,23 @@ contains
       found%kind(i) = kind
    end subroutine settle_row
 
-   !> Shortest period after which the last half of the sections repeats itself; 0: none.
+   !> Shortest period after which the last half of the sections repeats itself; 0: none, or it is not sure which.
    pure integer function period_of(sections) result(period)
       real(dp), intent(in) :: sections(:, :)
       integer :: n, half
-      real(dp) :: size_
+      real(dp) :: size_, difference, smallest
 
       n = size(sections, 2)
       half = n/2
       size_ = maxval(abs(sections))
+      smallest = huge(one)
       do period = 1, half
-         if (maxval(abs(sections(:, n - half + 1:) - sections(:, n - half + 1 - period:n - period))) <= repeated_to*size_) return
+         difference = maxval(abs(sections(:, n - half + 1:) - sections(:, n - half + 1 - period:n - period)))
+         if (difference <= repeated_to*size_) then
+            if (smallest < clearly_different*size_) exit
+            return
+         end if
+         smallest = min(smallest, difference)
       end do
       period = 0
    end function period_of

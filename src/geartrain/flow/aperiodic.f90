@@ -7,6 +7,7 @@ module geartrain_flow_aperiodic
    use geartrain_base_kinds, only: dp
    use geartrain_flow_lyapunov, only: kind_of
    use geartrain_flow_section_map, only: section_map_type
+   use geartrain_flow_settling, only: is_leaving
    use geartrain_flow_spectrum, only: lyapunov_spectrum
    use geartrain_model_system, only: system_type
    implicit none (type, external)
@@ -55,6 +56,9 @@ contains
       self%exponent = exponents(1)
       self%error = errors(1)
       self%kind = kind_of(map%frequency_ratio, self%exponent, self%error)
+      if (self%kind == 'chaotic') then
+         if (is_leaving(system, map%frequency_ratio, now, self%exponent)) self%kind = 'still settling'
+      end if
       n = periods/blocks
       do i = 1, blocks
          part(:, :, i) = moments(sections(:, (i - 1)*n + 1:i*n))
