@@ -125,30 +125,30 @@ contains
          d_alpha = 0
          do k = 1, graph%nodes
             associate (i => graph%order(k))
-               call subtract(cmplx(-2*omega*self%mass(i), self%drag(i), dp), x(:, i))
+               call subtract(cmplx(-2*omega*self%mass(i), self%drag(i), dp), x(:, i), d_alpha)
                do s = graph%first(k), graph%first(k + 1) - 1
                   difference = x(:, i) - x(:, graph%later(s))
-                  call subtract(cmplx(0, self%damping(s), dp), difference)
+                  call subtract(cmplx(0, self%damping(s), dp), difference, d_alpha)
                end do
             end associate
          end do
       end associate
-
-   contains
-
-      !> d_alpha := d_alpha - factor y y^T.
-      pure subroutine subtract(factor, y)
-         complex(dp), intent(in) :: factor, y(size(self%at))
-         complex(dp) :: product
-         integer :: column
-
-         do column = 1, size(self%at)
-            product = factor*y(column)
-            d_alpha(:, column) = d_alpha(:, column) - product*y
-         end do
-      end subroutine subtract
-
    end subroutine receptance
+
+   !> a := a - factor y y^T.
+   pure subroutine subtract(factor, y, a)
+      complex(dp), intent(in) :: factor, y(:)
+      complex(dp), intent(inout) :: a(:, :)
+      complex(dp) :: product
+      integer :: i, j
+
+      do j = 1, size(y)
+         product = factor*y(j)
+         do i = 1, size(y)
+            a(i, j) = a(i, j) - product*y(i)
+         end do
+      end do
+   end subroutine subtract
 
    !> Receptance in closed form of a part of one mass, or of two masses on a spring, without damping to ground.
    pure subroutine receptance_of_two(self, omega, alpha, d_alpha)
