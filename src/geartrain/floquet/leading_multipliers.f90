@@ -22,7 +22,7 @@ module geartrain_floquet_leading_multipliers
    !> multipliers would drown.
    real(dp), parameter :: periods = 1, largest_change = 1e3_dp
    !> First look at the residuals, in dimensions over the root of the states, with two vectors and with four. Copies show earlier.
-   real(dp), parameter :: first_look(2) = [2.5_dp, 4.5_dp]
+   real(dp), parameter :: first_look(2) = [3.5_dp, 4.5_dp]
    !> Largest dimension for the next look over that of the latest: a look costs as much as some products.
    real(dp), parameter :: largest_growth = 1.5_dp
    !> Relative distance of multipliers that may be copies of each other, as of equal branches.
