@@ -13,7 +13,7 @@ module geartrain_model_alike
 contains
 
    !> How many elements lie alike at most. Elements are told apart by their own numbers, then again and again by what their
-   !> neighbours were told apart by, as long as this makes more kinds. The keys of two kinds could be equal by chance, but hardly are.
+   !> neighbours were told apart by, as long as this makes more kinds. Keys of two kinds could be equal by chance, but hardly are.
    pure integer function most_alike(system)
       !> The train.
       type(system_type), intent(in) :: system

@@ -2,8 +2,8 @@
 !> are numbered along the train. Each element that closes a loop or has factor 0 adds an eigenvalue 0.
 !>
 !> Where not every eigenvalue is needed, they are counted: the eigenvalues above x are as many as the positive pivots of K - x I on
-!> the nodes of the train, K with the stiffness of each element times its factor (Sylvester's law of inertia). On a tree a count costs
-!> the number of nodes.
+!> the nodes of the train, K with the stiffness of each element times its factor (Sylvester's law of inertia). On a tree a count
+!> costs the number of nodes.
 module geartrain_model_spectrum
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_graph, only: graph_type
