@@ -1,8 +1,9 @@
 """Whether train.motions misses what brute force finds: python benchmarks/motions.py [--quick]
 
 At five speeds of the trains of figures 3, 7 (kappa 0.42) and 9 (0.01) and of ten random trains of one to three meshes: 1,000 random
-starts of time integration, and shooting for periods 1 to 4 from 2,000 random states of another seed. Each orbit found must be among
-those of train.motions with its defaults. Prints a line a place and ends with how many were missing; --quick takes a tenth of it.
+starts of time integration, and 2,000 shootings from random states of another seed, for periods 1 to 4 from each of 500. Each orbit
+found must be among those of train.motions with its defaults. Prints a line a place and ends with how many were missing; --quick
+takes a tenth of it.
 """
 
 import sys
@@ -75,7 +76,7 @@ def main():
                 print(f"{name} at {frequency}: {error}", flush=True)
                 continue
             took = time.perf_counter() - begun
-            more = [motion for motion in brute_force(train, frequency, 1000 // share, 2000 // share, found)
+            more = [motion for motion in brute_force(train, frequency, 1000 // share, 500 // share, found)
                     if not any(same_motion(motion, own) for own in found)]
             missing += len(more)
             told = "".join(f"; missing: period {motion.period}, rms {motion.rms.round(4)}" for motion in more)

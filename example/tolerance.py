@@ -125,8 +125,10 @@ def main(engine: str, folder: str = "results/tolerance", pictures: str = "result
     for name, values in outputs_of(dataset).items():
         low, middle, high = np.quantile(values, [0.025, 0.5, 0.975])
         print(f"   {name:30s} median {middle:8.4f}   95 % of the trains from {low:.4f} to {high:.4f}")
+    Path(pictures).mkdir(parents=True, exist_ok=True)
     draw_distributions(dataset, Path(pictures) / "tolerance.png")
     draw_indices(indices(dataset), Path(pictures) / "tolerance_indices.png")
+    print(f"drawn: tolerance.png and tolerance_indices.png in {pictures}")
 
 
 if __name__ == "__main__":

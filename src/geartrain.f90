@@ -4,7 +4,7 @@ module geartrain
    use geartrain_analyses_audit, only: audit_branch
    use geartrain_analyses_audit_result, only: audit_row_type, audit_type
    use geartrain_analyses_audit_text, only: audit_text
-   use geartrain_analyses_dependencies, only: locate_edges
+   use geartrain_analyses_dependencies, only: locate_edges, name_parameter
    use geartrain_analyses_integration, only: integrate, sweep, sweep_type
    use geartrain_analyses_list, only: case_type, results_type
    use geartrain_analyses_run_up, only: run_up, run_up_settings_type
@@ -21,8 +21,11 @@ module geartrain
    use geartrain_continuation_contact_edges, only: locate_contact_edges
    use geartrain_continuation_contact_ranges, only: back_collision_ranges, separation_ranges
    use geartrain_continuation_jumps, only: jump_type, jumps
+   use geartrain_continuation_exact_point, only: exact_point_type, find_exact_point, onsets_of, refine_special_points
+   use geartrain_continuation_locus, only: trace_locus
+   use geartrain_continuation_locus_result, only: double_point_type, locus_type
    use geartrain_continuation_motion_gradient, only: motion_gradient
-   use geartrain_continuation_refinement, only: refine_branch
+   use geartrain_continuation_refinement, only: refine_branch, refine_motions
    use geartrain_continuation_response, only: response
    use geartrain_continuation_solutions, only: solutions_at
    use geartrain_continuation_special_gradient, only: special_gradient

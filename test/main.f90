@@ -49,6 +49,7 @@ program main
    use validation_hunting, only: hunting_tests
    use validation_orders, only: orders_tests
    use validation_paper_train, only: paper_train_tests
+   use validation_parameter, only: parameter_tests
    use validation_random_networks, only: random_networks_tests
    use validation_refinement, only: refinement_tests
    use validation_run_up, only: run_up_tests
@@ -82,6 +83,7 @@ program main
                    suite_type('validation_gradient', gradient_tests), &
                    suite_type('validation_gradient_special', gradient_special_tests), &
                    suite_type('validation_ground', ground_tests), &
+                   suite_type('validation_parameter', parameter_tests), &
                    suite_type('validation_random_networks', random_networks_tests), &
                    suite_type('validation_hunting', hunting_tests), &
                    suite_type('validation_orders', orders_tests), &

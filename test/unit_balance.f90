@@ -127,7 +127,7 @@ contains
       end do
       call balance%evaluate(u, 0.31_dp)
       allocate (coefficients(13, system%meshes))
-      call balance%full_coefficients(u, 0.31_dp, coefficients)
+      call balance%full_coefficients(u, coefficients)
    end subroutine linear_solution
 
    !> dH/dLambda and da/dLambda, elimination included, by central differences.

@@ -210,7 +210,7 @@ contains
       ! Everything at once, in the order of the file.
       call refused(tests, train//'&shaft stiffness=-1.0 /'//n//mesh//shaft//'&response from=0.2 harmonics=x /', &
                    'x.nml:3:18: error: &shaft 1: stiffness = -1.0: must be > 0 N m/rad'//n// &
-                   'x.nml:7:1: error: &response: lacks to (> 0)'//n// &
+                   'x.nml:7:1: error: &response: lacks to'//n// &
                    'x.nml:7:30: error: &response: harmonics = x: must be a whole number')
    end subroutine agreement
 

@@ -14,7 +14,7 @@ module validation_gradient
    use geartrain_continuation_start, only: begin_trace, solution_of
    use geartrain_continuation_tracer, only: tracer_type
    use geartrain_linalg_trigonometric, only: evaluate
-   use geartrain_model_parameter, only: parameter_type
+   use geartrain_model_parameter_table, only: parameter_type
    use networks, only: draw_laws, random_network
    use parameters_of_trains, only: all_parameters, change, name_length, parameter_of
    use testing, only: tests_type

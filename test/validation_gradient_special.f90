@@ -6,7 +6,7 @@ module validation_gradient_special
       natural_modes, response, response_settings_type, special_gradient, train_type
    use geartrain_base_numbers, only: integer_text
    use geartrain_continuation_points, only: motion_of
-   use geartrain_model_parameter, only: parameter_type
+   use geartrain_model_parameter_table, only: parameter_type
    use networks, only: draw_laws, random_network
    use parameters_of_trains, only: all_parameters, change, name_length, parameter_of
    use testing, only: tests_type

@@ -33,13 +33,16 @@ from __future__ import annotations
 
 from . import _box
 from ._draw import plot_style
+from ._suggest import suggest_names
 from .attractors import Attractors
 from .audit import Audit
 from .branch import Branch
 from .campbell import Campbell, Crossing, Order
 from .case import Case, Results, read_case, read_results
 from .errors import DrawingWarning, InputError, Interrupted, NotDifferentiableWarning, SolverError
+from .exact_point import ExactPoint
 from .explanation import Explanation
+from .locus import Locus, LocusPoint
 from .modes import Modes
 from .motion import Motion
 from .motions import Motions
@@ -63,10 +66,13 @@ __all__ = [
     "Case",
     "Crossing",
     "DrawingWarning",
+    "ExactPoint",
     "Explanation",
     "InputError",
     "Interrupted",
     "Jump",
+    "Locus",
+    "LocusPoint",
     "Mesh",
     "Modes",
     "Motion",
@@ -95,3 +101,5 @@ __all__ = [
 
 with _box.Box() as _opened:
     __version__ = _opened.text("version")
+
+suggest_names(globals())

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._box import Box
+from ._warn import warn
 from ._watch import watched
 from .errors import InputError, NotDifferentiableWarning, shown
 
-__all__ = ["gradient_of"]
+__all__ = ["gradient_of", "refuse_without_effect"]
 
 Array = NDArray[np.float64]
 
@@ -35,5 +35,16 @@ def gradient_of(
         values, reasons = watched(work, "gradient", in_parts=False)
     told = {name: reason for name, reason in zip(parameters, reasons) if reason}
     if told:
-        warnings.warn(NotDifferentiableWarning(told), stacklevel=3)
+        warn(NotDifferentiableWarning(told))
     return values
+
+
+def refuse_without_effect(box: Box, parameters: Sequence[str]) -> None:
+    """Refuse parameters without effect in the train of a box, which is closed; other problems are told elsewhere."""
+    with box:
+        try:
+            box.gradient("/parameters", "\n".join(parameters), np.zeros(3), 0, 0.0, np.zeros((1, 1)))
+        except InputError as error:
+            told = [line for line in str(error).splitlines() if "what would follow from it" in line]
+            if told:
+                raise InputError("\n".join(told)) from None

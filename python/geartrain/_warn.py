@@ -11,7 +11,7 @@ __all__ = ["warn"]
 _OWN = {"geartrain", "dataclasses", "copy"}
 
 
-def warn(message: str, category: type[Warning] = UserWarning) -> None:
+def warn(message: str | Warning, category: type[Warning] = UserWarning) -> None:
     """Warn at the nearest line outside of the package."""
     level, frame = 1, sys._getframe()
     while frame.f_back is not None and str(frame.f_globals.get("__name__")).partition(".")[0] in _OWN:

@@ -1,4 +1,4 @@
-"""Branches of periodic motions over frequency."""
+"""Branches of periodic motions over frequency, or over a parameter of the train."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from .audit import Audit
 from .description import Description, mesh_names, shaft_names
 from .errors import InputError, SolverError, shown
 from .motion import Motion
+from .parameter import with_values
 from .response_plot import Curves
 from .special_point import SpecialPoint, SpecialPoints
 
@@ -42,7 +43,11 @@ class Branch(Curves):
     Attributes
     ----------
     frequency : ndarray, (points,)
-        Lambda.
+        Lambda; of a branch over a parameter the same at every point.
+    parameter : ndarray, (points,), or None
+        Of a branch over a parameter its values, in ``parameter_unit``; None over frequency.
+    parameter_name, parameter_unit : str
+        Name and unit of this parameter, ``'1'`` of a dimensionless one; empty over frequency.
     rms, mean, minimum, maximum : ndarray, (points, meshes)
         As in `Motion`.
     mesh_force_maximum, dynamic_factor, separation_fraction, back_contact_fraction : ndarray, (points, meshes)
@@ -118,6 +123,9 @@ class Branch(Curves):
     complete: bool
     closed: bool
     origin: str = ""
+    parameter: Array | None = None
+    parameter_name: str = ""
+    parameter_unit: str = ""
     correction: Array | None = None
     branches: list[Branch] = field(default_factory=list)
     settings: Mapping[str, Any] = field(default_factory=dict)
@@ -133,7 +141,8 @@ class Branch(Curves):
     def at(self, frequency: float, *, unit: Unit = "Lambda") -> list[Motion]:
         """Every solution of this branch at exactly that frequency, in their order along the branch.
 
-        ``unit`` is that of the frequency: Lambda, rpm or Hz, as in `Train.response`.
+        ``unit`` is that of the frequency: Lambda, rpm or Hz, as in `Train.response`. Of a branch over a parameter ``frequency`` is
+        a value of the parameter in its unit, and the train of the motions has it.
 
         Examples
         --------
@@ -149,12 +158,18 @@ class Branch(Curves):
             frequency = float(frequency)
         except OverflowError:
             raise InputError(f"frequency = {shown(frequency)}: must be a finite number") from None
-        frequency = lambda_of(self.train, frequency, unit)
+        train = self.train
+        if self.parameter_name and train is not None:
+            if unit != "Lambda":
+                raise InputError(f"unit = {shown(unit)}: a value of {self.parameter_name} has the unit of the parameter")
+            train = with_values(train, {self.parameter_name: frequency})
+        else:
+            frequency = lambda_of(train, frequency, unit)
 
         def work(progress: NDArray[np.float64]) -> list[Motion]:
             with self._box() as box:
                 box.check(box.work("at", progress, frequency))
-                return [Motion(train=self.train, **found) for found in motions_of(box)]
+                return [Motion(train=train, **found) for found in motions_of(box)]
 
         return watched(work, "at")
 
@@ -162,7 +177,8 @@ class Branch(Curves):
         """The same branch with every point polished by shooting to about 1e-11, multipliers included.
 
         Its ``correction`` tells by how much each point moved; its ``at`` gives refined motions. A point near which shooting finds
-        no orbit stays as it is, as next to a fold, whose true place is elsewhere. Special points stay as they are.
+        no orbit stays as it is, as next to a fold, whose true place is elsewhere. Special points become those of the exact motion
+        near them, as `SpecialPoint.exact` has them, where there are such.
 
         Examples
         --------
@@ -263,6 +279,24 @@ class Branch(Curves):
         rms: Array = self.rms / np.sqrt(2)
         return rms
 
+    @cached_property
+    def onsets(self) -> list[SpecialPoint]:
+        """Contact onsets: where a mesh begins or ceases to separate, or its back flanks to touch, as special points.
+
+        Examples
+        --------
+        >>> [(onset.kind, onset.mesh, round(onset.frequency, 4)) for onset in branch.onsets][:2]
+        """
+        with self._box() as box:
+            rows = box.show("onsets")["/onsets"].rows("kind", "mesh", "frequency", "after_point")
+        return SpecialPoints((
+            SpecialPoint(
+                kind.strip(), float(frequency), int(point) - 1, self.rms[int(point) - 1], False,
+                speed_of(self.train, float(frequency)), hertz_of(self.train, float(frequency)), branch=self, mesh=int(mesh),
+            )
+            for kind, mesh, frequency, point in rows
+        ), length_unit(self.train))
+
     def to_dataset(self) -> Dataset:
         """The points as an xarray Dataset with the names, units and coordinates of the results file; needs xarray.
 
@@ -279,6 +313,11 @@ class Branch(Curves):
             "shaft_label": None if torque is None else shaft_names(self.train, torque.shape[1]),
             "speed": self.speed, "fundamental_frequency": self.fundamental_frequency,
         }
+        if self.parameter_name:
+            attributes |= {"parameter_name": self.parameter_name, "parameter_unit": self.parameter_unit}
+            points = dataset("/response", values, attributes, ("parameter", "frequency", "speed", "fundamental_frequency"))
+            points["parameter"].attrs.update(units=self.parameter_unit, long_name=self.parameter_name)
+            return points
         return dataset("/response", values, attributes, ("frequency", "speed", "fundamental_frequency"))
 
     def write(self, path: str | os.PathLike[str]) -> None:
@@ -321,13 +360,15 @@ class Branch(Curves):
         attributes = {
             "ended": self.ended, "origin": self.origin or None, "complete": self.complete, "closed": self.closed,
             "subharmonic": self.subharmonic, "harmonics": int(self.orders[-1]) if len(self.orders) else 0,
+            "parameter_name": self.parameter_name or None, "parameter_unit": self.parameter_unit or None,
         }
         box.put(path, attributes, self.arrays(), like="/response")
         specials = self.special_points
         if specials:
             columns = {
                 "kind": [special.kind for special in specials],
-                "frequency": [float(special.frequency) for special in specials],
+                "frequency": None if self.parameter_name else [float(special.frequency) for special in specials],
+                "parameter": np.array([special.parameter for special in specials], float) if self.parameter_name else None,
                 "after_point": [special.point + 1 for special in specials],
                 "rms": np.stack([special.rms for special in specials]),
             }
@@ -340,7 +381,7 @@ class Branch(Curves):
         return self.others.get("orders", dense)
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in self.__dict__.items() if name != "_kept"}
+        return {name: value for name, value in self.__dict__.items() if name not in ("_kept", "onsets")}
 
     def __getattr__(self, name: str) -> Any:
         # Only what is no attribute comes here; `others` itself is not there yet while a branch is copied.
@@ -357,12 +398,15 @@ class Branch(Curves):
         if "frequency" not in group.arrays or not (place or len(group.arrays["frequency"])):
             return None
         rows = box.results().get(f"{path}/special_points", Group())
+        over = "parameter" in group.arrays
+        lambdas = group.arrays["frequency"]
         specials = SpecialPoints((
             SpecialPoint(
-                kind, float(frequency), int(point) - 1, rms, bool(undecided), speed_of(train, float(frequency)),
-                hertz_of(train, float(frequency)),
+                kind, frequency := float(lambdas[0] if over else value), int(point) - 1, rms, bool(undecided),
+                speed_of(train, frequency), hertz_of(train, frequency), parameter=float(value) if over else None,
             )
-            for kind, frequency, point, undecided, rms in rows.rows("kind", "frequency", "after_point", "undecided", "rms")
+            for kind, value, point, undecided, rms in
+            rows.rows("kind", "parameter" if over else "frequency", "after_point", "undecided", "rms")
         ), length_unit(train))
         known = {item.name for item in fields(cls)}
         # Axes, and what follows from other fields or the train, are no fields of their own; an attribute may have an array's name.

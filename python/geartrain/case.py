@@ -17,6 +17,7 @@ from ._table import Found
 from ._watch import watched
 from .attractors import Attractors
 from .branch import Branch
+from .locus import Locus
 from .modes import Modes
 from .run_up import RunUp
 from .stability_map import StabilityMap
@@ -39,6 +40,7 @@ class Results:
     attractors : Attractors or None
     stability_map : StabilityMap or None
     run_up : RunUp or None
+    locus : Locus or None
     branches : list of Branch
         Further branches: those of ``response.branches``, then those of ``attractors.branches``.
     ended : str
@@ -55,6 +57,7 @@ class Results:
     attractors: Attractors | None = None
     stability_map: StabilityMap | None = None
     run_up: RunUp | None = None
+    locus: Locus | None = None
     branches: list[Branch] = field(default_factory=list)
     ended: str = ""
     text: str = field(default="", repr=False)
@@ -175,6 +178,7 @@ class Case:
             attractors=Attractors._from(box, self.train, branches[len(bifurcated):]) if ATTRACTORS in box.results() else None,
             stability_map=StabilityMap._from(box, self.train),
             run_up=RunUp._from(box, self.train),
+            locus=Locus._from(box, self.train),
             branches=branches,
             ended=ended,
             text=self.text,

@@ -27,7 +27,10 @@ class NotDifferentiableWarning(UserWarning):
     """
 
     def __init__(self, reasons: dict[str, str]) -> None:
-        super().__init__("; ".join(f"{name}: no derivative: {reason}" for name, reason in reasons.items()))
+        names: dict[str, list[str]] = {}
+        for name, reason in reasons.items():
+            names.setdefault(reason, []).append(name)
+        super().__init__(" ".join(f"No derivative with respect to {', '.join(of)}: {reason}." for reason, of in names.items()))
         self.reasons = reasons
 
     def __reduce__(self) -> tuple[Any, ...]:

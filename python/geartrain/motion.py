@@ -298,8 +298,8 @@ class Motion(Pictures):
         """Derivatives of a figure with respect to parameters of the train, at constant speed, by the implicit function theorem.
 
         The harmonic balance with the harmonics of ``coefficients`` is R(p, Lambda, parameter) = 0, so dp = -(dR/dp)^-1 dR. All
-        parameters take one factorization. In a list of names ``mesh * half_backlash`` means all meshes alike, and
-        ``stiffness_variation`` the largest amplitude of kappa with all others in proportion.
+        parameters take one factorization. ``mesh * half_backlash`` means all meshes alike in which it is in force: the derivative
+        is the sum of theirs. ``stiffness_variation`` is the largest amplitude of kappa with all others in proportion.
 
         Parameters
         ----------
@@ -310,23 +310,27 @@ class Motion(Pictures):
             Names as in the case: ``'input_torque'``, ``'mesh 2 half_backlash'``, ``'shaft 1 stiffness'``,
             ``'mesh 1 stiffness_cos 2'`` (a value of a list), ``'motor inertia'``. Of a number that the drawing gives, such as
             ``'mesh 1 stiffness'``, the derivative is as if it were given; of one of the drawing, such as ``'mesh 1 face_width'``,
-            through all that follows from it.
+            through all that follows from it. At an end of its range, such as a damping ratio or a helix angle of 0, the derivative
+            is one-sided.
 
         Returns
         -------
         ndarray, (meshes, parameters) or (shafts, parameters)
-            In the unit of the figure over that of the parameter; NaN where there is no derivative.
+            In the unit of the figure over that of the parameter in the case. Displacements are over the characteristic length,
+            1e-6 m where it is left out; forces are in N, torques in N m. Angles of the drawing are in degrees, phases in rad. NaN
+            where there is no derivative.
 
         Raises
         ------
         InputError
-            Where a name is unknown, not in force in this train, not continuous, or a unit of the results.
+            Where a name is unknown, not continuous, a unit of the results, or not in force in this train: not given, or without
+            effect, as the diameter of a shaft whose stiffness is given.
 
         Warns
         -----
         NotDifferentiableWarning
             With its ``reasons``: at a fold, where a tooth grazes the edge of its gap, where two extremes are equal, where gears
-            of a loop would lock, or at the end of the range of a parameter.
+            of a loop would lock, or where the train is of another kind with the parameter not 0, such as a backlash.
 
         Examples
         --------

@@ -6,22 +6,28 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
+from numbers import Real
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ._box import Box
+from ._gradient import refuse_without_effect
 from ._variable import Part, Variable
 from .description import Description
 from .errors import InputError, shown
 from .variables import PARTS, VARIABLES
 
-__all__ = ["Target", "assigned", "checked_column", "own_value", "targets_of", "with_values"]
+__all__ = [
+    "Target", "add_targets", "assigned", "check_effects", "checked_column", "label", "own_value", "targets_of", "value_in",
+    "with_values",
+]
 
 AnyTrain = TypeVar("AnyTrain", bound=Description)
 
 _VARIATION = "stiffness_variation"
-_NUMBERS = {"real", "integer", "reals"}
+_WHOLE = {"teeth"}  # lists of whole numbers: no multiples of them
 
 
 class Target(NamedTuple):
@@ -49,6 +55,22 @@ class Target(NamedTuple):
         """Kind of a value, as in the table of variables; ``''`` of an argument that is not in it."""
         row = VARIABLES.get(self.place.partition(" ")[0], {}).get(self.variable)
         return "" if row is None else row.kind.removesuffix("s") if row.kind.endswith("s") else row.kind
+
+
+def label(name: Any) -> str:
+    """The name of a parameter, several that take the same value separated by commas."""
+    names = name if isinstance(name, tuple) else (name,)
+    if not names or not all(isinstance(item, str) for item in names):
+        raise InputError(f"parameter {shown(name)}: must be a name, or a tuple of names")
+    return ", ".join(item.strip() for item in names)
+
+
+def add_targets(name: str, found: Sequence[Target], known: list[Target]) -> None:
+    """Add the variables that a parameter sets to those that others set; none may be set twice."""
+    for target in found:
+        if any(target[:2] == other[:2] and target.element in (0, other.element) for other in known):
+            raise InputError(f"parameter {shown(name)}: {target.place} {target.variable} is set by another one as well")
+        known.append(target)
 
 
 def targets_of(name: str, train: Description, analysis: str, settings: Mapping[str, Any], relative: bool = False) -> list[Target]:
@@ -81,6 +103,8 @@ def _targets(name: str, train: Description, analysis: str, settings: Mapping[str
     parsed = re.fullmatch(r"(?:(.+) )??([a-z]\w*)(?: (\d+))?", name)
     place, variable, element = (parsed[1] or "train", parsed[2], int(parsed[3] or 0)) if parsed else ("", "", 0)
     words = places.get(place, ())
+    if not words and (counted := _beyond(place, train)):
+        raise InputError(f"parameter {shown(name)}: {counted}")
     if not words or variable not in _variables(words[0], settings if place == analysis else {}):
         raise InputError(f"parameter {shown(name)}: there is none of this name{_meant(name, places, settings, analysis)}")
     targets = []
@@ -93,9 +117,10 @@ def _targets(name: str, train: Description, analysis: str, settings: Mapping[str
         elif element > len(values):
             raise InputError(f"parameter {shown(name)}: {variable} of {word} has {len(values)} values")
         elif not element and len(values) > 1:
-            if not relative:
+            if not relative or variable in _WHOLE:
+                scale = ", or relative=True to scale them all" if analysis != "train" and variable not in _WHOLE else ""
                 raise InputError(f"parameter {shown(name)}: {variable} of {word} has {len(values)} values: say which, "
-                                 f"'{name} 1', or relative=True to scale them all")
+                                 f"'{name} 1'{scale}")
             targets += [target._replace(element=place) for place in range(1, len(values) + 1)]
             continue
         targets.append(target._replace(element=0) if _is_list(target) and len(values) == 1 else target)
@@ -128,6 +153,17 @@ def _places(train: Description, analysis: str) -> dict[str, list[str]]:
                 places.setdefault(part.name, [place])
                 places.setdefault(f"{kind} {part.name}", [place])
     return places
+
+
+def _beyond(place: str, train: Description) -> str:
+    """What to say of a number beyond those of its kind; empty of another place."""
+    kind, _, number = place.partition(" ")
+    if kind not in PARTS or not (number.isdecimal() or number == "*"):
+        return ""
+    parts = len(getattr(train, PARTS[kind][0]))
+    if not parts:
+        return f"the train has no &{kind}"
+    return f"the train has &{kind} 1" + (f" to {parts}" if parts > 1 else "")
 
 
 def _variables(place: str, settings: Mapping[str, Any]) -> Iterable[str]:
@@ -174,6 +210,17 @@ def _own(target: Target, train: Description, settings: Mapping[str, Any]) -> flo
     return float(value)
 
 
+def value_in(train: Description, name: str) -> float | None:
+    """The value of a parameter in a train, of several parts that of the first; None where the train does not give it."""
+    for target in targets_of(name, train, "train", {}):
+        value = own_value(target, train, {})
+        if _is_list(target):
+            value = value[max(0, target.element - 1)] if value else None
+        if target.factor and isinstance(value, Real) and not isinstance(value, bool):
+            return float(value) / target.factor
+    return None
+
+
 def checked_column(target: Target, values: NDArray[Any]) -> NDArray[Any]:
     """The values of a variable at every point, of its type, from those of its parameter."""
     kind, found = target.kind, values
@@ -190,7 +237,20 @@ def checked_column(target: Target, values: NDArray[Any]) -> NDArray[Any]:
         return found.astype(str)
     if not kind and found.dtype.kind in "biufU":
         return found
-    raise InputError(f"{target.place} {target.variable}: {shown(values.tolist())}: must be of type {kind or 'number or text'}")
+    wrong = [place for place, value in enumerate(values.tolist()) if kind not in ("real", "integer") or not _fits(value, kind)]
+    which = shown(values.tolist())
+    if wrong and len(values) > 1:
+        which = f"value {wrong[0]}, counted from 0, {shown(values[wrong[0]].item())}"
+    raise InputError(f"{target.place} {target.variable}: {which}: must be of type {kind or 'number or text'}")
+
+
+def _fits(value: Any, kind: str) -> bool:
+    """Whether a value, perhaps as a text, is a number of a kind."""
+    try:
+        number = float(value)
+    except ValueError:
+        return False
+    return kind == "real" or number == round(number)
 
 
 def assigned(
@@ -224,8 +284,23 @@ def with_values(train: AnyTrain, values: Mapping[str, Any]) -> AnyTrain:
     """The train with the values of parameters in place of its own."""
     targets: list[Target] = []
     numbers: list[Any] = []
-    for name, value in values.items():
-        known = targets_of(name, train, "train", {})
-        targets += known
-        numbers += [checked_column(target, np.asarray([value]))[0].item() for target in known]
-    return assigned(train, {}, targets, numbers)[0]
+    if not isinstance(values, Mapping):
+        raise InputError(f"values = {shown(values)}: must be a mapping of values by names")
+    for key, value in values.items():
+        name = label(key)
+        if not isinstance(value, (str, bool, Real, np.generic)) and getattr(value, "shape", None) != ():
+            raise InputError(f"parameter {shown(name)}: {shown(value)}: must be one value; those of a list are set one by one, "
+                             "as in 'mesh 1 stiffness_cos 2'")
+        found = targets_of(name, train, "train", {})
+        add_targets(name, found, targets)
+        numbers += [checked_column(target, np.asarray([value]))[0].item() for target in found]
+    changed = assigned(train, {}, targets, numbers)[0]
+    check_effects(changed, targets)
+    return changed
+
+
+def check_effects(train: Description, targets: Sequence[Target]) -> None:
+    """Refuse variables of a train that nothing follows from, such as the diameter of a shaft whose stiffness is given."""
+    names = [f"{place} {variable}".removeprefix("train ") + (f" {element}" if element else "")
+             for place, variable, element, _ in targets if place.partition(" ")[0] in ("train", *PARTS)]
+    refuse_without_effect(Box(copy=train._kept), names)

@@ -76,6 +76,8 @@ def taken(result: Any, keep: Sequence[str]) -> dict[str, Quantity]:
             along = found[name].dimensions[:1]
             if name != "frequency" and along in (("point",), ("motion",)):
                 found["frequency"] = source("frequency")
+                if getattr(result, "parameter_name", ""):
+                    found["parameter"] = source("parameter")
     for name, told in (("ended", "why the analysis ended"), ("complete", "whether it got to its end")):
         if hasattr(result, name):
             found[name] = Quantity(np.array(getattr(result, name)), (), "", told)
@@ -89,7 +91,8 @@ def _of_branch(branch: Branch) -> Callable[[str], Quantity]:
         value = getattr(branch, name, None)
         if value is None or name not in about:
             raise InputError(f"{name}: this branch has none")
-        return Quantity(np.asarray(value), *about[name])
+        dimensions, unit, told = about[name]
+        return Quantity(np.asarray(value), dimensions, branch.parameter_unit if name == "parameter" else unit, told)
 
     return field
 
@@ -116,6 +119,11 @@ def _list(branch: Branch, name: str) -> dict[str, Quantity]:
     first = next(iter(about))
     columns: dict[str, Quantity] = {}
     for field, (dimensions, unit, told) in about.items():
+        # A branch goes over frequency or over a parameter, and its figures have the one or the other.
+        if field in {"frequency", "parameter"} - {branch._free_name}:
+            continue
+        if branch.parameter_name and field in {"parameter", "from", "to"}:
+            unit = branch.parameter_unit
         if dimensions[0] == first and field != first and (field in group.arrays or field not in _DERIVED):
             shape = (0, *(branch.rms.shape[1] for _ in dimensions[1:]))
             columns[field] = Quantity(group.column(field, *shape[1:]), (row, *dimensions[1:]), unit, told)
@@ -133,6 +141,7 @@ def _specials(branch: Branch) -> dict[str, Quantity]:
     values: dict[str, NDArray[Any]] = {
         "kind": np.array([special.kind for special in specials], str),
         "frequency": np.array([special.frequency for special in specials], float),
+        **({"parameter": np.array([special.parameter for special in specials], float)} if branch.parameter_name else {}),
         "rms": np.array([special.rms for special in specials], float).reshape(len(specials), branch.rms.shape[1]),
         "undecided": np.array([special.undecided for special in specials], bool),
     }
@@ -161,14 +170,16 @@ def _extreme(name: str, words: re.Match[str], source: Callable[[str], Quantity],
 
 
 def _jump(name: str, words: re.Match[str], result: Any) -> Quantity:
-    """Lambda of the first or last jump of a kind; NaN where there is none."""
+    """Lambda, or value of the branch's parameter, of the first or last jump of a kind; NaN where there is none."""
     which, direction, kind = words.groups()
     jumps = result._read_off("jumps")
-    right = np.ones(len(jumps.column("frequency")), bool)
+    over = result._free_name
+    right = np.ones(len(jumps.column(over)), bool)
     if direction:
         right &= jumps.column("direction") == direction
     if kind:
         right &= jumps.column("kind") == f"jump {kind}"
-    found = jumps.column("frequency")[right]
+    found = jumps.column(over)[right]
     value = np.nan if not found.size else found.min() if which == "first" else found.max()
-    return Quantity(np.array(value, float), (), "1", f"Lambda of the {name}; NaN where there is none")
+    unit, what = (result.parameter_unit, result.parameter_name) if result.parameter_name else ("1", "Lambda")
+    return Quantity(np.array(value, float), (), unit, f"{what} of the {name}; NaN where there is none")

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ._box import described
 from ._draw import MARKERS, UNSTABLE, add_keys, check_number, draw_curve, draw_range, line_style, new_axes, put_legend
-from ._units import Unit, Units, lambda_of, units_of
+from ._units import Unit, Units, units_of
 from .description import Description, mesh_names
 from .errors import InputError, shown
 from .summary import Readings
@@ -84,6 +84,7 @@ class Curves(Readings):
 
     frequency: Array
     segment: NDArray[np.intc]
+    parameter_unit: str
     ended: str
     complete: bool
     closed: bool
@@ -110,7 +111,7 @@ class Curves(Readings):
             A field with a column for each mesh or for each shaft, such as ``'rms'``, ``'dynamic_factor'``,
             ``'mesh_force_maximum'``; ``'mesh_force'`` in short, and ``'shaft_torque'`` for smallest and largest torque.
         unit : {'Lambda', 'rpm', 'Hz'}, optional
-            Of the frequency; unless told rpm where Lambda is the speed in rpm, else Lambda.
+            Of the frequency of a branch over frequency; unless told rpm where Lambda is the speed in rpm, else Lambda.
         jumps : bool
             Mark where a sweep in speed jumps, with arrows where the quantity is ``'rms'``.
         ranges : bool
@@ -128,7 +129,10 @@ class Curves(Readings):
         >>> ax = branch.plot(mesh=2, color="black", jumps=True, ranges=True)
         >>> ax.figure.savefig("response.png")  # doctest: +SKIP
         """
+        if self.parameter_name and unit is not None:
+            raise InputError(f"unit = {shown(unit)}: this branch goes over {self.parameter_name}, not over frequency")
         units = units_of(self.train, unit)
+        factor = 1.0 if self.parameter_name else units.per_lambda
         curves = [Quantity.of(quantity, branch.train, "/response", partial(_field, branch)) for branch in (self, *self.branches)]
         columns = curves[0].chosen(mesh, shaft)
         own, ax = ax is None, new_axes(ax)
@@ -139,7 +143,7 @@ class Curves(Readings):
             thin: dict[str, Any] = {}
             mark = MARKERS[column % len(MARKERS)] if len(columns) > 1 and not {"linestyle", "marker"} & style.keys() else None
             for branch, curve in zip((self, *self.branches), curves):
-                frequency = units.per_lambda * branch.frequency
+                frequency = factor * branch._free
                 for values in curve.values:
                     name = None if thin else label or curve.names[column]
                     draw_curve(ax, frequency, values[:, column], branch.stable, branch.segment, name, mark, **{**thin, **style})
@@ -152,17 +156,18 @@ class Curves(Readings):
             colors.append(thin["color"])
         keys = self._mark_unstable(style)
         if jumps:
-            keys |= self._mark_jumps(ax, units, columns if quantity == "rms" else None)
+            keys |= self._mark_jumps(ax, factor, columns if quantity == "rms" else None)
         strips = 0.0
         if ranges:
             of_meshes = curves[0].along == "mesh"
             rows = dict(zip(columns, colors)) if of_meshes else dict.fromkeys(range(self.rms.shape[1]), "0.3")
-            strips, told = self._mark_ranges(ax, units, rows, names=not of_meshes)
+            strips, told = self._mark_ranges(ax, factor, rows, names=not of_meshes)
             keys |= told
         # On axes with other pictures another branch may have what this one left out.
-        gaps = self._mark_gaps(ax, units) if own else {}
+        gaps = self._mark_gaps(ax, factor) if own else {}
         keys |= gaps
-        ax.set_xlabel(units.frequency)
+        dimension = f"  [{self.parameter_unit}]" if self.parameter_unit not in {"", "1"} else ""
+        ax.set_xlabel(f"{self.parameter_name.replace('_', ' ')}{dimension}" if self.parameter_name else units.frequency)
         ax.set_ylabel(curves[0].label(units))
         if len(columns) > 1 or jumps or ranges or (keys and own):
             add_keys(ax, keys)
@@ -178,15 +183,14 @@ class Curves(Readings):
         )
         return {"unstable": (Line2D([], [], color="0.35", linestyle=UNSTABLE),)} if dashed else {}
 
-    def _mark_gaps(self, ax: Axes, units: Units) -> Keys:
+    def _mark_gaps(self, ax: Axes, factor: float) -> Keys:
         """Hatch what a branch that ended early leaves out of its range."""
         from matplotlib.patches import Patch
 
         if self.complete or self.closed or self.origin or not len(self.frequency):
             return {}
-        segments = [self.frequency[self.segment == number] for number in np.unique(self.segment)]
-        asked = [lambda_of(self.train, self.settings[end], self.settings.get("unit")) for end in ("start", "stop")
-                 if self.settings.get(end)]
+        segments = [self._free[self.segment == number] for number in np.unique(self.segment)]
+        asked = self._range()
         covered = sorted((float(part.min()), float(part.max())) for part in segments)
         covered = [(-np.inf, min(asked, default=-np.inf)), *covered, (max(asked, default=np.inf), np.inf)]
         gaps, reached = [], covered[0][1]
@@ -196,16 +200,16 @@ class Curves(Readings):
             reached = max(reached, high)
         hatched: dict[str, Any] = {"facecolor": "none", "edgecolor": "0.75", "hatch": "///", "linewidth": 0.0}
         for ends in gaps:
-            ax.axvspan(*(units.per_lambda * end for end in ends), zorder=0, **hatched)
+            ax.axvspan(*(factor * end for end in ends), zorder=0, **hatched)
         return {"not computed": (Patch(**hatched),)} if gaps else {}
 
-    def _mark_jumps(self, ax: Axes, units: Units, columns: Sequence[int] | None) -> Keys:
+    def _mark_jumps(self, ax: Axes, factor: float, columns: Sequence[int] | None) -> Keys:
         """Arrows from the rms before to the rms after; without columns a line at the frequency."""
         from matplotlib.lines import Line2D
 
         arrow = {"arrowstyle": "->", "color": "0.35", "linewidth": 0.9, "shrinkA": 0, "shrinkB": 0}
         for jump in self.jumps:
-            at = units.per_lambda * jump.frequency
+            at = factor * (jump.frequency if jump.parameter is None else jump.parameter)
             for column in columns or ():
                 if np.isfinite(jump.after[column]):
                     ax.annotate("", (at, jump.after[column]), (at, jump.before[column]), arrowprops=arrow)
@@ -214,7 +218,7 @@ class Curves(Readings):
         handle = Line2D([], [], color="0.35", linewidth=0.9, linestyle="-" if columns else ":")
         return {"jump": (handle,)} if self.jumps else {}
 
-    def _mark_ranges(self, ax: Axes, units: Units, rows: Mapping[int, Any], names: bool) -> tuple[float, Keys]:
+    def _mark_ranges(self, ax: Axes, factor: float, rows: Mapping[int, Any], names: bool) -> tuple[float, Keys]:
         """Strips above the axes, a row for each mesh that has any: light where teeth separate, dark where back flanks collide.
 
         ``rows`` are the colours of the meshes; with ``names`` each row has that of its mesh beside it. Gives their height over that
@@ -234,7 +238,7 @@ class Curves(Readings):
                 ax.annotate(f"mesh {column + 1}", (1.0, bottom + 0.01), (3, 0), xycoords="axes fraction",
                             textcoords="offset points", va="center", fontsize=6)
             for ends, alpha, name in ((apart, 0.35, "teeth separate"), (behind, 1.0, "back flanks collide")):
-                for low, high in units.per_lambda * ends:
+                for low, high in factor * ends:
                     ax.axvspan(low, high, bottom, bottom + 0.02, color=color, alpha=alpha, linewidth=0, clip_on=False)
                 patch = Patch(color=color, alpha=alpha, linewidth=0)
                 if len(ends) and (color != "0.3" or name not in keys):

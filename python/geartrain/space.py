@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._extras import extra
 from .errors import InputError, shown
+from .parameter import label
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -93,9 +94,9 @@ class Space:
         axes = []
         for name, values in (product or {}).items():
             if hasattr(values, "ppf") or hasattr(values, "icdf"):
-                raise InputError(f"parameter {_label(name)!r}: a distribution: give it in distributions={{...}}, with samples=")
-            axes.append(Axis(_label(name), {_label(name): _column(_label(name), values)}))
-        self.distributions: dict[str, Any] = {_label(name): value for name, value in (distributions or {}).items()}
+                raise InputError(f"parameter {label(name)!r}: a distribution: give it in distributions={{...}}, with samples=")
+            axes.append(Axis(label(name), {label(name): _column(label(name), values)}))
+        self.distributions: dict[str, Any] = {label(name): value for name, value in (distributions or {}).items()}
         if sample is not None and self.distributions:
             raise InputError("sample and distributions: give one of the two, and multiply spaces: Space(...) * Space(...)")
         if sample is not None:
@@ -165,13 +166,6 @@ class Space:
         return f"<Space of {len(self)} points: {' x '.join(told)}{', relative' if any(self.relative.values()) else ''}>"
 
 
-def _label(name: Any) -> str:
-    names = name if isinstance(name, tuple) else (name,)
-    if not names or not all(isinstance(item, str) for item in names):
-        raise InputError(f"parameter {shown(name)}: must be a name, or a tuple of names")
-    return ", ".join(item.strip() for item in names)
-
-
 def _axis(columns: Mapping[str, NDArray[Any]]) -> Axis:
     lengths = {name: len(values) for name, values in columns.items()}
     if len(set(lengths.values())) != 1:
@@ -183,22 +177,32 @@ def _columns(sample: Any, names: Sequence[Name] | None) -> dict[str, NDArray[Any
     if isinstance(sample, Mapping) or hasattr(sample, "columns"):
         if names is not None:
             raise InputError("names: the columns of the sample have names of their own")
-        own = sample if isinstance(sample, Mapping) else sample.columns
-        return {_label(name): _column(_label(name), sample[name]) for name in own}
+        own = list(sample if isinstance(sample, Mapping) else sample.columns)
+        unnamed = [str(name) for name in own if str(name).startswith("Unnamed: ")]  # as pandas calls them
+        if unnamed:
+            raise InputError(f"sample: column {unnamed[0]!r} has no name: an index, which to_csv(..., index=False) leaves out and "
+                             "read_csv(..., index_col=0) takes?")
+        if own and not len(sample[own[0]]):
+            raise InputError("sample: has no rows")
+        return {label(name): _column(label(name), sample[name]) for name in own}
     table = np.asarray(sample)
     if names is None or table.ndim != 2 or table.shape[1] != len(names):
         raise InputError(f"sample: an array of shape {table.shape}: must be (points, parameters), with names= of the parameters")
-    return {_label(name): _column(_label(name), table[:, place]) for place, name in enumerate(names)}
+    return {label(name): _column(label(name), table[:, place]) for place, name in enumerate(names)}
 
 
 def _column(name: str, values: Any) -> NDArray[Any]:
     column = np.atleast_1d(np.asarray(values))
+    if not column.size:
+        raise InputError(f"parameter {name!r}: has no values: must be a list of numbers or of texts")
     if column.dtype.kind == "O":
         column = np.array(column.tolist())
     if column.ndim != 1 or not len(column) or column.dtype.kind not in "biufU":
         raise InputError(f"parameter {name!r}: {shown(values)}: must be a list of numbers or of texts")
     if column.dtype.kind == "f" and not np.isfinite(column).all():
-        raise InputError(f"parameter {name!r}: value {int(np.argmin(np.isfinite(column)))}, counted from 0, is not finite")
+        wrong = np.flatnonzero(~np.isfinite(column))
+        more = f", nor are {len(wrong) - 1} more" if len(wrong) > 1 else ""
+        raise InputError(f"parameter {name!r}: value {wrong[0]}, counted from 0, is not finite{more}")
     return column
 
 

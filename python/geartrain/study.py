@@ -23,6 +23,7 @@ from .quantity import check_kept
 from .space import Space
 from .study_dataset import dataset_of
 from .study_engine import compute_all, cores, executor_of
+from .study_failures import failures_of, words_of
 from .study_plan import Plan
 from .study_progress import Progress
 from .study_store import DONE, Store
@@ -180,6 +181,8 @@ class Study:
             problem or f"expected: {_duration(seconds or 0)} a point, {_duration(total or 0)} on {cores()} cores",
         ]
         failed = sum(status != DONE for status in own)
+        if failed and store is not None:
+            told.append(words_of(plan, failures_of(plan, store)))
         return StudyExplanation(
             len(plan), len(plan) - len(plan.distinct), len(own), failed, seconds, total, problem, "\n".join(told)
         )
@@ -224,7 +227,8 @@ class Study:
         failed = np.flatnonzero(found.status.values != DONE)
         if len(failed):
             message = found.message.values.flat[failed[0]]
-            warnings.warn(f"{len(failed)} of {len(self)} points failed, the first with {message}", stacklevel=2)
+            warnings.warn(f"{len(failed)} of {len(self)} points failed, the first with {message} at {plan.told(int(failed[0]))}; "
+                          "study.explain() tells more", stacklevel=2)
         return found
 
     def prepare(self, folder: str | os.PathLike[str], parts: int = 1) -> None:
@@ -254,15 +258,12 @@ class Study:
         point : int or sequence of int
             Its number, from 0, or its places along the axes of the space.
         """
-        if not isinstance(point, (int, np.integer)):
-            point = int(np.ravel_multi_index(tuple(point), self.space.shape))
-        if not 0 <= point < len(self):
-            raise InputError(f"point = {shown(point)}: must be from 0 to {len(self) - 1}")
+        point = self._number_of(point)
         store = self._store(folder)
-        path = None if store is None else store.branches / f"{self._plan.key(int(point)).decode()}.h5"
+        path = None if store is None else store.branches / f"{self._plan.key(point).decode()}.h5"
         if path is not None and path.exists():
             return read_results(path).response
-        result = self._plan.result(int(point))
+        result = self._plan.result(point)
         if path is not None and isinstance(result, Branch):
             path.parent.mkdir(parents=True, exist_ok=True)
             result.write(path)
@@ -309,6 +310,18 @@ class Study:
 
     # ----------------------------------------------------------------------------------------------- inside
 
+    def _number_of(self, point: int | Sequence[int]) -> int:
+        """The number of a point that is told by it, or by its places along the axes."""
+        shape = self.space.shape
+        places, sizes = ((point,), (len(self),)) if isinstance(point, (int, np.integer)) else (tuple(np.atleast_1d(point)), shape)
+        whole = all(isinstance(place, (int, np.integer)) and not isinstance(place, bool) for place in places)
+        if whole and len(places) == len(sizes) and all(0 <= place < size for place, size in zip(places, sizes)):
+            return int(np.ravel_multi_index(places, sizes))
+        along = ", ".join(f"0 to {len(axis) - 1} of {axis.name}" for axis in self.space.axes)
+        places_along = f", or {len(shape)} places, {along}" if len(shape) > 1 else ""
+        raise InputError(f"point = {shown(point)}: must be a number from 0 to {len(self) - 1}{places_along}")
+
+
     def _store(self, folder: str | os.PathLike[str] | None) -> Store | None:
         known = folder if folder is not None else self._folder
         return None if known is None else Store(known)
@@ -346,7 +359,7 @@ def run_plan(
 ) -> Progress:
     """Compute batches of a plan whose points are not yet in the folder; workers are all cores unless told."""
     if retry:
-        store.forget([key for key, status in store.statuses().items() if status != DONE and key in plan.known])
+        store.forget([plan.key(failure.point) for failure in failures_of(plan, store, blocks)])
     there = store.statuses().keys()
     left = [block for block in blocks if not there >= {plan.key(point) for point in plan.block(block)}]
     with Progress(plan, store, progress) as told:
@@ -354,7 +367,7 @@ def run_plan(
             compute_all(str(store.folder), plan.digest, left, executor, workers or _workers(plan, left), told, patient)
             told()
         except KeyboardInterrupt as error:
-            raise Interrupted(f"study stopped by Ctrl-C; {_there(told.look(), plan, store)}") from error
+            raise Interrupted(f"study stopped; {_there(told.look(), plan, store)}") from error
         except SolverError as error:
             raise SolverError(f"{error}; {_there(told.look(), plan, store)}") from error
     return told

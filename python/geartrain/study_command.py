@@ -11,13 +11,17 @@ from typing import Any
 
 from .errors import Interrupted, SolverError
 from .study import read_study, run_plan
+from .study_failures import failures_of, words_of
 from .study_store import Store
 
 __all__ = ["main"]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Exit status: 0 all of the part is there; 1 some points failed; 2 bad arguments; 3 ended early; 4 the file system failed."""
+    """Exit status: 0 no point of the part failed; 1 some did; 2 bad arguments; 3 ended early; 4 the file system failed.
+
+    A part leaves to other processes what they have begun; the whole waits for them.
+    """
     told = _parser().parse_args(arguments)
     for number in (signal.SIGTERM, getattr(signal, "SIGXCPU", signal.SIGTERM)):
         signal.signal(number, _stop)  # so that what is done is written before a time limit of the cluster kills
@@ -25,17 +29,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
         store = Store(told.folder)
         plan = store.plan()
         if told.status:
-            print(read_study(told.folder).explain())
-            return 0
+            explanation = read_study(told.folder).explain()
+            print(explanation)
+            return 1 if explanation.failed else 0
         number, parts = told.part
         if parts == 1:
             store.mend()
         blocks = range(number - 1, plan.blocks, parts)
+        if told.retry:
+            print(f"{len(failures_of(plan, store, blocks))} points that failed are computed again", flush=True)
         workers = told.workers or (1 if parts > 1 else 0)
         there = run_plan(plan, store, blocks, workers=workers, retry=told.retry, patient=parts == 1)
+        failures = failures_of(plan, store, blocks)
+        if failures:
+            print(words_of(plan, failures))
         failed = f", {there.failed} of them failed" if there.failed else ""
         print(f"{there.there} of {len(plan.distinct)} points are in {told.folder}{failed}")
-        return 1 if there.failed else 0
+        return 1 if failures else 0
     except (Interrupted, SolverError) as error:
         print(error, file=sys.stderr)
         return 3

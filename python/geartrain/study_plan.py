@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from hashlib import blake2b
-from itertools import repeat
+from itertools import islice, repeat
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ._box import Box
 from ._namelist import parse
 from .errors import DrawingWarning, InputError, shown
-from .parameter import Target, assigned, checked_column, own_value, targets_of
+from .parameter import Target, add_targets, assigned, check_effects, checked_column, own_value, targets_of
 from .quantity import Quantity, taken
 from .space import Axis, Space
 from .train import Train
@@ -28,6 +28,9 @@ __all__ = ["Plan"]
 
 #: Of the records of points: what is written by another version is not taken for done.
 _RESULTS_VERSION = 1
+
+_LONGEST = 200  # characters of the values of a point in a message
+_TRIED = 20  # points among which one is allowed, as a rule
 
 with Box() as _opened:
     _PROGRAM = _opened.text("version")
@@ -83,11 +86,10 @@ class Plan:
         targets: list[Target] = []
         columns = []
         for name, values in space.columns().items():
-            for target in targets_of(name, train, call, settings, space.relative[name]):
-                if any(target[:2] == known[:2] and target.element in (0, known.element) for known in targets):
-                    raise InputError(f"parameter {shown(name)}: {target.place} {target.variable} is set by another one as well")
-                targets.append(target)
-                columns.append(checked_column(target, values))
+            found = targets_of(name, train, call, settings, space.relative[name])
+            add_targets(name, found, targets)
+            columns += [checked_column(target, values) for target in found]
+        _check_effects(train, settings, targets, columns)
         keys = _keys(train, call, settings, keep, targets, columns)
         text = train.namelist()
         return cls(text, call, settings, tuple(keep), space.axes, space.relative, tuple(targets), tuple(columns), keys)
@@ -117,6 +119,16 @@ class Plan:
     def known(self) -> set[bytes]:
         """The keys."""
         return set(self.keys.tolist())
+
+    @cached_property
+    def _values(self) -> dict[str, NDArray[Any]]:
+        return Space.of(self.axes, self.relative).columns()
+
+    def told(self, point: int) -> str:
+        """The point in words, with the values of its parameters."""
+        items = ((name, column[point].item()) for name, column in self._values.items())
+        values = ", ".join(f"{name} = {value:.6g}" if isinstance(value, float) else f"{name} = {value}" for name, value in items)
+        return f"point {point} ({values if len(values) <= _LONGEST else values[: _LONGEST - 3] + '...'})"
 
     @property
     def blocks(self) -> int:
@@ -173,6 +185,21 @@ class Plan:
     def in_batches_of(self, points: int, seconds: float) -> Plan:
         """The same, with so many points computed in one go, each in so many seconds."""
         return replace(self, batch=points, seconds=seconds)
+
+
+def _check_effects(
+    train: Train, settings: Mapping[str, Any], targets: Sequence[Target], columns: Sequence[NDArray[Any]]
+) -> None:
+    """Refuse parameters without effect, by the first point that is allowed."""
+    for values in islice(zip(*columns), _TRIED):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DrawingWarning)
+            try:
+                first = assigned(train, settings, targets, [value.item() for value in values])[0]
+            except InputError:  # told where the point is computed
+                continue
+        check_effects(first, targets)
+        return
 
 
 def _plain(value: Any) -> Any:

@@ -178,6 +178,16 @@ class Store:
                 warnings.warn(f"{path}: is damaged ({error}): its points count as not computed", stacklevel=2)
             return None
 
+    def messages(self, keys: Collection[bytes]) -> dict[bytes, str]:
+        """Why points failed, by their keys."""
+        found: dict[bytes, str] = {}
+        for path in self.paths():
+            with contextlib.suppress(*_DAMAGED), np.load(path) as file:
+                if (file["status"] != DONE).any():
+                    rows = zip(file["keys"].tolist(), file["status"].tolist(), file["message"].tolist())
+                    found |= {key: message for key, status, message in rows if key in keys and status != DONE}
+        return found
+
     def mend(self) -> None:
         """Read every batch; a damaged one is renamed, and with that its points are to be computed again."""
         for path in self.paths():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -15,7 +15,7 @@ from ._draw import check_number
 from ._text_table import Rows
 from ._units import hertz_of, lambda_of, length_unit, own_lambda, speed_of
 from .description import Description
-from .errors import InputError
+from .errors import InputError, SolverError
 
 __all__ = ["Jump", "Jumps", "Peak", "Peaks", "Readings", "speeds"]
 
@@ -42,6 +42,8 @@ class Peak:
         Largest mesh force in N at that point, and over the static mesh force.
     speed, fundamental_frequency : float or None
         In rpm, where every mesh has teeth; in Hz.
+    parameter : float or None
+        Value of the parameter, on a branch over one; Lambda is constant there.
     """
 
     frequency: float
@@ -54,6 +56,7 @@ class Peak:
     dynamic_factor: float = float("nan")
     speed: float | None = None
     fundamental_frequency: float | None = None
+    parameter: float | None = None
 
 
 class Peaks(Rows[Peak]):
@@ -109,6 +112,10 @@ class Jump:
         motion after it is undecided.
     speed, fundamental_frequency : float or None
         In rpm, where every mesh has teeth; in Hz.
+    parameter : float or None
+        Value of the parameter, on a branch over one: there not the speed changes in the sweep, but the parameter.
+    special_point : SpecialPoint or None
+        At which the stable motion ends.
     """
 
     frequency: float
@@ -121,6 +128,21 @@ class Jump:
     undecided: bool = False
     speed: float | None = None
     fundamental_frequency: float | None = None
+    parameter: float | None = None
+    special_point: Any = field(default=None, repr=False)
+
+    def gradient(self, parameters: Sequence[str]) -> Array:
+        """Derivatives of Lambda of the jump with respect to parameters of the train, (parameters,): see `SpecialPoint.gradient`.
+
+        Examples
+        --------
+        >>> branch.jumps[0].gradient(["mesh 1 damping_ratio", "stiffness_variation"]).round(4)
+        array([ 0.0115, -0.3316])
+        """
+        if self.special_point is None:
+            raise SolverError(f"gradient: the branch has no {self.cause} at the jump: there are no derivatives")
+        found: Array = self.special_point.gradient(parameters)
+        return found
 
 
 class Jumps(Rows[Jump]):
@@ -139,16 +161,19 @@ class Jumps(Rows[Jump]):
 
 
 class Readings:
-    """What one reads off a branch: its peaks and jumps, and ranges of Lambda."""
+    """What one reads off a branch: its peaks and jumps, and ranges of Lambda, or of the parameter that the branch goes over."""
 
     rms: Array
     frequency: Array
+    parameter: Array | None
+    parameter_name: str
     stable: NDArray[np.bool_] | None
     undecided: NDArray[np.bool_] | None
     mesh_force_maximum: Array
     dynamic_factor: Array
     settings: Mapping[str, Any]
     train: Description | None
+    special_points: Sequence[Any]
 
     def _box(self) -> Box:
         """A box of the branch, which may be changed."""
@@ -164,7 +189,7 @@ class Readings:
         (0.731, 3.046, True)
         """
         known = self.stable is not None
-        rows = self._read_off("peaks", mesh or 1).rows("frequency", "rms", "point", "stable", "undecided", "mesh")
+        rows = self._read_off("peaks", mesh or 1).rows(self._free_name, "rms", "point", "stable", "undecided", "mesh")
         peaks = Peaks((
             self._peak(float(f), float(rms), int(point) - 1, bool(stable) if known else None, bool(undecided), int(number))
             for f, rms, point, stable, undecided, number in rows
@@ -173,10 +198,25 @@ class Readings:
         peaks.ends = [end for number in range(1, self.rms.shape[1] + 1) if mesh in {None, number} for end in self._at_ends(number)]
         return peaks
 
-    def _peak(self, frequency: float, rms: float, point: int, stable: bool | None, undecided: bool, mesh: int) -> Peak:
+    @property
+    def _free_name(self) -> str:
+        """Name of the field that the branch goes over."""
+        return "parameter" if self.parameter_name else "frequency"
+
+    @property
+    def _free(self) -> Array:
+        """What the branch goes over, (points,): Lambda, or the values of the parameter."""
+        return self.frequency if self.parameter is None else self.parameter
+
+    def _range(self) -> list[float]:
+        """The ends of the range asked for, where they are known, in what the branch goes over."""
+        ends = [float(self.settings[name]) for name in ("start", "stop") if self.settings.get(name) is not None]
+        return ends if self.parameter_name else [lambda_of(self.train, end, self.settings.get("unit")) for end in ends]
+
+    def _peak(self, value: float, rms: float, point: int, stable: bool | None, undecided: bool, mesh: int) -> Peak:
         return Peak(
-            frequency, rms, point, stable, undecided, mesh, float(self.mesh_force_maximum[point, mesh - 1]),
-            float(self.dynamic_factor[point, mesh - 1]), *self._speeds(frequency),
+            self._lambda(value), rms, point, stable, undecided, mesh, float(self.mesh_force_maximum[point, mesh - 1]),
+            float(self.dynamic_factor[point, mesh - 1]), *self._speeds(value),
         )
 
     def _at_ends(self, mesh: int) -> Iterator[tuple[Peak, str]]:
@@ -188,10 +228,9 @@ class Readings:
             force = np.where(self.stable, force, -np.inf)
         largest = {"rms": int(self.rms[:, mesh - 1].argmax()), "force": int(force.argmax())}
         for point in dict.fromkeys(largest.values()):
-            at = float(self.frequency[point])
-            ends = [lambda_of(self.train, self.settings[name], self.settings.get("unit")) for name in ("start", "stop")
-                    if self.settings.get(name)]
-            if any(abs(at - end) <= 1e-9 * max(ends) for end in ends):
+            at = float(self._free[point])
+            ends = self._range()
+            if any(abs(at - end) <= 1e-9 * max(map(abs, ends)) for end in ends):
                 words = " and ".join(f"largest {name}" for name, place in largest.items() if place == point)
                 stable = None if self.stable is None else bool(self.stable[point])
                 undecided = self.undecided is not None and bool(self.undecided[point])
@@ -208,9 +247,10 @@ class Readings:
         falling, 1.5473: jump down, [0.85 0.17] -> [0.28 0.11]
         rising, 1.6645: jump up, [0.47 0.12] -> [0.73 0.11]
         """
-        names = ("frequency", "kind", "direction", "cause", "rms_before", "rms_after", "candidates", "undecided")
+        names = (self._free_name, "kind", "direction", "cause", "rms_before", "rms_after", "candidates", "undecided")
         return Jumps((
-            Jump(float(at), kind, direction, cause, before, after, int(candidates), bool(undecided), *self._speeds(float(at)))
+            Jump(self._lambda(float(at)), kind, direction, cause, before, after, int(candidates), bool(undecided),
+                 *self._speeds(float(at)), self._special_at(float(at), cause))
             for at, kind, direction, cause, before, after, candidates, undecided in self._read_off("jumps").rows(*names)
         ), length_unit(self.train))
 
@@ -254,8 +294,20 @@ class Readings:
         """
         return self._ranges("back collision", mesh, stable)
 
-    def _speeds(self, frequency: float) -> tuple[float | None, float | None]:
-        return speed_of(self.train, frequency), hertz_of(self.train, frequency)
+    def _special_at(self, value: float, kind: str) -> Any:
+        """The special point of a kind at a value of what the branch goes over; None where there is none."""
+        places = ((special.frequency if special.parameter is None else special.parameter, special)
+                  for special in self.special_points if special.kind == kind)
+        return next((special for at, special in places if abs(at - value) <= 1e-9 * abs(value)), None)
+
+    def _lambda(self, value: float) -> float:
+        """Lambda at a value of what the branch goes over."""
+        return float(self.frequency[0]) if self.parameter_name else value
+
+    def _speeds(self, value: float) -> tuple[float | None, float | None, float | None]:
+        """Speed, frequency of the fundamental and parameter at a value of what the branch goes over."""
+        at = self._lambda(value)
+        return speed_of(self.train, at), hertz_of(self.train, at), value if self.parameter_name else None
 
     def _read_off(self, what: str, mesh: int = 1) -> Group:
         check_number("mesh", mesh, self.rms.shape[1])
@@ -272,8 +324,11 @@ class Readings:
 
 
 def speeds(rows: Iterable[Any]) -> dict[str, list[float | None]]:
-    """The columns of a table that tell at which speed its rows are."""
+    """The columns of a table that tell at which speed, and at which value of a parameter, its rows are."""
+    rows = list(rows)
+    values = [getattr(row, "parameter", None) for row in rows]
     return {
+        **({"parameter": values} if any(value is not None for value in values) else {}),
         "speed [rpm]": [row.speed for row in rows],
         "fundamental [Hz]": [row.fundamental_frequency for row in rows],
         "Lambda": [own_lambda(row.frequency, row.speed) for row in rows],

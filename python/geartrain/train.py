@@ -21,12 +21,15 @@ from .branch import Branch
 from .campbell import Campbell
 from .description import Description
 from .errors import InputError, SolverError, shown
+from .exact_point import ExactPoint
+from .locus import Locus
 from .modes import Modes
 from .motion import Motion, from_state
 from .motions import Motions, find_motions
-from .parameter import with_values
+from .parameter import value_in, with_values
 from .run_up import RunUp
 from .schematic import draw_schematic, figure_size
+from .special_point import SpecialPoint
 from .stability_map import StabilityMap
 from .sweep import Sweep
 from .variables import (
@@ -90,13 +93,15 @@ class Train(Description):
         Parameters
         ----------
         values : mapping
-            Values [SI] by the names of the parameters, which are those of `Space` and `Motion.gradient`: ``'input_torque'``,
-            ``'mesh 2 half_backlash'``, ``'mesh * damping_ratio'``, ``'mesh 1 stiffness_cos 2'``, ``'stiffness_variation'``.
+            A value each, in the unit of its variable in the case: SI, but for angles of the drawing, ``'mesh 1 helix_angle'``,
+            in degrees. The names are those of `Space` and `Motion.gradient`: ``'input_torque'``, ``'mesh 2 half_backlash'``,
+            ``'mesh * damping_ratio'`` of all meshes, ``'mesh 1 stiffness_cos 2'`` of a list, ``'stiffness_variation'``; a tuple of
+            names for several with the same value.
 
         Raises
         ------
         InputError
-            Where a name is unknown or a value is not allowed.
+            Where a name is unknown, a value is not allowed, or one variable is set twice.
 
         Examples
         --------
@@ -127,21 +132,28 @@ class Train(Description):
         """
         return self.modes().natural_frequency / lambda_of(self, 1.0, unit)
 
-    def frequency_gradient(self, parameters: Sequence[str]) -> NDArray[np.float64]:
+    def frequency_gradient(self, parameters: Sequence[str], *, unit: Unit = "Lambda") -> NDArray[np.float64]:
         """Derivatives of the natural frequencies with respect to parameters.
 
         Parameters
         ----------
         parameters : sequence of str
             As in `Motion.gradient`, whose errors and warnings are these as well.
+        unit : {'Lambda', 'rpm', 'Hz'}
+            Of the natural frequencies, as in `natural_frequencies`.
 
         Returns
         -------
         ndarray, (modes, parameters)
             x . (dK - omega^2 dM) x/(2 omega) with the mode x of x . M x = 1, over the unit of the parameter; NaN where natural
             frequencies that are equal part.
+
+        Examples
+        --------
+        >>> (train.frequency_gradient(["mesh * stiffness"], unit="Hz")[:2, 0] * 1e6).round(2)  # Hz per N/um
+        array([1.53, 5.78])
         """
-        return gradient_of(Box(copy=self._kept), "frequency", parameters)
+        return gradient_of(Box(copy=self._kept), "/frequency", parameters) / lambda_of(self, 1.0, unit)
 
     def modes(self) -> Modes:
         """Natural frequencies, damping ratios and mode shapes of the mean system."""
@@ -204,6 +216,57 @@ class Train(Description):
                 return branch
 
         return watched(work, "response")
+
+    def continuation(
+        self, *, parameter: str, start: float, stop: float, frequency: float, seed: Motion | None = None, **settings: Any
+    ) -> Branch:
+        """Follow the periodic motions at constant frequency over a parameter of the train, through the folds.
+
+        Parameters
+        ----------
+        parameter : str
+            A number of the train, as in `Train.with_values`: ``'input_torque'``, ``'mesh 2 half_backlash'``,
+            ``'shaft 2 stiffness'``, ``'mesh * damping_ratio'`` (of all meshes alike), ``'stiffness_variation'``.
+        start, stop : float
+            First and last value, in the unit of the parameter, in either order; 0 and below where the parameter may be.
+        frequency : float
+            Lambda, or in ``unit``.
+        seed : Motion, optional
+            A motion at this frequency to start from in place of ``start``: of this train, whose own value of the parameter lies
+            between ``start`` and ``stop``, or of this train with such a value, as `Branch.at` of another branch over the parameter
+            gives it.
+        **settings
+            Further variables of ``&response``.
+
+        Returns
+        -------
+        Branch
+            Its ``parameter`` has the values, its ``frequency`` is constant. Special points, peaks and jumps have the value as well.
+
+        Raises
+        ------
+        InputError
+            Also where the train is out of order with a value in the range, or of another kind: with another number of coordinates.
+        SolverError
+            No motion to start from.
+        Interrupted
+            On Ctrl-C, with the branch so far.
+
+        Examples
+        --------
+        >>> over = train.continuation(parameter="input_torque", start=100, stop=400, frequency=0.7)
+        >>> over.parameter[[0, -1]], over.parameter_unit, over.complete
+        (array([100., 400.]), 'N m', True)
+        """
+        if not isinstance(parameter, str) or not parameter.strip():
+            raise InputError(f"parameter = {shown(parameter)}: must be the name of a number of the train, as 'input_torque'")
+        train = self
+        if isinstance(seed, Motion) and isinstance(seed.train, Description):
+            at = value_in(seed.train, parameter)
+            train = self if at is None else self.with_values({parameter: at})
+        asked: Any = {"start": start, "stop": stop, "parameter": parameter, "frequency": frequency, **settings}
+        branch: Branch = train.response(seed=seed, **asked)
+        return branch
 
     @takes(VARIABLES["integration"], IntegrateKeywords, stability=True)
     def integrate(
@@ -380,12 +443,15 @@ class Train(Description):
                 raise InputError(f"{name} = {shown(value)}: must be a whole number >= {least}")
         if response is not None and not isinstance(response, Branch):
             raise InputError(f"response = {shown(response)}: must be a gt.Branch")
+        if response is not None and response.parameter_name:
+            raise InputError(f"response: a branch over {response.parameter_name}: must be one over frequency")
         if isinstance(frequency, bool) or not isinstance(frequency, Real) or not 0 < frequency < float("inf"):
             raise InputError(f"frequency = {shown(frequency)}: must be a number > 0")
         at = lambda_of(self, float(frequency), unit)
         if response is None:
-            response = self.response(start=0.7 * at, stop=1.4 * at, harmonics=0, period_doublings=int(period).bit_length() - 1,
-                                     branch_points=True)
+            # Shooting makes every motion exact: a tighter tolerance would cost ten times as much and find no more.
+            response = self.response(start=0.7 * at, stop=1.4 * at, harmonics=0, tolerance=1e-2,
+                                     period_doublings=int(period).bit_length() - 1, branch_points=True)
         return find_motions(self, at, int(period), int(starts), int(seeds), int(random_seed), [response, *response.branches])
 
     @takes(VARIABLES["stability_map"], StabilityMapKeywords)
@@ -507,6 +573,59 @@ class Train(Description):
                 return found
 
         return watched(work, "run up", unit="periods")
+
+    def locus(self, special: SpecialPoint | ExactPoint, *, parameter: str, start: float, stop: float) -> Locus:
+        """Follow a special point or a contact onset of the exact motion over frequency and a number of the train.
+
+        Parameters
+        ----------
+        special : SpecialPoint or ExactPoint
+            A fold, a period doubling, a Neimark-Sacker point or a contact onset of this train.
+        parameter : str
+            Name of the number, as in `Space`: ``'input_torque'``, ``'mesh 2 half_backlash'``, ``'stiffness_variation'``.
+        start, stop : float
+            Ends of the range of the parameter in its unit; the value that the train has lies between them.
+
+        Returns
+        -------
+        Locus
+            With the points at which two conditions meet: cusps, resonances, grazing.
+
+        Raises
+        ------
+        InputError
+        SolverError
+            Where the exact motion has no such special point.
+        Interrupted
+            On Ctrl-C.
+
+        Examples
+        --------
+        >>> fold = branch.special_points[0]
+        >>> locus = train.locus(fold, parameter="stiffness_variation", start=0.25, stop=0.35)
+        >>> locus.complete, locus.parameter[[0, -1]].round(3)
+        (True, array([0.25, 0.35]))
+        """
+        if not isinstance(special, (SpecialPoint, ExactPoint)):
+            raise InputError(f"special = {shown(special)}: must be a special point, one of a branch's special_points or onsets")
+        if special.kind == "branch point":
+            raise InputError("special: a branch point has no curve of its own, only folds, period doublings, Neimark-Sacker "
+                             "points and contact onsets have")
+        exact = special.exact() if isinstance(special, SpecialPoint) else special
+        settings = {"kind": exact.kind.replace(" ", "_"), "near": exact.frequency, "mesh": exact.mesh or 0,
+                    "parameter": parameter, "start": start, "stop": stop}
+        asked = self._ask(locus=settings)
+
+        def work(progress: NDArray[np.float64]) -> Locus:
+            with asked as box:
+                put_motions(box, exact.motion, what="special")
+                box.check(box.run("locus", progress))
+                found = Locus._from(box, self)
+                if found is None:
+                    raise SolverError("nothing found")
+                return found
+
+        return watched(work, "locus")
 
     @classmethod
     def _of(cls, groups: Sequence[tuple[str, dict[str, Any]]]) -> Train:

@@ -91,8 +91,10 @@ VARIABLES: dict[str, dict[str, Variable]] = {
     },
     "modes": {},
     "response": {
-        "start": Variable("from", "real", "float", None, True, "Frequency at which the branch begins; > 0"),
-        "stop": Variable("to", "real", "float", None, True, "Frequency at which it ends, above or below; > 0"),
+        "start": Variable("from", "real", "float", None, True, "Frequency or value of parameter at which the branch begins"),
+        "stop": Variable("to", "real", "float", None, True, "Frequency or value of parameter at which it ends, above or below"),
+        "parameter": Variable("parameter", "text", "str", "", False, "Number of the train that from and to are values of, at constant frequency, as in 'input_torque', 'mesh 2 half_backlash', 'mesh * damping_ratio', 'stiffness_variation'; blank: none, they are frequencies"),
+        "frequency": Variable("frequency", "real", "float", None, False, "With parameter: the constant frequency; > 0"),
         "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Unit of the frequencies of the group: Lambda; rpm, the speed, of a train whose meshes all have teeth; Hz, of the fundamental; 'Lambda', 'rpm' or 'Hz'"),
         "harmonics": Variable("harmonics", "integer", "int", 6, False, "Harmonics R of Lambda/subharmonic; 0: as many as tolerance needs; >= 1 and <= 1000, or 0"),
         "subharmonic": Variable("subharmonic", "integer", "int", 1, False, "Period of the motion in periods of the fundamental, eta; >= 1 and <= 1000"),
@@ -150,6 +152,15 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Unit of the frequencies of the group: Lambda; rpm, the speed, of a train whose meshes all have teeth; Hz, of the fundamental; 'Lambda', 'rpm' or 'Hz'"),
         "samples": Variable("samples", "integer", "int", 0, False, "Equidistant samples of a period of the fundamental at the higher frequency; 0: 32 of the fastest mesh, more where harmonics of the excitation or vibrations of a mesh are faster; >= 1 and <= 1.0e8, or 0"),
         "max_periods": Variable("max_periods", "integer", "int", 2000, False, "Periods of the fundamental after which the search for the steady motion at the beginning is given up, and the run-up begins with the state reached; 0: it begins at rest, or with the motion given in a call; >= 0"),
+    },
+    "locus": {
+        "kind": Variable("kind", "text", "Literal['fold', 'period_doubling', 'neimark-sacker', 'separation', 'back_contact']", "fold", False, "Kind of the special point; separation and back_contact: where a mesh begins to separate, or its back flanks to touch; 'fold', 'period_doubling', 'neimark-sacker', 'separation' or 'back_contact'"),
+        "near": Variable("near", "real", "float", None, True, "Frequency near which it is on the response, in the `unit; > 0"),
+        "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Unit of the frequencies of the group: Lambda; rpm, the speed, of a train whose meshes all have teeth; Hz, of the fundamental; 'Lambda', 'rpm' or 'Hz'"),
+        "mesh": Variable("mesh", "integer", "int", 0, False, "Number of the mesh that separates or whose back flanks touch; 0 for other kinds; >= 0"),
+        "parameter": Variable("parameter", "text", "str", "", False, "Number of the train, as in 'input_torque', 'mesh 2 half_backlash', 'mesh * damping_ratio', 'stiffness_variation'; must be given"),
+        "start": Variable("from", "real", "float", None, True, "Value of parameter at one end of the curve"),
+        "stop": Variable("to", "real", "float", None, True, "Value of parameter at its other end, the value of the train between them"),
     },
     "output": {
         "file": Variable("file", "text", "str", "", False, "Name of the HDF5 file, relative to the working directory; empty: the name of the case file with .h5, in the working directory"),
@@ -258,7 +269,7 @@ PARTS: dict[str, tuple[str, type[Part]]] = {
 }
 
 #: Analyses that a case may ask for, in their order.
-ANALYSES = ("modes", "response", "integration", "attractors", "stability_map", "run_up")
+ANALYSES = ("modes", "response", "integration", "attractors", "stability_map", "run_up", "locus")
 
 
 class Analyses(TypedDict, total=False):
@@ -270,6 +281,7 @@ class Analyses(TypedDict, total=False):
     attractors: Mapping[str, Any] | None
     stability_map: Mapping[str, Any] | None
     run_up: Mapping[str, Any] | None
+    locus: Mapping[str, Any] | None
 
 
 class ResponseKeywords(TypedDict, total=False):
@@ -277,6 +289,8 @@ class ResponseKeywords(TypedDict, total=False):
 
     start: Required[float]
     stop: Required[float]
+    parameter: str
+    frequency: float | None
     unit: Literal["Lambda", "rpm", "Hz"]
     harmonics: int
     subharmonic: int
@@ -344,6 +358,18 @@ class RunUpKeywords(TypedDict, total=False):
     unit: Literal["Lambda", "rpm", "Hz"]
     samples: int
     max_periods: int
+
+
+class LocusKeywords(TypedDict, total=False):
+    """Variables of ``&locus`` that a call takes."""
+
+    kind: Literal["fold", "period_doubling", "neimark-sacker", "separation", "back_contact"]
+    near: Required[float]
+    unit: Literal["Lambda", "rpm", "Hz"]
+    mesh: int
+    parameter: str
+    start: Required[float]
+    stop: Required[float]
 
 
 class IntegrateKeywords(TypedDict, total=False):

@@ -104,3 +104,87 @@ def test_no_derivative(branch):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         np.testing.assert_allclose(pair.frequency_gradient(["mesh 1 stiffness"]), 0.5, rtol=1e-12)
+
+
+def test_a_star_means_all_in_which_the_parameter_is_in_force():
+    """The sum of the single ones, of given and of derived values; the others are left out."""
+    train = reducer()
+    for name, single in (
+        ("body * inertia", [f"{body.name} inertia" for body in train.bodies]),
+        ("body * torque", [f"{body.name} torque" for body in train.bodies[:-1]]),
+        ("mesh * face_width", ["mesh 1 face_width", "mesh 2 face_width"]),
+        ("mesh * phase", ["mesh 1 phase", "mesh 2 phase"]),
+    ):
+        expected = train.frequency_gradient(single).sum(axis=1)
+        np.testing.assert_allclose(train.frequency_gradient([name])[:, 0], expected, rtol=1e-6, atol=1e-9 * abs(expected).max())
+    stiff = replace(train, shafts=[replace(train.shafts[0], stiffness=1e5), *train.shafts[1:]])
+    expected = stiff.frequency_gradient(["shaft 2 diameter", "shaft 3 diameter"]).sum(axis=1)
+    np.testing.assert_allclose(stiff.frequency_gradient(["shaft * diameter"])[:, 0], expected, rtol=1e-6)
+
+
+@pytest.mark.parametrize(("name", "told"), [
+    ("load torque", "the torque of this body balances those of all others"),
+    ("mesh 1 driving_radius", "the numbers of teeth tell the ratio of the radii"),
+    ("mesh * driven_radius", "the numbers of teeth"),
+    ("shaft 1 diameter", "what would follow from it is given"),
+    ("shaft 1 shear_modulus", "what would follow from it is given"),
+    ("mesh 1 density", "what would follow from it is given"),
+    ("input_torque", "it is not given"),
+])
+def test_what_is_not_in_force_is_refused(name, told):
+    train = reducer()
+    names = {"pinion 1", "wheel 1"}
+    train = replace(train, shafts=[replace(train.shafts[0], stiffness=1e5), *train.shafts[1:]],
+                    bodies=[replace(body, inertia=1e-2) if body.name in names else body for body in train.bodies])
+    with pytest.raises(gt.InputError, match=f"not in force in this train: {told}"):
+        train.frequency_gradient([name])
+
+
+def test_a_backlash_of_no_drawing_is_not_in_force(branch):
+    for name in ("mesh 1 backlash", "mesh * backlash"):
+        with pytest.raises(gt.InputError, match="not in force"):
+            branch.at(0.9)[0].gradient("rms", [name])
+
+
+def test_one_sided_at_the_end_of_a_range():
+    """No damping; straight teeth, by quotients towards the one side that there is."""
+    train = paper_train().with_values({"mesh 1 damping_ratio": 0.0})
+    motion = train.response(start=0.60, stop=0.62, harmonics=8, stability=False).at(0.61)[0]
+
+    def rms(damping):
+        changed = train.with_values({"mesh 1 damping_ratio": damping})
+        return changed.response(start=0.61, stop=0.62, harmonics=8, stability=False, seed=motion).at(0.61)[0].rms
+
+    expected = (-3 * rms(0.0) + 4 * rms(1e-4) - rms(2e-4)) / 2e-4
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        np.testing.assert_allclose(motion.gradient("rms", ["mesh 1 damping_ratio"])[:, 0], expected, rtol=2e-3)
+        straight = reducer().with_values({"mesh * helix_angle": 0.0})
+    drawn = straight.frequency_gradient(["mesh 1 helix_angle", "mesh 1 face_width"])
+    # Base radii, contact ratio and stiffness are even in the angle of straight teeth: the derivative is 0.
+    assert np.isfinite(drawn).all() and (abs(drawn[:, 0]) < 1e-8 * straight.natural_frequencies()).all()
+
+
+def test_units_of_frequencies():
+    train = reducer()
+    names = ["shaft 1 stiffness", "mesh 2 stiffness"]
+    for unit in ("rpm", "Hz"):
+        changed = train.with_values({"shaft 1 stiffness": 27000.0})
+        ratio = changed.natural_frequencies(unit=unit) / changed.natural_frequencies()
+        found, expected = train.frequency_gradient(names, unit=unit).T, ratio * train.frequency_gradient(names).T
+        np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+def test_a_jump_has_the_gradient_of_its_special_point(branch):
+    for jump in branch.jumps:
+        assert jump.special_point.frequency == jump.frequency and jump.special_point.kind == jump.cause
+        if jump.cause == "fold":
+            np.testing.assert_array_equal(jump.gradient(NAMES), jump.special_point.gradient(NAMES))
+    with pytest.raises(gt.SolverError, match="no derivatives"):
+        replace(branch.jumps[0], special_point=None).gradient(NAMES)
+
+
+def test_a_warning_says_each_reason_once():
+    told = gt.NotDifferentiableWarning({"a": "it is so", "b": "it is so", "c": "it is not"})
+    assert str(told) == "No derivative with respect to a, b: it is so. No derivative with respect to c: it is not."
+    assert str(pickle.loads(pickle.dumps(told))) == str(told)

@@ -128,7 +128,7 @@ def test_bodies_go_by_their_names():
 @pytest.mark.parametrize(("name", "told"), [
     ("mesh 2 half_baklash", 'did you mean "mesh 2 half_backlash"'),
     ("input_torqe", 'did you mean "input_torque"'),
-    ("mesh 3 half_backlash", 'did you mean "mesh'),
+    ("mesh 3 half_backlash", "the train has &mesh 1 to 2"), ("body 1 inertia", "the train has no &body"),
     ("response harmonic", 'did you mean "response harmonics"'),
     ("", "there is none of this name"),
     ("xyz", "it is a variable of &train"),
@@ -143,8 +143,52 @@ def test_an_unknown_parameter_is_told(name, told):
     ({"product": {"mesh * damping_ratio": [0.1], "mesh 1 damping_ratio": [0.2]}}, "is set by another one as well"),
     ({"product": {"mesh 2 order": [1.5]}}, "must be of type integer"),
     ({"product": {"mesh 2 half_backlash": ["wide"]}}, "must be of type real"),
+    ({"product": {"mesh 2 half_backlash": [1e-5, "20 um", 3e-5]}}, "value 1, counted from 0, '20 um': must be of type real"),
+    ({"product": {"mesh 2 order": [1, 2, 2.5]}}, "value 2, counted from 0, 2.5: must be of type integer"),
     ({"product": {"mesh 2 stiffness_sin": [1.1]}, "relative": True}, "has no number of its own"),
 ])
 def test_values_that_do_not_go_with_the_parameter_are_told(arguments, told):
     with pytest.raises(gt.InputError, match=told):
         gt.Study(paper_train(), gt.Space(**arguments), response={"start": 0.2, "stop": 0.3}, keep=["rms"])
+
+
+@pytest.mark.parametrize(("sample", "told"), [
+    (pd.DataFrame({"Unnamed: 0": [0, 1], "input_torque": [1.0, 2.0]}), "index=False"),
+    (pd.DataFrame({"input_torque": []}), "has no rows"),
+    (pd.DataFrame(), "has no columns"),
+    (pd.DataFrame({"input_torque": [1.0, np.nan, 2.0, np.inf]}), "value 1, counted from 0, is not finite, nor are 1 more"),
+    (pd.DataFrame({"input_torque": [1.0, None]}), "value 1"),
+])
+def test_a_rotten_table_is_told(sample, told):
+    with pytest.raises(gt.InputError, match=told):
+        gt.Space(sample=sample)
+
+
+@pytest.mark.parametrize(("parameters", "told"), [
+    ({"mesh 1 teeth": 23}, "say which, 'mesh 1 teeth 1'$"),
+    ({"mesh 1 teeth": [23, 71]}, "must be one value"),
+    ({"mesh 1 damping_ratio": None}, "must be one value"),
+    ({"mesh * damping_ratio": 0.1, "mesh 1 damping_ratio": 0.2}, "is set by another one as well"),
+    ({("mesh 1 backlash", "mesh 1 backlash"): 1e-5}, "is set by another one as well"),
+    ({"mesh 3 backlash": 1e-5}, "the train has &mesh 1 to 2"),
+    ({3: 1.0}, "must be a name"),
+    ({"shaft 1 diameter": 0.03, "shaft 1 stiffness": 1e5}, "shaft 1 diameter.*not in force"),
+    ({"wheel 1 inertia": 0.1, "pinion 1 inertia": 0.01, "mesh 1 density": 7000.0}, "mesh 1 density.*not in force"),
+    ([("input_torque", 1.0)], "must be a mapping"),
+])
+def test_values_that_a_train_cannot_take_are_told(parameters, told):
+    with pytest.raises(gt.InputError, match=told):
+        reducer().with_values(parameters)
+
+
+def test_a_tuple_of_names_is_one_parameter():
+    changed = reducer().with_values({("mesh 1 damping_ratio", "mesh 2 damping_ratio"): np.float64(0.03)})
+    assert [mesh.damping_ratio for mesh in changed.meshes] == [0.03, 0.03]
+
+
+@pytest.mark.parametrize("diameter", [[0.03, 0.04], [-1.0, 0.04]])
+def test_columns_without_effect_are_told(diameter):
+    """Also where the first point is not allowed."""
+    space = gt.Space(sample={"shaft 1 diameter": diameter, "shaft 1 stiffness": [1e5, 2e5]})
+    with pytest.raises(gt.InputError, match=r"shaft 1 diameter.*not in force"):
+        gt.Study(reducer(), space, modes={}, keep=["natural_frequency"])

@@ -12,6 +12,7 @@ from conftest import paper_train, reducer, single_pair
 
 import geartrain as gt
 from geartrain.jump_identity import identify
+from geartrain.study_command import main
 from geartrain.study_store import Store
 from geartrain.study_worker import compute_batch
 
@@ -170,6 +171,37 @@ def test_a_failed_point_is_a_status_and_a_message(tmp_path):
     with pytest.warns(UserWarning, match="2 of 2 points failed"):
         every = pair_study(gt.Space({"mesh 1 half_backlash": [-1.0, -2.0]}), ["jumps"]).run(tmp_path / "none")
     assert (every.status == "failed").all()
+
+
+@pytest.mark.parametrize("point", [(2, 1, 0), (3, 0), (-1, 0), 6, -1, 1.5, "first", True, None, (0, 0.5)])
+def test_a_point_that_is_not_there_is_told(point):
+    with pytest.raises(gt.InputError, match="must be a number from 0 to 5, or 2 places, 0 to 2 of input_torque, 0 to 1 of mesh"):
+        pair_study().branch(point)
+
+
+def test_failures_are_told_by_their_kind(tmp_path, capsys):
+    """By `run`, `explain` and the command: how many, the first point with its values, and why."""
+    values = {"mesh 1 half_backlash": [1.0, -1.0, 1.1, -2.0], "mesh 1 damping_ratio": [0.05, 0.05, -1.0, 0.05]}
+    study = pair_study(gt.Space(sample=values), ["largest rms"])
+    with pytest.warns(UserWarning, match=r"3 of 4 points failed, .* at point 1 \(mesh 1 half_backlash = -1, mesh 1 .*explain"):
+        study.run(tmp_path)
+    lines = ["failed: 2 points, the first point 1 (mesh 1 half_backlash = -1, mesh 1 damping_ratio = 0.05): InputError: &mesh 1: "
+             "half_backlash = -1.0: must be >= 0 m",
+             "failed: point 2 (mesh 1 half_backlash = 1.1, mesh 1 damping_ratio = -1): InputError: &mesh 1: damping_ratio = -1.0: "
+             "must be >= 0"]
+    assert str(study.explain()).splitlines()[-2:] == lines
+    for arguments in ([], ["--status"], ["--retry"]):
+        assert main([str(tmp_path), *arguments]) == 1
+        said = capsys.readouterr().out.splitlines()
+        assert [line for line in said if line.startswith("failed")] == lines
+        assert ("3 points that failed are computed again" in said) == (arguments == ["--retry"])
+
+
+def test_the_status_of_a_part_is_that_of_its_points(tmp_path, capsys):
+    study = pair_study(gt.Space(sample={"mesh 1 half_backlash": [1.0, -1.0]}), ["largest rms"])
+    study.prepare(tmp_path, parts=2)
+    assert [main([str(tmp_path), "--part", part]) for part in ("2/2", "1/2")] == [1, 0]
+    assert [main([str(tmp_path), "--retry", "--part", part]) for part in ("1/2", "2/2")] == [0, 1]
 
 
 def test_a_part_of_a_study_is_a_dataset_as_well(tmp_path, whole):

@@ -54,6 +54,10 @@ contains
          call fatal(error, 'audit: points = '//text(points)//': must be >= 0')
          return
       end if
+      if (allocated(branch%parameter)) then
+         call fatal(error, 'audit: of a branch over a frequency, not over a parameter')
+         return
+      end if
       call build_system(train, system)
       chosen = draw(branch, points, random_seed)
       n = size(chosen)

@@ -1,7 +1,7 @@
 !> What the executable prints of a branch: peaks, folds, jumps, ranges, largest forces, and why it ended.
 module geartrain_analyses_branch_report
    use geartrain_analyses_analysis, only: fixed
-   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type, in_width, length_unit
+   use geartrain_analyses_frequency_text, only: frequency_text_type, in_width, length_unit, text_for
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type, carried_by, has_sets, response_settings_type
    use geartrain_continuation_contact_ranges, only: back_collision_ranges, separation_ranges
@@ -40,8 +40,8 @@ contains
 
       write (unit, '(a, i0, a, i0, 3a)') 'Further branches: ', size(branches), ', ', sum(branches%points), ' points in ', &
          fixed(seconds, 2), ' s'
-      told = frequency_text(train, settings%unit, 0.0_dp)
       do i = 1, size(branches)
+         told = text_for(branches(i), train, settings%unit)
          call told%of_words(branches(i)%origin, origin)
          write (unit, '(a, i0, a, i0, 2a)') 'Branch ', i, ', period ', branches(i)%subharmonic, ': ', origin
          call report_branch(branches(i), settings, train, unit, whole=.false.)
@@ -69,14 +69,16 @@ contains
       integer :: mesh, i, first
       integer, allocatable :: carried(:)
 
-      told = frequency_text(train, settings%unit, maxval([0.0_dp, branch%frequency_ratio(:branch%points)]))
+      told = text_for(branch, train, settings%unit)
+      if (told%parameter /= '') write (unit, '(6a)') '    over ', trim(told%parameter), ' [', trim(branch%parameter_unit), &
+         '] at Lambda ', trim(fixed(branch%constant_frequency, 4))
       if (branch%points > 0) then
          if (has_sets(branch)) then
             carried = [(size(carried_by(branch, i, i)), i=1, branch%points)]
             write (unit, '(a, i0, a, i0, a, i0)') '    harmonics carried, each because it matters: ', minval(carried), ' to ', &
                maxval(carried), ', the highest ', branch%harmonics
          end if
-         bands = gaps(branch, [settings%start, settings%stop]*lambda_per(train, settings%unit))
+         bands = gaps(branch, ends_of(settings, train))
          bands = pack(bands, [(whole .and. told%number(bands(i)%from) /= told%number(bands(i)%to), i=1, size(bands))])
          call list(bands, told, missing)
          if (missing /= '') then
@@ -134,12 +136,22 @@ contains
       logical :: at_end(branch%points)
       real(dp) :: ends(2), slack
 
-      ends = [settings%start, settings%stop]*lambda_per(train, settings%unit)
-      slack = 1e-9_dp*maxval(ends)
+      ends = ends_of(settings, train)
+      slack = 1e-9_dp*maxval(abs(ends))
       associate (at => branch%frequency_ratio(:branch%points))
          at_end = abs(at - ends(1)) <= slack .or. abs(at - ends(2)) <= slack
       end associate
    end function ends_range
+
+   !> Ends of the range, as the branch has them.
+   pure function ends_of(settings, train) result(ends)
+      type(response_settings_type), intent(in) :: settings
+      type(train_type), intent(in) :: train
+      real(dp) :: ends(2)
+
+      ends = [settings%start, settings%stop]
+      if (settings%parameter == '') ends = ends*lambda_per(train, settings%unit)
+   end function ends_of
 
    !> The column of meshes in a table: its head, then each by its number, and by its bodies where they have names.
    subroutine name_meshes(train, column)
@@ -220,7 +232,8 @@ contains
       integer :: i
 
       found = jumps(branch)
-      if (size(found) > 0) write (unit, '(5a)') '    speed ', in_width(told%unit, 9), '  to the nearest stable motion, rms', &
+      if (size(found) > 0) write (unit, '(6a)') merge('    speed ', '    value ', told%parameter == ''), &
+         in_width(told%unit, 9), '  to the nearest stable motion, rms', &
          trim(unit_of_length), ' of the meshes'
       do i = 1, size(found)
          write (unit, '(4x, 2a, 2x)', advance='no') merge('rising ', 'falling', found(i)%rising), &

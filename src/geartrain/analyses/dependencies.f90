@@ -2,6 +2,7 @@
 !> are refined and the edges of contact are located.
 module geartrain_analyses_dependencies
    use geartrain_analyses_attractors, only: follow_attractors
+   use geartrain_analyses_frequency_text, only: frequency_text_type, text_for
    use geartrain_analyses_list, only: analyses, case_type, leave_out, results_type
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type
@@ -11,28 +12,40 @@ module geartrain_analyses_dependencies
    use geartrain_continuation_bifurcations, only: follow_bifurcations
    use geartrain_continuation_branch, only: branch_type
    use geartrain_continuation_contact_edges, only: locate_contact_edges
+   use geartrain_continuation_exact_point, only: refine_special_points
    use geartrain_continuation_refinement, only: refine_branch
    use geartrain_continuation_variables, only: settings_for
    use geartrain_model_frequency_unit, only: lambda_per
+   use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: asks_refinement, check_agreement, follow_branches, keep_branches, locate_edges, refine_branches, take_known
+   public :: asks_refinement, check_agreement, follow_branches, keep_branches, locate_edges, name_parameter, refine_branches, &
+      take_known
 
 contains
 
    !> Checks the groups of a case against one another.
-   subroutine check_agreement(case, checker)
+   subroutine check_agreement(case, seeded, checker)
       !> The case.
       type(case_type), intent(in) :: case
+      !> Whether an analysis may start from a given motion.
+      logical, intent(in) :: seeded
       !> Collects the problems.
       class(checker_type), intent(inout) :: checker
       real(dp) :: low, high, at, factor
 
+      if (allocated(case%locus) .and. .not. (seeded .or. allocated(case%response))) then
+         call checker%enter('locus', 1)
+         call checker%complain('near', real_text(case%locus%near), 'needs &response, which has the special point')
+         call checker%leave()
+      end if
       if (.not. allocated(case%attractors)) return
       if (.not. case%attractors%follow .or. checker%problems%in_group('response')) return
       call checker%enter('attractors', 1)
       if (.not. allocated(case%response)) then
          call checker%complain('follow', '.true.', 'needs &response: its range and settings are those of the branches')
+      else if (case%response%parameter /= '') then
+         call checker%complain('follow', '.true.', 'needs a &response over frequency, not over a parameter')
       else
          low = min(case%response%start, case%response%stop)
          high = max(case%response%start, case%response%stop)
@@ -90,17 +103,43 @@ contains
       class(observer_type), intent(inout) :: observer
       !> The first branches, if another run has traced them already.
       type(branch_type), intent(in), optional :: known(:)
+      integer :: i
 
       select case (name)
       case ('response')
          if (case%response%period_doublings > 0 .or. case%response%branch_points) &
             call follow_bifurcations(case%train, case%response, results%response, results%branches, error, observer, known)
+         if (.not. allocated(results%branches)) return
+         do i = 1, size(results%branches)
+            call name_parameter(case%train, results%branches(i))
+         end do
       case ('attractors')
          if (case%attractors%follow) &
             call follow_attractors(case%train, case%response, results%attractors, results%response, results%branches, error, &
                                    observer, known)
       end select
    end subroutine follow_branches
+
+   !> Names the parameter in the words of a branch over it, which else speak of Lambda.
+   subroutine name_parameter(train, branch)
+      !> The train of the branch.
+      type(train_type), intent(in) :: train
+      !> The branch; one over Lambda stays as it is.
+      type(branch_type), intent(inout) :: branch
+      type(frequency_text_type) :: told
+      character(:), allocatable :: words
+
+      if (.not. allocated(branch%parameter)) return
+      told = text_for(branch, train, 'Lambda')
+      if (allocated(branch%origin)) then
+         call told%of_words(branch%origin, words)
+         branch%origin = words
+      end if
+      if (allocated(branch%ended)) then
+         call told%of_words(branch%ended, words)
+         branch%ended = words
+      end if
+   end subroutine name_parameter
 
    !> Refines the response and the further branches if the case asks for refinement. Refinement comes last, because branches are
    !> followed and compared by their harmonic balances.
@@ -121,12 +160,14 @@ contains
       call refine_branch(case%train, results%response, error, observer)
       if (allocated(error)) return
       whole = is_refined(results%response)
+      if (whole) call refine_special_points(case%train, results%response)
       if (.not. allocated(results%branches)) return
       do i = 1, size(results%branches)
          if (.not. whole) return
          call refine_branch(case%train, results%branches(i), error, observer)
          if (allocated(error)) return
          whole = is_refined(results%branches(i))
+         if (whole) call refine_special_points(case%train, results%branches(i))
       end do
    end subroutine refine_branches
 

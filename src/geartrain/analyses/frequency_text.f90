@@ -1,22 +1,25 @@
 !> Frequencies and lengths as a report tells them: in the unit that the case asks for, the speed in rpm where Lambda is the speed in
-!> rpm.
+!> rpm. Of a branch over a parameter of the train the values of the parameter take the place of frequencies.
 module geartrain_analyses_frequency_text
    use geartrain_analyses_analysis, only: fixed
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: short => text
+   use geartrain_continuation_branch, only: branch_type
    use geartrain_model_drawing, only: plain_train
-   use geartrain_model_frequency_unit, only: lambda_per, speed_per_lambda, unit_length
+   use geartrain_model_frequency_unit, only: lambda_per, speed_per_lambda
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: frequency_text_type, frequency_text, in_width, length_unit
+   public :: frequency_text_type, frequency_text, in_width, length_unit, text_for
 
    !> From here on numbers have two digits after the point, else four.
    real(dp), parameter :: large = 1000
 
    type :: frequency_text_type
-      !> 'Lambda', 'rpm' or 'Hz'; its value at Lambda = 1.
-      character(unit_length) :: unit = 'Lambda'
+      !> Name of the parameter of the train; blank: frequencies are told.
+      character(80) :: parameter = ''
+      !> 'Lambda', 'rpm' or 'Hz', or the unit of the parameter; its value at Lambda = 1.
+      character(12) :: unit = 'Lambda'
       real(dp) :: per_lambda = 1
       !> Digits after the point.
       integer :: decimals = 4
@@ -48,14 +51,40 @@ contains
       if (largest*told%per_lambda >= large) told%decimals = 2
    end function frequency_text
 
+   !> How the free parameter of a branch is told.
+   pure type(frequency_text_type) function text_for(branch, train, unit) result(told)
+      !> The branch.
+      type(branch_type), intent(in) :: branch
+      !> The train as given.
+      type(train_type), intent(in) :: train
+      !> The unit of frequencies that the analysis is asked in.
+      character(*), intent(in) :: unit
+
+      if (allocated(branch%parameter)) then
+         told%parameter = branch%parameter
+         told%unit = branch%parameter_unit
+         if (told%unit == '1') told%unit = 'value'
+      else
+         told = frequency_text(train, unit, maxval([0.0_dp, branch%frequency_ratio(:branch%points)]))
+      end if
+   end function text_for
+
    !> A frequency as a number, with blanks at the end.
    pure function number(self, frequency_ratio) result(text)
       class(frequency_text_type), intent(in) :: self
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
       character(32) :: text
+      real(dp) :: rounded
 
-      text = fixed(frequency_ratio*self%per_lambda, self%decimals)
+      if (self%parameter == '') then
+         text = fixed(frequency_ratio*self%per_lambda, self%decimals)
+      else
+         ! Six significant digits, no more of them than the number has.
+         write (text, '(es13.5e3)') frequency_ratio
+         read (text, *) rounded
+         text = short(rounded)
+      end if
    end function number
 
    !> Numbers with their unit: 'Lambda 0.5', '1500 to 1600 rpm'.
@@ -68,6 +97,8 @@ contains
 
       if (self%unit == 'Lambda') then
          text = 'Lambda '//trim(numbers)
+      else if (self%unit == 'value') then
+         text = trim(numbers)
       else
          text = trim(numbers)//' '//trim(self%unit)
       end if
@@ -89,6 +120,7 @@ contains
          at = index(words(first:), mark)
          if (at == 0 .or. self%unit == 'Lambda') exit
          text = text//words(first:first + at - 2)
+         if (self%parameter /= '') text = text//trim(self%parameter)//' = '
          first = first + at - 1 + len(mark)
          call take_number()
          if (index(words(first:), to) == 1) then
@@ -98,7 +130,7 @@ contains
                call take_number()
             end if
          end if
-         text = text//' '//trim(self%unit)
+         if (self%unit /= 'value') text = text//' '//trim(self%unit)
       end do
       text = text//words(first:)
 

@@ -2,7 +2,7 @@
 module geartrain_analyses_response
    use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
    use geartrain_analyses_branch_report, only: report_branch
-   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
+   use geartrain_analyses_frequency_text, only: frequency_text_type, text_for
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type
@@ -77,7 +77,7 @@ contains
          if (allocated(branch%ended) .and. .not. allocated(branch%trace)) return
          call response(train, self%settings, branch, error, start, observer)
          if (allocated(branch%ended)) then
-            told = frequency_text(train, self%settings%unit, 0.0_dp)
+            told = text_for(branch, train, self%settings%unit)
             call told%of_words(branch%ended, ended)
             branch%ended = ended
          end if

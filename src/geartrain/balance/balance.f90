@@ -7,18 +7,25 @@ module geartrain_balance_balance
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_bordered, only: bordered_type
    use geartrain_model_excitation, only: excited_harmonics
+   use geartrain_model_parameter_path, only: parameter_path_type
    use geartrain_model_receptance, only: find_receptance, linear_displacements, receptance_type
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
    public :: balance_type
 
+   !> Step of the differences that give dS/ds, over the length of the path: their error is some 1e-10.
+   real(dp), parameter :: difference = 1e-6_dp
+
    type, extends(mesh_forces_type) :: balance_type
+      !> Where it is allocated, the free parameter s of the branch is a parameter of the train at constant Lambda: the train is that
+      !> of the latest `evaluate`. Else s is Lambda. `setup` leaves it as it is.
+      type(parameter_path_type), allocatable :: path
       !> Harmonics of Lambda/eta up to 3*highest that are not carried though excitation may reach them, ascending.
       integer, allocatable :: missing(:)
       !> Harmonics of Lambda/eta above `highest` that a torque, mesh stiffness or transmission error excites, ascending.
       integer, allocatable :: left_out(:)
-      !> Residual S [1] and dS/dLambda [1], (block, unknown).
+      !> Residual S [1] and dS/ds [1/unit of s], (block, unknown).
       real(dp), allocatable :: residual(:, :), d_frequency(:, :)
       !> Receptance at each carried harmonic, (carried harmonic).
       type(receptance_type), allocatable :: receptance(:)
@@ -28,6 +35,9 @@ module geartrain_balance_balance
       procedure :: jacobian
       procedure :: apply
       procedure :: full_coefficients
+      procedure :: reaches
+      procedure, private :: evaluate_at
+      procedure, private :: go_to
       procedure :: mean_matrix
       procedure :: mean_product
    end type balance_type
@@ -58,8 +68,63 @@ contains
       allocate (self%d_frequency, mold=self%residual)
    end subroutine setup
 
-   !> Forces, residual and dS/dLambda at one motion.
-   subroutine evaluate(self, u, frequency_ratio)
+   !> Whether there is a train at a value of the free parameter.
+   pure logical function reaches(self, s)
+      class(balance_type), intent(in) :: self
+      !> Lambda [1], or the parameter of the path [its unit].
+      real(dp), intent(in) :: s
+
+      if (allocated(self%path)) then
+         reaches = s >= self%path%low .and. s <= self%path%high
+      else
+         reaches = s > 0
+      end if
+   end function reaches
+
+   !> Forces, residual and dS/ds at one motion.
+   subroutine evaluate(self, u, s)
+      class(balance_type), intent(inout) :: self
+      !> Coefficients of the unknown meshes over b_c [1], (block, unknown): mean, cos, sin, ...
+      real(dp), intent(in) :: u(:, :)
+      !> Lambda [1], or the parameter of the path [its unit], which the path must reach.
+      real(dp), intent(in) :: s
+      real(dp), allocatable :: rate(:, :)
+      real(dp) :: from, to
+
+      if (.not. allocated(self%path)) then
+         call self%evaluate_at(u, s)
+         return
+      end if
+      associate (path => self%path)
+         from = max(path%low, s - difference*path%length)
+         to = min(path%high, s + difference*path%length)
+         call self%go_to(to)
+         call self%evaluate_at(u, path%frequency_ratio)
+         rate = self%residual
+         call self%go_to(from)
+         call self%evaluate_at(u, path%frequency_ratio)
+         rate = (rate - self%residual)/(to - from)
+         call self%go_to(s)
+         call self%evaluate_at(u, path%frequency_ratio)
+      end associate
+      self%d_frequency = rate
+   end subroutine evaluate
+
+   !> Takes the train of the path at a value of the parameter.
+   subroutine go_to(self, s)
+      class(balance_type), intent(inout) :: self
+      real(dp), intent(in) :: s
+      integer :: i
+
+      self%varies = .true.
+      call self%path%system_at(s, self%system)
+      do i = 1, self%unknowns
+         call self%contact(i)%setup(self%system%law(self%mesh(i)), self%eta, self%harmonic, 2*self%highest, self%samples)
+      end do
+   end subroutine go_to
+
+   !> Forces, residual and dS/dLambda of the present train.
+   subroutine evaluate_at(self, u, frequency_ratio)
       class(balance_type), intent(inout) :: self
       !> Coefficients of the unknown meshes over b_c [1], (block, unknown): mean, cos, sin, ...; Lambda [1].
       real(dp), intent(in) :: u(:, :), frequency_ratio
@@ -92,7 +157,7 @@ contains
             end do
          end associate
       end do
-   end subroutine evaluate
+   end subroutine evaluate_at
 
    !> Left sides of the mean equations: the mean forces themselves unless unknown meshes close loops (geartrain_model_mean).
    pure subroutine mean_product(self, force, displacement, product)
@@ -214,10 +279,10 @@ contains
    end subroutine jacobian
 
    !> Coefficients of every mesh of the train from the coefficients of the unknown meshes at the last `evaluate`.
-   pure subroutine full_coefficients(self, u, frequency_ratio, coefficients)
+   pure subroutine full_coefficients(self, u, coefficients)
       class(balance_type), intent(in) :: self
-      !> Coefficients of the unknown meshes over b_c [1], (block, unknown), and Lambda [1] of the last `evaluate`.
-      real(dp), intent(in) :: u(:, :), frequency_ratio
+      !> Coefficients of the unknown meshes over b_c [1], (block, unknown), of the last `evaluate`.
+      real(dp), intent(in) :: u(:, :)
       !> Displacements over b_c [1], (block, mesh): mean, cos and sin of each carried harmonic.
       real(dp), intent(out) :: coefficients(:, :)
       complex(dp) :: p(self%system%elements)
@@ -238,7 +303,7 @@ contains
                p(system%cut%element(i)) = cmplx(u(2*k, i), -u(2*k + 1, i), dp)
             end do
             if (self%unknowns < system%meshes) &
-               call linear_displacements(system, frequency_ratio, self%harmonic(k), self%eta, &
+               call linear_displacements(system, self%frequency_ratio, self%harmonic(k), self%eta, &
                                          cmplx(self%force(2*k, :), -self%force(2*k + 1, :), dp), p)
             do i = 1, system%meshes
                coefficients(2*k, i) = real(p(system%mesh_element(i)), dp)

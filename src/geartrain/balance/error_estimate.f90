@@ -154,13 +154,14 @@ contains
       last = maxval([longest, balance%left_out]) + balance%highest
       longest = longest + count(balance%left_out > longest)
       if (allocated(self%remainder)) then
-         if (ubound(self%remainder, 1) == near*balance%highest .and. size(self%tail, 1) == longest .and. &
-             size(self%tail, 2) == balance%unknowns .and. self%longest == last) return
-         deallocate (self%remainder, self%harmonic, self%tail, self%spectra)
+         if (.not. (ubound(self%remainder, 1) == near*balance%highest .and. size(self%tail, 1) == longest .and. &
+                    size(self%tail, 2) == balance%unknowns .and. self%longest == last)) &
+            deallocate (self%remainder, self%harmonic, self%tail, self%spectra)
       end if
       self%longest = last
-      allocate (self%remainder(0:near*balance%highest), self%harmonic(longest), self%tail(longest, balance%unknowns), &
-                self%spectra(balance%unknowns))
+      if (.not. allocated(self%remainder)) &
+         allocate (self%remainder(0:near*balance%highest), self%harmonic(longest), self%tail(longest, balance%unknowns), &
+                   self%spectra(balance%unknowns))
       do i = 1, balance%unknowns
          call self%spectra(i)%reserve(balance%contact(i)%law, last)
       end do
@@ -231,7 +232,7 @@ contains
          call linear_displacements(balance%system, frequency_ratio, harmonic(m), balance%eta, phi, p)
          missing = missing + sum(abs(p(pack(balance%system%mesh_element, is_linear)))**2)
       end do
-      call balance%full_coefficients(u, frequency_ratio, coefficients)
+      call balance%full_coefficients(u, coefficients)
       condensed_error = 0
       do i = 1, balance%system%meshes
          if (is_linear(i)) condensed_error = condensed_error + sum(coefficients(2:, i)**2)

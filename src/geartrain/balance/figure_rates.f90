@@ -59,7 +59,7 @@ contains
       side = merge(-1, 1, index(figure, 'minimum') > 0)
       associate (system => balance%system, paths => balance%system%torque_paths)
          allocate (self%coefficients(balance%block, system%meshes), self%torque(balance%block, paths%shafts))
-         call balance%full_coefficients(u, balance%frequency_ratio, self%coefficients)
+         call balance%full_coefficients(u, self%coefficients)
          if (self%of_shafts) call find_torques(self, balance, u)
          allocate (self%places(merge(paths%shafts, system%meshes, self%of_shafts)), self%side(system%meshes))
          if (.not. (index(figure, 'imum') > 0 .or. figure == 'dynamic_factor')) return

@@ -13,7 +13,7 @@ module geartrain_base_field
       !> Dimensions in the order of the file, the last varying fastest, separated by blanks; blank: an attribute of its group.
       character(40) :: dimensions = ''
       !> '1' for a dimensionless value; blank for text.
-      character(8) :: unit = ''
+      character(12) :: unit = ''
       !> Meaning, as the file and the reference page tell it.
       character(480) :: description = ''
       !> When the field exists, in words that follow "Only"; blank: always.

@@ -3,12 +3,13 @@
 module geartrain_continuation_adaptive_corrector
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_chosen_harmonics, only: fewest_harmonics, most_harmonics
-   use geartrain_balance_error_estimate, only: find_error_estimate, harmonics_for, error_estimate_type
+   use geartrain_balance_error_estimate, only: error_estimate_type, find_error_estimate, harmonics_for, resonance_ratio
    use geartrain_balance_harmonic_set, only: next_set
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: response_settings_type
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
    use geartrain_linalg_trigonometric, only: transform_length
+   use geartrain_model_modes, only: natural_frequency_ranges
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
@@ -65,6 +66,7 @@ contains
       else
          call self%corrector%balance%setup(self%system, harmonics, self%settings%subharmonic, samples)
       end if
+      if (allocated(self%corrector%balance%path)) self%exact%path = self%corrector%balance%path
       if (samples > 0) call self%exact%setup(self%system, harmonics, self%settings%subharmonic, 0)
       call self%corrector%setup()
       self%corrector%local_control = self%settings%control == 'local'
@@ -79,12 +81,13 @@ contains
       if (self%estimated == self%corrector%evaluations) return
       self%estimated = self%corrector%evaluations
       associate (c => self%corrector, s => solution)
+         if (c%balance%varies) self%estimate%resonance = natural_frequency_ranges(c%balance%system, resonance_ratio)
          if (self%settings%coefficients == 'sampled') then
             call self%exact%evaluate(s%u, s%frequency_ratio)
-            call find_error_estimate(self%exact, s%u, s%frequency_ratio, s%tangent, s%tangent_frequency, self%curvature, &
+            call find_error_estimate(self%exact, s%u, self%exact%frequency_ratio, s%tangent, s%tangent_frequency, self%curvature, &
                                      c%units%frequency_ratio, c%matrix, self%estimate, self%exact%residual)
          else
-            call find_error_estimate(c%balance, s%u, s%frequency_ratio, s%tangent, s%tangent_frequency, self%curvature, &
+            call find_error_estimate(c%balance, s%u, c%balance%frequency_ratio, s%tangent, s%tangent_frequency, self%curvature, &
                                      c%units%frequency_ratio, c%matrix, self%estimate)
          end if
       end associate

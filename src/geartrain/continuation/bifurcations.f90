@@ -9,11 +9,12 @@ module geartrain_continuation_bifurcations
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_critical_point, only: find_critical, find_meeting
    use geartrain_continuation_same_solution, only: same_solution
+   use geartrain_continuation_start, only: begin_trace
    use geartrain_continuation_switching, only: trace_switched
-   use geartrain_continuation_units, only: units_of, units_type
+   use geartrain_continuation_tracer, only: tracer_type
+   use geartrain_continuation_units, only: units_type
    use geartrain_continuation_variables, only: settings_for
    use geartrain_model_check, only: check_train
-   use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -93,14 +94,14 @@ contains
       type(solution_point_type), allocatable :: taken(:)
       type(solution_point_type) :: solution
       type(meeting_type) :: here
-      type(system_type) :: system
+      type(tracer_type) :: tracer
       type(units_type) :: units
       logical :: found, met, doubles, again
       integer :: i, n, times
 
       if (.not. allocated(parent%special_points)) return
-      call build_system(train, system)
-      units = units_of(system)
+      call begin_trace(train, settings, tracer)
+      units = tracer%corrector%units
       times = 2**settings%period_doublings
       allocate (taken(0))
       do i = 1, size(parent%special_points)

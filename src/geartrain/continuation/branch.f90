@@ -3,7 +3,7 @@ module geartrain_continuation_branch
    use geartrain_balance_mesh_load, only: mesh_load_type
    use geartrain_base_carry, only: carry
    use geartrain_base_field, only: row => field_type
-   use geartrain_base_fields, only: arranging, fields_type, listing, reading
+   use geartrain_base_fields, only: arranging, fields_type, listing, reading, writing
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_flow_fields, only: about_coefficients, about_frequency, about_maximum, about_mean, about_mesh, about_minimum, &
@@ -12,15 +12,18 @@ module geartrain_continuation_branch
    use geartrain_model_frequency_unit, only: unit_length
    implicit none (type, external)
    private
-   public :: arrange_points, branch_type, carried_by, coefficients_of, contact_edge_type, dense_coefficients, has_sets, &
+   public :: arrange_points, branch_type, carried_by, coefficients_of, contact_edge_type, dense_coefficients, gap_along, has_sets, &
       response_settings_type, special_point_type, trace_state_type, visit_points, widen
 
    !> The variables of &response; from and to are `start` and `stop`.
    type :: response_settings_type
       !> First and last end of the range, by default of Lambda.
       real(dp) :: start = 0, stop = 0
-      !> Unit of these frequencies: 'Lambda', 'rpm' or 'Hz'.
+      !> Unit of frequencies: 'Lambda', 'rpm' or 'Hz'.
       character(unit_length) :: unit = 'Lambda'
+      !> Name of a parameter of the train: the range is one of its values, at the constant `frequency`; blank: of frequencies.
+      character(80) :: parameter = ''
+      real(dp) :: frequency = 0
       !> Harmonics of Lambda/subharmonic; 0 lets the program choose for `tolerance`.
       integer :: harmonics = 6
       !> Period of the motions in periods of the fundamental.
@@ -53,7 +56,8 @@ module geartrain_continuation_branch
    !> A fold or a bifurcation on the branch.
    type :: special_point_type
       !> 'fold', 'period doubling', 'neimark-sacker' (a pair of multipliers leaves the unit circle) or 'branch point' (another
-      !> branch of the same period crosses; a multiplier passes +1 without a fold).
+      !> branch of the same period crosses; a multiplier passes +1 without a fold); of a contact onset 'separation' (a mesh begins
+      !> or ceases to separate) or 'back contact' (its back flanks begin or cease to touch).
       character(16) :: kind = ''
       !> Lambda [1].
       real(dp) :: frequency_ratio = 0
@@ -61,6 +65,8 @@ module geartrain_continuation_branch
       integer :: point = 0
       !> Root mean square displacement over characteristic length [1], (mesh).
       real(dp), allocatable :: rms(:)
+      !> Of a contact onset the number of the mesh.
+      integer :: mesh = 0
    end type special_point_type
 
    !> Where a mesh begins or ceases to separate, or its back flanks to collide.
@@ -119,6 +125,11 @@ module geartrain_continuation_branch
       real(dp), allocatable :: shaft_torque_mean(:, :), shaft_torque_minimum(:, :), shaft_torque_maximum(:, :)
       !> Half backlash over characteristic length, (mesh).
       real(dp), allocatable :: half_backlash(:)
+      !> Of a branch over a parameter of the train, whose values are in `frequency_ratio` everywhere in this type: name of the
+      !> parameter, its unit ('1' for a dimensionless one), Lambda of all motions, and half backlash at each point, (mesh, point).
+      character(:), allocatable :: parameter, parameter_unit
+      real(dp) :: constant_frequency = 0
+      real(dp), allocatable :: half_backlash_at(:, :)
       !> Floquet multipliers, (state, point); not allocated: stability was not asked for.
       complex(dp), allocatable :: multipliers(:, :)
       !> Whether all multipliers are inside the unit circle, (point); not allocated: stability was not asked for.
@@ -217,6 +228,22 @@ contains
       has_sets = size(branch%orders) < branch%harmonics
    end function has_sets
 
+   !> Half backlash of a mesh at each point, over characteristic length [1], (point).
+   pure function gap_along(branch, mesh) result(gap)
+      !> A branch.
+      type(branch_type), intent(in) :: branch
+      !> Number of the mesh.
+      integer, intent(in) :: mesh
+      real(dp) :: gap(branch%points)
+
+      gap = 0
+      if (allocated(branch%half_backlash_at)) then
+         gap = branch%half_backlash_at(mesh, :branch%points)
+      else if (allocated(branch%half_backlash)) then
+         gap = branch%half_backlash(mesh)
+      end if
+   end function gap_along
+
    !> Harmonics that either of two points carries, ascending.
    pure function carried_by(branch, i, j) result(harmonic)
       !> A branch.
@@ -290,7 +317,7 @@ contains
       if (allocated(branch%coefficients) .or. fields%way == listing) call coefficient_axis(branch%orders, 'subharmonic', fields)
       ! A branch of which only the origin is known so far has no points and nothing else.
       none = branch%points == 0
-      call carry(fields, row('frequency', 'point', '1', about_frequency, optional=none), branch%frequency_ratio)
+      call visit_free(branch, fields, none)
       call carry(fields, row('rms', 'point mesh', '1', about_rms, optional=none), branch%rms)
       if (fields%derives()) then
          if (allocated(branch%rms)) ac = branch%rms(:, :branch%points)/sqrt(2.0_dp)
@@ -334,6 +361,32 @@ contains
       if (fields%way /= reading .or. allocated(fields%wrong) .or. .not. allocated(branch%coefficients)) return
       call fields%check(size(branch%coefficients, 1) == 1 + 2*size(branch%orders), 'coefficients')
    end subroutine visit_points
+
+   !> Visits the free parameter of the branch: Lambda; or the values of a parameter of the train, and the constant Lambda.
+   subroutine visit_free(branch, fields, none)
+      type(branch_type), intent(inout) :: branch
+      class(fields_type), intent(inout) :: fields
+      !> The branch has no points.
+      logical, intent(in) :: none
+      real(dp), allocatable :: constant(:)
+      character(12) :: unit
+      integer :: k
+
+      if (allocated(branch%parameter) .and. fields%way /= arranging) then
+         if (fields%way == writing) constant = [(branch%constant_frequency, k=1, branch%points)]
+         call carry(fields, row('frequency', 'point', '1', about_frequency, optional=none), constant)
+         if (fields%way == reading .and. allocated(constant) .and. .not. none) branch%constant_frequency = constant(1)
+      else
+         call carry(fields, row('frequency', 'point', '1', about_frequency, optional=none), branch%frequency_ratio)
+      end if
+      if (.not. (allocated(branch%parameter) .or. fields%way == listing)) return
+      unit = '1'
+      if (allocated(branch%parameter_unit)) unit = branch%parameter_unit
+      if (fields%way /= arranging) call carry(fields, row('parameter', 'point', unit, 'value of the parameter, whose name is the &
+            &attribute parameter_name', 'with `parameter`', optional=none), branch%frequency_ratio)
+      call carry(fields, row('half_backlash', 'point mesh', '1', 'half of the backlash / characteristic_length', &
+                             'with `parameter`', optional=none), branch%half_backlash_at)
+   end subroutine visit_free
 
    pure integer function count_of(flags)
       logical, allocatable, intent(in) :: flags(:)

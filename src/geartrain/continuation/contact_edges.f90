@@ -2,7 +2,7 @@
 module geartrain_continuation_contact_edges
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
-   use geartrain_continuation_branch, only: branch_type, carried_by, contact_edge_type, response_settings_type
+   use geartrain_continuation_branch, only: branch_type, carried_by, contact_edge_type, gap_along, response_settings_type
    use geartrain_continuation_contact_ranges, only: depth_below
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_decided, only: joined
@@ -55,12 +55,17 @@ contains
       type(piece_type) :: piece
       type(solution_point_type) :: solution
       real(dp) :: first, last
+      real(dp), allocatable :: gap(:, :)
       integer :: i, j, k, n
       logical :: ready, success, keep_going, back
 
       if (allocated(branch%contact_edges)) deallocate (branch%contact_edges)
-      if (branch%points < 2 .or. .not. allocated(branch%half_backlash)) return
-      if (.not. any(branch%half_backlash > 0)) return
+      if (branch%points < 2) return
+      allocate (gap(branch%points, branch%meshes))
+      do j = 1, branch%meshes
+         gap(:, j) = gap_along(branch, j)
+      end do
+      if (.not. any(gap > 0)) return
       allocate (edges(most_edges))
       n = 0
       call begin_trace(train, settings, tracer)
@@ -68,11 +73,11 @@ contains
          if (.not. joined(branch, i)) cycle
          ready = .false.
          do j = 1, branch%meshes
-            if (.not. branch%half_backlash(j) > 0) cycle
+            if (.not. all(gap(i:i + 1, j) > 0)) cycle
             do k = 1, 2
                back = k == 2
-               first = depth_below(branch%minimum(j, i), branch%maximum(j, i), branch%half_backlash(j), back)
-               last = depth_below(branch%minimum(j, i + 1), branch%maximum(j, i + 1), branch%half_backlash(j), back)
+               first = depth_below(branch%minimum(j, i), branch%maximum(j, i), gap(i, j), back)
+               last = depth_below(branch%minimum(j, i + 1), branch%maximum(j, i + 1), gap(i + 1, j), back)
                if (first*last >= 0 .or. n == most_edges) cycle
                if (.not. ready) call prepare_piece(i)
                ready = .true.
@@ -151,7 +156,7 @@ contains
             s = between(a, b, fa, fb)
             call go_along(piece, s, solution)
             f = depth_at(solution, j, back)
-            if (abs(f) < located*branch%half_backlash(j)) exit
+            if (abs(f) < located*gap_at(solution, j)) exit
             call shrink(a, b, fa, fb, s, f, kept)
          end do
          a = 1e-4_dp*piece%length
@@ -187,10 +192,23 @@ contains
          logical, intent(in) :: back
          real(dp) :: coefficients(tracer%corrector%balance%block, branch%meshes), smallest, largest
 
-         call tracer%corrector%balance%full_coefficients(solution%u, solution%frequency_ratio, coefficients)
+         call tracer%corrector%balance%full_coefficients(solution%u, coefficients)
          call extremes(coefficients(:, j), tracer%corrector%balance%harmonic, transform, smallest, largest)
-         depth_at = depth_below(smallest, largest, branch%half_backlash(j), back)
+         depth_at = depth_below(smallest, largest, gap_at(solution, j), back)
       end function depth_at
+
+      !> Half backlash of mesh j at a solution point of the piece: along a path in a parameter between those of its ends, which is
+      !> exact unless the backlash follows from a drawing.
+      real(dp) function gap_at(solution, j)
+         type(solution_point_type), intent(in) :: solution
+         integer, intent(in) :: j
+         real(dp) :: share
+
+         share = 0
+         if (abs(gap(i + 1, j) - gap(i, j)) > 0) share = (solution%frequency_ratio - piece%node(1)%frequency_ratio) &
+                                                         /(piece%node(2)%frequency_ratio - piece%node(1)%frequency_ratio)
+         gap_at = gap(i, j) + share*(gap(i + 1, j) - gap(i, j))
+      end function gap_at
 
    end subroutine locate_contact_edges
 

@@ -1,12 +1,14 @@
 !> Ranges of Lambda in which a mesh separates, or its back flanks collide, at some instant of the period.
 module geartrain_continuation_contact_ranges
    use geartrain_base_kinds, only: dp
-   use geartrain_continuation_branch, only: branch_type
+   use geartrain_continuation_branch, only: branch_type, gap_along
    use geartrain_continuation_decided, only: joined
-   use geartrain_continuation_summary, only: band_type, change
+   use geartrain_continuation_summary, only: band_type, change, way_between
    implicit none (type, external)
    private
    public :: separation_ranges, back_collision_ranges, depth_below
+
+   real(dp), parameter :: none = huge(1.0_dp)
 
 contains
 
@@ -57,14 +59,16 @@ contains
       integer, intent(in) :: mesh
       logical, intent(in) :: back, stable_only
       type(band_type), allocatable :: ranges(:)
-      real(dp) :: from, to, edge, distance(branch%points)
+      real(dp) :: from, to, edge, distance(branch%points), gap(branch%points)
       integer :: i
 
       allocate (ranges(0))
-      if (.not. allocated(branch%half_backlash)) return
-      if (.not. branch%half_backlash(mesh) > 0) return
+      gap = gap_along(branch, mesh)
+      if (.not. any(gap > 0)) return
       associate (n => branch%points)
-         distance = depth_below(branch%minimum(mesh, :n), branch%maximum(mesh, :n), branch%half_backlash(mesh), back)
+         distance = depth_below(branch%minimum(mesh, :n), branch%maximum(mesh, :n), gap, back)
+         ! A mesh without backlash neither separates nor collides.
+         where (.not. gap > 0) distance = max(distance, 0.0_dp)
       end associate
       if (stable_only .and. .not. allocated(branch%stable)) return
       do i = 1, branch%points - 1
@@ -73,7 +77,7 @@ contains
          to = branch%frequency_ratio(i + 1)
          if (distance(i)*distance(i + 1) < 0) then
             edge = located_edge(branch, mesh, back, i)
-            if (.not. edge > 0) edge = crossing(branch, distance, i)
+            if (edge >= none) edge = crossing(branch, distance, i)
             if (distance(i) < 0) to = edge
             if (distance(i + 1) < 0) from = edge
          end if
@@ -98,14 +102,14 @@ contains
       call add(ranges, band_type(from, to))
    end function ranges_below_zero
 
-   !> Lambda of the edge that locate_contact_edges found between points i and i + 1; 0: none.
+   !> Lambda of the edge that locate_contact_edges found between points i and i + 1; or `none`.
    pure real(dp) function located_edge(branch, mesh, back, i)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: mesh, i
       logical, intent(in) :: back
       integer :: k
 
-      located_edge = 0
+      located_edge = none
       if (.not. allocated(branch%contact_edges)) return
       do k = 1, size(branch%contact_edges)
          associate (edge => branch%contact_edges(k))
@@ -145,7 +149,7 @@ contains
          s(1) = 0
          do k = 2, 4
             if (.not. joined(branch, min(point(k - 1), point(k)))) return
-            s(k) = s(k - 1) + norm2([f(point(k)) - f(point(k - 1)), branch%rms(:, point(k)) - branch%rms(:, point(k - 1))])
+            s(k) = s(k - 1) + way_between(branch, point(k - 1), point(k))
          end do
          if (s(4) - s(2) < s(2) - s(1)) return
          left = s(1)
@@ -190,7 +194,7 @@ contains
 
       whole = piece
       ! Neighbouring pieces of the branch have an equal end, but for rounding.
-      slack = 1e-12_dp*piece%to
+      slack = 1e-12_dp*max(abs(piece%from), abs(piece%to))
       below = ranges%to < piece%from - slack
       above = ranges%from > piece%to + slack
       if (count(.not. (below .or. above)) == 1) then

@@ -172,6 +172,9 @@ contains
       defect_before = 0
       do iteration = 1, max_iterations
          if (self%balance%system%interrupt%raised()) return
+         if (allocated(self%balance%path)) then
+            if (.not. self%balance%reaches(solution%frequency_ratio)) return
+         end if
          self%iterations = iteration
          call self%balance%evaluate(solution%u, solution%frequency_ratio)
          self%evaluations = self%evaluations + 1
@@ -197,7 +200,7 @@ contains
          solution%u = solution%u + self%step
          solution%frequency_ratio = solution%frequency_ratio + y
          tolerance = self%tolerance_at(solution%u)
-         success = length < tolerance .and. solution%frequency_ratio > 0
+         success = length < tolerance .and. self%balance%reaches(solution%frequency_ratio)
          if (success) then
             solution%harmonic = self%balance%harmonic
             return

@@ -7,7 +7,8 @@ module geartrain_continuation_fields
    use geartrain_continuation_branch, only: branch_type, special_point_type, visit_points
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_decided, only: rests_on_undecided
-   use geartrain_flow_fields, only: about_frequency, about_rms, on_stability
+   use geartrain_continuation_free_fields, only: carry_free, free_name
+   use geartrain_flow_fields, only: about_rms, on_stability
    implicit none (type, external)
    private
    public :: visit_branch
@@ -24,11 +25,15 @@ contains
       class(fields_type), intent(inout) :: fields
 
       if (.not. fields%enter(home, 'frequency response: periodic motions along one branch, through its folds', .true.)) return
-      if (allocated(branch%frequency_ratio)) call fields%describe('coordinates', 'frequency')
+      if (allocated(branch%frequency_ratio)) call fields%describe('coordinates', trim(free_name(branch)))
       call carry_text(fields, row('origin', '', '', 'where it comes from, in words', 'further branches', optional=.true.), &
                       branch%origin)
       call carry_text(fields, row('ended', '', '', 'why the branch ended, in words'), branch%ended, &
                       'not yet: these are the points so far')
+      call carry_text(fields, row('parameter_name', '', '', 'name of the parameter of the train that it goes over', &
+                                  'with `parameter`', optional=.true.), branch%parameter)
+      call carry_text(fields, row('parameter_unit', '', '', 'unit of the parameter; 1 of a dimensionless one', &
+                                  'with `parameter`', optional=.true.), branch%parameter_unit)
       call carry(fields, row('complete', '', '', '1: it got to the other end of the range; or, traced from both ends, it left the &
                              &range each time'), branch%complete)
       call carry(fields, row('closed', '', '', '1: followed back to where it began, as an island: the last point is the first &
@@ -53,7 +58,7 @@ contains
       if (allocated(branch%special_points)) n = size(branch%special_points)
       if (fields%way == reading) allocate (list(0))
       if (fields%enter(home, 'places on the branch that a reader looks for', n > 0)) then
-         call fields%describe('coordinates', 'frequency kind')
+         call fields%describe('coordinates', trim(free_name(branch))//' kind')
          call fields%index_axis('special_point', n, 'special point, in the order found')
          if (allocated(list)) deallocate (list)
          allocate (list(merge(1, n, fields%way == listing)))
@@ -61,7 +66,7 @@ contains
          call fields%begin_list('special_point')
          do i = 1, size(list)
             call fields%visit_item(i)
-            call visit_special_point(list(i), branch%points, fields)
+            call visit_special_point(list(i), branch, fields)
             if (fields%way == reading) cycle
             undecided = .false.
             if (allocated(branch%undecided) .and. fields%way /= listing) undecided = rests_on_undecided(branch, i)
@@ -75,18 +80,18 @@ contains
       if (fields%way == reading) call move_alloc(list, branch%special_points)
    end subroutine visit_special_points
 
-   subroutine visit_special_point(special, points, fields)
+   subroutine visit_special_point(special, branch, fields)
       type(special_point_type), intent(inout) :: special
-      !> Number of points of the branch.
-      integer, intent(in) :: points
+      type(branch_type), intent(in) :: branch
       class(fields_type), intent(inout) :: fields
 
       call carry(fields, row('kind', '', '', 'fold; period doubling; neimark-sacker: a pair of multipliers leaves the unit circle; &
                              &branch point: another branch of the same period crosses, a multiplier passes +1 without a fold'), &
                  special%kind)
       if (special%kind == 'torus') special%kind = 'neimark-sacker'
-      call carry(fields, row('frequency', '', '1', about_frequency), special%frequency_ratio)
-      call carry(fields, row('after_point', '', '1', 'the point of the branch before it', least=0, most=points), special%point)
+      call carry_free(branch, fields, special%frequency_ratio)
+      call carry(fields, row('after_point', '', '1', 'the point of the branch before it', least=0, &
+                             most=branch%points), special%point)
       call carry(fields, row('rms', 'mesh', '1', about_rms), special%rms)
    end subroutine visit_special_point
 
@@ -112,16 +117,17 @@ contains
          call carry_text(fields, row('before', optional=.true.), trace%before)
          if (trace%steps == 0) return
          call fields%check(trace%step > 0, 'step')
-         call visit_solution(trace%here, home//'/here', trace%harmonics, branch%meshes, fields)
-         call visit_solution(trace%origin, home//'/origin', trace%harmonics, branch%meshes, fields)
+         call visit_solution(trace%here, home//'/here', trace%harmonics, branch, fields)
+         call visit_solution(trace%origin, home//'/origin', trace%harmonics, branch, fields)
       end associate
    end subroutine visit_trace
 
-   !> Visits a solution point with harmonics up to `highest` and at most `meshes` unknown meshes.
-   subroutine visit_solution(solution, home, highest, meshes, fields)
+   !> Visits a solution point of a branch under way, with harmonics up to `highest`.
+   subroutine visit_solution(solution, home, highest, branch, fields)
       type(solution_point_type), intent(inout) :: solution
       character(*), intent(in) :: home
-      integer, intent(in) :: highest, meshes
+      integer, intent(in) :: highest
+      type(branch_type), intent(in) :: branch
       class(fields_type), intent(inout) :: fields
       integer :: harmonics, terms, unknowns
 
@@ -144,7 +150,8 @@ contains
       call carry(fields, row('frequency'), solution%frequency_ratio)
       call carry(fields, row('tangent_frequency'), solution%tangent_frequency)
       call carry(fields, row('orientation'), solution%orientation)
-      call fields%check(solution%frequency_ratio > 0 .and. terms == 1 + 2*harmonics .and. unknowns <= meshes, 'term')
+      call fields%check((allocated(branch%parameter) .or. solution%frequency_ratio > 0) .and. terms == 1 + 2*harmonics .and. &
+                        unknowns <= branch%meshes, 'term')
    end subroutine visit_solution
 
 end module geartrain_continuation_fields

@@ -5,7 +5,7 @@ module geartrain_continuation_first_motion
    use geartrain_base_observer, only: observer_type
    use geartrain_continuation_branch, only: branch_type, coefficients_of, response_settings_type
    use geartrain_continuation_corrector, only: solution_point_type
-   use geartrain_continuation_start, only: begin_trace, solution_of, resting
+   use geartrain_continuation_start, only: begin_trace, motion_at, resting, solution_of
    use geartrain_continuation_tracer, only: reached_end, tracer_type
    use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_flow_orbit_search, only: orbit_search_type
@@ -21,18 +21,18 @@ module geartrain_continuation_first_motion
 
 contains
 
-   !> Finds a motion at a given Lambda. Tried in this order:
+   !> Finds a motion at one end of the range: at a given Lambda or, on a path in a parameter, at a value of it. Tried in this order:
    !> - Newton's method from rest under the mean load;
    !> - the motion that time integration from rest settles on;
    !> - the branch of a solution from rest at another Lambda, outside the range that ends at `other` or within;
    !> - an orbit, stable or not, near the flow from rest;
    !> - the branch of such an orbit at another Lambda.
-   subroutine find_start(train, tracer, frequency_ratio, other, solution, success, enough, stopped, observer)
+   recursive subroutine find_start(train, tracer, frequency_ratio, other, solution, success, enough, stopped, observer)
       !> The train as described.
       type(train_type), intent(in) :: train
       !> Of `train`, from begin_trace.
       type(tracer_type), intent(inout) :: tracer
-      !> Lambda to start at, and the other end of the range [1].
+      !> Lambda, or value of the parameter, to start at, and the other end of the range [1 or unit of the parameter].
       real(dp), intent(in) :: frequency_ratio, other
       !> The solution where `success`.
       type(solution_point_type), intent(out) :: solution
@@ -51,6 +51,10 @@ contains
       real(dp) :: elsewhere(size(times) + size(share))
       integer :: i, round
 
+      if (allocated(tracer%corrector%balance%path)) then
+         call find_start_at(tracer, frequency_ratio, solution, success, enough, stopped, observer)
+         return
+      end if
       enough = 0
       stopped = .false.
       solution = resting(tracer, frequency_ratio)
@@ -77,6 +81,39 @@ contains
             call solve_near_flow(tracer, frequency_ratio, solution, success, enough, stopped, observer)
       end do
    end subroutine find_start
+
+   !> Finds a motion at a value of the parameter of a path: a motion of the train with this value, at the Lambda of the path.
+   recursive subroutine find_start_at(tracer, value, solution, success, enough, stopped, observer)
+      type(tracer_type), intent(inout) :: tracer
+      real(dp), intent(in) :: value
+      type(solution_point_type), intent(out) :: solution
+      logical, intent(out) :: success, stopped
+      integer, intent(out) :: enough
+      class(observer_type), intent(inout), optional :: observer
+      type(train_type) :: train
+      type(tracer_type) :: fixed
+      type(response_settings_type) :: settings
+      type(motion_type) :: motion
+      integer :: first
+
+      settings = tracer%settings
+      settings%parameter = ''
+      associate (path => tracer%corrector%balance%path)
+         call path%train_at(value, train)
+         call begin_trace(train, settings, fixed)
+         first = fixed%corrector%balance%highest
+         call find_start(train, fixed, path%frequency_ratio, 2*path%frequency_ratio, solution, success, enough, stopped, observer)
+      end associate
+      if (.not. success) return
+      motion = motion_at(fixed, solution)
+      motion%frequency_ratio = value
+      ! A motion that took more harmonics to solve takes them here as well.
+      associate (highest => fixed%corrector%balance%highest)
+         if (highest > max(first, tracer%corrector%balance%highest)) call tracer%prepare(highest)
+      end associate
+      solution = solution_of(tracer, motion)
+      call tracer%corrector%solve_at(solution, success)
+   end subroutine find_start_at
 
    !> A solution near an orbit that the flow from rest passes.
    subroutine solve_near_flow(tracer, frequency_ratio, solution, success, enough, stopped, observer)

@@ -163,7 +163,7 @@ contains
 
       associate (special => branch%special_points)
          turns_at = any(special%kind == 'fold' .and. (special%point == i .or. special%point == i + 1) &
-                        .and. abs(special%frequency_ratio - frequency_ratio) < 1e-9_dp*frequency_ratio)
+                        .and. abs(special%frequency_ratio - frequency_ratio) < 1e-9_dp*abs(frequency_ratio))
       end associate
    end function turns_at
 
@@ -174,7 +174,7 @@ contains
 
       is_known = .false.
       do i = 1, size(found)
-         if (abs(found(i)%frequency_ratio - jump%frequency_ratio) > 1e-6_dp*jump%frequency_ratio) cycle
+         if (abs(found(i)%frequency_ratio - jump%frequency_ratio) > 1e-6_dp*abs(jump%frequency_ratio)) cycle
          if (found(i)%rising .neqv. jump%rising) cycle
          if (norm2(found(i)%before - jump%before) < 1e-3_dp*norm2(jump%before)) is_known = .true.
       end do

@@ -152,7 +152,7 @@ contains
       real(dp) :: coefficients(tracer%corrector%balance%block, tracer%system%meshes)
       integer :: j
 
-      call tracer%corrector%balance%full_coefficients(solution%u, solution%frequency_ratio, coefficients)
+      call tracer%corrector%balance%full_coefficients(solution%u, coefficients)
       amplitude = 0
       do j = 1, tracer%system%meshes
          amplitude = max(amplitude, rms(coefficients(:, j)))

@@ -52,6 +52,12 @@ contains
       branch%meshes = balance%system%meshes
       branch%shafts = balance%system%torque_paths%shafts
       branch%half_backlash = balance%system%half_backlash
+      if (allocated(balance%path)) then
+         branch%parameter = balance%path%name
+         branch%parameter_unit = balance%path%unit
+         branch%constant_frequency = balance%path%frequency_ratio
+         allocate (branch%half_backlash_at(0, 0))
+      end if
       branch%subharmonic = balance%eta
       branch%harmonics = balance%highest
       branch%orders = [(k, k=1, balance%highest)]
@@ -81,6 +87,7 @@ contains
       type(branch_type), intent(inout), target :: branch
       real(dp) :: coefficients(balance%block, balance%system%meshes)
       type(assessment_type) :: assessment
+      type(force_reader_type) :: fresh
       integer :: i, j, k, n
 
       if (branch%points == size(branch%frequency_ratio)) &
@@ -90,11 +97,13 @@ contains
       else if (balance%highest > branch%harmonics) then
          call widen(branch, [(k, k=1, balance%highest)])
       end if
-      call balance%full_coefficients(solution%u, solution%frequency_ratio, coefficients)
+      call balance%full_coefficients(solution%u, coefficients)
       n = branch%points + 1
       call self%transform%plan(fine_samples(balance%highest))
+      if (balance%varies) self%reader = fresh
       call self%reader%setup(balance%system, balance%eta, self%transform%samples)
       branch%frequency_ratio(n) = solution%frequency_ratio
+      if (allocated(branch%half_backlash_at)) branch%half_backlash_at(:, n) = balance%system%half_backlash
       branch%coefficients(:, :, n) = 0
       branch%coefficients(1, :, n) = coefficients(1, :)
       i = 0
@@ -114,11 +123,11 @@ contains
          ! `extremes` leaves the samples of p in self%transform, which the reader of forces uses: other samples come after it.
          call extremes(coefficients(:, j), balance%harmonic, self%transform, branch%minimum(j, n), branch%maximum(j, n))
          if (balance%system%law(j)%jumps) then
-            call self%reader%read(balance%system, j, solution%frequency_ratio, coefficients(:, j), balance%harmonic, &
+            call self%reader%read(balance%system, j, balance%frequency_ratio, coefficients(:, j), balance%harmonic, &
                                   self%transform, &
                                   branch%mesh_load(j, n), balance%contact(findloc(balance%mesh, j, 1)))
          else
-            call self%reader%read(balance%system, j, solution%frequency_ratio, coefficients(:, j), balance%harmonic, &
+            call self%reader%read(balance%system, j, balance%frequency_ratio, coefficients(:, j), balance%harmonic, &
                                   self%transform, &
                                   branch%mesh_load(j, n))
          end if
@@ -130,14 +139,14 @@ contains
             call balance%contact(j)%shares(load%separation, load%back_contact)
          end associate
       end do
-      if (self%shaft_torque) call find_shaft_torques(balance, solution%frequency_ratio, self%transform, &
+      if (self%shaft_torque) call find_shaft_torques(balance, balance%frequency_ratio, self%transform, &
                                                      branch%shaft_torque_mean(:, n), branch%shaft_torque_minimum(:, n), &
                                                      branch%shaft_torque_maximum(:, n))
       if (self%stability) then
-         call self%monodromy%integrate(balance, solution%frequency_ratio)
+         call self%monodromy%integrate(balance, balance%frequency_ratio)
          call self%monodromy%multipliers(self%multipliers)
          branch%multipliers(:, n) = self%multipliers
-         call assess(self%monodromy, balance, solution%u, solution%frequency_ratio, estimate, self%multipliers, assessment)
+         call assess(self%monodromy, balance, solution%u, balance%frequency_ratio, estimate, self%multipliers, assessment)
          branch%stable(n) = assessment%stable
          branch%undecided(n) = assessment%undecided
          branch%second_estimate(n) = assessment%second

@@ -9,10 +9,11 @@ module geartrain_continuation_refinement
    use geartrain_continuation_waveform_error, only: harmonics_told, waveform_error
    use geartrain_flow_shooting, only: refine
    use geartrain_model_check, only: check_train
+   use geartrain_model_parameter_path, only: parameter_path_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: refine_branch
+   public :: refine_branch, refine_motions
 
    !> An orbit that differs from the point by more than `another` times the estimated error of the point is another orbit.
    real(dp), parameter :: another = 10
@@ -24,8 +25,9 @@ module geartrain_continuation_refinement
 contains
 
    !> Replaces every point by the orbit near it, accurate to about 1e-11, and sets branch%correction to the change of each waveform.
-   !> Lambda and the special points stay as they are. A point near which shooting finds no orbit stays as it is, with a negative
-   !> correction; this happens next to a fold, because the fold of the exact branch lies elsewhere.
+   !> Lambda and the special points stay as they are; `refine_special_points` replaces the latter. A point near which shooting finds
+   !> no orbit stays as it is, with a negative correction; this happens next to a fold, because the fold of the exact branch lies
+   !> elsewhere.
    subroutine refine_branch(train, branch, error, observer)
       !> The train as described.
       type(train_type), intent(in) :: train
@@ -37,9 +39,15 @@ contains
       type(motion_type) :: motion
       integer :: i, done
       logical :: keep_going, go
+      type(parameter_path_type) :: path
       real(dp) :: correction
 
       call check_train(train, error)
+      if (.not. allocated(error) .and. allocated(branch%parameter) .and. branch%points > 0) then
+         associate (at => branch%frequency_ratio(:branch%points))
+            call path%setup(train, branch%parameter, branch%constant_frequency, minval(at), maxval(at), error)
+         end associate
+      end if
       if (allocated(error)) return
       if (.not. allocated(branch%correction)) allocate (branch%correction(branch%points), source=untried)
       done = count(branch%correction > untried)
@@ -49,7 +57,7 @@ contains
          !$omp atomic read
          go = keep_going
          if (.not. go .or. branch%correction(i) > untried) cycle
-         call refine_point(train, branch, i, motion, correction)
+         call refine_point(train, path, branch, i, motion, correction)
          if (train%interrupt%raised()) then
             !$omp atomic write
             keep_going = .false.
@@ -73,21 +81,59 @@ contains
       branch%ended = 'refinement cancelled; before it: '//branch%ended
    end subroutine refine_branch
 
-   !> Finds the orbit near point i; a negative correction means that there is none.
-   subroutine refine_point(train, branch, i, motion, correction)
+   !> Refines motions of a branch at one Lambda, or at one value of its parameter; one that shooting does not find stays as it is.
+   subroutine refine_motions(train, branch, value, motions, error)
+      !> The train as described.
       type(train_type), intent(in) :: train
+      !> The branch.
+      type(branch_type), intent(in) :: branch
+      !> Value of its free parameter [1, or unit of the parameter].
+      real(dp), intent(in) :: value
+      !> Motions of the branch there.
+      type(motion_type), intent(inout) :: motions(:)
+      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable :: not_found
+      type(parameter_path_type) :: path
+      type(train_type) :: own
+      integer :: i
+
+      own = train
+      if (allocated(branch%parameter)) then
+         call path%setup(train, branch%parameter, branch%constant_frequency, value, value, error)
+         if (allocated(error)) return
+         call path%train_at(value, own)
+      end if
+      do i = 1, size(motions)
+         call refine(own, motions(i), not_found)
+      end do
+   end subroutine refine_motions
+
+   !> Finds the orbit near point i; a negative correction means that there is none.
+   subroutine refine_point(given, path, branch, i, motion, correction)
+      type(train_type), intent(in) :: given
+      !> Trains of a branch over a parameter.
+      type(parameter_path_type), intent(in) :: path
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: i
       type(motion_type), intent(out) :: motion
       real(dp), intent(out) :: correction
       type(error_type), allocatable :: error
+      type(train_type) :: train
+      real(dp) :: frequency_ratio
       integer :: attempt
 
+      if (allocated(branch%parameter)) then
+         call path%train_at(branch%frequency_ratio(i), train)
+         frequency_ratio = branch%constant_frequency
+      else
+         train = given
+         frequency_ratio = branch%frequency_ratio(i)
+      end if
       correction = -1
       ! First by single shooting, which is quicker and is enough as a rule, then by multiple shooting, except where the estimate is
       ! doubtful: there may be no orbit.
       do attempt = 1, merge(1, 2, branch%estimate_doubtful(i))
-         motion%frequency_ratio = branch%frequency_ratio(i)
+         motion%frequency_ratio = frequency_ratio
          motion%period = branch%subharmonic
          motion%coefficients = coefficients_of(branch, i)
          if (allocated(motion%state)) deallocate (motion%state)

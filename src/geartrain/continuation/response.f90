@@ -15,7 +15,7 @@ module geartrain_continuation_response
    use geartrain_continuation_interruption, only: drop_step
    use geartrain_continuation_large_amplitude, only: followed_out, trace_through
    use geartrain_continuation_points, only: drop_first, is_same_point
-   use geartrain_continuation_start, only: begin_trace, solution_of
+   use geartrain_continuation_start, only: begin_trace, motion_at, solution_of
    use geartrain_continuation_tracer, only: cancelled, reached_end, tracer_type
    use geartrain_continuation_variables, only: check_response
    use geartrain_flow_floating, only: can_float, note_of
@@ -27,6 +27,8 @@ module geartrain_continuation_response
 
    !> Outcome, beside those of the tracer, of a trace that would begin where the branch so far ends.
    integer, parameter :: known_start = -1
+   !> Relative difference of Lambda up to which a seed has the constant Lambda of a branch over a parameter.
+   real(dp), parameter :: same_frequency = 1e-9_dp
 
 contains
 
@@ -181,23 +183,16 @@ contains
       type(tracer_type), intent(inout) :: tracer
       type(solution_point_type), intent(in) :: solution
       type(branch_type), intent(in) :: branch
-      real(dp) :: coefficients(tracer%corrector%balance%block, tracer%system%meshes)
-      real(dp), allocatable :: last(:, :), dense(:, :)
-      integer :: k, n
+      type(motion_type) :: motion
+      real(dp), allocatable :: last(:, :)
+      integer :: n
 
       is_last_point = .false.
       if (abs(branch%frequency_ratio(branch%points) - solution%frequency_ratio) > 0) return
-      call tracer%corrector%balance%full_coefficients(solution%u, solution%frequency_ratio, coefficients)
-      associate (harmonic => tracer%corrector%balance%harmonic)
-         allocate (dense(1 + 2*tracer%corrector%balance%highest, tracer%system%meshes), source=0.0_dp)
-         dense(1, :) = coefficients(1, :)
-         do k = 1, size(harmonic)
-            dense(2*harmonic(k):2*harmonic(k) + 1, :) = coefficients(2*k:2*k + 1, :)
-         end do
-      end associate
+      motion = motion_at(tracer, solution)
       last = coefficients_of(branch, branch%points)
-      n = min(size(dense, 1), size(last, 1))
-      is_last_point = is_same_motion(last(:n, :), dense(:n, :))
+      n = min(size(motion%coefficients, 1), size(last, 1))
+      is_last_point = is_same_motion(last(:n, :), motion%coefficients(:n, :))
    end function is_last_point
 
    !> Traces both ways from a seed and puts the backward points in front, so that the branch is one curve.
@@ -207,6 +202,7 @@ contains
       type(branch_type), intent(inout), target :: branch
       class(observer_type), intent(inout), optional :: observer
       type(solution_point_type) :: solution, backward
+      type(motion_type) :: own
       real(dp) :: low, high
       logical :: success
 
@@ -217,14 +213,26 @@ contains
                         //text(tracer%settings%subharmonic)
          return
       end if
-      if (seed%frequency_ratio < low .or. seed%frequency_ratio > high) then
-         branch%ended = 'the seed at Lambda = '//text(seed%frequency_ratio)//' lies outside '//text(low)//' to '//text(high)
+      own = seed
+      if (allocated(tracer%corrector%balance%path)) then
+         ! The seed is a motion of the train as it is.
+         associate (path => tracer%corrector%balance%path)
+            if (abs(seed%frequency_ratio - path%frequency_ratio) > same_frequency*path%frequency_ratio) then
+               branch%ended = 'the seed has another frequency, '//text(seed%frequency_ratio)//' in place of ' &
+                              //text(path%frequency_ratio)
+               return
+            end if
+            own%frequency_ratio = path%own_value
+         end associate
+      end if
+      if (own%frequency_ratio < low .or. own%frequency_ratio > high) then
+         branch%ended = 'the seed at Lambda = '//text(own%frequency_ratio)//' lies outside '//text(low)//' to '//text(high)
          return
       end if
-      solution = solution_of(tracer, seed)
+      solution = solution_of(tracer, own)
       call tracer%corrector%solve_at(solution, success)
       if (.not. success) then
-         branch%ended = 'Newton does not converge from the seed at Lambda = '//text(seed%frequency_ratio)
+         branch%ended = 'Newton does not converge from the seed at Lambda = '//text(own%frequency_ratio)
          call drop_step(tracer, branch)
          return
       end if

@@ -63,6 +63,7 @@ contains
          integer, intent(in) :: highest, eta
 
          own%units = corrector%units
+         if (allocated(corrector%balance%path)) own%balance%path = corrector%balance%path
          associate (balance => corrector%balance)
             if (balance%chosen .and. eta == balance%eta) then
                call own%balance%setup(balance%system, highest, eta, balance%samples, balance%harmonic)
@@ -175,6 +176,7 @@ contains
       if (self%doubles) return
       do i = 1, most_modes
          call self%solve(self%c(:, :, i), self%c_frequency(i))
+         self%c_frequency(i) = self%c_frequency(i)/self%single%units%frequency_ratio
          call normalize(self%c(:, :, i), self%c_frequency(i))
       end do
    end subroutine find_modes
@@ -290,7 +292,7 @@ contains
       call self%factor_at(solution)
       do j = 1, size(f)
          call self%solution(j, x, y)
-         f(j) = 1/(sum(self%c(:, :, j)*x) + self%c_frequency(j)*y)
+         f(j) = 1/(sum(self%c(:, :, j)*x) + self%c_frequency(j)*y/self%single%units%frequency_ratio)
       end do
    end subroutine test
 

@@ -41,11 +41,11 @@ contains
       allocate (motions(0))
       call check_train(train, error)
       if (allocated(error)) return
-      if (.not. frequency_ratio > 0) then
-         call fatal(error, 'at: frequency = '//text(frequency_ratio)//': must be > 0')
+      call begin_trace(train, settings, tracer)
+      if (.not. tracer%corrector%balance%reaches(frequency_ratio)) then
+         if (.not. allocated(branch%parameter)) call fatal(error, 'at: frequency = '//text(frequency_ratio)//': must be > 0')
          return
       end if
-      call begin_trace(train, settings, tracer)
       call tracer%recorder%setup(tracer%corrector%balance, settings%stability, found, settings%shaft_torque)
       call record_crossings(tracer, branch, frequency_ratio, found)
       call gather(found, settings, motions)
@@ -160,7 +160,7 @@ contains
       solution%tangent = ends(2)%u - ends(1)%u
       solution%tangent_frequency = ends(2)%frequency_ratio - ends(1)%frequency_ratio
       call tracer%corrector%correct(solution, success)
-      success = success .and. abs(solution%frequency_ratio - frequency_ratio) <= at_frequency*frequency_ratio
+      success = success .and. abs(solution%frequency_ratio - frequency_ratio) <= at_frequency*abs(frequency_ratio)
       solution%frequency_ratio = frequency_ratio
    end subroutine solve_across
 
@@ -174,6 +174,7 @@ contains
       do i = 1, found%points
          associate (motion => motions(i))
             motion%frequency_ratio = found%frequency_ratio(i)
+            if (allocated(found%parameter)) motion%frequency_ratio = found%constant_frequency
             motion%period = settings%subharmonic
             motion%coefficients = coefficients_of(found, i)
             motion%rms = found%rms(:, i)

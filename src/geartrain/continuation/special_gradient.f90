@@ -46,6 +46,8 @@ contains
       logical :: success
 
       call given%setup(train, names, error)
+      if (.not. allocated(error) .and. allocated(branch%parameter)) &
+         call fatal(error, 'gradient: of special points of a branch over a frequency, not over a parameter')
       if (allocated(error)) return
       call begin_gradient(gradient, 1, size(names))
       associate (point => branch%special_points(special))

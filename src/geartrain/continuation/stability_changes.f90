@@ -228,7 +228,7 @@ contains
       end do
       if (.not. success) call go_along(piece%here, piece%next, piece%length, s, solution)
       if (.not. success) return
-      call monodromy%integrate(corrector%balance, solution%frequency_ratio)
+      call monodromy%integrate(corrector%balance, corrector%balance%frequency_ratio)
       call monodromy%multipliers(multipliers)
    end subroutine find_multipliers
 

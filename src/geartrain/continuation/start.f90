@@ -4,18 +4,19 @@ module geartrain_continuation_start
    use geartrain_balance_error_estimate, only: resonance_ratio
    use geartrain_balance_harmonic_set, only: first_set, has_sparse_motions
    use geartrain_balance_motion, only: motion_type
+   use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: response_settings_type
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_tracer, only: tracer_type
-   use geartrain_continuation_units, only: largest_unit, units_of
+   use geartrain_continuation_units, only: largest_unit, length_unit_of, units_of
    use geartrain_model_frequency_unit, only: lambda_per
    use geartrain_model_modes, only: natural_frequency_ranges
-   use geartrain_model_system, only: build_system
+   use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: begin_trace, solution_of, resting
+   public :: begin_trace, motion_at, resting, solution_of
 
    !> Amplitude limits where the settings give none, rms in the unit of motions that cross the gap [1]: with backlash; and of a
    !> linear train, whose branch is merely not recorded near a multiplier +1, where its amplitude is infinite.
@@ -31,22 +32,48 @@ contains
       type(response_settings_type), intent(in) :: settings
       !> Becomes ready to solve, its settings in Lambda; its recorder is set up separately.
       type(tracer_type), intent(inout) :: tracer
+      type(error_type), allocatable :: checked
+      type(system_type) :: system
       integer, allocatable :: set(:)
+      real(dp) :: largest
+      logical :: gaps
+      integer :: i
 
       tracer%settings = settings
-      associate (factor => lambda_per(train, settings%unit))
-         tracer%settings%start = settings%start*factor
-         tracer%settings%stop = settings%stop*factor
-         tracer%settings%unit = 'Lambda'
+      tracer%settings%unit = 'Lambda'
+      associate (factor => lambda_per(train, settings%unit), own => tracer%settings, units => tracer%corrector%units, &
+                 balance => tracer%corrector%balance)
+         if (settings%parameter == '') then
+            own%start = settings%start*factor
+            own%stop = settings%stop*factor
+            call build_system(train, tracer%system)
+            units = units_of(tracer%system)
+            largest = largest_unit(tracer%system)
+            gaps = any(tracer%system%half_backlash > 0)
+         else
+            own%frequency = settings%frequency*factor
+            allocate (balance%path)
+            ! Errors were told by check_response.
+            call balance%path%setup(train, settings%parameter, own%frequency, own%start, own%stop, checked)
+            ! Amid the path no excitation is 0, unlike at its ends: this system tells which harmonics to carry.
+            call balance%path%system_at(balance%path%amid, tracer%system)
+            units = units_of(tracer%system)
+            largest = largest_unit(tracer%system)
+            gaps = any(tracer%system%half_backlash > 0)
+            do i = 1, 2
+               call balance%path%system_at(merge(own%start, own%stop, i == 1), system)
+               units%length = max(units%length, length_unit_of(system))
+               largest = max(largest, largest_unit(system))
+            end do
+            units%frequency_ratio = balance%path%length
+         end if
       end associate
-      call build_system(train, tracer%system)
-      tracer%corrector%units = units_of(tracer%system)
       if (settings%amplitude_limit > 0) then
          tracer%amplitude_limit = settings%amplitude_limit
-      else if (any(tracer%system%half_backlash > 0)) then
-         tracer%amplitude_limit = default_amplitude_limit*largest_unit(tracer%system)
+      else if (gaps) then
+         tracer%amplitude_limit = default_amplitude_limit*largest
       else
-         tracer%amplitude_limit = linear_amplitude_limit*largest_unit(tracer%system)
+         tracer%amplitude_limit = linear_amplitude_limit*largest
       end if
       tracer%estimate%resonance = natural_frequency_ranges(tracer%system, resonance_ratio)
       tracer%chooses_sets = settings%harmonics == 0 .and. has_sparse_motions(tracer%system, settings%subharmonic)
@@ -58,6 +85,30 @@ contains
                                    settings%harmonics > 0))
       end if
    end subroutine begin_trace
+
+   !> A solution point as a motion, with the coefficients of all meshes.
+   function motion_at(tracer, solution) result(motion)
+      !> Tracer whose balance was evaluated last at `solution`.
+      type(tracer_type), intent(in) :: tracer
+      !> The solution point.
+      type(solution_point_type), intent(in) :: solution
+      type(motion_type) :: motion
+      real(dp) :: coefficients(tracer%corrector%balance%block, tracer%system%meshes)
+      integer :: k
+
+      associate (balance => tracer%corrector%balance)
+         call balance%full_coefficients(solution%u, coefficients)
+         motion%frequency_ratio = solution%frequency_ratio
+         motion%period = tracer%settings%subharmonic
+         allocate (motion%coefficients(1 + 2*balance%highest, tracer%system%meshes), source=0.0_dp)
+         motion%coefficients(1, :) = coefficients(1, :)
+         do k = 1, size(balance%harmonic)
+            associate (r => balance%harmonic(k))
+               motion%coefficients(2*r:2*r + 1, :) = coefficients(2*k:2*k + 1, :)
+            end associate
+         end do
+      end associate
+   end function motion_at
 
    !> The train at rest under its mean load as a first guess of a solution point: every mesh on the flank that bears its load.
    function resting(tracer, frequency_ratio) result(solution)

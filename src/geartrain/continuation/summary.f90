@@ -6,7 +6,10 @@ module geartrain_continuation_summary
    use geartrain_continuation_decided, only: is_undecided, joined
    implicit none (type, external)
    private
-   public :: peak_type, band_type, peaks, folds, gaps, bands_without_stability, change
+   public :: peak_type, band_type, peaks, folds, gaps, bands_without_stability, change, way_between
+
+   !> Change of the rms that is rounding, relative [1].
+   real(dp), parameter :: rounding = 1e-9_dp
 
    !> A local maximum of a mesh's rms along the branch.
    type :: peak_type
@@ -41,9 +44,30 @@ contains
       do i = 2, branch%points - 1
          if (.not. joined(branch, i - 1) .or. .not. joined(branch, i)) cycle
          if (branch%rms(mesh, i - 1) >= branch%rms(mesh, i) .or. branch%rms(mesh, i + 1) > branch%rms(mesh, i)) cycle
+         ! Over a parameter on which the motion does not depend rounding makes no peaks.
+         if (branch%rms(mesh, i) - minval(branch%rms(mesh, i - 1:i + 1)) < rounding*branch%rms(mesh, i)) cycle
          found = [found, top_of(branch, mesh, i)]
       end do
    end function peaks
+
+   !> Length of the chord between two points of a branch, in Lambda and rms [1]; over a parameter in its share of the branch and the
+   !> share of the largest rms.
+   pure real(dp) function way_between(branch, i, j) result(way)
+      !> A branch.
+      type(branch_type), intent(in) :: branch
+      !> Indices of the points.
+      integer, intent(in) :: i, j
+      real(dp) :: units(2)
+
+      units = 1
+      if (allocated(branch%parameter)) then
+         associate (at => branch%frequency_ratio(:branch%points))
+            units = [max(maxval(at) - minval(at), tiny(1.0_dp)), max(maxval(branch%rms(:, :branch%points)), tiny(1.0_dp))]
+         end associate
+      end if
+      way = norm2([(branch%frequency_ratio(j) - branch%frequency_ratio(i))/units(1), &
+                   (branch%rms(:, j) - branch%rms(:, i))/units(2)])
+   end function way_between
 
    !> The peak at a point, from parabolas of the chord length through it and its neighbours.
    pure type(peak_type) function top_of(branch, mesh, i)
@@ -52,8 +76,8 @@ contains
       real(dp) :: before, after, along, height(3)
 
       associate (f => branch%frequency_ratio, rms => branch%rms)
-         before = norm2([f(i) - f(i - 1), rms(:, i) - rms(:, i - 1)])
-         after = norm2([f(i + 1) - f(i), rms(:, i + 1) - rms(:, i)])
+         before = way_between(branch, i - 1, i)
+         after = way_between(branch, i, i + 1)
          height = rms(mesh, i - 1:i + 1)
          associate (slope => slope_of(height), curvature => curvature_of(height))
             along = 0

@@ -7,9 +7,10 @@ module geartrain_continuation_summary_fields
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type
    use geartrain_continuation_contact_ranges, only: back_collision_ranges, separation_ranges
+   use geartrain_continuation_free_fields, only: about_ends, carry_free, free_name, free_unit
    use geartrain_continuation_jumps, only: jump_type, jumps
    use geartrain_continuation_summary, only: band_type, bands_without_stability, peak_type, peaks
-   use geartrain_flow_fields, only: about_frequency, about_rms, on_stability
+   use geartrain_flow_fields, only: about_rms, on_stability
    implicit none (type, external)
    private
    public :: visit_bands, visit_jumps, visit_peaks, visit_ranges, visit_summary
@@ -48,7 +49,7 @@ contains
       if (fields%way /= listing) n = sum([(size(peaks(branch, mesh)), mesh=1, branch%meshes)])
       if (.not. fields%enter(home//'/peaks', 'local maxima of the rms of a mesh along the branch, by a parabola through the &
                              &highest point and its neighbours', n > 0)) return
-      call fields%describe('coordinates', 'frequency mesh')
+      call fields%describe('coordinates', trim(free_name(branch))//' mesh')
       call fields%index_axis('peak', n, 'peak, mesh by mesh, in the order along the branch')
       call fields%begin_list('peak')
       if (fields%way == listing) call visit_peak(peak, 1)
@@ -70,7 +71,7 @@ contains
          integer, value :: mesh
 
          call carry(fields, row('mesh', '', '1', 'the mesh whose rms has the peak'), mesh)
-         call carry(fields, row('frequency', '', '1', about_frequency), peak%frequency_ratio)
+         call carry_free(branch, fields, peak%frequency_ratio)
          call carry(fields, row('rms', '', '1', about_rms), peak%rms)
          call carry(fields, row('point', '', '1', 'the highest point of the branch'), peak%point)
          if (.not. fields%has('stable', allocated(branch%stable))) return
@@ -99,23 +100,24 @@ contains
       n = size(found)
       if (.not. fields%enter(home//'/jumps', 'where a sweep in speed jumps: the stable motion that it follows ends there; only &
                              &with `stability`', n > 0)) return
-      call fields%describe('coordinates', 'frequency kind direction')
+      call fields%describe('coordinates', trim(free_name(branch))//' kind direction')
       call fields%index_axis('jump', n, 'jump, by frequency')
       call fields%begin_list('jump')
       do i = 1, n
          call fields%visit_item(i)
-         call visit_jump(found(i), fields)
+         call visit_jump(found(i), branch, fields)
       end do
       call fields%end_list()
    end subroutine visit_jumps
 
-   subroutine visit_jump(jump, fields)
+   subroutine visit_jump(jump, branch, fields)
       type(jump_type), intent(inout) :: jump
+      type(branch_type), intent(in) :: branch
       class(fields_type), intent(inout) :: fields
       character(7) :: direction
 
       direction = merge('rising ', 'falling', jump%rising)
-      call carry(fields, row('frequency', '', '1', about_frequency), jump%frequency_ratio)
+      call carry_free(branch, fields, jump%frequency_ratio)
       call carry(fields, row('kind', '', '', 'jump up, jump down: to a larger or smaller amplitude, all meshes together; leaves: &
                              &the branch has no other stable motion there'), jump%kind)
       call carry(fields, row('direction', '', '', 'rising or falling: the way of the speed in the sweep that jumps here'), &
@@ -154,7 +156,7 @@ contains
       call fields%begin_list('range')
       do i = 1, n
          call fields%visit_item(i)
-         call visit_ends(found(i), fields)
+         call visit_ends(found(i), branch, fields)
          call carry(fields, row('undecided', '', '1', '1 = the range is there by the guess of undecided points alone: nothing is &
                                 &left of it if every undecided point is stable'), found(i)%undecided)
       end do
@@ -206,7 +208,7 @@ contains
       call fields%begin_list('range')
       do i = 1, n
          call fields%visit_item(i)
-         call visit_ends(found(i), fields)
+         call visit_ends(found(i), branch, fields)
          call carry(fields, row('mesh', '', '1', 'the mesh'), mesh(i))
          call carry(fields, row('stable', '', '1', '1 = at stable motions; 0 = at any motion of the branch, stable or not'), &
                     stable(i))
@@ -214,12 +216,13 @@ contains
       call fields%end_list()
    end subroutine visit_ranges
 
-   subroutine visit_ends(range, fields)
+   subroutine visit_ends(range, branch, fields)
       type(band_type), intent(inout) :: range
+      type(branch_type), intent(in) :: branch
       class(fields_type), intent(inout) :: fields
 
-      call carry(fields, row('from', '', '1', 'lower end; '//about_frequency), range%from)
-      call carry(fields, row('to', '', '1', 'upper end; '//about_frequency), range%to)
+      call carry(fields, row('from', '', free_unit(branch), 'lower end; '//about_ends), range%from)
+      call carry(fields, row('to', '', free_unit(branch), 'upper end; '//about_ends), range%to)
    end subroutine visit_ends
 
 end module geartrain_continuation_summary_fields

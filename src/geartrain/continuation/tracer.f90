@@ -11,7 +11,7 @@ module geartrain_continuation_tracer
    use geartrain_continuation_singular_search, only: find_crossing
    use geartrain_continuation_special_points, only: add_special_point, locate_fold
    use geartrain_continuation_stability_changes, only: add_stability_changes
-   use geartrain_continuation_step_geometry, only: closes, hides_folds, passes_half_period, sense_of, way_to
+   use geartrain_continuation_step_geometry, only: closes, cosine, cosine_limit, hides_folds, passes_half_period, sense_of, way_to
    use geartrain_continuation_step_length, only: acceptable, crosses_branch, jump_step, large, next_step
    implicit none (type, external)
    private
@@ -109,13 +109,13 @@ contains
       do
          ! After an interrupt `drop_step` cuts the branch back to `kept`: an interrupted first step takes the first point with it.
          if (.not. self%system%interrupt%raised()) self%kept = [branch%points, size(branch%special_points)]
-         call self%take_step(here, origin, closing, h, next, success)
+         call self%take_step(here, origin, closing, h, low, high, next, success)
          way = h
-         at_bound = success .and. .not. closing .and. (next%frequency_ratio < low .or. next%frequency_ratio > high)
+         at_bound = success .and. .not. closing .and. .not. (next%frequency_ratio > low .and. next%frequency_ratio < high)
          crosses = .false.
          located = .false.
          if (at_bound) then
-            call self%stop_at(merge(low, high, next%frequency_ratio < low), here, next, h, success)
+            call self%stop_at(merge(high, low, next%frequency_ratio > low), here, next, h, success)
             way = way_to(here, next, self%corrector%units)
          else if (success .and. .not. closing) then
             longer = next_step(self%corrector, here, next, h, &
@@ -195,19 +195,31 @@ contains
       reason = 'closed where it began, at Lambda = '//text(origin%frequency_ratio)
    end subroutine trace
 
-   !> Solves the next point: a distance h from `here`, or `origin` itself where the branch is closing.
-   subroutine take_step(self, here, origin, closing, h, next, success)
+   !> Solves the next point: a distance h from `here`, or `origin` itself where the branch is closing. Where the tangent leads to or
+   !> beyond the end of a path in a parameter, where there may be no train, the next point is at this end.
+   subroutine take_step(self, here, origin, closing, h, low, high, next, success)
       class(tracer_type), intent(inout) :: self
       type(solution_point_type), intent(in) :: here, origin
       logical, intent(in) :: closing
-      real(dp), intent(in) :: h
+      real(dp), intent(in) :: h, low, high
       type(solution_point_type), intent(inout) :: next
       logical, intent(out) :: success
+      real(dp) :: ahead, bound
 
+      ahead = here%frequency_ratio + h*here%tangent_frequency
       if (closing) then
          next = origin
          call self%corrector%solve_at(next, success)
          if (success) call self%corrector%orient(next, merge(1, -1, origin%tangent_frequency > 0))
+      else if (allocated(self%corrector%balance%path) .and. .not. (ahead > low .and. ahead < high)) then
+         bound = merge(low, high, ahead <= low)
+         next = here
+         next%u = here%u + (bound - here%frequency_ratio)/here%tangent_frequency*here%tangent
+         next%frequency_ratio = bound
+         call self%corrector%solve_at(next, success)
+         if (success) success = self%corrector%length_of(next%u - here%u) < 2*h
+         if (success) call self%corrector%orient(next, merge(1, -1, here%tangent_frequency > 0))
+         if (success) success = cosine(here, next, self%corrector%units) > cosine_limit
       else
          call self%corrector%advance(here, h, next, success)
          if (success) success = acceptable(self%corrector, here, next, h)
@@ -366,7 +378,7 @@ contains
 
       associate (special => branch%special_points, n => branch%points)
          if (any(special%kind == 'branch point' .and. special%point > n - nearby &
-                 .and. abs(special%frequency_ratio - frequency_ratio) < 1e-8_dp*frequency_ratio)) return
+                 .and. abs(special%frequency_ratio - frequency_ratio) < 1e-8_dp*abs(frequency_ratio))) return
          call add_special_point(branch, 'branch point', frequency_ratio, n - 1, branch%rms(:, n))
       end associate
    end subroutine add_branch_point

@@ -6,14 +6,14 @@ module geartrain_continuation_units
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: units_type, units_of, largest_unit
+   public :: units_type, units_of, largest_unit, length_unit_of
 
    !> Displacement of a train that rattles under a small load, over its deflection [1]: it does not reach the other flank.
    real(dp), parameter :: rattle = 5
 
    type :: units_type
       !> Unit of mesh displacement over characteristic length [1], and of Lambda [1]; both 1 where the characteristic values fit the
-      !> train.
+      !> train. Along a path in a parameter the length of the path in place of that of Lambda [unit of the parameter].
       real(dp) :: length = 1, frequency_ratio = 1
    end type units_type
 
@@ -23,17 +23,26 @@ contains
    pure type(units_type) function units_of(system) result(units)
       !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
-      real(dp) :: drive, gap, stiff(system%elements)
+      real(dp) :: stiff(system%elements)
       integer :: j
 
-      drive = max(largest_load(system), largest_error(system))
-      gap = maxval(system%half_backlash)
-      if (drive > 0) gap = min(gap, rattle*drive)
-      units%length = decade(max(drive, gap))
+      units%length = length_unit_of(system)
       stiff = stiffening(system%network)
       units%frequency_ratio = decade(minval([(sqrt(system%own(system%mesh_element(j))*stiff(system%mesh_element(j))) &
                                               /system%law(j)%order, j=1, system%meshes)]))
    end function units_of
+
+   !> Unit of displacement of the motions of a train, over characteristic length [1].
+   pure real(dp) function length_unit_of(system) result(length)
+      !> Dimensionless system of the train.
+      type(system_type), intent(in) :: system
+      real(dp) :: drive, gap
+
+      drive = max(largest_load(system), largest_error(system))
+      gap = maxval(system%half_backlash)
+      if (drive > 0) gap = min(gap, rattle*drive)
+      length = decade(max(drive, gap))
+   end function length_unit_of
 
    !> Unit of displacement of motions that cross the gap, over characteristic length [1]: amplitude limits are multiples of it.
    pure real(dp) function largest_unit(system)

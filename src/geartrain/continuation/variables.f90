@@ -6,8 +6,10 @@ module geartrain_continuation_variables
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_base_variable, only: row => variable_type, visitor_type
    use geartrain_continuation_branch, only: response_settings_type
-   use geartrain_model_frequency_unit, only: check_unit, visit_unit
+   use geartrain_model_check, only: check_train
+   use geartrain_model_frequency_unit, only: check_unit, lambda_per, visit_unit
    use geartrain_model_limits, only: check_frequency, check_harmonics
+   use geartrain_model_parameter_path, only: parameter_path_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -25,12 +27,20 @@ contains
       !> The visitor.
       class(visitor_type), intent(inout) :: v
       character(:), allocatable :: word
+      logical :: given
 
       call v%enter('response', 1)
-      call v%on_real(row('from', '', 'frequency at which the branch begins (start in a call)', required=.true., above=zero), &
-                     settings%start)
-      call v%on_real(row('to', '', 'frequency at which it ends, above or below (stop in a call)', required=.true., above=zero), &
-                     settings%stop)
+      call v%on_real(row('from', '', 'frequency or value of parameter at which the branch begins (start in a call)', &
+                         required=.true.), settings%start)
+      call v%on_real(row('to', '', 'frequency or value of parameter at which it ends, above or below (stop in a call)', &
+                         required=.true.), settings%stop)
+      word = trim(settings%parameter)
+      call v%on_text(row('parameter', '', "number of the train that from and to are values of, at constant frequency, as in &
+                         &'input_torque', 'mesh 2 half_backlash', 'mesh * damping_ratio', 'stiffness_variation'; blank: none, they &
+                         &are frequencies"), word)
+      if (allocated(word)) settings%parameter = word
+      given = abs(settings%frequency) > 0
+      call v%on_real(row('frequency', '', 'with parameter: the constant frequency', above=zero), settings%frequency, given)
       call visit_unit(settings%unit, v)
       call v%on_integer(row('harmonics', '', 'harmonics R of Lambda/subharmonic; 0: as many as tolerance needs', least=one, &
                             most=most_harmonics*one, automatic=zero), settings%harmonics)
@@ -111,8 +121,11 @@ contains
                                integer_text(settings%subharmonic)//': the fundamental itself would be left out')
       end if
       call check_unit(train, settings%unit, checker)
-      call check_frequency(train, 'from', settings%start, checker, settings%unit)
-      call check_frequency(train, 'to', settings%stop, checker, settings%unit)
+      if (settings%parameter == '') then
+         call check_ends()
+      else
+         call check_path()
+      end if
       ! Where the orders are high the program carries sets of harmonics, however high, but for longer periods.
       call check_harmonics(train, settings%harmonics, settings%subharmonic, &
                            merge(highest_of_sets, most_harmonics, settings%harmonics == 0 .and. settings%subharmonic == 1), checker)
@@ -134,6 +147,40 @@ contains
                                &from rest the motion is one of period 1, whose doublings are followed with subharmonic = 1')
       end if
       call checker%leave()
+
+   contains
+
+      !> Checks the ends of a range of frequencies.
+      subroutine check_ends()
+         if (.not. settings%start > 0) call checker%complain('from', real_text(settings%start), 'must be > 0')
+         if (.not. settings%stop > 0) call checker%complain('to', real_text(settings%stop), 'must be > 0')
+         if (settings%start > 0) call check_frequency(train, 'from', settings%start, checker, settings%unit)
+         if (settings%stop > 0) call check_frequency(train, 'to', settings%stop, checker, settings%unit)
+         if (abs(settings%frequency) > 0) &
+            call checker%complain('frequency', real_text(settings%frequency), 'belongs to parameter, which is not given')
+      end subroutine check_ends
+
+      !> Checks a path in a parameter.
+      subroutine check_path()
+         type(parameter_path_type) :: path
+         type(error_type), allocatable :: wrong
+
+         if (.not. settings%frequency > 0) then
+            call checker%complain('frequency', real_text(settings%frequency), 'must be given with parameter, > 0: &
+                                  &the frequency stays constant')
+            return
+         end if
+         call check_frequency(train, 'frequency', settings%frequency, checker, settings%unit)
+         if (checker%problems%of_train() .or. checker%problems%in_group('response')) return
+         ! What is wrong with the train is told elsewhere.
+         call check_train(train, wrong)
+         if (allocated(wrong)) return
+         if (.not. lambda_per(train, settings%unit) > 0) return
+         call path%setup(train, settings%parameter, settings%frequency*lambda_per(train, settings%unit), settings%start, &
+                         settings%stop, wrong)
+         if (allocated(wrong)) call checker%complain('parameter', "'"//trim(settings%parameter)//"'", wrong%message)
+      end subroutine check_path
+
    end subroutine check_response_consistency
 
    !> Fewest samples a period of the mesh force for the spectra of a harmonic balance.

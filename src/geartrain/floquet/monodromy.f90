@@ -65,6 +65,7 @@ module geartrain_floquet_monodromy
       procedure :: integrate
       procedure :: multipliers
       procedure, private :: prepare_matrix
+      procedure, private :: take_train
       procedure, private :: carry
       procedure, private :: carry_along
       procedure, private :: advance
@@ -106,6 +107,25 @@ contains
                 self%factors(self%states, self%states), self%pivot(self%states))
    end subroutine prepare_matrix
 
+   !> Takes another train with as many coordinates.
+   subroutine take_train(self, system)
+      class(monodromy_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(propagator_type) :: propagator
+      type(time_reversal_type) :: reversal
+      type(leading_multipliers_type) :: search
+
+      if (self%given < size(self%kept)) then
+         self%search = search
+         call self%search%setup(system)
+      end if
+      if (.not. allocated(self%transposed)) return
+      self%propagator = propagator
+      self%reversal = reversal
+      call self%propagator%setup(system)
+      call self%reversal%setup(system)
+   end subroutine take_train
+
    !> Monodromy matrix over the period 2 pi eta/Lambda of a motion, or its leading multipliers alone.
    subroutine integrate(self, motion, frequency_ratio, shift)
       class(monodromy_type), intent(inout) :: self
@@ -119,6 +139,7 @@ contains
       integer :: events, attempt
       logical :: success
 
+      if (motion%varies) call self%take_train(motion%system)
       period = 2*pi*motion%eta/frequency_ratio
       ! Handed on as it is, an absent array would have its bounds read by gfortran 12.
       if (present(shift)) then

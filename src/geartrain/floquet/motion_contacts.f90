@@ -8,6 +8,8 @@ module geartrain_floquet_motion_contacts
 
    type :: motion_contacts_type
       type(system_type) :: system
+      !> The train is another one from motion to motion.
+      logical :: varies = .false.
       !> Sub-harmonic index: theta = Lambda t/eta.
       integer :: eta = 1
       !> Number of unknown meshes, and their numbers in the train, (unknown).

@@ -6,14 +6,15 @@ module geartrain_model_gradient
    use geartrain_model_check, only: check_train
    use geartrain_model_drawing, only: plain_train, reduce_light_loads
    use geartrain_model_mode_rates, only: mode_shapes_type
-   use geartrain_model_parameter, only: add_to_parameter, find_parameter, parameter_type, table_type
+   use geartrain_model_parameter, only: find_parameters
+   use geartrain_model_parameter_table, only: add_to_parameter, parameter_type, table_type
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_system_rate, only: find_system_rate, system_rate_type
    use geartrain_model_train, only: train_type
-   use geartrain_model_train_rate, only: find_train_rate
+   use geartrain_model_train_rate, only: find_train_rate, has_effect
    implicit none (type, external)
    private
-   public :: gradient_type, parameters_type, begin_gradient, frequency_gradient, reason_length
+   public :: gradient_type, parameters_type, begin_gradient, check_parameters, frequency_gradient, reason_length
 
    integer, parameter :: reason_length = 120
    !> Variables that make a train of another kind where they are 0.
@@ -29,19 +30,37 @@ module geartrain_model_gradient
       real(dp) :: frequency_ratio = 0
    end type gradient_type
 
-   !> A train and parameters of it.
+   !> What a name stands for: one parameter, or with * those of several groups.
+   type :: named_type
+      type(parameter_type), allocatable :: parameter(:)
+   end type named_type
+
+   !> A train and parameters of it by their names.
    type :: parameters_type
       !> The train; its plain train; the plain train with 0 for all numbers; derivatives of its numbers.
       type(train_type) :: train
       type(train_type), private :: plain, zero, rate
       type(system_type) :: system
-      type(parameter_type), allocatable :: parameter(:)
+      type(named_type), allocatable :: named(:)
    contains
       procedure :: setup
       procedure :: rate_of
+      procedure, private :: clear
    end type parameters_type
 
 contains
+
+   !> Refuses names of no parameters, and of those that are not in force.
+   subroutine check_parameters(train, names, error)
+      !> The train.
+      type(train_type), intent(in) :: train
+      !> Names of the parameters, (parameter).
+      character(*), intent(in) :: names(:)
+      type(error_type), allocatable, intent(out) :: error
+      type(parameters_type) :: given
+
+      call given%setup(train, names, error)
+   end subroutine check_parameters
 
    !> Finds the derivatives of the natural frequencies over characteristic frequency.
    subroutine frequency_gradient(train, names, gradient, error)
@@ -95,7 +114,8 @@ contains
       character(*), intent(in) :: names(:)
       type(error_type), allocatable, intent(out) :: error
       type(table_type) :: given, derived
-      integer :: n
+      type(parameter_type), allocatable :: found(:)
+      integer :: i, n
 
       call check_train(train, error)
       if (allocated(error)) return
@@ -103,9 +123,13 @@ contains
       call plain_train(train, self%plain)
       call given%take(self%train)
       call derived%take(self%plain)
-      allocate (self%parameter(size(names)))
+      allocate (self%named(size(names)))
       do n = 1, size(names)
-         call find_parameter(self%train, self%plain, given, derived, names(n), self%parameter(n), error)
+         call find_parameters(self%train, self%plain, given, derived, names(n), found, error)
+         if (size(found) > 0) found = pack(found, [(has_effect(self%train, found(i)), i=1, size(found))])
+         if (.not. allocated(error) .and. size(found) == 0) call fatal(error, 'parameter "'//trim(adjustl(names(n)))//'": not in &
+            &force in this train: what would follow from it is given, or is not used')
+         self%named(n)%parameter = found
       end do
       if (allocated(error)) return
       call reduce_light_loads(self%plain)
@@ -126,32 +150,48 @@ contains
       !> Why there are none; blank where there are.
       character(*), intent(out) :: reason
       logical :: differentiable
+      integer :: i
 
       reason = ''
-      associate (parameter => self%parameter(n))
-         if (.not. abs(parameter%value) > 0 .and. index(structural, ' '//trim(parameter%variable)//' ') > 0) then
-            if (changes_kind(self%train, parameter, self%system)) then
-               reason = 'it is 0, and with another value the train is of another kind'
-               return
+      do i = 1, size(self%named(n)%parameter)
+         associate (parameter => self%named(n)%parameter(i))
+            if (.not. abs(parameter%value) > 0 .and. index(structural, ' '//trim(parameter%variable)//' ') > 0) then
+               if (changes_kind(self%train, parameter, self%system)) &
+                  reason = 'it is 0, and with another value the train is of another kind'
             end if
-         end if
-         call find_train_rate(self%train, self%plain, parameter, self%rate, differentiable)
-         if (differentiable) then
-            call find_system_rate(self%plain, self%rate, self%system, rate)
-            if (rate%network%locks) reason = 'the gears of a loop would lock'
-         else
-            reason = 'it is at the end of its range'
-         end if
-         ! A copy of the whole would cost as much as the derivatives.
-         if (parameter%direct .and. parameter%group == 'shaft' .and. parameter%index > 0) then
-            self%rate%shafts(parameter%index) = self%zero%shafts(parameter%index)
-         else if (parameter%direct .and. parameter%group == 'mesh' .and. parameter%index > 0) then
-            self%rate%meshes(parameter%index) = self%zero%meshes(parameter%index)
-         else
-            self%rate = self%zero
-         end if
-      end associate
+            if (reason /= '') exit
+            call find_train_rate(self%train, self%plain, parameter, self%rate, differentiable)
+            if (.not. differentiable) reason = 'the drawing gives another train with a value next to it'
+            if (reason /= '') exit
+         end associate
+      end do
+      if (reason == '') then
+         call find_system_rate(self%plain, self%rate, self%system, rate)
+         if (rate%network%locks) reason = 'the gears of a loop would lock'
+      end if
+      call self%clear(n)
    end subroutine rate_of
+
+   !> Sets the derivatives of the numbers of the train to 0 again. A copy of the whole would cost as much as the derivatives.
+   subroutine clear(self, n)
+      class(parameters_type), intent(inout) :: self
+      !> Number of the parameter.
+      integer, intent(in) :: n
+      integer :: i
+
+      associate (parameter => self%named(n)%parameter)
+         if (.not. all(parameter%direct .and. (parameter%group == 'shaft' .or. parameter%group == 'mesh'))) then
+            self%rate = self%zero
+            return
+         end if
+         do i = 1, size(parameter)
+            associate (place => parameter(i)%index)
+               if (parameter(i)%group == 'shaft') self%rate%shafts(place) = self%zero%shafts(place)
+               if (parameter(i)%group == 'mesh') self%rate%meshes(place) = self%zero%meshes(place)
+            end associate
+         end do
+      end associate
+   end subroutine clear
 
    !> Whether a train has other unknowns, elements or laws where a parameter is not 0.
    logical function changes_kind(train, parameter, system)

@@ -63,25 +63,25 @@ contains
       type(system_type), intent(in) :: system
       type(modes_type), intent(inout) :: modes
       character(label_length) :: shafts(size(train%shafts)), meshes(size(train%meshes))
+      integer, allocatable :: shown(:)
       integer :: i
 
       shafts = shaft_labels(train)
       meshes = mesh_labels(train)
       modes%body = body_labels(train)
-      associate (shown => elastic(system))
-         allocate (modes%element(size(shown)), modes%element_label(size(shown)))
-         do i = 1, size(shown)
-            associate (shaft => system%element_shaft(shown(i)), mesh => system%element_mesh(shown(i)))
-               if (mesh > 0) then
-                  write (modes%element(i), '(a, i0)') 'mesh ', mesh
-                  modes%element_label(i) = meshes(mesh)
-               else
-                  write (modes%element(i), '(a, i0)') 'shaft ', shaft
-                  modes%element_label(i) = shafts(shaft)
-               end if
-            end associate
-         end do
-      end associate
+      shown = elastic(system)
+      allocate (modes%element(size(shown)), modes%element_label(size(shown)))
+      do i = 1, size(shown)
+         associate (shaft => system%element_shaft(shown(i)), mesh => system%element_mesh(shown(i)))
+            if (mesh > 0) then
+               write (modes%element(i), '(a, i0)') 'mesh ', mesh
+               modes%element_label(i) = meshes(mesh)
+            else
+               write (modes%element(i), '(a, i0)') 'shaft ', shaft
+               modes%element_label(i) = shafts(shaft)
+            end if
+         end associate
+      end do
    end subroutine name_elements
 
    !> Numbers of the elastic elements in the order of the case: shaft 1, mesh 1, shaft 2, ...

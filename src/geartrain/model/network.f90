@@ -57,15 +57,23 @@ module geartrain_model_network
 contains
 
    !> Makes the network of a train.
-   pure subroutine build_network(train, network)
+   pure subroutine build_network(train, network, unknown)
       !> A plain train (geartrain_model_drawing) that has passed `check_train`.
       type(train_type), intent(in) :: train
       !> The network.
       type(network_type), intent(out) :: network
+      !> Meshes that are unknowns in any case, (mesh).
+      logical, intent(in), optional :: unknown(:)
       type(element_type), allocatable :: elements(:)
+      integer :: n
 
       call join_rigid(train, network)
       call list_elements(train, network, elements)
+      if (present(unknown)) then
+         do n = 1, size(elements)
+            if (elements(n)%mesh > 0) elements(n)%unknown = elements(n)%unknown .or. unknown(elements(n)%mesh)
+         end do
+      end if
       network%displacements = size(network%inertia) - 1
       network%coordinates = network%displacements
       call sort_elements(elements, in_tree(elements, size(network%inertia)), size(network%inertia), network%elements)

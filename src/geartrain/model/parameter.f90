@@ -7,74 +7,74 @@ module geartrain_model_parameter
    use geartrain_base_nearest, only: nearest_name
    use geartrain_base_numbers, only: integer_text
    use geartrain_base_series, only: make_series, series_type
-   use geartrain_base_variable, only: variable_type, visitor_type
    use geartrain_model_mesh, only: mesh_type
+   use geartrain_model_parameter_table, only: entry_type, parameter_type, table_type
    use geartrain_model_train, only: train_type
-   use geartrain_model_variables, only: visit_body, visit_mesh, visit_model, visit_shaft, visit_train
    implicit none (type, external)
    private
-   public :: parameter_type, table_type, add_to_parameter, find_parameter, largest_variation, variation
+   public :: find_parameter, find_parameters, largest_variation, variation
 
    !> Variables that are in the plain train as they are given.
    character(*), parameter :: plain_variables(*) = [character(24) :: 'input_torque', 'torque_cos', 'torque_sin', &
       'prime_mover_inertia', 'load_inertia', 'inertia', 'torque', 'damping_to_ground', 'stiffness', 'damping_ratio', 'damping', &
       'driving_radius', 'driven_radius', 'driving_inertia', 'driven_inertia', 'half_backlash', 'back_stiffness', 'back_phase', &
-      'stiffness_cos', 'stiffness_sin', 'error_cos', 'error_sin']
+      'stiffness_cos', 'stiffness_sin', 'error_cos', 'error_sin', 'revolution_torque_cos', 'revolution_torque_sin']
    !> Those among them that `phase` turns.
    character(*), parameter :: turned_variables(*) = [character(24) :: 'stiffness_cos', 'stiffness_sin', 'error_cos', 'error_sin']
    !> Name of the parameter that scales all mesh stiffness variations.
    character(*), parameter :: variation = 'stiffness_variation'
 
-   type :: parameter_type
-      !> Group 'train', 'body', 'shaft' or 'mesh'; the variable; number of the group, 0: all; value of a list, 0: no list.
-      character(5) :: group = ''
-      character(24) :: variable = ''
-      integer :: index = 0, item = 0
-      !> Value [unit of the variable]; of several groups that of the first.
-      real(dp) :: value = 0
-      !> A number of the plain train that the drawing gives: the derivative is as if it were given.
-      logical :: derived = .false.
-      !> In the plain train as it is given, and nothing else is derived from it.
-      logical :: direct = .false.
-   end type parameter_type
-
-   !> A variable of a train.
-   type :: entry_type
-      character(5) :: group = ''
-      character(24) :: variable = ''
-      !> Number of the group; number of values, -1: no list; place of the first among all numbers.
-      integer :: index = 0, values = -1, first = 0
-      logical :: in_force = .true., continuous = .true.
-   end type entry_type
-
-   !> All variables of a train with their numbers, taken from it or given to it; or adds to a variable.
-   type, extends(visitor_type) :: table_type
-      !> 'take', 'give' or 'add'.
-      character(4) :: way = 'take'
-      !> The variables and their numbers in the order of the visits; how many there are.
-      type(entry_type), allocatable :: row(:)
-      real(dp), allocatable :: number(:)
-      integer :: rows = 0, numbers = 0
-      !> To add: the variable, the value of a list, what is added, and whether the sum is in the range of the variable.
-      character(24) :: variable = ''
-      integer :: item = 0
-      real(dp) :: change = 0
-      logical :: allowed = .true.
-   contains
-      procedure :: on_real
-      procedure :: on_integer
-      procedure :: on_logical
-      procedure :: on_text
-      procedure :: on_list
-      procedure :: on_names
-      procedure :: take
-      procedure :: give
-      procedure, private :: find
-      procedure, private :: meet
-      procedure, private :: carry
-   end type table_type
-
 contains
+
+   !> Finds the parameters of a name: one, or with * those of all groups in which it is in force.
+   subroutine find_parameters(train, plain, given, derived, name, parameters, error)
+      !> A train that has passed `check_train`, and its plain train.
+      type(train_type), intent(in) :: train, plain
+      !> Their tables.
+      type(table_type), intent(in) :: given, derived
+      !> The name.
+      character(*), intent(in) :: name
+      !> The parameters; none where the name is refused.
+      type(parameter_type), allocatable, intent(out) :: parameters(:)
+      !> Added to where the train has no such parameter.
+      type(error_type), allocatable, intent(inout) :: error
+      type(parameter_type) :: parameter
+      type(error_type), allocatable :: refused, first
+      integer :: at, groups, i
+
+      allocate (parameters(0))
+      at = index(name, ' * ')
+      groups = 0
+      if (at > 0) groups = group_count(train, adjustl(name(:at)))
+      if (groups == 0) then
+         call find_parameter(train, plain, given, derived, name, parameter, error)
+         if (.not. allocated(error)) parameters = [parameter]
+         return
+      end if
+      do i = 1, groups
+         if (allocated(refused)) deallocate (refused)
+         call find_parameter(train, plain, given, derived, name(:at)//integer_text(i)//name(at + 2:), parameter, refused)
+         if (.not. allocated(refused)) then
+            parameters = [parameters, parameter]
+         else if (.not. allocated(first)) then
+            first = refused
+         end if
+      end do
+      if (size(parameters) == 0) call fatal(error, first%message)
+   end subroutine find_parameters
+
+   !> Number of groups of a kind; 0 also for the group &train.
+   pure integer function group_count(train, group)
+      !> The train.
+      type(train_type), intent(in) :: train
+      !> 'body', 'shaft' or 'mesh'.
+      character(*), intent(in) :: group
+
+      group_count = 0
+      if (group == 'shaft') group_count = size(train%shafts)
+      if (group == 'mesh') group_count = size(train%meshes)
+      if (group == 'body' .and. allocated(train%bodies)) group_count = size(train%bodies)
+   end function group_count
 
    !> Finds the parameter of a name.
    subroutine find_parameter(train, plain, given, derived, name, parameter, error)
@@ -127,7 +127,9 @@ contains
          parameter%item = 1
          call given%find(parameter, found, row, parameter%value)
       end if
-      parameter%direct = any(plain_variables == parameter%variable)
+      parameter%unit = row%unit
+      parameter%plain = any(plain_variables == parameter%variable)
+      parameter%direct = parameter%plain
       if (parameter%direct .and. .not. (is_given(row) .and. abs(parameter%value) > 0)) then
          call derived%find(parameter, found, of_plain, value)
          parameter%derived = is_given(of_plain) .and. (.not. is_given(row) .or. abs(value) > 0)
@@ -155,6 +157,10 @@ contains
          call refuse('one number, no list')
       else if (.not. is_given(row)) then
          call refuse('not in force in this train: it is not given')
+      else if (balances_others()) then
+         call refuse('not in force in this train: the torque of this body balances those of all others')
+      else if (is_toothed_radius()) then
+         call refuse('not in force in this train: the numbers of teeth tell the ratio of the radii')
       else if (row%values > 0 .and. (parameter%item < 1 .or. parameter%item > row%values)) then
          call refuse('a list: its values are named by their numbers, 1 to '//integer_text(row%values)//', as in "'// &
                      trim(parameter%variable)//' 1"')
@@ -167,6 +173,18 @@ contains
 
          call fatal(error, 'parameter "'//trim(adjustl(name))//'": '//why)
       end subroutine refuse
+
+      !> Whether the parameter is the mean torque that is not given but balances all others.
+      logical function balances_others()
+         balances_others = parameter%group == 'body' .and. parameter%variable == 'torque'
+         if (balances_others) balances_others = train%bodies(parameter%index)%balances
+      end function balances_others
+
+      !> Whether the parameter is the radius of a gear whose ratio the teeth tell.
+      logical function is_toothed_radius()
+         is_toothed_radius = parameter%variable == 'driving_radius' .or. parameter%variable == 'driven_radius'
+         if (is_toothed_radius) is_toothed_radius = allocated(train%meshes(parameter%index)%teeth)
+      end function is_toothed_radius
 
       !> Whether a body has this name.
       logical function is_body(text)
@@ -184,24 +202,22 @@ contains
       subroutine find_group()
          integer :: groups, i
 
-         groups = -1
+         groups = group_count(train, parameter%group)
+         parameter%index = whole_number(which)
+         if (parameter%group == 'train' .and. which == '') parameter%index = 1
          if (parameter%group == 'train') groups = 1
-         if (parameter%group == 'shaft') groups = size(train%shafts)
-         if (parameter%group == 'mesh') groups = size(train%meshes)
-         if (parameter%group == 'body' .and. allocated(train%bodies)) groups = size(train%bodies)
-         parameter%index = merge(0, whole_number(which), which == '*')
-         if (groups < 0) then
+         if (all(parameter%group /= [character(5) :: 'train', 'mesh', 'shaft', 'body']) .or. &
+             parameter%group == 'body' .and. .not. allocated(train%bodies)) then
             parameter%index = -1
             call refuse('must begin with "mesh", "shaft" or, in a network, "body" or its name, or be a variable of &train')
             return
          end if
-         if (parameter%group == 'train' .and. which == '') parameter%index = 1
          if (parameter%group == 'body') then
             do i = 1, groups
                if (train%bodies(i)%name == which) parameter%index = i
             end do
          end if
-         if (parameter%index >= 0 .and. parameter%index <= groups .and. (parameter%index > 0 .or. which == '*')) return
+         if (parameter%index > 0 .and. parameter%index <= groups) return
          parameter%index = -1
          call refuse('must tell which &'//trim(parameter%group)//': 1 to '//integer_text(groups)//', or * for all'// &
                      trim(merge(', or its name', '             ', parameter%group == 'body')))
@@ -222,42 +238,6 @@ contains
       end do
    end function whole_number
 
-   !> Adds to a parameter, of all its groups.
-   subroutine add_to_parameter(train, parameter, change, allowed)
-      !> The train.
-      type(train_type), intent(inout) :: train
-      !> Its parameter, a variable.
-      type(parameter_type), intent(in) :: parameter
-      !> What is added [unit of the parameter].
-      real(dp), intent(in) :: change
-      !> Whether the new values are in the range of the variable.
-      logical, intent(out), optional :: allowed
-      type(table_type) :: table
-      integer :: i, groups
-
-      table%way = 'add'
-      table%variable = parameter%variable
-      table%item = parameter%item
-      table%change = change
-      groups = 1
-      if (parameter%group == 'shaft') groups = size(train%shafts)
-      if (parameter%group == 'mesh') groups = size(train%meshes)
-      if (parameter%group == 'body') groups = size(train%bodies)
-      do i = max(1, parameter%index), merge(groups, parameter%index, parameter%index == 0)
-         select case (parameter%group)
-         case ('train')
-            call visit_train(train, table)
-         case ('body')
-            call visit_body(train%bodies(i), i, table)
-         case ('shaft')
-            call visit_shaft(train%shafts(i), i, table)
-         case ('mesh')
-            call visit_mesh(train%meshes(i), i, table)
-         end select
-      end do
-      if (present(allowed)) allowed = table%allowed
-   end subroutine add_to_parameter
-
    !> Largest amplitude of any harmonic of kappa of any mesh of a plain train.
    pure real(dp) function largest_variation(meshes) result(largest)
       !> Meshes of a plain train.
@@ -272,153 +252,11 @@ contains
       end do
    end function largest_variation
 
-   !> Takes all variables of a train.
-   subroutine take(self, train)
-      class(table_type), intent(inout) :: self
-      !> The train; it is left as it is.
-      type(train_type), intent(inout) :: train
-
-      self%way = 'take'
-      self%rows = 0
-      self%numbers = 0
-      if (.not. allocated(self%row)) allocate (self%row(256), self%number(256))
-      call visit_model(train, self)
-   end subroutine take
-
-   !> Sets all numbers of a train.
-   subroutine give(self, train)
-      class(table_type), intent(inout) :: self
-      !> The train that they were taken from, or another with lists of such lengths.
-      type(train_type), intent(inout) :: train
-
-      self%way = 'give'
-      self%numbers = 0
-      call visit_model(train, self)
-   end subroutine give
-
-   !> Finds the variable of a parameter, of several groups that of the first.
-   pure subroutine find(self, parameter, found, row, value)
-      class(table_type), intent(in) :: self
-      type(parameter_type), intent(in) :: parameter
-      !> Number of the row, 0: there is none.
-      integer, intent(out) :: found
-      type(entry_type), intent(out) :: row
-      !> The number; 0 where the parameter is none of the values of a list.
-      real(dp), intent(out) :: value
-      integer :: item
-
-      value = 0
-      do found = 1, self%rows
-         if (self%row(found)%index /= max(1, parameter%index)) cycle
-         if (self%row(found)%group == parameter%group .and. self%row(found)%variable == parameter%variable) exit
-      end do
-      if (found > self%rows) found = 0
-      if (found == 0) return
-      row = self%row(found)
-      item = merge(1, parameter%item, row%values < 0)
-      if (row%first > 0 .and. item > 0 .and. item <= abs(row%values)) value = self%number(row%first + item - 1)
-   end subroutine find
-
    !> Whether a variable has a value that is used.
    pure logical function is_given(row)
       type(entry_type), intent(in) :: row
 
       is_given = row%in_force .and. row%values /= 0
    end function is_given
-
-   !> Takes a variable without its numbers.
-   subroutine meet(self, variable, continuous)
-      class(table_type), intent(inout) :: self
-      type(variable_type), intent(in) :: variable
-      logical, intent(in) :: continuous
-
-      if (self%way /= 'take') return
-      if (self%rows == size(self%row)) self%row = [self%row, self%row]
-      self%rows = self%rows + 1
-      self%row(self%rows) = entry_type(self%group(:5), variable%name, self%index, continuous=continuous)
-   end subroutine meet
-
-   subroutine on_real(self, variable, value, in_force)
-      class(table_type), intent(inout) :: self
-      type(variable_type), intent(in) :: variable
-      real(dp), intent(inout) :: value
-      logical, intent(inout), optional :: in_force
-      real(dp) :: values(1)
-
-      values = value
-      call self%meet(variable, .not. variable%whole)
-      call self%carry(variable, values)
-      if (self%way == 'take' .and. present(in_force)) self%row(self%rows)%in_force = in_force
-      value = values(1)
-   end subroutine on_real
-
-   subroutine on_list(self, variable, value)
-      class(table_type), intent(inout) :: self
-      type(variable_type), intent(in) :: variable
-      real(dp), allocatable, intent(inout) :: value(:)
-
-      call self%meet(variable, .not. variable%whole)
-      if (self%way == 'take') self%row(self%rows)%values = 0
-      if (.not. allocated(value)) return
-      if (self%way == 'take') self%row(self%rows)%values = size(value)
-      call self%carry(variable, value)
-   end subroutine on_list
-
-   !> Takes or gives the numbers of a variable, or adds to the number that is wanted.
-   subroutine carry(self, variable, values)
-      class(table_type), intent(inout) :: self
-      type(variable_type), intent(in) :: variable
-      real(dp), intent(inout) :: values(:)
-      integer :: n
-
-      n = size(values)
-      if (self%way == 'add') then
-         if (variable%name /= self%variable .or. self%item > n) return
-         n = max(1, self%item)
-         values(n) = values(n) + self%change
-         self%allowed = self%allowed .and. variable%allows(values(n))
-         return
-      end if
-      if (self%way == 'take') then
-         if (self%numbers + n > size(self%number)) self%number = [self%number, self%number, values]
-         self%row(self%rows)%first = self%numbers + 1
-         self%number(self%numbers + 1:self%numbers + n) = values
-      else
-         values = self%number(self%numbers + 1:self%numbers + n)
-      end if
-      self%numbers = self%numbers + n
-   end subroutine carry
-
-   subroutine on_integer(self, variable, value)
-      class(table_type), intent(inout) :: self
-      type(variable_type), intent(in) :: variable
-      integer, intent(inout) :: value
-
-      call self%meet(variable, .false.)
-   end subroutine on_integer
-
-   subroutine on_logical(self, variable, value)
-      class(table_type), intent(inout) :: self
-      type(variable_type), intent(in) :: variable
-      logical, intent(inout) :: value
-
-      call self%meet(variable, .false.)
-   end subroutine on_logical
-
-   subroutine on_text(self, variable, value)
-      class(table_type), intent(inout) :: self
-      type(variable_type), intent(in) :: variable
-      character(:), allocatable, intent(inout) :: value
-
-      call self%meet(variable, .false.)
-   end subroutine on_text
-
-   subroutine on_names(self, variable, value)
-      class(table_type), intent(inout) :: self
-      type(variable_type), intent(in) :: variable
-      character(*), intent(inout) :: value(:)
-
-      call self%meet(variable, .false.)
-   end subroutine on_names
 
 end module geartrain_model_parameter

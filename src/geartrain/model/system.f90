@@ -77,7 +77,7 @@ module geartrain_model_system
 contains
 
    !> Makes the dimensionless system of a train.
-   pure subroutine build_system(given, system, acceleration)
+   pure subroutine build_system(given, system, acceleration, unknown)
       !> A train that has passed `check_train`.
       type(train_type), intent(in) :: given
       !> The system.
@@ -86,6 +86,8 @@ contains
       !> accelerates the inertias where the teeth tell how fast the bodies turn. The meshes keep their stiffness, which follows the
       !> given torques.
       real(dp), intent(in), optional :: acceleration
+      !> Meshes that are unknowns of a balance even without backlash and variation of their stiffness, (mesh).
+      logical, intent(in), optional :: unknown(:)
       type(train_type) :: train
       type(kinematics_type) :: kinematics
       integer :: i, j, n
@@ -97,7 +99,7 @@ contains
       system%characteristic_length = train%characteristic_length
       system%half_backlash = train%meshes%half_backlash/train%characteristic_length
       call put_excitation(train, system)
-      call build_network(train, system%network)
+      call build_network(train, system%network, unknown)
       if (present(acceleration)) then
          call find_kinematics(given, kinematics)
          if (kinematics%known) call accelerate(system%network, kinematics%speed_body, &
@@ -295,23 +297,23 @@ contains
 
       common_order = 0
       do j = 1, size(system%torque)
-         call add(system%torque(j))
+         call add(system%torque(j), common_order)
       end do
       do j = 1, system%meshes
-         call add(system%law(j)%variation())
-         call add(system%transmission_error(j))
+         call add(system%law(j)%variation(), common_order)
+         call add(system%transmission_error(j), common_order)
       end do
       if (common_order == 0) common_order = 1
 
    contains
 
-      pure subroutine add(series)
+      pure subroutine add(series, divisor)
          type(series_type), intent(in) :: series
+         integer, intent(inout) :: divisor
          integer :: h
 
          do h = 1, size(series%amplitude)
-            if (abs(series%amplitude(h)) > 0) &
-               common_order = int(greatest_divisor(int(common_order, int64), int(h*series%order, int64)))
+            if (abs(series%amplitude(h)) > 0) divisor = int(greatest_divisor(int(divisor, int64), int(h*series%order, int64)))
          end do
       end subroutine add
 

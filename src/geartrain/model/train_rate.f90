@@ -2,31 +2,33 @@
 module geartrain_model_train_rate
    use geartrain_base_kinds, only: dp
    use geartrain_model_drawing, only: plain_train, reduce_light_loads
-   use geartrain_model_parameter, only: add_to_parameter, parameter_type, table_type, variation
+   use geartrain_model_parameter, only: variation
+   use geartrain_model_parameter_table, only: add_to_parameter, parameter_type, table_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: find_train_rate
+   public :: find_train_rate, has_effect
 
    !> Change of a parameter for differences of the derivation from the drawing, relative, or absolute where the parameter is 0.
    real(dp), parameter :: drawing_step = 1e-5_dp
 
 contains
 
-   !> Finds the derivative of every number of the plain train with respect to a parameter: 1 at the parameter itself; where the
-   !> parameter is one of the drawing, or turned by `phase`, by differences of the derivation.
+   !> Adds the derivative of every number of the plain train with respect to a parameter: 1 at the parameter itself; where the
+   !> parameter is one of the drawing, or turned by `phase`, by differences of the derivation, at an end of its range one-sided.
    subroutine find_train_rate(train, plain, parameter, rate, differentiable)
       !> The train as described; its plain train, with the stiffnesses for its loads.
       type(train_type), intent(in) :: train, plain
       !> The parameter.
       type(parameter_type), intent(in) :: parameter
-      !> `plain` with 0 for all numbers; gets the derivatives [1/unit of the parameter], lists perhaps longer.
+      !> `plain` with the sums so far for all numbers, 0 at first [1/unit of the parameter]; its lists may get longer.
       type(train_type), intent(inout) :: rate
-      !> False at the end of the range of the parameter, where the derivation from the drawing cannot go on.
+      !> False where the derivation from the drawing gives other numbers on both sides of the parameter, or lists of other lengths.
       logical, intent(out) :: differentiable
-      type(train_type) :: changed, side
-      type(table_type) :: above, below
+      type(train_type) :: side
+      type(table_type) :: above, below, here, further
       real(dp) :: step
+      logical :: up, down
       integer :: j
 
       differentiable = .true.
@@ -44,21 +46,30 @@ contains
          return
       end if
       if (parameter%variable == 'phase') then
-         do j = 1, size(plain%meshes)
-            if (parameter%index /= 0 .and. parameter%index /= j) cycle
-            associate (mesh => plain%meshes(j), d => rate%meshes(j))
-               call turn(mesh%stiffness_cos, mesh%stiffness_sin, d%stiffness_cos, d%stiffness_sin)
-               call turn(mesh%error_cos, mesh%error_sin, d%error_cos, d%error_sin)
-            end associate
-         end do
+         associate (mesh => plain%meshes(parameter%index), d => rate%meshes(parameter%index))
+            call turn(mesh%stiffness_cos, mesh%stiffness_sin, d%stiffness_cos, d%stiffness_sin)
+            call turn(mesh%error_cos, mesh%error_sin, d%error_cos, d%error_sin)
+         end associate
          return
       end if
-      step = drawing_step*merge(abs(parameter%value), 1.0_dp, abs(parameter%value) > 0)
-      call derive(step, above)
-      call derive(-step, below)
-      if (differentiable) differentiable = above%numbers == below%numbers
+      step = step_of(parameter)
+      call derive(train, parameter, step, above, side, up)
+      call derive(train, parameter, -step, below, side, down)
+      if (up .and. down) then
+         differentiable = above%numbers == below%numbers
+         if (differentiable) below%number = (above%number(:above%numbers) - below%number(:below%numbers))/(2*step)
+      else
+         if (down) step = -step
+         if (down) above = below
+         call derive(train, parameter, 0.0_dp, here, side, up)
+         call derive(train, parameter, 2*step, further, side, down)
+         differentiable = up .and. down .and. above%numbers == here%numbers .and. above%numbers == further%numbers
+         if (differentiable) below%number = (4*above%number(:above%numbers) - 3*here%number(:above%numbers) &
+                                             - further%number(:above%numbers))/(2*step)
+      end if
       if (.not. differentiable) return
-      below%number = (above%number(:above%numbers) - below%number(:below%numbers))/(2*step)
+      call here%take(rate)
+      if (here%numbers == above%numbers) below%number = below%number + here%number(:here%numbers)
       rate = side
       call below%give(rate)
 
@@ -74,21 +85,60 @@ contains
          if (allocated(cosine)) d_sine = [(h*cosine(h), h=1, size(cosine))]
       end subroutine turn
 
-      !> Takes the numbers of the plain train at a changed parameter.
-      subroutine derive(change, table)
-         real(dp), intent(in) :: change
-         type(table_type), intent(inout) :: table
-         logical :: allowed
-
-         changed = train
-         call add_to_parameter(changed, parameter, change, allowed)
-         differentiable = differentiable .and. allowed
-         if (.not. allowed) return
-         call plain_train(changed, side)
-         call reduce_light_loads(side)
-         call table%take(side)
-      end subroutine derive
-
    end subroutine find_train_rate
+
+   !> Whether anything follows from a parameter of the drawing: not where what would follow from it is given.
+   logical function has_effect(train, parameter)
+      !> The train as described.
+      type(train_type), intent(in) :: train
+      !> The parameter.
+      type(parameter_type), intent(in) :: parameter
+      type(train_type) :: side
+      type(table_type) :: here, changed
+      logical :: there
+      integer :: way
+
+      has_effect = .true.
+      if (parameter%plain .or. parameter%variable == variation .or. parameter%variable == 'phase') return
+      call derive(train, parameter, 0.0_dp, here, side, there)
+      do way = 1, -1, -2
+         call derive(train, parameter, way*step_of(parameter), changed, side, there)
+         if (.not. there) cycle
+         if (changed%holds_more_than(here, parameter)) return
+      end do
+      has_effect = .false.
+   end function has_effect
+
+   !> Change of a parameter for differences [unit of the parameter].
+   pure real(dp) function step_of(parameter)
+      !> The parameter.
+      type(parameter_type), intent(in) :: parameter
+
+      step_of = drawing_step*merge(abs(parameter%value), 1.0_dp, abs(parameter%value) > 0)
+   end function step_of
+
+   !> Takes the numbers of the plain train at a changed parameter.
+   subroutine derive(train, parameter, change, table, side, allowed)
+      !> The train as described.
+      type(train_type), intent(in) :: train
+      !> The parameter.
+      type(parameter_type), intent(in) :: parameter
+      !> The change [unit of the parameter].
+      real(dp), intent(in) :: change
+      !> Gets the numbers.
+      type(table_type), intent(inout) :: table
+      !> Gets the plain train, where the change is allowed.
+      type(train_type), intent(inout) :: side
+      !> Whether the changed value is in the range of its variable.
+      logical, intent(out) :: allowed
+      type(train_type) :: changed
+
+      changed = train
+      call add_to_parameter(changed, parameter, change, allowed)
+      if (.not. allowed) return
+      call plain_train(changed, side)
+      call reduce_light_loads(side)
+      call table%take(side)
+   end subroutine derive
 
 end module geartrain_model_train_rate
