@@ -33,9 +33,12 @@ from __future__ import annotations
 
 from . import _box
 from ._draw import plot_style
+from ._page import Page, page
 from ._suggest import suggest_names
 from .attractors import Attractors
 from .audit import Audit
+from .basins import Basins
+from .bifurcation_diagram import BifurcationDiagram
 from .branch import Branch
 from .campbell import Campbell, Crossing, Order
 from .case import Case, Results, read_case, read_results
@@ -43,6 +46,7 @@ from .errors import DrawingWarning, InputError, Interrupted, NotDifferentiableWa
 from .exact_point import ExactPoint
 from .explanation import Explanation
 from .locus import Locus, LocusPoint
+from .lyapunov import LyapunovSpectrum
 from .modes import Modes
 from .motion import Motion
 from .motions import Motions
@@ -60,6 +64,8 @@ from .variables import Body, Mesh, Shaft
 __all__ = [
     "Attractors",
     "Audit",
+    "Basins",
+    "BifurcationDiagram",
     "Body",
     "Branch",
     "Campbell",
@@ -73,12 +79,14 @@ __all__ = [
     "Jump",
     "Locus",
     "LocusPoint",
+    "LyapunovSpectrum",
     "Mesh",
     "Modes",
     "Motion",
     "Motions",
     "NotDifferentiableWarning",
     "Order",
+    "Page",
     "Peak",
     "Peaks",
     "Results",
@@ -93,6 +101,7 @@ __all__ = [
     "Sweep",
     "Train",
     "Trajectory",
+    "page",
     "plot_style",
     "read_case",
     "read_results",

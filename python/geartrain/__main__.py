@@ -27,6 +27,7 @@ In Python
 Commands
    geartrain --new case.nml           writes a commented case to begin with; geartrain --help tells the rest
                                       {executable}
+   geartrain-page RESULTS.h5          makes a page for a browser of a results file
    geartrain-study FOLDER             computes the points of a study that are not there yet
    python -m geartrain ...            is geartrain ...
 

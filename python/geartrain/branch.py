@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ._box import Box, Group, described
 from ._dataset import dataset
 from ._motion_table import motions_of
+from ._page import Page, page
 from ._units import Unit, hertz_of, lambda_of, length_unit, speed_of
 from ._watch import watched
 from .audit import Audit
@@ -335,6 +336,10 @@ class Branch(Curves):
             for place, branch in enumerate([self, *self.branches]):
                 branch._put(box, place)
             box.write(path)
+
+    def page(self, path: str | os.PathLike[str] | None = None, *, compare: Any = None) -> Page:
+        """The branch and its ``branches`` as a page for a browser, as `geartrain.page` gives it; needs plotly."""
+        return page(self, path, compare=compare)
 
     def arrays(self) -> dict[str, NDArray[Any] | None]:
         """The fields of the points by their names in the results file; None for what there is not."""
