@@ -8,6 +8,7 @@ import shutil
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from geartrain._motion_check import VALUES
 from geartrain._page_force import force_laws, force_of
 from geartrain._page_pack import Block
 from geartrain.page_command import main
+from geartrain.variables import ANALYSES
 
 pytest.importorskip("plotly")
 
@@ -196,6 +198,19 @@ def test_branch_over_a_parameter(over, branch, train):
     over = train.continuation(parameter="input_torque", start=100.0, stop=200.0, frequency=0.7)
     told = unpacked(over.page().html)["files"][0]
     assert "input_torque [N m]" in told["tables"][0]["headings"] and None not in told["laws"]
+
+
+def test_what_a_page_does_not_show_is_told(results):
+    """An analysis that a page has no view for, as one that is new."""
+    told = unpacked(results.page().html)["files"][0]
+    assert told["notes"] == []
+    beside = SimpleNamespace(**{**vars(results), "locus": None})
+    modes = {"modes", "response", "integration", "attractors", "stability_map", "run_up", "locus"}
+    assert {*ANALYSES} >= modes
+    unknown = next(iter([name for name in ANALYSES if name not in modes]), None)
+    if unknown is not None:
+        setattr(beside, unknown, object())
+        assert unpacked(gt.page(beside).html)["files"][0]["notes"] == [f"In the file, but not on this page: {unknown}"]
 
 
 def test_train_of_rigid_shafts():
