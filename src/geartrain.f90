@@ -1,9 +1,14 @@
 !> The public module of geartrain: everything that a Fortran caller needs, re-exported.
 module geartrain
-   use geartrain_analyses_attractors, only: attractors, attractors_settings_type, attractors_type, follow_attractors
+   use geartrain_analyses_attractor_branches, only: follow_attractors
+   use geartrain_analyses_attractors, only: attractors, attractors_settings_type, attractors_type
    use geartrain_analyses_audit, only: audit_branch
    use geartrain_analyses_audit_result, only: audit_row_type, audit_type
    use geartrain_analyses_audit_text, only: audit_text
+   use geartrain_analyses_basin_grid, only: basins_settings_type, basins_type
+   use geartrain_analyses_basins, only: basins
+   use geartrain_analyses_bifurcation_diagram, only: bifurcation_diagram, bifurcation_diagram_settings_type, &
+      bifurcation_diagram_type
    use geartrain_analyses_dependencies, only: locate_edges, name_parameter
    use geartrain_analyses_integration, only: integrate, sweep, sweep_type
    use geartrain_analyses_list, only: case_type, results_type

@@ -37,6 +37,8 @@ from ._page import Page, page
 from ._suggest import suggest_names
 from .attractors import Attractors
 from .audit import Audit
+from .basins import Basins
+from .bifurcation_diagram import BifurcationDiagram
 from .branch import Branch
 from .campbell import Campbell, Crossing, Order
 from .case import Case, Results, read_case, read_results
@@ -44,6 +46,7 @@ from .errors import DrawingWarning, InputError, Interrupted, NotDifferentiableWa
 from .exact_point import ExactPoint
 from .explanation import Explanation
 from .locus import Locus, LocusPoint
+from .lyapunov import LyapunovSpectrum
 from .modes import Modes
 from .motion import Motion
 from .motions import Motions
@@ -61,6 +64,8 @@ from .variables import Body, Mesh, Shaft
 __all__ = [
     "Attractors",
     "Audit",
+    "Basins",
+    "BifurcationDiagram",
     "Body",
     "Branch",
     "Campbell",
@@ -74,6 +79,7 @@ __all__ = [
     "Jump",
     "Locus",
     "LocusPoint",
+    "LyapunovSpectrum",
     "Mesh",
     "Modes",
     "Motion",

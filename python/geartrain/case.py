@@ -17,6 +17,8 @@ from ._page import Page, page
 from ._table import Found
 from ._watch import watched
 from .attractors import Attractors
+from .basins import Basins
+from .bifurcation_diagram import BifurcationDiagram
 from .branch import Branch
 from .locus import Locus
 from .modes import Modes
@@ -39,6 +41,8 @@ class Results:
     response : Branch or None
     integration : Sweep or None
     attractors : Attractors or None
+    basins : Basins or None
+    bifurcation_diagram : BifurcationDiagram or None
     stability_map : StabilityMap or None
     run_up : RunUp or None
     locus : Locus or None
@@ -56,6 +60,8 @@ class Results:
     response: Branch | None
     integration: Sweep | None
     attractors: Attractors | None = None
+    basins: Basins | None = None
+    bifurcation_diagram: BifurcationDiagram | None = None
     stability_map: StabilityMap | None = None
     run_up: RunUp | None = None
     locus: Locus | None = None
@@ -123,9 +129,9 @@ class Case:
     train : Train
     modes : bool
         Whether they are wanted.
-    response, integration, attractors, stability_map, run_up : mapping or None
-        The group's variables, as keywords of `Train.response`, `Train.sweep`, `Train.attractors`, `Train.stability_map` and
-        `Train.run_up`; None where it is absent.
+    response, integration, attractors, basins, bifurcation_diagram, stability_map, run_up : mapping or None
+        The group's variables, as keywords of `Train.response`, `Train.sweep`, `Train.attractors`, `Train.basins`,
+        `Train.bifurcation_diagram`, `Train.stability_map` and `Train.run_up`; None where it is absent.
     output : str or None
         The output file named in ``&output``.
     text : str
@@ -139,6 +145,8 @@ class Case:
     response: Mapping[str, Any] | None
     integration: Mapping[str, Any] | None
     attractors: Mapping[str, Any] | None
+    basins: Mapping[str, Any] | None
+    bifurcation_diagram: Mapping[str, Any] | None
     stability_map: Mapping[str, Any] | None
     run_up: Mapping[str, Any] | None
     output: str | None
@@ -191,6 +199,8 @@ class Case:
             response=response,
             integration=Sweep._from(box, self.train) if INTEGRATION in box.results() else None,
             attractors=Attractors._from(box, self.train, branches[len(bifurcated):]) if ATTRACTORS in box.results() else None,
+            basins=Basins._from(box, self.train),
+            bifurcation_diagram=BifurcationDiagram._from(box, self.train),
             stability_map=StabilityMap._from(box, self.train),
             run_up=RunUp._from(box, self.train),
             locus=Locus._from(box, self.train),
@@ -212,6 +222,8 @@ class Case:
             response=one.get("response"),
             integration=one.get("integration"),
             attractors=one.get("attractors"),
+            basins=one.get("basins"),
+            bifurcation_diagram=one.get("bifurcation_diagram"),
             stability_map=one.get("stability_map"),
             run_up=one.get("run_up"),
             output=one.get("output", {}).get("file"),

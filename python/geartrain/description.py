@@ -54,7 +54,7 @@ class Description(TrainVariables):
         Parameters
         ----------
         modes : bool
-        response, integration, attractors, stability_map, run_up : mapping, optional
+        response, integration, attractors, basins, bifurcation_diagram, stability_map, run_up : mapping, optional
             The variables of the group by their names or by their keywords, hence ``start`` as well as ``from``.
         """
         problems: dict[str, str] = {}

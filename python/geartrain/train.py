@@ -13,16 +13,20 @@ from ._box import Box
 from ._draw import new_axes
 from ._gradient import gradient_of
 from ._motion_table import motions_of, put_motions
+from ._namelist import in_words_of_the_call
 from ._units import Unit, lambda_of, units_of
 from ._variable import takes
 from ._watch import watched
 from .attractors import Attractors
+from .basins import Basins
+from .bifurcation_diagram import BifurcationDiagram
 from .branch import Branch
 from .campbell import Campbell
 from .description import Description
 from .errors import InputError, SolverError, shown
 from .exact_point import ExactPoint
 from .locus import Locus
+from .lyapunov import LyapunovSpectrum
 from .modes import Modes
 from .motion import Motion, from_state
 from .motions import Motions, find_motions
@@ -36,6 +40,8 @@ from .variables import (
     PARTS,
     VARIABLES,
     AttractorsKeywords,
+    BasinsKeywords,
+    BifurcationDiagramKeywords,
     IntegrateKeywords,
     IntegrationKeywords,
     ResponseKeywords,
@@ -393,6 +399,151 @@ class Train(Description):
                 return Attractors._from(box, self, Branch._all_from(box, self, traced or {}, max(1, len(branches))))
 
         return watched(work, "attractors", settings["starts"])
+
+    @takes(VARIABLES["basins"], BasinsKeywords)
+    def basins(
+        self, frequency: float, mesh: int = 1, points: tuple[int, int] = (200, 200), *,
+        state: Motion | ArrayLike | None = None, **settings: Unpack[BasinsKeywords],
+    ) -> Basins:
+        """Which steady motion each start reaches, over displacement and velocity of a mesh at phase 0, on all cores.
+
+        The motions are found by random starts first. Each start of the grid flies until it is in a ball about a known motion that
+        no flow leaves; what is in none after ``max_periods`` is settled the long way and may add a motion.
+
+        Parameters
+        ----------
+        frequency : float
+            Lambda, or in ``unit``.
+        mesh : int
+            Number of the mesh, from 1, that closes no loop.
+        points : (int, int)
+            Starts along the displacement and along the velocity.
+        state : Motion or array_like, optional
+            What the starts have beside: that of a motion, or displacement and then velocity of every elastic element, as
+            ``Motion.state``; at rest unless told.
+        **settings
+            Variables of ``&basins``.
+
+        Returns
+        -------
+        Basins
+
+        Raises
+        ------
+        InputError
+        Interrupted
+            On Ctrl-C, with the rows so far.
+
+        Examples
+        --------
+        >>> basins = train.basins(0.7, mesh=2, points=(20, 20), starts=20)
+        >>> basins.label.shape, basins.complete
+        ((20, 20), True)
+        """
+        if (not isinstance(points, Sequence) or len(points) != 2
+                or any(isinstance(value, bool) or not isinstance(value, Integral) for value in points)):
+            raise InputError(f"points = {shown(points)}: must be two whole numbers, along the displacement and the velocity")
+        grid = {"displacement_points": int(points[0]), "velocity_points": int(points[1])}
+        asked = self._ask(basins={"frequency": frequency, "mesh": mesh, **grid, **settings})
+
+        def work(progress: NDArray[np.float64]) -> Basins:
+            with asked as box:
+                self._put_start(box, state, "state")
+                status = box.run("basins", progress)
+                found = Basins._from(box, self)
+                box.check(status, whole=found is None)
+                if found is None:
+                    raise SolverError("nothing found")
+                return found
+
+        return watched(work, "basins", grid["velocity_points"], "rows")
+
+    @takes(VARIABLES["bifurcation_diagram"], BifurcationDiagramKeywords)
+    def bifurcation_diagram(
+        self, *, seed: Motion | ArrayLike | None = None, **settings: Unpack[BifurcationDiagramKeywords]
+    ) -> BifurcationDiagram:
+        """Sections of the attractors over frequency, with their Lyapunov exponents and rotation numbers; up and down at once.
+
+        Parameters
+        ----------
+        **settings
+            The variables of ``&bifurcation_diagram``.
+        seed : Motion or array_like, optional
+            What each direction begins with: a motion, or a state as ``Motion.state``; at rest unless told.
+
+        Returns
+        -------
+        BifurcationDiagram
+
+        Raises
+        ------
+        InputError
+        Interrupted
+            On Ctrl-C, with the points so far.
+
+        Examples
+        --------
+        >>> diagram = train.bifurcation_diagram(start=1.85, stop=2.0, points=2, direction="up")
+        >>> diagram.period, diagram.displacement.shape
+        (array([2, 2], dtype=int32), (2, 200, 2))
+        """
+        asked = self._ask(bifurcation_diagram=settings)
+
+        def work(progress: NDArray[np.float64]) -> BifurcationDiagram:
+            with asked as box:
+                self._put_start(box, seed, "seed")
+                status = box.run("bifurcation_diagram", progress)
+                found = BifurcationDiagram._from(box, self)
+                box.check(status, whole=found is None)
+                if found is None:
+                    raise SolverError("nothing found")
+                return found
+
+        return watched(work, "bifurcation diagram", settings["points"] * (1 + (settings["direction"] == "both")))
+
+    def lyapunov_spectrum(
+        self, frequency: float, *, unit: Unit = "Lambda", start: Motion | ArrayLike | None = None, transient: int = 500,
+        periods: int = 2000,
+    ) -> LyapunovSpectrum:
+        """All Lyapunov exponents of what the flow does in the long run, and its sections.
+
+        Parameters
+        ----------
+        frequency : float
+            Lambda, or in ``unit``.
+        unit : {'Lambda', 'rpm', 'Hz'}
+        start : Motion or array_like, optional
+            Where to start: a motion, or a state as ``Motion.state``; at rest unless told.
+        transient, periods : int
+            Periods of the fundamental before the average, and those averaged over.
+
+        Returns
+        -------
+        LyapunovSpectrum
+
+        Raises
+        ------
+        InputError
+        SolverError
+            Where the flow grows without bound, or does not settle otherwise.
+        Interrupted
+            On Ctrl-C.
+
+        Examples
+        --------
+        >>> spectrum = train.lyapunov_spectrum(1.92, periods=200)
+        >>> spectrum.kind, spectrum.dimension
+        ('periodic', 0.0)
+        """
+        try:
+            found = self.bifurcation_diagram(seed=start, start=frequency, stop=frequency, unit=unit, points=1, direction="up",
+                                             transient=transient, sections=periods)
+        except InputError as error:
+            told = in_words_of_the_call(str(error), {"start": "frequency", "stop": "frequency", "sections": "periods"})
+            raise InputError("\n".join(dict.fromkeys(told.splitlines()))) from None
+        if not np.isfinite(found.lyapunov_exponents).all():
+            raise SolverError(f"lyapunov_spectrum: no exponents at Lambda = {found.frequency[0]:g}: the flow is {found.kind[0]}")
+        return LyapunovSpectrum._of(found)
 
     def motions(
         self, frequency: float, *, unit: Unit = "Lambda", period: int = 4, starts: int = 100, seeds: int = 200,

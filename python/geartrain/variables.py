@@ -133,6 +133,29 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "tolerance": Variable("tolerance", "real", "float", 1.0e-9, False, "Relative change over a period of the motion at which it counts as settled; > 0 and <= 1"),
         "stability": Variable("stability", "logical", "bool", True, False, "Floquet multipliers of every motion"),
     },
+    "basins": {
+        "frequency": Variable("frequency", "real", "float", None, True, "Lambda, or in `unit; > 0"),
+        "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Unit of the frequencies of the group: Lambda; rpm, the speed, of a train whose meshes all have teeth; Hz, of the fundamental; 'Lambda', 'rpm' or 'Hz'"),
+        "mesh": Variable("mesh", "integer", "int", 1, False, "Number of the mesh whose displacement and velocity vary from start to start; >= 1"),
+        "displacement_start": Variable("displacement_from", "real", "float", 0.0, False, "One end of the range of the displacement over the characteristic length; both 0: three times that at rest either way"),
+        "displacement_stop": Variable("displacement_to", "real", "float", 0.0, False, "Its other end"),
+        "displacement_points": Variable("displacement_points", "integer", "int", 200, False, "Starts along it, both ends included; >= 1 and <= 10000"),
+        "velocity_start": Variable("velocity_from", "real", "float", 0.0, False, "One end of the range of the velocity over characteristic length times frequency; both 0: the default range of the displacement"),
+        "velocity_stop": Variable("velocity_to", "real", "float", 0.0, False, "Its other end"),
+        "velocity_points": Variable("velocity_points", "integer", "int", 200, False, "Starts along it, both ends included; >= 1 and <= 10000"),
+        "starts": Variable("starts", "integer", "int", 200, False, "Random starts that find the motions first, as of &attractors; >= 1 and <= 1.0e6"),
+        "random_seed": Variable("random_seed", "integer", "int", 0, False, "The same seed gives the same random starts"),
+        "max_periods": Variable("max_periods", "integer", "int", 500, False, "Periods of the fundamental after which a start that goes to no known motion is settled the long way, and given up after 64 more; >= 1"),
+    },
+    "bifurcation_diagram": {
+        "start": Variable("from", "real", "float", None, True, "One end of the range of Lambda; > 0"),
+        "stop": Variable("to", "real", "float", None, True, "Its other end; > 0"),
+        "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Unit of the frequencies of the group: Lambda; rpm, the speed, of a train whose meshes all have teeth; Hz, of the fundamental; 'Lambda', 'rpm' or 'Hz'"),
+        "points": Variable("points", "integer", "int", 200, False, "Frequencies in the range, both ends included; >= 1 and <= 100000"),
+        "direction": Variable("direction", "text", "Literal['up', 'down', 'both']", "both", False, "Order in which the frequencies are visited, each starting from the last state before; 'up', 'down' or 'both'"),
+        "transient": Variable("transient", "integer", "int", 500, False, "Periods of the fundamental before the sections of a frequency; >= 0"),
+        "sections": Variable("sections", "integer", "int", 200, False, "Sections of a frequency, one at phase 0 of each period of the fundamental; >= 10 and <= 100000"),
+    },
     "stability_map": {
         "start": Variable("from", "real", "float", None, True, "One end of the range of Lambda; > 0"),
         "stop": Variable("to", "real", "float", None, True, "Its other end; > 0"),
@@ -269,7 +292,9 @@ PARTS: dict[str, tuple[str, type[Part]]] = {
 }
 
 #: Analyses that a case may ask for, in their order.
-ANALYSES = ("modes", "response", "integration", "attractors", "stability_map", "run_up", "locus")
+ANALYSES = (
+    "modes", "response", "integration", "attractors", "basins", "bifurcation_diagram", "stability_map", "run_up", "locus",
+)
 
 
 class Analyses(TypedDict, total=False):
@@ -279,6 +304,8 @@ class Analyses(TypedDict, total=False):
     response: Mapping[str, Any] | None
     integration: Mapping[str, Any] | None
     attractors: Mapping[str, Any] | None
+    basins: Mapping[str, Any] | None
+    bifurcation_diagram: Mapping[str, Any] | None
     stability_map: Mapping[str, Any] | None
     run_up: Mapping[str, Any] | None
     locus: Mapping[str, Any] | None
@@ -332,6 +359,31 @@ class AttractorsKeywords(TypedDict, total=False):
     max_periods: int
     tolerance: float
     stability: bool
+
+
+class BasinsKeywords(TypedDict, total=False):
+    """Variables of ``&basins`` that a call takes."""
+
+    unit: Literal["Lambda", "rpm", "Hz"]
+    displacement_start: float
+    displacement_stop: float
+    velocity_start: float
+    velocity_stop: float
+    starts: int
+    random_seed: int
+    max_periods: int
+
+
+class BifurcationDiagramKeywords(TypedDict, total=False):
+    """Variables of ``&bifurcation_diagram`` that a call takes."""
+
+    start: Required[float]
+    stop: Required[float]
+    unit: Literal["Lambda", "rpm", "Hz"]
+    points: int
+    direction: Literal["up", "down", "both"]
+    transient: int
+    sections: int
 
 
 class StabilityMapKeywords(TypedDict, total=False):

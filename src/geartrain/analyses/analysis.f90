@@ -16,7 +16,7 @@ module geartrain_analyses_analysis
    !> A group of a case file: of an analysis also the group of the results file and the name by which Python runs it.
    type :: group_row_type
       !> Name of the group, without &.
-      character(16) :: name = ''
+      character(24) :: name = ''
       !> Meaning, as the template and the reference page print it.
       character(200) :: description = ''
       !> What the observer of the analysis counts.

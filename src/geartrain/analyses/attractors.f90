@@ -1,5 +1,5 @@
-!> The analysis &attractors: the steady motions that random starts settle on at one frequency, and the share of each; and branches
-!> through attractors that lie on no branch so far.
+!> The analysis &attractors: the steady motions that random starts settle on at one frequency, and the share of each. Motions
+!> without a period are kept where they are chaotic or quasi-periodic.
 module geartrain_analyses_attractors
    use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
    use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type, length_unit
@@ -16,14 +16,11 @@ module geartrain_analyses_attractors
    use geartrain_base_observer, only: observer_type
    use geartrain_base_random, only: begin_random, generator_type
    use geartrain_base_variable, only: row => variable_type, visitor_type
-   use geartrain_continuation_bifurcations, only: add_branch
-   use geartrain_continuation_branch, only: branch_type, response_settings_type
-   use geartrain_continuation_response, only: response
-   use geartrain_continuation_solutions, only: exceeds_limit, lies_on
-   use geartrain_continuation_variables, only: settings_for
+   use geartrain_flow_aperiodic, only: aperiodic_type
    use geartrain_flow_fields, only: visit_motions
    use geartrain_flow_floating, only: note_of
    use geartrain_flow_integration_settings, only: integration_settings_type
+   use geartrain_flow_section_map, only: section_map_type
    use geartrain_flow_settling, only: settle
    use geartrain_flow_start_state, only: resting_state
    use geartrain_model_check, only: check_train
@@ -34,7 +31,7 @@ module geartrain_analyses_attractors
    implicit none (type, external)
    private
    public :: attractors, attractors_analysis_type, attractors_row, attractors_settings_type, attractors_type, check_attractors, &
-      follow_attractors
+      collect, error_share
 
    type(group_row_type), parameter :: attractors_row = group_row_type('attractors', 'Asks for the steady motions that random &
       &starts settle on at one frequency, and their shares.', steps='starts', set_aside=.true.)
@@ -44,6 +41,8 @@ module geartrain_analyses_attractors
    real(dp), parameter :: error_share = 10
    !> Starts between two calls of the observer, which run in parallel.
    integer, parameter :: batch = 32
+   !> Least periods of the fundamental over which a motion without period is averaged.
+   integer, parameter :: least_average = 500
 
    !> The variables of &attractors.
    type :: attractors_settings_type
@@ -193,6 +192,9 @@ contains
       type(integration_settings_type) :: integration
       type(system_type) :: system
       type(motion_type) :: settled(batch)
+      type(section_map_type) :: map
+      type(aperiodic_type) :: wandering(batch)
+      type(aperiodic_type), allocatable :: known(:)
       real(dp), allocatable :: state(:)
       integer, allocatable :: hits(:)
       integer :: first, last, i
@@ -211,6 +213,11 @@ contains
       found%random_seed = settings%random_seed
       if (.not. allocated(found%motions)) allocate (found%motions(0))
       hits = nint(found%motions%share*found%starts)
+      call map%setup(system, found%frequency_ratio)
+      allocate (known(size(found%motions)))
+      do i = 1, size(known)
+         if (found%motions(i)%period == 0) call wander(found%motions(i), known(i))
+      end do
       keep_going = .true.
       do first = found%starts + 1, settings%starts, batch
          last = first + min(batch - 1, settings%starts - first)
@@ -218,13 +225,14 @@ contains
          do i = first, last
             state = random_state(system, settings%random_seed, i)
             call settle(system, found%frequency_ratio, integration, state, settled(i - first + 1))
+            if (settled(i - first + 1)%kind == 'undecided') call wander(settled(i - first + 1), wandering(i - first + 1))
          end do
          !$omp end parallel do
          if (train%interrupt%raised()) exit
          do i = 1, last - first + 1
-            call collect(settled(i), error_share*settings%tolerance, found%motions, hits)
+            call collect(settled(i), error_share*settings%tolerance, found%motions, hits, wandering=wandering(i), known=known)
          end do
-         call sort_by_hits(found%motions, hits)
+         call sort_by_hits(found%motions, hits, known)
          found%starts = last
          found%motions%share = hits/real(last, dp)
          found%unsettled = (last - sum(hits))/real(last, dp)
@@ -235,6 +243,20 @@ contains
       found%ended = 'all starts done'
       if (.not. found%complete) found%ended = 'cancelled after '//text(found%starts)//' of '//text(settings%starts)//' starts'
       found%ended = found%ended//note_of(any(found%motions%floating))
+
+   contains
+
+      !> Finds what a motion without period does in the long run.
+      subroutine wander(motion, wandering)
+         type(motion_type), intent(inout) :: motion
+         type(aperiodic_type), intent(out) :: wandering
+
+         call wandering%find(system, map, motion%state, max(settings%max_periods, least_average))
+         motion%kind = wandering%kind
+         motion%lyapunov_exponent = wandering%exponent
+         motion%lyapunov_error = wandering%error
+      end subroutine wander
+
    end subroutine attractors
 
    !> Mesh displacements and velocities uniform within three times the resting displacement; shafts untwisted.
@@ -261,102 +283,78 @@ contains
    end function random_state
 
    !> Counts a settled motion as one of `motions`, or adds the motion to the list.
-   subroutine collect(motion, uncertainty, motions, hits)
+   subroutine collect(motion, uncertainty, motions, hits, place, wandering, known)
+      !> The motion; without a period it counts only where `wandering` tells what it does.
       type(motion_type), intent(in) :: motion
       !> Relative error of the figures [1].
       real(dp), intent(in) :: uncertainty
+      !> The motions so far.
       type(motion_type), allocatable, intent(inout) :: motions(:)
       !> Starts that settled on each motion.
       integer, allocatable, intent(inout) :: hits(:)
+      !> Its place among the motions; 0: it does not count.
+      integer, intent(out), optional :: place
+      !> What a motion without period does in the long run; the same of each of `motions`.
+      type(aperiodic_type), intent(in), optional :: wandering
+      type(aperiodic_type), allocatable, intent(inout), optional :: known(:)
+      type(aperiodic_type), allocatable :: more(:)
       integer :: i
+      logical :: same
 
-      if (motion%period == 0) return
+      if (present(place)) place = 0
+      if (motion%period == 0) then
+         if (.not. present(wandering)) return
+         if (motion%kind /= 'chaotic' .and. motion%kind /= 'quasi-periodic') return
+      end if
       do i = 1, size(motions)
          if (motions(i)%period /= motion%period) cycle
-         if (.not. is_same_motion(motion, motions(i), uncertainty)) cycle
+         if (motion%period > 0) then
+            same = is_same_motion(motion, motions(i), uncertainty)
+         else
+            same = motion%kind == motions(i)%kind .and. wandering%is_same(known(i))
+         end if
+         if (.not. same) cycle
          hits(i) = hits(i) + 1
+         if (present(place)) place = i
          return
       end do
       motions = [motions, motion]
       hits = [hits, 1]
+      if (present(known)) then
+         allocate (more(size(motions)))
+         do i = 1, size(known)
+            more(i) = known(i)
+         end do
+         more(size(motions)) = wandering
+         call move_alloc(more, known)
+      end if
+      if (present(place)) place = size(motions)
    end subroutine collect
 
    !> Sorts motions by number of starts, descending.
-   pure subroutine sort_by_hits(motions, hits)
+   pure subroutine sort_by_hits(motions, hits, known)
       type(motion_type), intent(inout) :: motions(:)
       integer, intent(inout) :: hits(:)
+      type(aperiodic_type), intent(inout) :: known(:)
       type(motion_type) :: held
+      type(aperiodic_type) :: held_too
       integer :: i, j, count
 
       do i = 2, size(motions)
          held = motions(i)
+         held_too = known(i)
          count = hits(i)
          do j = i - 1, 1, -1
             if (hits(j) >= count) exit
             motions(j + 1) = motions(j)
+            known(j + 1) = known(j)
             hits(j + 1) = hits(j)
          end do
          motions(j + 1) = held
+         known(j + 1) = held_too
          hits(j + 1) = count
       end do
    end subroutine sort_by_hits
-
-   !> Appends to `branches` a branch through each attractor that lies neither on `branch` nor on any of `branches`. Attractors
-   !> above the amplitude limit are left out, because no branch is recorded there.
-   subroutine follow_attractors(train, settings, found, branch, branches, error, observer, known)
-      !> The train as described.
-      type(train_type), intent(in) :: train
-      !> Settings that `branch` was traced with; the range of the new branches too.
-      type(response_settings_type), intent(in) :: settings
-      !> The attractors.
-      type(attractors_type), intent(in) :: found
-      !> The response.
-      type(branch_type), intent(in) :: branch
-      !> Branches so far; not allocated: none. A target: an observer may read the branches through a pointer.
-      type(branch_type), allocatable, intent(inout), target :: branches(:)
-      type(error_type), allocatable, intent(out) :: error
-      !> Told of each point of 'branch'; may end the trace.
-      class(observer_type), intent(inout), optional :: observer
-      !> Branches that another run has traced already: known(n) is copied into branches(n) instead of a new trace.
-      type(branch_type), intent(in), optional :: known(:)
-      type(response_settings_type) :: in_force
-      integer :: i, n, traced
-
-      if (.not. allocated(branches)) allocate (branches(0))
-      traced = 0
-      if (present(known)) traced = size(known)
-      do i = 1, size(found%motions)
-         associate (motion => found%motions(i))
-            in_force = settings_for(settings, motion%period)
-            if (on_a_branch(train, in_force, motion, branch, branches)) cycle
-            call add_branch(branches, 'attractor '//text(i)//' at Lambda = '//text(motion%frequency_ratio))
-            n = size(branches)
-            if (n <= traced) then
-               branches(n) = known(n)
-               cycle
-            end if
-            call response(train, in_force, branches(n), error, motion, observer)
-            if (allocated(error)) return
-            if (branches(n)%cancelled) return
-         end associate
-      end do
-   end subroutine follow_attractors
-
-   !> Whether a motion, shifted by any number of periods of the fundamental, lies on a branch, or lies above the amplitude limit.
-   logical function on_a_branch(train, settings, motion, branch, branches)
-      type(train_type), intent(in) :: train
-      type(response_settings_type), intent(in) :: settings
-      type(motion_type), intent(in) :: motion
-      type(branch_type), intent(in) :: branch, branches(:)
-      integer :: i
-
-      on_a_branch = exceeds_limit(train, settings, motion)
-      if (.not. on_a_branch) on_a_branch = lies_on(train, settings, branch, motion)
-      do i = 1, size(branches)
-         if (on_a_branch) return
-         on_a_branch = lies_on(train, settings, branches(i), motion)
-      end do
-   end function on_a_branch
 
    subroutine visit_fields(self, train, fields, summary)
       class(attractors_analysis_type), intent(inout) :: self
@@ -387,8 +385,8 @@ contains
       call carry(fields, field('frequency', '', '', 'Lambda'), found%frequency_ratio)
       call carry(fields, field('starts', '', '', 'starts done', least=0, most=starts), found%starts)
       call carry(fields, field('random_seed', '', '', 'what the starts were made from'), found%random_seed)
-      call carry(fields, field('unsettled', '', '', 'share of the starts that settled on no motion within `max_periods`, or ran &
-                             &away: with `share` it sums to 1'), found%unsettled)
+      call carry(fields, field('unsettled', '', '', 'share of the starts that settled on none of these within `max_periods`, or &
+                             &ran away: with `share` it sums to 1'), found%unsettled)
       call fields%index_axis('motion', n, 'motion, largest share first')
       if (allocated(fields%wrong)) return
       if (fields%way == reading) then
@@ -397,6 +395,15 @@ contains
       end if
       if (n > 0 .or. fields%way == listing) call visit_motions(found%motions, 'motion', fields)
    end subroutine visit_found
+
+   !> What the report says of a motion.
+   pure character(14) function word_of(motion)
+      type(motion_type), intent(in) :: motion
+
+      word_of = ''
+      if (allocated(motion%multipliers)) word_of = merge('stable  ', 'unstable', motion%stable)
+      if (motion%period == 0) word_of = motion%kind
+   end function word_of
 
    subroutine report(self, train, unit, seconds)
       class(attractors_analysis_type), intent(in) :: self
@@ -417,7 +424,7 @@ contains
          do i = 1, size(found%motions)
             associate (motion => found%motions(i))
                write (unit, '(i10, i8, f8.1, a, 2x, a)', advance='no') i, motion%period, 100*motion%share, ' %', &
-                  merge('stable  ', merge('unstable', '        ', allocated(motion%multipliers)), motion%stable)
+                  word_of(motion)
                write (unit, '(*(f12.5))') motion%rms
             end associate
          end do

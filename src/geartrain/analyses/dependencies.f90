@@ -1,7 +1,7 @@
 !> What one analysis needs of another: branches that follow from the response and from attractors. Once all branches are traced they
 !> are refined and the edges of contact are located.
 module geartrain_analyses_dependencies
-   use geartrain_analyses_attractors, only: follow_attractors
+   use geartrain_analyses_attractor_branches, only: follow_attractors
    use geartrain_analyses_frequency_text, only: frequency_text_type, text_for
    use geartrain_analyses_list, only: analyses, case_type, leave_out, results_type
    use geartrain_base_checker, only: checker_type

@@ -3,6 +3,10 @@
 module geartrain_analyses_list
    use geartrain_analyses_analysis, only: analysis_type, group_row_type
    use geartrain_analyses_attractors, only: attractors_analysis_type, attractors_row, attractors_settings_type, attractors_type
+   use geartrain_analyses_basin_grid, only: basins_settings_type, basins_type
+   use geartrain_analyses_basins, only: basins_analysis_type, basins_row
+   use geartrain_analyses_bifurcation_diagram, only: bifurcation_diagram_analysis_type, bifurcation_diagram_row, &
+      bifurcation_diagram_settings_type, bifurcation_diagram_type
    use geartrain_analyses_integration, only: integration_analysis_type, integration_row, sweep_type
    use geartrain_analyses_locus, only: locus_analysis_type, locus_row, locus_settings_type
    use geartrain_analyses_modes, only: modes_analysis_type, modes_row
@@ -21,8 +25,8 @@ module geartrain_analyses_list
    public :: analyses, case_type, find_analysis, leave_out, number_of, results_type
 
    !> The analyses in the order in which they stand in a case file, run and are written.
-   type(group_row_type), parameter :: analyses(*) = [modes_row, response_row, integration_row, attractors_row, stability_map_row, &
-                                                   run_up_row, locus_row]
+   type(group_row_type), parameter :: analyses(*) = [modes_row, response_row, integration_row, attractors_row, basins_row, &
+                                                     bifurcation_diagram_row, stability_map_row, run_up_row, locus_row]
 
    !> A case: a train and the analyses that one namelist file asks for.
    type :: case_type
@@ -34,6 +38,8 @@ module geartrain_analyses_list
       type(response_settings_type), allocatable :: response
       type(integration_settings_type), allocatable :: integration
       type(attractors_settings_type), allocatable :: attractors
+      type(basins_settings_type), allocatable :: basins
+      type(bifurcation_diagram_settings_type), allocatable :: bifurcation_diagram
       type(stability_map_settings_type), allocatable :: stability_map
       type(run_up_settings_type), allocatable :: run_up
       type(locus_settings_type), allocatable :: locus
@@ -48,6 +54,8 @@ module geartrain_analyses_list
       type(branch_type), allocatable :: response
       type(sweep_type), allocatable :: integration
       type(attractors_type), allocatable :: attractors
+      type(basins_type), allocatable :: basins
+      type(bifurcation_diagram_type), allocatable :: bifurcation_diagram
       type(stability_map_type), allocatable :: stability_map
       type(run_up_type), allocatable :: run_up
       type(locus_type), allocatable :: locus
@@ -76,6 +84,8 @@ contains
       type(response_analysis_type) :: response
       type(integration_analysis_type) :: integration
       type(attractors_analysis_type) :: attractors
+      type(basins_analysis_type) :: basins
+      type(bifurcation_diagram_analysis_type) :: bifurcation_diagram
       type(stability_map_analysis_type) :: stability_map
       type(run_up_analysis_type) :: run_up
       type(locus_analysis_type) :: locus
@@ -116,6 +126,22 @@ contains
          if (attractors%asked) attractors%settings => case%attractors
          if (attractors%begun) attractors%result => results%attractors
          allocate (analysis, source=attractors)
+      case ('basins')
+         if (asks .and. .not. allocated(case%basins)) allocate (case%basins)
+         if (begins .and. .not. allocated(results%basins)) allocate (results%basins)
+         basins%asked = allocated(case%basins)
+         basins%begun = allocated(results%basins)
+         if (basins%asked) basins%settings => case%basins
+         if (basins%begun) basins%result => results%basins
+         allocate (analysis, source=basins)
+      case ('bifurcation_diagram')
+         if (asks .and. .not. allocated(case%bifurcation_diagram)) allocate (case%bifurcation_diagram)
+         if (begins .and. .not. allocated(results%bifurcation_diagram)) allocate (results%bifurcation_diagram)
+         bifurcation_diagram%asked = allocated(case%bifurcation_diagram)
+         bifurcation_diagram%begun = allocated(results%bifurcation_diagram)
+         if (bifurcation_diagram%asked) bifurcation_diagram%settings => case%bifurcation_diagram
+         if (bifurcation_diagram%begun) bifurcation_diagram%result => results%bifurcation_diagram
+         allocate (analysis, source=bifurcation_diagram)
       case ('stability_map')
          if (asks .and. .not. allocated(case%stability_map)) allocate (case%stability_map)
          if (begins .and. .not. allocated(results%stability_map)) allocate (results%stability_map)
@@ -164,6 +190,8 @@ contains
             if (name == 'response') call move_alloc(nothing%response, case%response)
             if (name == 'integration') call move_alloc(nothing%integration, case%integration)
             if (name == 'attractors') call move_alloc(nothing%attractors, case%attractors)
+            if (name == 'basins') call move_alloc(nothing%basins, case%basins)
+            if (name == 'bifurcation_diagram') call move_alloc(nothing%bifurcation_diagram, case%bifurcation_diagram)
             if (name == 'stability_map') call move_alloc(nothing%stability_map, case%stability_map)
             if (name == 'run_up') call move_alloc(nothing%run_up, case%run_up)
             if (name == 'locus') call move_alloc(nothing%locus, case%locus)
@@ -173,6 +201,8 @@ contains
             if (name == 'response') call move_alloc(none%response, results%response)
             if (name == 'integration') call move_alloc(none%integration, results%integration)
             if (name == 'attractors') call move_alloc(none%attractors, results%attractors)
+            if (name == 'basins') call move_alloc(none%basins, results%basins)
+            if (name == 'bifurcation_diagram') call move_alloc(none%bifurcation_diagram, results%bifurcation_diagram)
             if (name == 'stability_map') call move_alloc(none%stability_map, results%stability_map)
             if (name == 'run_up') call move_alloc(none%run_up, results%run_up)
             if (name == 'locus') call move_alloc(none%locus, results%locus)

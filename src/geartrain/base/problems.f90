@@ -11,7 +11,7 @@ module geartrain_base_problems
 
    type :: problem_type
       !> Group, number of the group among the groups of its name, and variable; blank and 0: none.
-      character(16) :: group = ''
+      character(24) :: group = ''
       integer :: index = 0
       character(64) :: name = ''
       !> Index of the value in a list; 0: the whole variable.

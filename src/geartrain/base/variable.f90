@@ -49,7 +49,7 @@ module geartrain_base_variable
 
    type, abstract :: visitor_type
       !> Name of the present group, blank between groups, and its number among the groups of this name.
-      character(16) :: group = ''
+      character(24) :: group = ''
       integer :: index = 1
    contains
       procedure :: enter

@@ -13,8 +13,6 @@ module geartrain_continuation_locus
    use geartrain_flow_sections, only: sections_type
    use geartrain_linalg_bracket, only: between, shrink
    use geartrain_model_check, only: check_train
-   use geartrain_model_drawing, only: plain_train
-   use geartrain_model_parameter, only: find_parameter, parameter_type, table_type
    use geartrain_model_parameter_path, only: parameter_path_type
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
@@ -83,7 +81,7 @@ contains
       if (allocated(error)) return
       call path%setup(train, name, motion%frequency_ratio, start, stop, error)
       if (allocated(error)) return
-      origin = value_of(train, name)
+      origin = path%own_value
       if (.not. (min(start, stop) <= origin .and. origin <= max(start, stop) .and. path%length > 0)) then
          call fatal(error, 'locus: from '//real_text(start)//' to '//real_text(stop)//': the value of "'//trim(name)// &
                     '" in the train, '//real_text(origin)//', must lie between them')
@@ -123,23 +121,6 @@ contains
       locus%ended = trim(side(1)%ended)
       if (side(1)%ended /= side(2)%ended) locus%ended = locus%ended//'; '//trim(side(2)%ended)
    end subroutine trace_locus
-
-   !> Value of a parameter in a train, of several groups that of the first [unit of the parameter].
-   real(dp) function value_of(train, name)
-      type(train_type), intent(in) :: train
-      character(*), intent(in) :: name
-      type(train_type) :: given, plain
-      type(table_type) :: of_given, of_plain
-      type(parameter_type) :: parameter
-      type(error_type), allocatable :: error
-
-      given = train
-      call plain_train(train, plain)
-      call of_given%take(given)
-      call of_plain%take(plain)
-      call find_parameter(given, plain, of_given, of_plain, name, parameter, error)
-      value_of = parameter%value
-   end function value_of
 
    !> Turns the tangent round.
    subroutine reverse(point)

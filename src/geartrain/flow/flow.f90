@@ -69,9 +69,9 @@ module geartrain_flow_flow
       procedure :: displacement
       procedure :: velocity
       procedure :: element_now
-      procedure, private :: expand
+      procedure :: expand
       procedure, private :: expand_loops
-      procedure, private :: step_length
+      procedure :: step_length
       procedure, private :: first_event
    end type flow_type
 

@@ -8,7 +8,7 @@ module geartrain_flow_lyapunov
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: find_exponent, kind_of, largest_exponent
+   public :: exponent_of, find_exponent, kind_of, largest_exponent
 
    !> Share of the periods that is not averaged: the tangent turns to the direction that grows fastest.
    real(dp), parameter :: turning = 0.2_dp
@@ -133,6 +133,7 @@ contains
    pure subroutine exponent_of(growth, exponent, error)
       !> Rate of growth over each period of the fundamental [1].
       real(dp), intent(in) :: growth(:)
+      !> The mean and its uncertainty [1].
       real(dp), intent(out) :: exponent, error
       real(dp) :: part(blocks)
       integer :: i, n

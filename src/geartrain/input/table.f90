@@ -15,7 +15,7 @@ module geartrain_input_table
    !> A variable of the table.
    type :: row_type
       !> Name of the group.
-      character(16) :: group = ''
+      character(24) :: group = ''
       !> 'real', 'integer', 'logical', 'text', 'reals' (a list) or 'names' (of bodies).
       character(12) :: kind = ''
       !> Default as a case file would give it; blank: none.

@@ -1,0 +1,434 @@
+!> The analysis &bifurcation_diagram: what the flow does in the long run over frequency: sections of the attractor, its period, its
+!> Lyapunov exponents and its rotation number, each frequency begun with the last state of the frequency before.
+module geartrain_analyses_bifurcation_diagram
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
+   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_base_carry, only: carry, carry_text
+   use geartrain_base_checker, only: checker_type
+   use geartrain_base_error, only: error_type, fatal, status_ended_early
+   use geartrain_base_field, only: field => field_type
+   use geartrain_base_fields, only: fields_type, reading
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: integer_text, text
+   use geartrain_base_observer, only: observer_type
+   use geartrain_base_variable, only: row => variable_type, visitor_type
+   use geartrain_flow_fields, only: about_frequency, about_mesh
+   use geartrain_flow_lyapunov, only: kind_of
+   use geartrain_flow_section_map, only: section_map_type
+   use geartrain_flow_settling, only: is_leaving, unbounded
+   use geartrain_flow_spectrum, only: lyapunov_spectrum, rotation_number
+   use geartrain_flow_start_state, only: resting_state, state_of
+   use geartrain_model_check, only: check_train
+   use geartrain_model_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
+   use geartrain_model_limits, only: check_frequency
+   use geartrain_model_system, only: build_system, system_type
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: bifurcation_diagram, bifurcation_diagram_analysis_type, bifurcation_diagram_row, bifurcation_diagram_settings_type, &
+      bifurcation_diagram_type
+
+   type(group_row_type), parameter :: bifurcation_diagram_row = group_row_type('bifurcation_diagram', &
+      'Asks for a bifurcation diagram: sections of the attractors over frequency, with their Lyapunov exponents.', set_aside=.true.)
+
+   real(dp), parameter :: zero = 0, one = 1
+   !> Relative difference of sections that repeat themselves; of sections that differ, and do not turn about an orbit as they settle
+   !> on it; most sections of one frequency.
+   real(dp), parameter :: repeated_to = 1e-6_dp, clearly_different = 1e-4_dp, most_sections = 1e5_dp
+   !> Least sections for a rotation number.
+   integer, parameter :: fewest = 32
+
+   !> The variables of &bifurcation_diagram.
+   type :: bifurcation_diagram_settings_type
+      !> Ends of the range, by default of Lambda.
+      real(dp) :: start = 0, stop = 0
+      !> Unit of these frequencies: 'Lambda', 'rpm' or 'Hz'.
+      character(unit_length) :: unit = 'Lambda'
+      !> Frequencies in the range, both ends included.
+      integer :: points = 200
+      !> Order in which the frequencies are visited: 'up', 'down' or 'both'.
+      character(16) :: direction = 'both'
+      !> Periods of the fundamental before the sections of a frequency; sections.
+      integer :: transient = 500, sections = 200
+   end type bifurcation_diagram_settings_type
+
+   !> A bifurcation diagram; a row is a frequency of a direction, in the order visited.
+   type :: bifurcation_diagram_type
+      !> Lambda [1], (row).
+      real(dp), allocatable :: frequency_ratio(:)
+      !> 'up' or 'down', (row); as of motion_type, but without 'still settling', or '' where the row is not done, (row).
+      character(14), allocatable :: direction(:), kind(:)
+      !> Period [periods of the fundamental]; 0: none found, (row).
+      integer, allocatable :: period(:)
+      !> Displacements and velocities of the meshes at phase 0 of successive periods [1], (mesh, section, row).
+      real(dp), allocatable :: displacement(:, :, :), velocity(:, :, :)
+      !> Lyapunov exponents per unit of time, largest first, and their uncertainty at 95 % [1], (state, row).
+      real(dp), allocatable :: exponents(:, :), errors(:, :)
+      !> Rotation number [1], (row), see geartrain_flow_spectrum; NaN: not quasi-periodic.
+      real(dp), allocatable :: rotation(:)
+      !> Last state at phase 0 [1], (state, row), with which the next frequency begins.
+      real(dp), allocatable :: state(:, :)
+      !> 'all points done', or why not; not allocated: the diagram is under way.
+      character(:), allocatable :: ended
+      !> Whether all frequencies are done.
+      logical :: complete = .false.
+   end type bifurcation_diagram_type
+
+   type, extends(analysis_type) :: bifurcation_diagram_analysis_type
+      type(bifurcation_diagram_settings_type), pointer :: settings => null()
+      type(bifurcation_diagram_type), pointer :: result => null()
+   contains
+      procedure :: visit_variables
+      procedure :: check
+      procedure :: give_example
+      procedure :: run
+      procedure :: tell_end
+      procedure :: visit_fields
+      procedure :: report
+   end type bifurcation_diagram_analysis_type
+
+contains
+
+   subroutine visit_variables(self, v)
+      class(bifurcation_diagram_analysis_type), intent(inout) :: self
+      class(visitor_type), intent(inout) :: v
+      character(:), allocatable :: word
+
+      associate (settings => self%settings)
+         call v%enter('bifurcation_diagram', 1)
+         call v%on_real(row('from', '', 'one end of the range of Lambda (start in a call)', required=.true., above=zero), &
+                        settings%start)
+         call v%on_real(row('to', '', 'its other end (stop in a call)', required=.true., above=zero), settings%stop)
+         call visit_unit(settings%unit, v)
+         call v%on_integer(row('points', '', 'frequencies in the range, both ends included', least=one, most=1e5*one), &
+                           settings%points)
+         word = trim(settings%direction)
+         call v%on_text(row('direction', '', 'order in which the frequencies are visited, each starting from the last state &
+                            &before', choices='up down both'), word)
+         settings%direction = word
+         call v%on_integer(row('transient', '', 'periods of the fundamental before the sections of a frequency', least=zero), &
+                           settings%transient)
+         call v%on_integer(row('sections', '', 'sections of a frequency, one at phase 0 of each period of the fundamental', &
+                               least=10*one, most=most_sections), settings%sections)
+         call v%leave()
+      end associate
+   end subroutine visit_variables
+
+   subroutine check(self, train, seeded, checker)
+      class(bifurcation_diagram_analysis_type), intent(in) :: self
+      type(train_type), intent(in) :: train
+      logical, intent(in) :: seeded
+      class(checker_type), intent(inout) :: checker
+
+      associate (settings => self%settings)
+         if (checker%problems%in_group('bifurcation_diagram')) return
+         call checker%enter('bifurcation_diagram', 1)
+         if (abs(settings%start - settings%stop) <= 0 .neqv. settings%points == 1) call checker%complain('points', &
+            integer_text(settings%points), 'must be 1 where "from" and "to" are equal, and only there')
+         call check_unit(train, settings%unit, checker)
+         call check_frequency(train, 'from', settings%start, checker, settings%unit)
+         call check_frequency(train, 'to', settings%stop, checker, settings%unit)
+         call checker%leave()
+      end associate
+   end subroutine check
+
+   subroutine give_example(self)
+      class(bifurcation_diagram_analysis_type), intent(inout) :: self
+
+      self%settings%start = 0.2_dp
+      self%settings%stop = 2.6_dp
+   end subroutine give_example
+
+   subroutine run(self, train, error, observer, start)
+      class(bifurcation_diagram_analysis_type), intent(inout) :: self
+      type(train_type), intent(in) :: train
+      type(error_type), allocatable, intent(out) :: error
+      class(observer_type), intent(inout) :: observer
+      type(motion_type), intent(in), optional :: start
+
+      if (.not. allocated(self%result%ended)) &
+         call bifurcation_diagram(train, self%settings, self%result, error, observer, start)
+   end subroutine run
+
+   subroutine tell_end(self, complete, ended)
+      class(bifurcation_diagram_analysis_type), intent(in) :: self
+      logical, intent(out) :: complete
+      character(:), allocatable, intent(out) :: ended
+
+      complete = self%result%complete
+      ended = ''
+      if (allocated(self%result%ended)) ended = self%result%ended
+   end subroutine tell_end
+
+   !> Follows the attractor over frequency; the directions in parallel.
+   subroutine bifurcation_diagram(train, settings, found, error, observer, start)
+      !> The train as described.
+      type(train_type), intent(in) :: train
+      !> Frequencies, directions and what else &bifurcation_diagram asks for.
+      type(bifurcation_diagram_settings_type), intent(in) :: settings
+      !> The diagram. A diagram under way, with `kind` but without `ended` as in a checkpoint of the same case, is taken up. A
+      !> target: an observer may read the rows so far through a pointer.
+      type(bifurcation_diagram_type), intent(inout), target :: found
+      type(error_type), allocatable, intent(out) :: error
+      !> Told of 'bifurcation diagram' after each frequency, by one thread at a time; may end the work.
+      class(observer_type), intent(inout), optional :: observer
+      !> Motion to begin with; absent: at rest.
+      type(motion_type), intent(in), optional :: start
+      type(bifurcation_diagram_settings_type), target :: copy
+      type(bifurcation_diagram_analysis_type) :: analysis
+      type(system_type) :: system
+      real(dp), allocatable :: first(:)
+      integer :: way
+      logical :: keep_going
+
+      call check_train(train, error)
+      copy = settings
+      analysis%settings => copy
+      if (.not. allocated(error)) call analysis%check_alone(train, error)
+      if (allocated(error)) return
+      call build_system(train, system)
+      if (allocated(found%ended) .or. .not. allocated(found%kind)) call make_room(train, system, settings, found, error)
+      if (allocated(error)) return
+      first = resting_state(system)
+      if (present(start)) call state_of(system, start, first)
+      keep_going = .true.
+      !$omp parallel do schedule(dynamic)
+      do way = 1, size(found%kind)/settings%points
+         call follow(system, settings, first, (way - 1)*settings%points + 1, way*settings%points, found, keep_going, observer)
+      end do
+      !$omp end parallel do
+      associate (done => count(found%kind /= ''), all_ => size(found%kind))
+         found%complete = done == all_
+         found%ended = 'all points done'
+         if (done < all_) found%ended = 'cancelled after '//text(done)//' of '//text(all_)//' points'
+      end associate
+   end subroutine bifurcation_diagram
+
+   !> Makes an empty diagram.
+   subroutine make_room(train, system, settings, found, error)
+      type(train_type), intent(in) :: train
+      type(system_type), intent(in) :: system
+      type(bifurcation_diagram_settings_type), intent(in) :: settings
+      type(bifurcation_diagram_type), intent(inout) :: found
+      type(error_type), allocatable, intent(inout) :: error
+      type(bifurcation_diagram_type) :: empty
+      real(dp) :: low, high, nan
+      integer :: rows, i, status
+
+      nan = ieee_value(nan, ieee_quiet_nan)
+      found = empty
+      associate (points => settings%points)
+         rows = points*merge(2, 1, settings%direction == 'both')
+         low = min(settings%start, settings%stop)
+         high = max(settings%start, settings%stop)
+         allocate (found%displacement(system%meshes, settings%sections, rows), &
+                   found%velocity(system%meshes, settings%sections, rows), source=nan, stat=status)
+         if (status /= 0) then
+            found = empty
+            call fatal(error, 'bifurcation diagram: no memory for '//text(rows)//' times '//text(settings%sections)//' sections: &
+                       &take fewer', status_ended_early)
+            return
+         end if
+         allocate (found%exponents(system%states, rows), found%errors(system%states, rows), found%state(system%states, rows), &
+                   found%rotation(rows), source=nan)
+         found%frequency_ratio = [(low + (high - low)*(i - 1)/max(1, points - 1), i=1, points)]
+         if (points > 1) found%frequency_ratio(points) = high
+         if (settings%direction == 'down') found%frequency_ratio = found%frequency_ratio(points:1:-1)
+         if (settings%direction == 'both') found%frequency_ratio = [found%frequency_ratio, found%frequency_ratio(points:1:-1)]
+         found%frequency_ratio = found%frequency_ratio*lambda_per(train, settings%unit)
+         allocate (found%direction(rows), found%kind(rows), found%period(rows))
+         found%kind = ''
+         found%period = 0
+         found%direction = 'up'
+         if (settings%direction /= 'up') found%direction(rows - points + 1:) = 'down'
+      end associate
+   end subroutine make_room
+
+   !> Follows the attractor over the rows of one direction.
+   subroutine follow(system, settings, first_state, first, last, found, keep_going, observer)
+      type(system_type), intent(in) :: system
+      type(bifurcation_diagram_settings_type), intent(in) :: settings
+      real(dp), intent(in) :: first_state(:)
+      integer, intent(in) :: first, last
+      type(bifurcation_diagram_type), intent(inout) :: found
+      logical, intent(inout) :: keep_going
+      class(observer_type), intent(inout), optional :: observer
+      real(dp) :: state(size(first_state))
+      integer :: i
+      logical :: go
+
+      state = first_state
+      do i = first, last
+         if (found%kind(i) /= '') then
+            state = found%state(:, i)
+            cycle
+         end if
+         !$omp atomic read
+         go = keep_going
+         if (.not. go) return
+         if (.not. all(abs(state) < huge(one))) state = resting_state(system)
+         call settle_row(system, settings, state, i, found)
+         if (system%interrupt%raised()) then
+            found%kind(i) = ''
+            return
+         end if
+         if (.not. present(observer)) cycle
+         !$omp critical (geartrain_diagram)
+         go = keep_going
+         if (go) call observer%on_step('bifurcation diagram', count(found%kind /= ''), found%frequency_ratio(i), go)
+         !$omp atomic write
+         keep_going = go
+         !$omp end critical (geartrain_diagram)
+      end do
+   end subroutine follow
+
+   !> Finds what one row has.
+   subroutine settle_row(system, settings, state, i, found)
+      type(system_type), intent(in) :: system
+      type(bifurcation_diagram_settings_type), intent(in) :: settings
+      !> State to begin with, then the last one [1], (state).
+      real(dp), intent(inout) :: state(:)
+      !> The row.
+      integer, intent(in) :: i
+      type(bifurcation_diagram_type), intent(inout) :: found
+      type(section_map_type) :: map
+      real(dp) :: sections(size(state), settings%sections), limit, turns
+      character(14) :: kind
+      integer :: j, k
+      logical :: lost
+
+      call map%setup(system, found%frequency_ratio(i))
+      limit = unbounded*max(one, maxval(abs(resting_state(system))), maxval(abs(state)))
+      lost = .false.
+      do k = 1, settings%transient
+         call map%pass_period(state, lost)
+         lost = lost .or. system%interrupt%raised() .or. .not. all(abs(state) < limit)
+         if (lost) exit
+      end do
+      if (.not. lost) call lyapunov_spectrum(system, map, state, settings%sections, found%exponents(:, i), found%errors(:, i), &
+                                             lost, sections)
+      found%state(:, i) = state
+      if (lost) then
+         found%exponents(:, i) = found%rotation(i)
+         found%errors(:, i) = found%rotation(i)
+         found%kind(i) = 'undecided'
+         if (.not. all(abs(state) < limit)) then
+            found%kind(i) = 'unbounded'
+            found%state(:, i) = huge(one)
+            state = huge(one)
+         end if
+         return
+      end if
+      do j = 1, system%meshes
+         associate (n => system%mesh_element(j), d => system%displacements)
+            if (n > system%coordinates) cycle
+            found%displacement(j, :, i) = sections(n, :)
+            found%velocity(j, :, i) = sections(d + n, :)
+         end associate
+      end do
+      found%period(i) = period_of(sections)
+      kind = 'periodic'
+      if (found%period(i) == 0) kind = kind_of(found%frequency_ratio(i), found%exponents(1, i), found%errors(1, i))
+      if (kind == 'chaotic') then
+         if (is_leaving(system, found%frequency_ratio(i), state, found%exponents(1, i))) kind = 'still settling'
+      end if
+      if (kind == 'quasi-periodic' .and. settings%sections >= fewest) then
+         turns = rotation_number(system, sections)
+         if (turns >= 0) found%rotation(i) = turns
+      end if
+      found%kind(i) = kind
+   end subroutine settle_row
+
+   !> Shortest period after which the last half of the sections repeats itself; 0: none, or it is not sure which.
+   pure integer function period_of(sections) result(period)
+      real(dp), intent(in) :: sections(:, :)
+      integer :: n, half
+      real(dp) :: size_, difference, smallest
+
+      n = size(sections, 2)
+      half = n/2
+      size_ = maxval(abs(sections))
+      smallest = huge(one)
+      do period = 1, half
+         difference = maxval(abs(sections(:, n - half + 1:) - sections(:, n - half + 1 - period:n - period)))
+         if (difference <= repeated_to*size_) then
+            if (smallest < clearly_different*size_) exit
+            return
+         end if
+         smallest = min(smallest, difference)
+      end do
+      period = 0
+   end function period_of
+
+   subroutine visit_fields(self, train, fields, summary)
+      class(bifurcation_diagram_analysis_type), intent(inout) :: self
+      type(train_type), intent(in) :: train
+      class(fields_type), intent(inout) :: fields
+      logical, intent(in) :: summary
+      integer :: meshes, rows, sections, states
+
+      associate (found => self%result)
+         if (.not. fields%enter('/bifurcation_diagram', 'sections of the attractors over frequency', .true.)) return
+         call carry_text(fields, field('ended', '', '', 'why it ended, in words'), found%ended, &
+                         'not yet: these are the points so far')
+         call carry(fields, field('complete', '', '', '1: all points are done'), found%complete)
+         meshes = 0
+         rows = 0
+         sections = 0
+         states = 0
+         if (allocated(found%displacement)) then
+            meshes = size(found%displacement, 1)
+            sections = size(found%displacement, 2)
+            rows = size(found%displacement, 3)
+            states = size(found%state, 1)
+         end if
+         call fields%index_axis('point', rows, 'point, in the order visited')
+         call fields%index_axis('section', sections, 'section: phase 0 of successive periods of the fundamental')
+         call fields%index_axis('mesh', meshes, about_mesh)
+         call fields%index_axis('state', states, 'number of the exponent, or of the coordinate of the state')
+         call carry(fields, field('frequency', 'point', '1', about_frequency), found%frequency_ratio)
+         call carry(fields, field('direction', 'point', '', 'direction of the sweep: up or down'), found%direction)
+         call carry(fields, field('kind', 'point', '', 'periodic, quasi-periodic, chaotic, still settling (or of a period longer &
+                                &than half the sections), undecided, unbounded; empty: not done'), found%kind)
+         call carry(fields, field('period', 'point', '1', 'period in periods of the fundamental; 0 = none found', least=0), &
+                    found%period)
+         call carry(fields, field('displacement', 'point section mesh', '1', 'mesh displacement at phase 0 / characteristic_length&
+                                &; NaN: of a mesh that closes a loop, or not done'), found%displacement)
+         call carry(fields, field('velocity', 'point section mesh', '1', 'its velocity / (characteristic_length times &
+                                &characteristic_frequency)'), found%velocity)
+         call carry(fields, field('lyapunov_exponents', 'point state', '1', 'Lyapunov exponents per unit of time &
+                                &(1/characteristic_frequency), largest first'), found%exponents)
+         call carry(fields, field('lyapunov_errors', 'point state', '1', 'their uncertainties at 95 %'), found%errors)
+         call carry(fields, field('rotation_number', 'point', '1', 'of a quasi-periodic motion: turns of the sections about their &
+                                &middle in a period of the fundamental, 0 to 1/2; NaN of any other'), found%rotation)
+         call carry(fields, field('final_state', 'point state', '1', 'state at phase 0 after the last section, with which the &
+                                &next point begins'), found%state)
+      end associate
+   end subroutine visit_fields
+
+   subroutine report(self, train, unit, seconds)
+      class(bifurcation_diagram_analysis_type), intent(in) :: self
+      type(train_type), intent(in) :: train
+      integer, intent(in) :: unit
+      real(dp), intent(in) :: seconds
+      type(frequency_text_type) :: told
+      character(14), parameter :: kinds(6) = [character(14) :: 'periodic', 'quasi-periodic', 'chaotic', 'still settling', &
+                                              'undecided', 'unbounded']
+      character(:), allocatable :: words
+      integer :: i
+
+      told = frequency_text(train, self%settings%unit, 0.0_dp)
+      associate (found => self%result)
+         write (unit, '(a, i0, 3a)') 'Bifurcation diagram: ', size(found%kind), ' points in ', fixed(seconds, 2), ' s'
+         do i = 1, size(kinds)
+            if (any(found%kind == kinds(i))) write (unit, '(4x, 2a, i0)') kinds(i), ' ', count(found%kind == kinds(i))
+         end do
+         if (.not. allocated(found%ended)) return
+         call told%of_words(found%ended, words)
+         write (unit, '(2a)') '    ended: ', words
+      end associate
+   end subroutine report
+
+end module geartrain_analyses_bifurcation_diagram

@@ -1,0 +1,137 @@
+!> All Lyapunov exponents of a flow and the rotation number of a quasi-periodic one, from its sections.
+module geartrain_flow_spectrum
+   use geartrain_base_kinds, only: dp, pi
+   use geartrain_flow_energy, only: energy_type
+   use geartrain_flow_lyapunov, only: exponent_of
+   use geartrain_flow_section_map, only: section_map_type
+   use geartrain_model_system, only: system_type
+   implicit none (type, external)
+   private
+   public :: lyapunov_spectrum, rotation_number
+
+   !> Least radius over the largest at which a curve in a plane is taken to go round its middle.
+   real(dp), parameter :: roundness = 0.05_dp
+
+contains
+
+   !> Lyapunov exponents, largest first: tangents carried along the flow and made orthogonal again after each period of the
+   !> fundamental (Benettin and others, 1980), in the norm of the energy.
+   subroutine lyapunov_spectrum(system, map, state, periods, exponents, errors, lost, sections)
+      !> The train.
+      type(system_type), intent(in) :: system
+      !> The map from section to section.
+      type(section_map_type), intent(in) :: map
+      !> State at phase 0, then after the periods [1], (state).
+      real(dp), intent(inout) :: state(:)
+      !> Periods of the fundamental over which is averaged, after a fifth as many in which the tangents turn.
+      integer, intent(in) :: periods
+      !> Exponents per unit of time [1], (state), and their uncertainties at 95 % [1], (state).
+      real(dp), intent(out) :: exponents(:), errors(:)
+      !> Set where the flow is not valid: an event was passed over, the state ran away, or an interrupt ended it.
+      logical, intent(inout) :: lost
+      !> States after each period of the average [1], (state, period).
+      real(dp), intent(out), optional :: sections(:, :)
+      type(energy_type) :: energy
+      real(dp) :: tangents(size(state), size(state)), growth(periods, size(state)), length(size(state))
+      integer :: i, k, order(size(state))
+
+      call energy%setup(system)
+      tangents = 0
+      do i = 1, size(state)
+         tangents(i, i) = 1
+      end do
+      exponents = 0
+      errors = 0
+      do k = -periods/5 + 1, periods
+         call map%pass_period(state, lost, tangents)
+         if (.not. all(abs(tangents) < 1e100_dp) .or. system%interrupt%raised()) lost = .true.
+         if (lost) return
+         do i = 1, size(state)
+            tangents(:, i) = energy%coordinates(tangents(:, i))
+         end do
+         call orthogonalise(tangents, length)
+         do i = 1, size(state)
+            tangents(:, i) = energy%state(tangents(:, i))
+         end do
+         if (k < 1) cycle
+         growth(k, :) = log(max(length, tiny(1.0_dp)))*map%frequency_ratio/(2*pi)
+         if (present(sections)) sections(:, k) = state
+      end do
+      do i = 1, size(state)
+         call exponent_of(growth(:, i), exponents(i), errors(i))
+      end do
+      ! They come out in order but for their uncertainty.
+      do i = 1, size(state)
+         order(i) = i - 1 + maxloc(exponents(i:), 1)
+         exponents([i, order(i)]) = exponents([order(i), i])
+         errors([i, order(i)]) = errors([order(i), i])
+      end do
+   end subroutine lyapunov_spectrum
+
+   !> Makes vectors orthogonal and of length 1 one after another (Gram and Schmidt, twice); their lengths before that.
+   pure subroutine orthogonalise(vectors, length)
+      real(dp), intent(inout) :: vectors(:, :)
+      real(dp), intent(out) :: length(:)
+      integer :: i, j, pass
+
+      do i = 1, size(vectors, 2)
+         do pass = 1, 2
+            do j = 1, i - 1
+               vectors(:, i) = vectors(:, i) - dot_product(vectors(:, j), vectors(:, i))*vectors(:, j)
+            end do
+         end do
+         length(i) = norm2(vectors(:, i))
+         if (length(i) > 0) vectors(:, i) = vectors(:, i)/length(i)
+      end do
+   end subroutine orthogonalise
+
+   !> Turns of the sections about their middle in a period of the fundamental, 0 to 1/2: where the motion is quasi-periodic, the
+   !> distance of its second frequency over that of the fundamental from the nearest whole number. Negative: the sections go round
+   !> no point of any plane of displacement and velocity.
+   !>
+   !> The average has weights that are 0 with all derivatives at the ends, so that it converges faster than any power of the number
+   !> of sections (Das and others, 2017).
+   pure real(dp) function rotation_number(system, sections) result(turns)
+      !> The train.
+      type(system_type), intent(in) :: system
+      !> Successive states at phase 0 [1], (state, period).
+      real(dp), intent(in) :: sections(:, :)
+      complex(dp) :: z(size(sections, 2)), steps(size(sections, 2) - 1), middle
+      real(dp) :: round_, best, error
+      integer :: j, n
+
+      turns = -1
+      best = roundness
+      do j = 1, system%displacements
+         n = size(sections, 2)
+         z = cmplx(scaled(sections(j, :)), scaled(sections(system%displacements + j, :)), dp)
+         if (.not. maxval(abs(z)) > 0) cycle
+         round_ = minval(abs(z))/maxval(abs(z))
+         if (.not. round_ > best) cycle
+         best = round_
+         steps = z(2:)/z(:n - 1)
+         steps = steps/abs(steps)
+         middle = sum(steps)
+         if (.not. abs(middle) > 0) cycle
+         middle = middle/abs(middle)
+         call exponent_of(atan2(aimag(steps/middle), real(steps/middle, dp)), turns, error)
+         turns = abs(turns + atan2(aimag(middle), real(middle, dp)))/(2*pi)
+         turns = abs(turns - nint(turns))
+      end do
+
+   contains
+
+      !> Values about the middle of their range, over half of it.
+      pure function scaled(values)
+         real(dp), intent(in) :: values(:)
+         real(dp) :: scaled(size(values)), low, high
+
+         low = minval(values)
+         high = maxval(values)
+         scaled = 0
+         if (high > low) scaled = (2*values - low - high)/(high - low)
+      end function scaled
+
+   end function rotation_number
+
+end module geartrain_flow_spectrum
