@@ -1,50 +1,27 @@
 !> The command line: what is asked for.
 module arguments
+   use options, only: shells, unknown_option
    implicit none (type, external)
    private
-   public :: arguments_type, file_name_type, read_arguments, help_text
+   public :: arguments_type, file_name_type, read_arguments
 
    type :: file_name_type
       character(:), allocatable :: name
    end type file_name_type
 
    type :: arguments_type
-      !> 'run', 'check', 'explain', 'audit', 'template', 'reference', 'output-reference', 'version' or 'help'.
+      !> 'run', or what another option says, without its dashes.
       character(:), allocatable :: action
       type(file_name_type), allocatable :: case_files(:)
       !> As given by --output; '' where it was not.
       character(:), allocatable :: output_file
+      !> Of --completion.
+      character(:), allocatable :: shell
       !> Go on from the checkpoint of a run that was killed.
       logical :: resume = .false.
       !> What is wrong with the command line; '' where all is well.
       character(:), allocatable :: wrong
    end type arguments_type
-
-   character(*), parameter :: newline = new_line('a')
-
-   character(*), parameter :: help_text = &
-      'Nonlinear torsional dynamics of gear trains.'//newline// &
-      newline// &
-      'Usage:'//newline// &
-      '   geartrain CASE.nml [--output FILE.h5]   run a case; the results go to FILE.h5'//newline// &
-      '   geartrain CASE.nml --resume             go on with a run that was killed, from FILE.h5.partial'//newline// &
-      '   geartrain A.nml B.nml ...               run several cases, as many at a time as there are threads'//newline// &
-      '   geartrain --check CASE.nml ...          say what is wrong with cases, compute nothing'//newline// &
-      '   geartrain --explain CASE.nml ...        every number of the train, how it is derived, its source'//newline// &
-      '   geartrain --audit CASE.nml ...          check points of its branches, and all special points, by shooting'//newline// &
-      '   geartrain --template > CASE.nml         a complete case, every variable explained'//newline// &
-      '   geartrain --reference                   the tables of input variables, as Markdown'//newline// &
-      '   geartrain --output-reference            the tables of what a results file holds, likewise'//newline// &
-      '   geartrain --version'//newline// &
-      '   geartrain --help'//newline// &
-      newline// &
-      'Without --output the results go to the file that &output names, or else to the name of the case with .h5,'//newline// &
-      'in the working directory.'//newline// &
-      newline// &
-      'Exit status: 0 done; 2 bad input, nothing written; 3 an analysis ended early, what was computed is written;'//newline// &
-      '4 the file system failed, standard output is lost, or there is no memory. Of several cases the largest.'//newline// &
-      'An audit ends with 3 unless all is as the branches say.'//newline// &
-      'Threads: one a core, or as many as the environment variable OMP_NUM_THREADS says.'
 
 contains
 
@@ -58,6 +35,7 @@ contains
       allocate (files(command_argument_count()))
       n = 0
       arguments%output_file = ''
+      arguments%shell = ''
       arguments%wrong = ''
       i = 0
       do while (i < command_argument_count() .and. arguments%wrong == '')
@@ -68,7 +46,12 @@ contains
             arguments%action = word(3:)
             if (word == '-h') arguments%action = 'help'
             return
-         case ('--check', '--explain', '--audit')
+         case ('--completion')
+            arguments%action = word(3:)
+            if (i < command_argument_count()) arguments%shell = argument(i + 1)
+            if (all(shells /= arguments%shell)) arguments%wrong = '--completion needs bash, zsh or fish'
+            return
+         case ('--new', '--check', '--explain', '--audit')
             if (arguments%action /= 'run' .and. arguments%action /= word(3:)) &
                arguments%wrong = '--'//arguments%action//' and '//word//' contradict each other'
             arguments%action = word(3:)
@@ -83,7 +66,7 @@ contains
                arguments%output_file = word(10:)
                if (arguments%output_file == '') arguments%wrong = '--output needs the name of a file'
             else if (index(word, '-') == 1) then
-               arguments%wrong = 'unknown option '//word
+               call unknown_option(word, arguments%wrong)
             else
                n = n + 1
                files(n)%name = word
@@ -92,8 +75,10 @@ contains
       end do
       arguments%case_files = files(:n)
       if (arguments%wrong == '' .and. size(arguments%case_files) == 0) arguments%wrong = 'no case file given'
+      if (arguments%wrong == '' .and. arguments%action == 'new' .and. size(arguments%case_files) > 1) &
+         arguments%wrong = '--new writes one case: '//arguments%case_files(2)%name//' is one too many'
       if (arguments%wrong == '' .and. arguments%action /= 'run') then
-         if (arguments%output_file /= '') arguments%wrong = '--'//arguments%action//' writes nothing: leave out --output'
+         if (arguments%output_file /= '') arguments%wrong = '--'//arguments%action//' writes no results: leave out --output'
          if (arguments%resume) arguments%wrong = '--'//arguments%action//' goes on with no run: leave out --resume'
       else if (arguments%wrong == '' .and. size(arguments%case_files) > 1) then
          if (arguments%resume) arguments%wrong = '--resume goes on with one case, and there are several: resume them one by one'

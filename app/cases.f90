@@ -3,15 +3,16 @@ module cases
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_null_char, c_ptr
    use arguments, only: file_name_type
    use geartrain, only: case_type, error_type, explanation_text, read_case, results_type, run_case, &
-      status_ended_early, status_input, warnings_text
+      status_ended_early, status_file, status_input, warnings_text
    use geartrain_analyses_analysis, only: analysis_type
    use geartrain_analyses_branch_report, only: report_branches
    use geartrain_analyses_list, only: analyses, find_analysis
+   use geartrain_input_new_case, only: new_case_text
    use progress, only: begin_progress, progress_type
    use terminal, only: complain, hand_over, output_unit, say, tell_of_interrupts
    implicit none (type, external)
    private
-   public :: check_cases, explain_cases, run_cases
+   public :: check_cases, explain_cases, new_case, run_cases
 
    !> A case file that is to be run.
    type :: job_type
@@ -33,6 +34,36 @@ module cases
    end interface
 
 contains
+
+   !> Writes a case to begin with into a file that is not there yet; `status` is the exit status.
+   subroutine new_case(file, status)
+      character(*), intent(in) :: file
+      integer, intent(out) :: status
+      character(:), allocatable :: text
+      character(256) :: why
+      logical :: exists
+      integer :: unit, failed
+
+      call new_case_text(file, text)
+      status = status_file
+      open (newunit=unit, file=file, access='stream', form='unformatted', status='new', action='write', iostat=failed, iomsg=why)
+      if (failed /= 0) then
+         inquire (file=file, exist=exists)
+         if (exists) why = 'it is there already, and --new overwrites nothing: give another name'
+         if (exists) status = status_input
+         call complain('geartrain: error: '//file//' cannot be written: '//trim(why))
+         return
+      end if
+      write (unit, iostat=failed, iomsg=why) text
+      if (failed == 0) close (unit, iostat=failed, iomsg=why)
+      if (failed /= 0) then
+         call complain('geartrain: error: '//file//' cannot be written: '//trim(why))
+         close (unit, status='delete', iostat=failed)
+         return
+      end if
+      status = 0
+      call say('Written: '//file//'; geartrain '//file//' runs it'//new_line('a'))
+   end subroutine new_case
 
    !> Says what is wrong with the cases; `status` is the largest of their exit statuses.
    subroutine check_cases(files, status)

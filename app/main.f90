@@ -1,11 +1,12 @@
 !> The executable: arguments in, exit status out.
 program main
-   use arguments, only: arguments_type, help_text, read_arguments
+   use arguments, only: arguments_type, read_arguments
    use audits, only: audit_cases
-   use cases, only: check_cases, explain_cases, run_cases
+   use cases, only: check_cases, explain_cases, new_case, run_cases
    use geartrain, only: status_file, status_input, template_text, version
    use geartrain_input_text, only: reference_text
    use geartrain_run_reference, only: output_reference
+   use options, only: completion_text, help_text
    use terminal, only: complain, has_memory, leave_at_once, output_lost, say, stand_firm
    implicit none (type, external)
    type(arguments_type) :: asked
@@ -26,7 +27,13 @@ program main
    end if
    select case (asked%action)
    case ('help')
-      call say(help_text//new_line('a'))
+      call help_text(text)
+      call say(text)
+   case ('completion')
+      call completion_text(asked%shell, text)
+      call say(text)
+   case ('new')
+      call new_case(asked%case_files(1)%name, status)
    case ('version')
       call say('geartrain '//version//new_line('a'))
    case ('template')

@@ -76,6 +76,7 @@ contains
       if (allocated(case%attractors)) call tell('attractors', case%attractors%unit)
       if (allocated(case%bifurcation_diagram)) call tell('bifurcation_diagram', case%bifurcation_diagram%unit)
       if (allocated(case%run_up)) call tell('run_up', case%run_up%unit)
+      if (allocated(case%locus)) call tell('locus', case%locus%unit)
       where (progress%told%unit /= 'Lambda') progress%told%decimals = 2
 
    contains

@@ -2,10 +2,11 @@
 module geartrain_python_box
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_char, c_null_ptr
    use, intrinsic :: iso_fortran_env, only: int64, real64
-   use geartrain, only: audit_branch, audit_text, audit_type, branch_type, case_text, case_type, error_type, &
-                        frequency_gradient, gradient_type, integrate, interrupt_by, locate_contact_edges, motion_gradient, &
-                        motion_type, name_parameter, observer_type, period_doubled, refine, refine_branch, &
-                        refine_motions, results_type, solutions_at, special_gradient, status_input, version
+   use geartrain, only: audit_branch, audit_text, audit_type, branch_type, case_text, case_type, error_type, exact_point_type, &
+                        find_exact_point, frequency_gradient, gradient_type, integrate, interrupt_by, locate_contact_edges, &
+                        motion_gradient, motion_type, name_parameter, observer_type, onsets_of, period_doubled, refine, &
+                        refine_branch, refine_motions, refine_special_points, results_type, solutions_at, special_gradient, &
+                        special_point_type, status_input, version
    use geartrain_analyses_analysis, only: analysis_type
    use geartrain_analyses_audit_fields, only: visit_audit
    use geartrain_analyses_list, only: find_analysis, number_of
@@ -14,6 +15,7 @@ module geartrain_python_box
    use geartrain_base_field, only: field_type, text_type, values_type
    use geartrain_base_fields, only: fields_type, reading
    use geartrain_base_numbers, only: integer_text
+   use geartrain_continuation_exact_fields, only: visit_exact_point, visit_onsets
    use geartrain_continuation_summary_fields, only: visit_bands, visit_jumps, visit_peaks, visit_ranges
    use geartrain_flow_fields, only: visit_motions
    use geartrain_input_check, only: check_analyses
@@ -41,6 +43,8 @@ module geartrain_python_box
       type(motion_type), allocatable :: motions(:)
       !> The audit of the branch.
       type(audit_type), allocatable :: audit
+      !> The special point that was made exact last.
+      type(exact_point_type) :: exact
       !> What was differentiated last.
       type(gradient_type) :: gradient
       !> Fields on their way: shown by the box, or put into it.
@@ -111,7 +115,8 @@ contains
 
    !> Work on the box's branch: 'at' (its solutions at exactly the Lambda values(1) become the box's motions), 'refine', 'double'
    !> (the branch of twice the period at special point values(1) takes its place), 'audit' (values(1) of its points, which values(2)
-   !> draws, and all special points); on the box's first motion, which the result takes the place of: 'integrate' (at the Lambda
+   !> draws, and all special points), 'exact' (its special point values(1), or with values(2) = 1 its contact onset of that number,
+   !> becomes the box's exact point, whose motion becomes the box's motion); on the box's first motion, which the result takes the place of: 'integrate' (at the Lambda
    !> values(1), from the motion if there is one) and 'shoot' (refine it).
    subroutine work(box, what, values, watch, error)
       type(box_type), intent(inout), target :: box
@@ -132,6 +137,7 @@ contains
          call refine_motions(box%case%train, box%results%response, values(1), box%motions, error)
       case ('refine')
          call refine_branch(box%case%train, box%results%response, error, watch)
+         if (.not. allocated(error)) call refine_special_points(box%case%train, box%results%response)
       case ('double')
          allocate (doubled)
          call period_doubled(box%case%train, box%case%response, box%results%response, nint(values(1)), doubled, error, watch)
@@ -140,6 +146,8 @@ contains
       case ('audit')
          allocate (box%audit)
          call audit_branch(box%case%train, box%results%response, nint(values(1)), nint(values(2)), box%audit, error, watch)
+      case ('exact')
+         call make_exact(box, nint(values(1)), values(2) > 0, error)
       case ('integrate')
          nullify (start)
          if (allocated(box%motions)) start => box%motions(1)
@@ -149,6 +157,26 @@ contains
          call refine(box%case%train, box%motions(1), error)
       end select
    end subroutine work
+
+   !> Finds special point or contact onset `number` of the box's branch on the exact branch.
+   subroutine make_exact(box, number, onset, error)
+      type(box_type), intent(inout) :: box
+      integer, intent(in) :: number
+      logical, intent(in) :: onset
+      type(error_type), allocatable, intent(out) :: error
+      type(special_point_type), allocatable :: onsets(:)
+
+      associate (branch => box%results%response)
+         if (onset) then
+            if (.not. allocated(branch%contact_edges)) call locate_contact_edges(box%case%train, box%case%response, branch)
+            call onsets_of(branch, onsets)
+            call find_exact_point(box%case%train, branch, 0, onsets(number), box%exact, error)
+         else
+            call find_exact_point(box%case%train, branch, number, branch%special_points(number), box%exact, error)
+         end if
+      end associate
+      if (.not. allocated(error)) box%motions = [box%exact%motion]
+   end subroutine make_exact
 
    !> Differentiates with respect to parameters, whose names are parted by line feeds: '/parameters', nothing, the names are checked
    !> alone; '/frequency', the natural frequencies; '/special', Lambda of special point `number` of the box's branch; else a figure
@@ -283,6 +311,7 @@ contains
       type(box_type), intent(inout) :: box
       character(*), intent(in) :: what
       type(fields_type) :: none
+      type(special_point_type), allocatable :: onsets(:)
       integer :: n
 
       box%fields = none
@@ -313,6 +342,12 @@ contains
             call fields%index_axis('parameter', n, '')
             call carry(fields, field_type('value', 'parameter item'), box%gradient%values)
             call carry(fields, field_type('reason', 'parameter'), box%gradient%reason)
+         case ('exact')
+            call visit_exact_point(box%exact, fields)
+         case ('onsets')
+            call locate_contact_edges(box%case%train, box%case%response, branch)
+            call onsets_of(branch, onsets)
+            call visit_onsets(onsets, fields)
          case ('peaks')
             call visit_peaks(branch, '', fields)
          case ('jumps')

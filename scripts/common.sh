@@ -52,3 +52,14 @@ once() {
 hash_files() {
    find "$@" -type f ! -name '*.pyc' -print0 | LC_ALL=C sort -z | xargs -0 sha256sum | sha256sum
 }
+
+# pythons: every Python from 3.10 on that this machine offers, the first found of each version.
+pythons() {
+   local minor path
+   for minor in 10 11 12 13 14 15; do
+      for path in "$(command -v "python3.$minor" || true)" "${PYENV_ROOT:-$HOME/.pyenv}"/versions/3."$minor".*/bin/python \
+                  /opt/python/cp3"$minor"-cp3"$minor"/bin/python; do
+         [ -x "$path" ] && "$path" -c 'import sys; assert sys.version_info[1] == '"$minor" 2>/dev/null && echo "$path" && break
+      done
+   done
+}

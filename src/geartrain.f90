@@ -26,6 +26,9 @@ module geartrain
    use geartrain_continuation_contact_edges, only: locate_contact_edges
    use geartrain_continuation_contact_ranges, only: back_collision_ranges, separation_ranges
    use geartrain_continuation_jumps, only: jump_type, jumps
+   use geartrain_continuation_exact_point, only: exact_point_type, find_exact_point, onsets_of, refine_special_points
+   use geartrain_continuation_locus, only: trace_locus
+   use geartrain_continuation_locus_result, only: double_point_type, locus_type
    use geartrain_continuation_motion_gradient, only: motion_gradient
    use geartrain_continuation_refinement, only: refine_branch, refine_motions
    use geartrain_continuation_response, only: response

@@ -106,9 +106,8 @@ contains
          if (below(4) > 0) piece = trim(piece)
          text = text(:a - 1)//piece//text(a:)
       case (2)
-         associate (row => rows(1 + below(size(rows))))
-            piece = ' '//trim(row%variable%name)//' = '//trim(pieces(1 + below(size(pieces))))//' '
-         end associate
+         c = 1 + below(size(rows))
+         piece = ' '//trim(rows(c)%variable%name)//' = '//trim(pieces(1 + below(size(pieces))))//' '
          text = text(:a - 1)//piece//text(a:)
       case (3)
          text = text(:a - 1)//text(b + 1:)

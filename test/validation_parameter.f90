@@ -1,7 +1,7 @@
 !> Branches over a parameter of the train at constant speed against responses of the train with each value, and closed forms.
 module validation_parameter
    use branches_over_parameters, only: compare, over
-   use fixtures, only: linear_pair, long_train, ring, settings_of, single_pair
+   use fixtures, only: linear_pair, long_train, random_train, ring, settings_of, single_pair
    use geartrain, only: branch_type, case_type, dp, error_type, folds, gradient_type, motion_gradient, motion_type, &
       period_doubled, read_case, refine, refine_branch, response, response_settings_type, train_type
    use geartrain_continuation_points, only: motion_of
@@ -19,6 +19,7 @@ contains
 
       if (tests%runs('torque')) call torque(tests)
       if (tests%runs('every_kind')) call every_kind(tests)
+      if (tests%runs('random')) call random(tests)
       if (tests%runs('closed_forms')) call closed_forms(tests)
       if (tests%runs('fold')) call fold(tests)
       if (tests%runs('estimate')) call estimate(tests)
@@ -106,6 +107,32 @@ contains
          end do
       end do
    end subroutine every_kind
+
+   !> Random trains over their torque and over the damping of all meshes.
+   subroutine random(tests)
+      class(tests_type), intent(inout) :: tests
+      type(train_type) :: train, changed
+      type(response_settings_type) :: settings
+      type(branch_type) :: branch
+      integer :: seed, j
+
+      do seed = 1, 5
+         call random_train(seed, train, settings)
+         branch = over(tests, train, 'input_torque', 0.7_dp*train%input_torque, 1.3_dp*train%input_torque, settings%start, &
+                       settings%harmonics)
+         do j = 1, branch%points, max(1, branch%points/3)
+            changed = train
+            changed%input_torque = branch%frequency_ratio(j)
+            call compare(tests, changed, branch, j, 'random, torque')
+         end do
+         branch = over(tests, train, 'mesh * damping_ratio', 0.02_dp, 0.08_dp, settings%start, settings%harmonics)
+         do j = 1, branch%points, max(1, branch%points/3)
+            changed = train
+            changed%meshes%damping_ratio = branch%frequency_ratio(j)
+            call compare(tests, changed, branch, j, 'random, damping')
+         end do
+      end do
+   end subroutine random
 
    !> x'' + 2 zeta x' + x = f + e cos Lambda t without backlash: the amplitude is e over |1 - Lambda^2 + 2 i zeta Lambda|.
    subroutine closed_forms(tests)
@@ -399,4 +426,3 @@ contains
    end subroutine ends
 
 end module validation_parameter
-   use branches_over_parameters, only: compare, over

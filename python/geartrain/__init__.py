@@ -33,6 +33,8 @@ from __future__ import annotations
 
 from . import _box
 from ._draw import plot_style
+from ._page import Page, page
+from ._suggest import suggest_names
 from .attractors import Attractors
 from .audit import Audit
 from .basins import Basins
@@ -41,7 +43,9 @@ from .branch import Branch
 from .campbell import Campbell, Crossing, Order
 from .case import Case, Results, read_case, read_results
 from .errors import DrawingWarning, InputError, Interrupted, NotDifferentiableWarning, SolverError
+from .exact_point import ExactPoint
 from .explanation import Explanation
+from .locus import Locus, LocusPoint
 from .lyapunov import LyapunovSpectrum
 from .modes import Modes
 from .motion import Motion
@@ -68,10 +72,13 @@ __all__ = [
     "Case",
     "Crossing",
     "DrawingWarning",
+    "ExactPoint",
     "Explanation",
     "InputError",
     "Interrupted",
     "Jump",
+    "Locus",
+    "LocusPoint",
     "LyapunovSpectrum",
     "Mesh",
     "Modes",
@@ -79,6 +86,7 @@ __all__ = [
     "Motions",
     "NotDifferentiableWarning",
     "Order",
+    "Page",
     "Peak",
     "Peaks",
     "Results",
@@ -93,6 +101,7 @@ __all__ = [
     "Sweep",
     "Train",
     "Trajectory",
+    "page",
     "plot_style",
     "read_case",
     "read_results",
@@ -101,3 +110,5 @@ __all__ = [
 
 with _box.Box() as _opened:
     __version__ = _opened.text("version")
+
+suggest_names(globals())

@@ -5,10 +5,10 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
-__all__ = ["extra", "missing"]
+__all__ = ["OPTIONAL", "cure", "extra", "missing"]
 
 #: The optional dependencies of pyproject.toml that bring them.
-_EXTRAS = {"matplotlib": "plot", "tqdm": "progress", "h5py": "data", "xarray": "data", "scipy": "study"}
+OPTIONAL = {"matplotlib": "plot", "plotly": "page", "tqdm": "progress", "h5py": "data", "xarray": "data", "scipy": "study"}
 
 
 def extra(module: str) -> Any:
@@ -24,4 +24,9 @@ def extra(module: str) -> Any:
 
 def missing(package: str) -> str:
     """What a message says of a package that is not there."""
-    return f"{package}, which is not installed: pip install 'geartrain[{_EXTRAS[package]}]'"
+    return f"{package}, which is {cure(package)}"
+
+
+def cure(package: str) -> str:
+    """How to get a package that is not there."""
+    return f"not installed: pip install 'geartrain[{OPTIONAL[package]}]'"

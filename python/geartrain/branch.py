@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ._box import Box, Group, described
 from ._dataset import dataset
 from ._motion_table import motions_of
+from ._page import Page, page
 from ._units import Unit, hertz_of, lambda_of, length_unit, speed_of
 from ._watch import watched
 from .audit import Audit
@@ -177,7 +178,8 @@ class Branch(Curves):
         """The same branch with every point polished by shooting to about 1e-11, multipliers included.
 
         Its ``correction`` tells by how much each point moved; its ``at`` gives refined motions. A point near which shooting finds
-        no orbit stays as it is, as next to a fold, whose true place is elsewhere. Special points stay as they are.
+        no orbit stays as it is, as next to a fold, whose true place is elsewhere. Special points become those of the exact motion
+        near them, as `SpecialPoint.exact` has them, where there are such.
 
         Examples
         --------
@@ -278,6 +280,24 @@ class Branch(Curves):
         rms: Array = self.rms / np.sqrt(2)
         return rms
 
+    @cached_property
+    def onsets(self) -> list[SpecialPoint]:
+        """Contact onsets: where a mesh begins or ceases to separate, or its back flanks to touch, as special points.
+
+        Examples
+        --------
+        >>> [(onset.kind, onset.mesh, round(onset.frequency, 4)) for onset in branch.onsets][:2]
+        """
+        with self._box() as box:
+            rows = box.show("onsets")["/onsets"].rows("kind", "mesh", "frequency", "after_point")
+        return SpecialPoints((
+            SpecialPoint(
+                kind.strip(), float(frequency), int(point) - 1, self.rms[int(point) - 1], False,
+                speed_of(self.train, float(frequency)), hertz_of(self.train, float(frequency)), branch=self, mesh=int(mesh),
+            )
+            for kind, mesh, frequency, point in rows
+        ), length_unit(self.train))
+
     def to_dataset(self) -> Dataset:
         """The points as an xarray Dataset with the names, units and coordinates of the results file; needs xarray.
 
@@ -316,6 +336,10 @@ class Branch(Curves):
             for place, branch in enumerate([self, *self.branches]):
                 branch._put(box, place)
             box.write(path)
+
+    def page(self, path: str | os.PathLike[str] | None = None, *, compare: Any = None) -> Page:
+        """The branch and its ``branches`` as a page for a browser, as `geartrain.page` gives it; needs plotly."""
+        return page(self, path, compare=compare)
 
     def arrays(self) -> dict[str, NDArray[Any] | None]:
         """The fields of the points by their names in the results file; None for what there is not."""
@@ -362,7 +386,7 @@ class Branch(Curves):
         return self.others.get("orders", dense)
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in self.__dict__.items() if name != "_kept"}
+        return {name: value for name, value in self.__dict__.items() if name not in ("_kept", "onsets")}
 
     def __getattr__(self, name: str) -> Any:
         # Only what is no attribute comes here; `others` itself is not there yet while a branch is copied.

@@ -13,12 +13,14 @@ from numpy.typing import NDArray
 from ._box import Box, Group, file_name, fortran
 from ._motion_table import ATTRACTORS, INTEGRATION
 from ._namelist import parse
+from ._page import Page, page
 from ._table import Found
 from ._watch import watched
 from .attractors import Attractors
 from .basins import Basins
 from .bifurcation_diagram import BifurcationDiagram
 from .branch import Branch
+from .locus import Locus
 from .modes import Modes
 from .run_up import RunUp
 from .stability_map import StabilityMap
@@ -43,6 +45,7 @@ class Results:
     bifurcation_diagram : BifurcationDiagram or None
     stability_map : StabilityMap or None
     run_up : RunUp or None
+    locus : Locus or None
     branches : list of Branch
         Further branches: those of ``response.branches``, then those of ``attractors.branches``.
     ended : str
@@ -61,6 +64,7 @@ class Results:
     bifurcation_diagram: BifurcationDiagram | None = None
     stability_map: StabilityMap | None = None
     run_up: RunUp | None = None
+    locus: Locus | None = None
     branches: list[Branch] = field(default_factory=list)
     ended: str = ""
     text: str = field(default="", repr=False)
@@ -93,6 +97,20 @@ class Results:
             for place, branch in enumerate(self.branches, 1):
                 branch._put(box, place)
             box.write(path)
+
+    def page(self, path: str | os.PathLike[str] | None = None, *, compare: Any = None) -> Page:
+        """The results as a page for a browser, as `geartrain.page` gives it; needs plotly.
+
+        Parameters
+        ----------
+        path : path-like, optional
+            Where to write it.
+        compare : Results, Branch or path-like, optional
+            Laid over these: results, or a results file.
+        """
+        if isinstance(compare, (str, os.PathLike)):
+            compare = read_results(compare)
+        return page(self, path, compare=compare)
 
     def __getattr__(self, name: str) -> Any:
         # Only what is no attribute comes here; `others` itself is not there yet while results are copied.
@@ -185,6 +203,7 @@ class Case:
             bifurcation_diagram=BifurcationDiagram._from(box, self.train),
             stability_map=StabilityMap._from(box, self.train),
             run_up=RunUp._from(box, self.train),
+            locus=Locus._from(box, self.train),
             branches=branches,
             ended=ended,
             text=self.text,

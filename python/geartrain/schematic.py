@@ -162,7 +162,7 @@ def _sizes(bodies: int, joints: Sequence[Joint], numbers: Mapping[str, Mapping[s
 
 def _words(joint: Joint, train: Description, numbers: Mapping[str, Mapping[str, Any]]) -> str:
     """What is told of a joint: its name, and the teeth or the ratio of the radii, or the stiffness."""
-    told = numbers[joint.element]
+    told = numbers.get(joint.element, {})  # nothing is told of a rigid shaft
     if not joint.is_mesh:
         from matplotlib.ticker import EngFormatter
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ._gradient import gradient_of
 from ._text_table import Rows
+from .exact_point import ExactPoint, exact_point
 from .summary import speeds
 
 __all__ = ["SpecialPoint", "SpecialPoints"]
@@ -25,7 +26,8 @@ class SpecialPoint:
     Attributes
     ----------
     kind : str
-        ``'fold'``, ``'period doubling'``, ``'neimark-sacker'`` or ``'branch point'``.
+        ``'fold'``, ``'period doubling'``, ``'neimark-sacker'`` or ``'branch point'``; of a contact onset ``'separation'`` or
+        ``'back contact'``.
     frequency : float
         Lambda.
     point : int
@@ -39,6 +41,8 @@ class SpecialPoint:
         Value of the parameter, on a branch over one.
     branch : Branch or None
         The one that it was found on.
+    mesh : int or None
+        Of a contact onset the number of the mesh.
     """
 
     kind: str
@@ -50,6 +54,7 @@ class SpecialPoint:
     fundamental_frequency: float | None = None
     parameter: float | None = None
     branch: Any = field(default=None, repr=False)
+    mesh: int | None = None
 
     def gradient(self, parameters: Sequence[str]) -> Array:
         """Derivatives of Lambda of a fold or a period doubling with respect to parameters of the train.
@@ -86,11 +91,39 @@ class SpecialPoint:
         >>> fold.kind, fold.gradient(["mesh 1 damping_ratio", "stiffness_variation"]).round(4)
         ('fold', array([ 0.0067, -0.1799]))
         """
-        if self.branch is None:
-            raise ValueError("this special point has no branch")
-        place = next(place for place, own in enumerate(self.branch.special_points, 1) if own is self)
+        place, _ = self._place()
         found: Array = gradient_of(self.branch._box(), "/special", parameters, place)[0]
         return found
+
+
+    def exact(self) -> ExactPoint:
+        """The special point of the exact motion near it, by shooting: to about 1e-10 of Lambda, but for rounding.
+
+        Returns
+        -------
+        ExactPoint
+            With the motion there, and how many multipliers cross the unit circle.
+
+        Raises
+        ------
+        SolverError
+            Where the exact motion has none of this kind near it.
+
+        Examples
+        --------
+        >>> fold = branch.special_points[0].exact()
+        >>> fold.kind, fold.crossing, abs(fold.critical - 1).max() < 1e-7
+        """
+        place, onset = self._place()
+        return exact_point(self.branch._box(), self.branch.train, place, onset)
+
+    def _place(self) -> tuple[int, bool]:
+        """Its number, from 1, among the special points of its branch, and whether it is among the contact onsets instead."""
+        if self.branch is None:
+            raise ValueError("this special point has no branch")
+        onset = self.mesh is not None
+        rows = self.branch.onsets if onset else self.branch.special_points
+        return next(place for place, own in enumerate(rows, 1) if own is self), onset
 
 
 class SpecialPoints(Rows[SpecialPoint]):

@@ -24,6 +24,8 @@ from .branch import Branch
 from .campbell import Campbell
 from .description import Description
 from .errors import InputError, SolverError, shown
+from .exact_point import ExactPoint
+from .locus import Locus
 from .lyapunov import LyapunovSpectrum
 from .modes import Modes
 from .motion import Motion, from_state
@@ -31,6 +33,7 @@ from .motions import Motions, find_motions
 from .parameter import value_in, with_values
 from .run_up import RunUp
 from .schematic import draw_schematic, figure_size
+from .special_point import SpecialPoint
 from .stability_map import StabilityMap
 from .sweep import Sweep
 from .variables import (
@@ -228,8 +231,8 @@ class Train(Description):
         Parameters
         ----------
         parameter : str
-            A number of the train, as in `with_values`: ``'input_torque'``, ``'mesh 2 half_backlash'``, ``'shaft 2 stiffness'``,
-            ``'mesh * damping_ratio'`` (of all meshes alike), ``'stiffness_variation'``.
+            A number of the train, as in `Train.with_values`: ``'input_torque'``, ``'mesh 2 half_backlash'``,
+            ``'shaft 2 stiffness'``, ``'mesh * damping_ratio'`` (of all meshes alike), ``'stiffness_variation'``.
         start, stop : float
             First and last value, in the unit of the parameter, in either order; 0 and below where the parameter may be.
         frequency : float
@@ -721,6 +724,59 @@ class Train(Description):
                 return found
 
         return watched(work, "run up", unit="periods")
+
+    def locus(self, special: SpecialPoint | ExactPoint, *, parameter: str, start: float, stop: float) -> Locus:
+        """Follow a special point or a contact onset of the exact motion over frequency and a number of the train.
+
+        Parameters
+        ----------
+        special : SpecialPoint or ExactPoint
+            A fold, a period doubling, a Neimark-Sacker point or a contact onset of this train.
+        parameter : str
+            Name of the number, as in `Space`: ``'input_torque'``, ``'mesh 2 half_backlash'``, ``'stiffness_variation'``.
+        start, stop : float
+            Ends of the range of the parameter in its unit; the value that the train has lies between them.
+
+        Returns
+        -------
+        Locus
+            With the points at which two conditions meet: cusps, resonances, grazing.
+
+        Raises
+        ------
+        InputError
+        SolverError
+            Where the exact motion has no such special point.
+        Interrupted
+            On Ctrl-C.
+
+        Examples
+        --------
+        >>> fold = branch.special_points[0]
+        >>> locus = train.locus(fold, parameter="stiffness_variation", start=0.25, stop=0.35)
+        >>> locus.complete, locus.parameter[[0, -1]].round(3)
+        (True, array([0.25, 0.35]))
+        """
+        if not isinstance(special, (SpecialPoint, ExactPoint)):
+            raise InputError(f"special = {shown(special)}: must be a special point, one of a branch's special_points or onsets")
+        if special.kind == "branch point":
+            raise InputError("special: a branch point has no curve of its own, only folds, period doublings, Neimark-Sacker "
+                             "points and contact onsets have")
+        exact = special.exact() if isinstance(special, SpecialPoint) else special
+        settings = {"kind": exact.kind.replace(" ", "_"), "near": exact.frequency, "mesh": exact.mesh or 0,
+                    "parameter": parameter, "start": start, "stop": stop}
+        asked = self._ask(locus=settings)
+
+        def work(progress: NDArray[np.float64]) -> Locus:
+            with asked as box:
+                put_motions(box, exact.motion, what="special")
+                box.check(box.run("locus", progress))
+                found = Locus._from(box, self)
+                if found is None:
+                    raise SolverError("nothing found")
+                return found
+
+        return watched(work, "locus")
 
     @classmethod
     def _of(cls, groups: Sequence[tuple[str, dict[str, Any]]]) -> Train:

@@ -176,6 +176,15 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "samples": Variable("samples", "integer", "int", 0, False, "Equidistant samples of a period of the fundamental at the higher frequency; 0: 32 of the fastest mesh, more where harmonics of the excitation or vibrations of a mesh are faster; >= 1 and <= 1.0e8, or 0"),
         "max_periods": Variable("max_periods", "integer", "int", 2000, False, "Periods of the fundamental after which the search for the steady motion at the beginning is given up, and the run-up begins with the state reached; 0: it begins at rest, or with the motion given in a call; >= 0"),
     },
+    "locus": {
+        "kind": Variable("kind", "text", "Literal['fold', 'period_doubling', 'neimark-sacker', 'separation', 'back_contact']", "fold", False, "Kind of the special point; separation and back_contact: where a mesh begins to separate, or its back flanks to touch; 'fold', 'period_doubling', 'neimark-sacker', 'separation' or 'back_contact'"),
+        "near": Variable("near", "real", "float", None, True, "Frequency near which it is on the response, in the `unit; > 0"),
+        "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Unit of the frequencies of the group: Lambda; rpm, the speed, of a train whose meshes all have teeth; Hz, of the fundamental; 'Lambda', 'rpm' or 'Hz'"),
+        "mesh": Variable("mesh", "integer", "int", 0, False, "Number of the mesh that separates or whose back flanks touch; 0 for other kinds; >= 0"),
+        "parameter": Variable("parameter", "text", "str", "", False, "Number of the train, as in 'input_torque', 'mesh 2 half_backlash', 'mesh * damping_ratio', 'stiffness_variation'; must be given"),
+        "start": Variable("from", "real", "float", None, True, "Value of parameter at one end of the curve"),
+        "stop": Variable("to", "real", "float", None, True, "Value of parameter at its other end, the value of the train between them"),
+    },
     "output": {
         "file": Variable("file", "text", "str", "", False, "Name of the HDF5 file, relative to the working directory; empty: the name of the case file with .h5, in the working directory"),
     },
@@ -283,7 +292,9 @@ PARTS: dict[str, tuple[str, type[Part]]] = {
 }
 
 #: Analyses that a case may ask for, in their order.
-ANALYSES = ("modes", "response", "integration", "attractors", "basins", "bifurcation_diagram", "stability_map", "run_up")
+ANALYSES = (
+    "modes", "response", "integration", "attractors", "basins", "bifurcation_diagram", "stability_map", "run_up", "locus",
+)
 
 
 class Analyses(TypedDict, total=False):
@@ -297,6 +308,7 @@ class Analyses(TypedDict, total=False):
     bifurcation_diagram: Mapping[str, Any] | None
     stability_map: Mapping[str, Any] | None
     run_up: Mapping[str, Any] | None
+    locus: Mapping[str, Any] | None
 
 
 class ResponseKeywords(TypedDict, total=False):
@@ -398,6 +410,18 @@ class RunUpKeywords(TypedDict, total=False):
     unit: Literal["Lambda", "rpm", "Hz"]
     samples: int
     max_periods: int
+
+
+class LocusKeywords(TypedDict, total=False):
+    """Variables of ``&locus`` that a call takes."""
+
+    kind: Literal["fold", "period_doubling", "neimark-sacker", "separation", "back_contact"]
+    near: Required[float]
+    unit: Literal["Lambda", "rpm", "Hz"]
+    mesh: int
+    parameter: str
+    start: Required[float]
+    stop: Required[float]
 
 
 class IntegrateKeywords(TypedDict, total=False):

@@ -30,6 +30,7 @@ GIVEN = {
     "attractors": {"frequency": "0.6"},
     "stability_map": {"from": "0.2", "to": "2.6", "parameter_from": "0.01", "parameter_to": "0.1"},
     "run_up": {"from": "0.2", "to": "2.6", "duration": "0.1"},
+    "locus": {"near": "0.46", "parameter": "'input_torque'", "from": "100.0", "to": "200.0"},
     "output": {},
 }
 WORDS = {"from": "start", "to": "stop", "parameter_from": "parameter_start", "parameter_to": "parameter_stop"}
@@ -208,7 +209,8 @@ def test_every_group_given_wrongly(table, tmp_path):
 def test_all_problems_in_one_go_and_no_output_touched(table, executable, tmp_path):
     """One wrong value for each variable of a group, in all groups: as many messages, sorted by line."""
     lines = []
-    for group in ("train", "shaft", "mesh", "shaft", "response", "integration", "attractors", "stability_map", "run_up", "output"):
+    analyses = ("response", "integration", "attractors", "stability_map", "run_up", "locus")
+    for group in ("train", "shaft", "mesh", "shaft", *analyses, "output"):
         lines.append(f"&{group}")
         for variable in table:
             if variable.group == group:
@@ -251,6 +253,9 @@ def call(group, name, value):
         return train.stability_map(**{**given, name: value})
     if group == "run_up":
         return train.run_up(**{"start": 0.2, "stop": 0.3, "duration": 0.1, name: value})
+    if group == "locus":
+        given = {"near": 0.46, "parameter": "input_torque", "start": 100.0, "stop": 200.0}
+        return train.namelist(response={"start": 0.2, "stop": 0.3}, locus={**given, name: value})
     return train.attractors(**{"frequency": 0.6, "starts": 1, name: value})
 
 
@@ -301,7 +306,7 @@ def test_all_problems_of_a_call_in_one_go():
     # What was given, though wrongly, is not said to be lacking.
     assert not re.search("lacks (input_torque|driving_radius)|&shaft 1: lacks", str(caught.value))
     with pytest.raises(gt.InputError) as caught:
-        paper_train().response(start="x", stop=-1.0, harmonics=1.5, step=0.0, stability=3)
+        paper_train().response(start="x", stop="y", harmonics=1.5, step=0.0, stability=3)
     assert len(str(caught.value).splitlines()) == 5
 
 

@@ -62,7 +62,7 @@ def test_the_slope_is_the_derivative(pair):
 
 
 def test_doubled_and_refined(pair):
-    branch = pair.continuation(parameter="stiffness_variation", start=0.2, stop=0.5, frequency=1.9, harmonics=9, period_doublings=1)
+    branch = pair.continuation(parameter="stiffness_variation", start=0.1, stop=0.5, frequency=1.9, harmonics=9, period_doublings=1)
     doubling = next(special for special in branch.special_points if special.kind == "period doubling")
     (twice,) = branch.branches
     assert twice.subharmonic == 2 and twice.parameter_name == "stiffness_variation"

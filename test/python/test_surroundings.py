@@ -2,6 +2,7 @@
 
 import dataclasses
 import itertools
+import shutil
 import subprocess
 import sys
 import time
@@ -215,3 +216,14 @@ def test_messages_show_no_more_than_helps(train):
     with pytest.raises(gt.InputError) as told:
         train.response(start="x" * 10**6, stop=1.0)
     assert len(str(told.value)) < 300
+
+
+@pytest.mark.skipif(shutil.which("gfortran") is None, reason="no gfortran")
+@pytest.mark.parametrize("flags, safe", [("-O0", True), ("-O3", True), ("-Ofast", False), ("-O2 -ffinite-math-only", False)])
+def test_a_library_that_cannot_tell_nan_knows_it(flags, safe, tmp_path):
+    """What the check of every train asks, compiled with flags that are refused, and with others."""
+    (tmp_path / "asks.f90").write_text(
+        "program asks\nuse geartrain_base_arithmetic, only: tells_nan\nprint '(l1)', tells_nan()\nend program asks\n")
+    sources = [ROOT / "src" / "geartrain" / "base" / f"{name}.f90" for name in ("kinds", "arithmetic")]
+    subprocess.run(["gfortran", *flags.split(), *sources, "asks.f90", "-o", "asks"], cwd=tmp_path, check=True)
+    assert subprocess.run(["./asks"], cwd=tmp_path, capture_output=True, text=True, check=True).stdout.strip() == "FT"[safe]

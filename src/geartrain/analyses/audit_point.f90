@@ -10,13 +10,15 @@ module geartrain_analyses_audit_point
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_continuation_branch, only: branch_type, coefficients_of
+   use geartrain_continuation_exact_search, only: guess_from_point, neighbours
    use geartrain_continuation_orbit_corrector, only: orbit_corrector_type, orbit_test_type, orbit_type, resolution
+   use geartrain_continuation_orbit_tests, only: fold_test_type
    use geartrain_continuation_waveform_error, only: harmonics_told, rounding_of, waveform_error
    use geartrain_floquet_multipliers, only: is_neutral, is_stable
    use geartrain_flow_orbit, only: measure
    implicit none (type, external)
    private
-   public :: audit_point, fold_test_type, guess_from_point, neighbours
+   public :: audit_point
 
    !> An orbit is another motion if its relative distance is more than `another` times the estimate and more than `far`.
    real(dp), parameter :: another = 10, far = 1
@@ -34,12 +36,6 @@ module geartrain_analyses_audit_point
       procedure :: value => value_of_reach
    end type reach_test_type
 
-   !> Test function: the part of Lambda in the unit tangent, which changes sign at a fold.
-   type, extends(orbit_test_type) :: fold_test_type
-   contains
-      procedure :: value => value_of_fold
-   end type fold_test_type
-
 contains
 
    pure real(dp) function value_of_reach(self, orbit) result(value)
@@ -48,13 +44,6 @@ contains
 
       value = orbit%frequency_ratio - self%frequency_ratio
    end function value_of_reach
-
-   pure real(dp) function value_of_fold(self, orbit) result(value)
-      class(fold_test_type), intent(in) :: self
-      type(orbit_type), intent(in) :: orbit
-
-      value = orbit%tangent_frequency
-   end function value_of_fold
 
    !> Fills in the row of a point: estimate, error, stability and what is wrong.
    subroutine audit_point(corrector, branch, row)
@@ -240,40 +229,5 @@ contains
       if (row%finding /= '') row%finding = trim(row%finding)//', '//what
       if (row%finding == '') row%finding = what
    end subroutine tell
-
-   !> First guess of an orbit from a point of the branch.
-   subroutine guess_from_point(corrector, branch, i, orbit)
-      !> The corrector of the exact branch.
-      type(orbit_corrector_type), intent(inout) :: corrector
-      !> The branch.
-      type(branch_type), intent(in) :: branch
-      !> Index of the point.
-      integer, intent(in) :: i
-      !> The guess.
-      type(orbit_type), intent(out) :: orbit
-      type(motion_type) :: motion
-
-      motion%frequency_ratio = branch%frequency_ratio(i)
-      motion%period = branch%subharmonic
-      motion%coefficients = coefficients_of(branch, i)
-      call corrector%first_guess(motion, orbit)
-   end subroutine guess_from_point
-
-   !> Indices of the points before and after a point; at an end of a segment the index of the point itself.
-   pure function neighbours(branch, i) result(ends)
-      !> The branch.
-      type(branch_type), intent(in) :: branch
-      !> Index of the point.
-      integer, intent(in) :: i
-      integer :: ends(2)
-
-      ends = i
-      if (i > 1) then
-         if (branch%segment(i - 1) == branch%segment(i)) ends(1) = i - 1
-      end if
-      if (i < branch%points) then
-         if (branch%segment(i + 1) == branch%segment(i)) ends(2) = i + 1
-      end if
-   end function neighbours
 
 end module geartrain_analyses_audit_point

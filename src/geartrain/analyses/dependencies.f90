@@ -12,6 +12,7 @@ module geartrain_analyses_dependencies
    use geartrain_continuation_bifurcations, only: follow_bifurcations
    use geartrain_continuation_branch, only: branch_type
    use geartrain_continuation_contact_edges, only: locate_contact_edges
+   use geartrain_continuation_exact_point, only: refine_special_points
    use geartrain_continuation_refinement, only: refine_branch
    use geartrain_continuation_variables, only: settings_for
    use geartrain_model_frequency_unit, only: lambda_per
@@ -24,13 +25,20 @@ module geartrain_analyses_dependencies
 contains
 
    !> Checks the groups of a case against one another.
-   subroutine check_agreement(case, checker)
+   subroutine check_agreement(case, seeded, checker)
       !> The case.
       type(case_type), intent(in) :: case
+      !> Whether an analysis may start from a given motion.
+      logical, intent(in) :: seeded
       !> Collects the problems.
       class(checker_type), intent(inout) :: checker
       real(dp) :: low, high, at, factor
 
+      if (allocated(case%locus) .and. .not. (seeded .or. allocated(case%response))) then
+         call checker%enter('locus', 1)
+         call checker%complain('near', real_text(case%locus%near), 'needs &response, which has the special point')
+         call checker%leave()
+      end if
       if (.not. allocated(case%attractors)) return
       if (.not. case%attractors%follow .or. checker%problems%in_group('response')) return
       call checker%enter('attractors', 1)
@@ -152,12 +160,14 @@ contains
       call refine_branch(case%train, results%response, error, observer)
       if (allocated(error)) return
       whole = is_refined(results%response)
+      if (whole) call refine_special_points(case%train, results%response)
       if (.not. allocated(results%branches)) return
       do i = 1, size(results%branches)
          if (.not. whole) return
          call refine_branch(case%train, results%branches(i), error, observer)
          if (allocated(error)) return
          whole = is_refined(results%branches(i))
+         if (whole) call refine_special_points(case%train, results%branches(i))
       end do
    end subroutine refine_branches
 

@@ -8,12 +8,14 @@ module geartrain_analyses_list
    use geartrain_analyses_bifurcation_diagram, only: bifurcation_diagram_analysis_type, bifurcation_diagram_row, &
       bifurcation_diagram_settings_type, bifurcation_diagram_type
    use geartrain_analyses_integration, only: integration_analysis_type, integration_row, sweep_type
+   use geartrain_analyses_locus, only: locus_analysis_type, locus_row, locus_settings_type
    use geartrain_analyses_modes, only: modes_analysis_type, modes_row
    use geartrain_analyses_response, only: response_analysis_type, response_row
    use geartrain_analyses_run_up, only: run_up_analysis_type, run_up_row, run_up_settings_type
    use geartrain_analyses_stability_grid, only: stability_map_settings_type, stability_map_type
    use geartrain_analyses_stability_map, only: stability_map_analysis_type, stability_map_row
    use geartrain_continuation_branch, only: branch_type, response_settings_type
+   use geartrain_continuation_locus_result, only: locus_type
    use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_flow_run_up, only: run_up_type
    use geartrain_model_modes, only: modes_type
@@ -24,7 +26,7 @@ module geartrain_analyses_list
 
    !> The analyses in the order in which they stand in a case file, run and are written.
    type(group_row_type), parameter :: analyses(*) = [modes_row, response_row, integration_row, attractors_row, basins_row, &
-                                                     bifurcation_diagram_row, stability_map_row, run_up_row]
+                                                     bifurcation_diagram_row, stability_map_row, run_up_row, locus_row]
 
    !> A case: a train and the analyses that one namelist file asks for.
    type :: case_type
@@ -40,6 +42,7 @@ module geartrain_analyses_list
       type(bifurcation_diagram_settings_type), allocatable :: bifurcation_diagram
       type(stability_map_settings_type), allocatable :: stability_map
       type(run_up_settings_type), allocatable :: run_up
+      type(locus_settings_type), allocatable :: locus
       !> Name of the results file as given in &output; empty: name of the case with .h5.
       character(:), allocatable :: output_file
    end type case_type
@@ -55,6 +58,7 @@ module geartrain_analyses_list
       type(bifurcation_diagram_type), allocatable :: bifurcation_diagram
       type(stability_map_type), allocatable :: stability_map
       type(run_up_type), allocatable :: run_up
+      type(locus_type), allocatable :: locus
       !> Further branches, each with its origin: branches that bifurcate from the response, then branches through attractors.
       type(branch_type), allocatable :: branches(:)
    end type results_type
@@ -84,6 +88,7 @@ contains
       type(bifurcation_diagram_analysis_type) :: bifurcation_diagram
       type(stability_map_analysis_type) :: stability_map
       type(run_up_analysis_type) :: run_up
+      type(locus_analysis_type) :: locus
 
       asks = .false.
       if (present(ask)) asks = ask
@@ -153,6 +158,18 @@ contains
          if (run_up%asked) run_up%settings => case%run_up
          if (run_up%begun) run_up%result => results%run_up
          allocate (analysis, source=run_up)
+      case ('locus')
+         if (asks .and. .not. allocated(case%locus)) allocate (case%locus)
+         if (begins .and. .not. allocated(results%locus)) allocate (results%locus)
+         locus%asked = allocated(case%locus)
+         locus%begun = allocated(results%locus)
+         if (locus%asked) locus%settings => case%locus
+         if (locus%begun) locus%result => results%locus
+         if (allocated(case%response) .and. allocated(results%response)) then
+            locus%response => results%response
+            locus%response_settings => case%response
+         end if
+         allocate (analysis, source=locus)
       end select
    end subroutine find_analysis
 
@@ -177,6 +194,7 @@ contains
             if (name == 'bifurcation_diagram') call move_alloc(nothing%bifurcation_diagram, case%bifurcation_diagram)
             if (name == 'stability_map') call move_alloc(nothing%stability_map, case%stability_map)
             if (name == 'run_up') call move_alloc(nothing%run_up, case%run_up)
+            if (name == 'locus') call move_alloc(nothing%locus, case%locus)
          end if
          if (present(results)) then
             if (name == 'modes') call move_alloc(none%modes, results%modes)
@@ -187,6 +205,7 @@ contains
             if (name == 'bifurcation_diagram') call move_alloc(none%bifurcation_diagram, results%bifurcation_diagram)
             if (name == 'stability_map') call move_alloc(none%stability_map, results%stability_map)
             if (name == 'run_up') call move_alloc(none%run_up, results%run_up)
+            if (name == 'locus') call move_alloc(none%locus, results%locus)
          end if
       end associate
    end subroutine leave_out

@@ -11,7 +11,7 @@ module geartrain_balance_error_estimate
    use geartrain_model_receptance, only: find_receptance, linear_displacements, receptance_type
    implicit none (type, external)
    private
-   public :: error_estimate_type, find_error_estimate, harmonics_for
+   public :: error_estimate_type, find_error_estimate, harmonics_for, resonance_ratio
 
    !> The estimate is doubtful beyond these values: 2 bend y/slope**2 (1: the fold lies at Lambda of the point); relative error;
    !> distance of an extreme from a wall below this share of the error [1].
@@ -24,13 +24,16 @@ module geartrain_balance_error_estimate
    !> those near a natural frequency: within these ratios to a natural frequency of the train in contact, which separation lowers.
    integer, parameter :: near = 3, far = 8
    real(dp), parameter :: lowest_resonance = 0.7_dp, highest_resonance = 1.15_dp
+   !> Natural frequencies nearer to each other than this ratio have a range of harmonics near them in common.
+   real(dp), parameter :: resonance_ratio = highest_resonance/lowest_resonance
    !> Relative accuracy of iterative solutions for the estimate [1].
    real(dp), parameter :: accuracy = 1e-3_dp
 
    type :: error_estimate_type
-      !> Natural frequencies of the train in contact over characteristic frequency [1], (mode); set by the caller before
+      !> Ranges of natural frequencies of the train in contact over characteristic frequency [1], the lowest and the highest one of
+      !> each, (2, range), neighbours in a range by at most `resonance_ratio` apart; set by the caller before
       !> `find_error_estimate`; not allocated: no harmonics near natural frequencies are added to the tail.
-      real(dp), allocatable :: natural_frequency(:)
+      real(dp), allocatable :: resonance(:, :)
       !> Relative error of the waveform [1], to first order: difference from the exact motion at equal Lambda or, where the exact
       !> branch turns before this Lambda, from the motion at its fold.
       real(dp) :: relative = 0
@@ -171,7 +174,7 @@ contains
       type(balance_type), intent(in) :: balance
       real(dp), intent(in) :: frequency_ratio
       logical :: taken(far*balance%highest)
-      real(dp) :: r
+      real(dp) :: r(2)
       integer :: k, step, least
 
       self%count = 0
@@ -186,11 +189,11 @@ contains
       taken = .false.
       taken(balance%missing) = .true.
       taken(pack(balance%left_out, balance%left_out <= size(taken))) = .true.
-      if (allocated(self%natural_frequency)) then
-         do k = 1, size(self%natural_frequency)
-            r = self%natural_frequency(k)*balance%eta/frequency_ratio
-            least = int(min(lowest_resonance*r, real(size(taken), dp))) + 1
-            taken(max(least, near*balance%highest + 1):int(min(highest_resonance*r, real(size(taken), dp)))) = .true.
+      if (allocated(self%resonance)) then
+         do k = 1, size(self%resonance, 2)
+            r = self%resonance(:, k)*balance%eta/frequency_ratio
+            least = int(min(lowest_resonance*r(1), real(size(taken), dp))) + 1
+            taken(max(least, near*balance%highest + 1):int(min(highest_resonance*r(2), real(size(taken), dp)))) = .true.
          end do
       end if
       do k = step, size(taken), step

@@ -3,13 +3,13 @@
 module geartrain_continuation_adaptive_corrector
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_chosen_harmonics, only: fewest_harmonics, most_harmonics
-   use geartrain_balance_error_estimate, only: find_error_estimate, harmonics_for, error_estimate_type
+   use geartrain_balance_error_estimate, only: error_estimate_type, find_error_estimate, harmonics_for, resonance_ratio
    use geartrain_balance_harmonic_set, only: next_set
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: response_settings_type
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
    use geartrain_linalg_trigonometric, only: transform_length
-   use geartrain_model_modes, only: natural_frequencies
+   use geartrain_model_modes, only: natural_frequency_ranges
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
@@ -81,7 +81,7 @@ contains
       if (self%estimated == self%corrector%evaluations) return
       self%estimated = self%corrector%evaluations
       associate (c => self%corrector, s => solution)
-         if (c%balance%varies) self%estimate%natural_frequency = natural_frequencies(c%balance%system)
+         if (c%balance%varies) self%estimate%resonance = natural_frequency_ranges(c%balance%system, resonance_ratio)
          if (self%settings%coefficients == 'sampled') then
             call self%exact%evaluate(s%u, s%frequency_ratio)
             call find_error_estimate(self%exact, s%u, self%exact%frequency_ratio, s%tangent, s%tangent_frequency, self%curvature, &

@@ -56,7 +56,8 @@ module geartrain_continuation_branch
    !> A fold or a bifurcation on the branch.
    type :: special_point_type
       !> 'fold', 'period doubling', 'neimark-sacker' (a pair of multipliers leaves the unit circle) or 'branch point' (another
-      !> branch of the same period crosses; a multiplier passes +1 without a fold).
+      !> branch of the same period crosses; a multiplier passes +1 without a fold); of a contact onset 'separation' (a mesh begins
+      !> or ceases to separate) or 'back contact' (its back flanks begin or cease to touch).
       character(16) :: kind = ''
       !> Lambda [1].
       real(dp) :: frequency_ratio = 0
@@ -64,6 +65,8 @@ module geartrain_continuation_branch
       integer :: point = 0
       !> Root mean square displacement over characteristic length [1], (mesh).
       real(dp), allocatable :: rms(:)
+      !> Of a contact onset the number of the mesh.
+      integer :: mesh = 0
    end type special_point_type
 
    !> Where a mesh begins or ceases to separate, or its back flanks to collide.

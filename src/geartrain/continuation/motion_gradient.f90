@@ -134,28 +134,30 @@ contains
 
       excites_others = .false.
       do j = 1, size(rate%torque)
-         call look(rate%torque(j), balance%system%torque(j))
+         excites_others = excites_others .or. excites(rate%torque(j), balance%system%torque(j))
       end do
       do j = 1, balance%system%meshes
-         call look(rate%transmission_error(j), balance%system%transmission_error(j))
-         if (rate%law_changes(j)) call look(rate%law(j)%variation(), balance%system%law(j)%variation())
+         excites_others = excites_others .or. excites(rate%transmission_error(j), balance%system%transmission_error(j))
+         if (rate%law_changes(j)) &
+            excites_others = excites_others .or. excites(rate%law(j)%variation(), balance%system%law(j)%variation())
       end do
 
    contains
 
-      pure subroutine look(series, known)
+      pure logical function excites(series, known)
          type(series_type), intent(in) :: series, known
          integer :: h, r
 
+         excites = .false.
          do h = 1, size(series%amplitude)
             r = h*series%order*balance%eta
             if (.not. abs(series%amplitude(h)) > 0 .or. r > balance%highest) cycle
             if (h <= size(known%amplitude)) then
                if (abs(known%amplitude(h)) > 0) cycle
             end if
-            if (.not. any(balance%harmonic == r)) excites_others = .true.
+            if (.not. any(balance%harmonic == r)) excites = .true.
          end do
-      end subroutine look
+      end function excites
 
    end function excites_others
 

@@ -3,6 +3,7 @@ module geartrain_continuation_orbit_corrector
    use geartrain_balance_motion, only: motion_type
    use geartrain_balance_repetition, only: divide_orders, take_one
    use geartrain_base_kinds, only: dp
+   use geartrain_continuation_contact_ranges, only: depth_below
    use geartrain_continuation_units, only: units_of, units_type
    use geartrain_floquet_multipliers, only: eigenvalues, power
    use geartrain_flow_multiple_shooting, only: find_orbit_in_sections, most_parts, section_states
@@ -32,6 +33,8 @@ module geartrain_continuation_orbit_corrector
       real(dp), allocatable :: tangent(:, :)
       !> Multipliers over the whole period, largest magnitude first, (state).
       complex(dp), allocatable :: multipliers(:)
+      !> Distance of the displacement of the watched mesh from the contact that is watched, negative with this contact [1].
+      real(dp) :: depth = 0
    end type orbit_type
 
    type :: orbit_corrector_type
@@ -41,6 +44,9 @@ module geartrain_continuation_orbit_corrector
       integer :: period = 1
       !> Number of repetitions of a motion within the period: an orbit is one repetition, at `times` the Lambda of the branch.
       integer :: times = 1
+      !> Number of the mesh whose contact is watched, 0: none; whether its back flanks are, else its separation.
+      integer :: watched_mesh = 0
+      logical :: watches_back = .false.
       !> Units of the metric.
       type(units_type) :: units
       !> Sections for shooting at constant Lambda, and for shooting along the branch.
@@ -164,6 +170,7 @@ contains
       !> Newton's method has converged.
       logical, intent(out) :: success
       real(dp) :: tangent(size(orbit%states, 1), size(orbit%states, 2)), tangent_frequency, length, last
+      real(dp) :: smallest, largest
 
       call find_orbit_in_sections(self%moving, orbit%frequency_ratio, orbit%states, last, success, self%weight*orbit%tangent, &
                       orbit%tangent_frequency/self%units%frequency_ratio**2, tangent, tangent_frequency)
@@ -172,6 +179,9 @@ contains
       orbit%tangent = tangent/length
       orbit%tangent_frequency = tangent_frequency/length
       call self%find_multipliers(self%moving, orbit)
+      if (self%watched_mesh == 0) return
+      call self%moving%extremes(orbit%frequency_ratio, orbit%states, self%watched_mesh, smallest, largest)
+      orbit%depth = depth_below(smallest, largest, self%system%half_backlash(self%watched_mesh), self%watches_back)
    end subroutine correct
 
    subroutine find_multipliers(self, sections, orbit)

@@ -25,8 +25,9 @@ module geartrain_continuation_refinement
 contains
 
    !> Replaces every point by the orbit near it, accurate to about 1e-11, and sets branch%correction to the change of each waveform.
-   !> Lambda and the special points stay as they are. A point near which shooting finds no orbit stays as it is, with a negative
-   !> correction; this happens next to a fold, because the fold of the exact branch lies elsewhere.
+   !> Lambda and the special points stay as they are; `refine_special_points` replaces the latter. A point near which shooting finds
+   !> no orbit stays as it is, with a negative correction; this happens next to a fold, because the fold of the exact branch lies
+   !> elsewhere.
    subroutine refine_branch(train, branch, error, observer)
       !> The train as described.
       type(train_type), intent(in) :: train

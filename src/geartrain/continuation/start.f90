@@ -1,6 +1,7 @@
 !> Where a branch begins: a tracer for a train, and solution points to start it from.
 module geartrain_continuation_start
    use geartrain_balance_chosen_harmonics, only: first_harmonics
+   use geartrain_balance_error_estimate, only: resonance_ratio
    use geartrain_balance_harmonic_set, only: first_set, has_sparse_motions
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_error, only: error_type
@@ -10,7 +11,7 @@ module geartrain_continuation_start
    use geartrain_continuation_tracer, only: tracer_type
    use geartrain_continuation_units, only: largest_unit, length_unit_of, units_of
    use geartrain_model_frequency_unit, only: lambda_per
-   use geartrain_model_modes, only: natural_frequencies
+   use geartrain_model_modes, only: natural_frequency_ranges
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -74,7 +75,7 @@ contains
       else
          tracer%amplitude_limit = linear_amplitude_limit*largest
       end if
-      tracer%estimate%natural_frequency = natural_frequencies(tracer%system)
+      tracer%estimate%resonance = natural_frequency_ranges(tracer%system, resonance_ratio)
       tracer%chooses_sets = settings%harmonics == 0 .and. has_sparse_motions(tracer%system, settings%subharmonic)
       if (tracer%chooses_sets) then
          set = first_set(tracer%system)

@@ -5,6 +5,7 @@ module geartrain_floquet_leading_multipliers
    use geartrain_floquet_motion_contacts, only: motion_contacts_type
    use geartrain_floquet_vector_propagator, only: vector_propagator_type
    use geartrain_linalg_arnoldi, only: arnoldi_type
+   use geartrain_model_alike, only: most_alike
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
@@ -17,10 +18,13 @@ module geartrain_floquet_leading_multipliers
    !> Vectors that are carried together: a larger block makes a larger space, but finds more copies of a multiplier.
    integer, parameter :: two = 2, four = 4
    !> The space begins with vectors that have been carried over so many periods times the root of the states: what dies out
-   !> needs no dimension. Less often where their length grows or falls by more than this: the smaller multipliers would drown.
+   !> needs no dimension; four vectors half as often. Less often where their length grows or falls by more than this: the smaller
+   !> multipliers would drown.
    real(dp), parameter :: periods = 1, largest_change = 1e3_dp
    !> First look at the residuals, in dimensions over the root of the states, with two vectors and with four. Copies show earlier.
-   real(dp), parameter :: first_look(2) = [2.5_dp, 4.5_dp]
+   real(dp), parameter :: first_look(2) = [3.5_dp, 4.5_dp]
+   !> Largest dimension for the next look over that of the latest: a look costs as much as some products.
+   real(dp), parameter :: largest_growth = 1.5_dp
    !> Relative distance of multipliers that may be copies of each other, as of equal branches.
    real(dp), parameter :: equal = 1e-6_dp
    !> Largest difference that steps of half the length may make to the leading vector; how often steps are tried.
@@ -33,6 +37,8 @@ module geartrain_floquet_leading_multipliers
       type(vector_propagator_type) :: propagator
       type(arnoldi_type) :: space
       integer :: states = 0
+      !> Whether so many elements lie alike that two vectors would not find every copy of a multiplier.
+      logical :: branches = .false.
       !> Time over which vectors are carried; contact events in order of time, the mesh and the contact after each, (event).
       real(dp) :: period = 0
       real(dp), allocatable :: instant(:)
@@ -56,6 +62,7 @@ contains
 
       self%states = 2*system%coordinates
       call self%propagator%setup(system)
+      self%branches = most_alike(system) > two
       allocate (self%first_contact(system%meshes), self%now(system%meshes))
    end subroutine setup
 
@@ -85,7 +92,8 @@ contains
       do i = 1, motion%unknowns
          self%first_contact(motion%mesh(i)) = motion%contact(i)%first_contact
       end do
-      call self%find_with(two, frequency_ratio, values, success)
+      success = .false.
+      if (.not. self%branches) call self%find_with(two, frequency_ratio, values, success)
       if (.not. success) call self%find_with(four, frequency_ratio, values, success)
    end subroutine find
 
@@ -142,7 +150,7 @@ contains
       call self%space%latest(products)
       least = huge(1.0_dp)
       greatest = 0
-      do i = 1, nint(periods*sqrt(real(self%states, dp)))
+      do i = 1, nint(periods*two/block*sqrt(real(self%states, dp)))
          if (self%propagator%system%interrupt%raised()) return
          vectors = products
          call self%carry(vectors, products)
@@ -161,7 +169,7 @@ contains
       real(dp) :: growth
 
       growth = (log(0.1_dp*residual_limit)/min(log(residual), -0.5_dp))**(1/3.0_dp)
-      check = block*ceiling(dimension*max(1.05_dp, min(2.2_dp, growth))/block)
+      check = block*ceiling(dimension*max(1.05_dp, min(largest_growth, growth))/block)
    end function next_check
 
    !> How often the multiplier that is there most often is among them.

@@ -7,7 +7,7 @@
 module geartrain_floquet_step_rule
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_chebyshev_exponential, only: chebyshev_exponential_type
-   use geartrain_model_spectrum, only: eigenvalues_of
+   use geartrain_model_spectrum, only: largest_eigenvalue
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
@@ -76,17 +76,6 @@ contains
       call self%motion%setup([(longest*i/16, i=1, 16)], aspect, tolerance)
       call self%kappa%setup([(0.05_dp*1.5_dp**i, i=0, 11)], 0.0_dp, tolerance)
    end subroutine put_system
-
-   !> Largest eigenvalue of W diag(factor).
-   real(dp) function largest_eigenvalue(system, factor) result(largest)
-      type(system_type), intent(in) :: system
-      real(dp), intent(in) :: factor(:)
-      real(dp) :: values(system%coordinates)
-      integer :: info
-
-      call eigenvalues_of(system, factor, values, info)
-      largest = maxval(values)
-   end function largest_eigenvalue
 
    !> Prepares for steps at `frequency_ratio`, which are shortened by `refinement`.
    subroutine put_frequency(self, frequency_ratio, refinement)

@@ -364,21 +364,22 @@ contains
       class(flow_type), intent(in) :: self
 
       h = huge(1.0_dp)
-      call limit(1, 1, self%smallest)
-      if (self%columns > 1) call limit(2, self%columns, sqrt(tiny(1.0_dp)))
+      call limit(1, 1, self%smallest, h)
+      if (self%columns > 1) call limit(2, self%columns, sqrt(tiny(1.0_dp)), h)
 
    contains
 
-      pure subroutine limit(from, to, floor_)
+      pure subroutine limit(from, to, floor_, step)
          integer, intent(in) :: from, to
          real(dp), intent(in) :: floor_
+         real(dp), intent(inout) :: step
          real(dp) :: size_, last
          integer :: k
 
          size_ = max(maxval(abs(self%x(from:to, :))), floor_)
          do k = self%order - 1, self%order
             last = max(maxval(abs(self%p(from:to, :, k))), maxval(abs(self%v(from:to, :, k))))
-            if (last > 0) h = min(h, (self%tolerance*size_/last)**(1.0_dp/k))
+            if (last > 0) step = min(step, (self%tolerance*size_/last)**(1.0_dp/k))
          end do
       end subroutine limit
 

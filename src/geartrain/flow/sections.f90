@@ -8,6 +8,7 @@ module geartrain_flow_sections
    use geartrain_base_kinds, only: dp, pi
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_orbit, only: flow_order, flow_tolerance
+   use geartrain_linalg_bracket, only: between, shrink
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
@@ -16,6 +17,8 @@ module geartrain_flow_sections
    !> Relative change of Lambda in the central difference for the drift. Rounding makes a relative error of 1e-6, small enough for
    !> Newton steps.
    real(dp), parameter :: difference = 1e-7_dp
+   !> Pieces of a step in each of which a mesh velocity has at most one zero; most steps towards it.
+   integer, parameter :: pieces = 8, max_steps = 60
 
    type :: sections_type
       !> Period of the orbit [periods of the fundamental]; sections of the period.
@@ -27,13 +30,24 @@ module geartrain_flow_sections
       real(dp), allocatable :: transfer(:, :, :), drift(:, :), missed(:, :)
       !> Transfer over all sections [1], (state, state).
       real(dp), allocatable :: monodromy(:, :)
-      !> Flow with tangents; flow of a state alone.
-      type(flow_type), private :: flow, single
+      !> Where a parameter of the train is variable, derivatives of state k with respect to it [1/unit of the parameter],
+      !> (state, 2:sections + 1).
+      real(dp), allocatable :: parameter_drift(:, :)
+      !> Contact events of the latest flight; smallest mesh speed at one of them [1].
+      integer :: events = 0
+      real(dp) :: slowest_event = huge(1.0_dp)
+      !> Flow with tangents; flow of a state alone; of the trains with a smaller and a larger value of the parameter.
+      type(flow_type), private :: flow, single, below, above
+      !> Difference of the parameter between these two trains [unit of the parameter].
+      real(dp), private :: apart = 0
    contains
       procedure :: setup
       procedure :: fly
       procedure :: guess
       procedure :: step_at
+      procedure :: extremes
+      procedure :: vary
+      procedure :: carry_vectors
       procedure :: interrupted
    end type sections_type
 
@@ -57,13 +71,27 @@ contains
       ! The state and its tangents; for several sections the accumulated gap; for variable Lambda the drift.
       if (self%sections > 1) columns = columns + 1
       if (moves) columns = columns + 1
+      if (self%apart > 0) columns = columns + 1
       associate (n => system%states, m => self%sections)
          if (allocated(self%transfer)) deallocate (self%transfer, self%drift, self%missed, self%monodromy)
          allocate (self%transfer(n, n, 2:m), self%drift(n, 2:m + 1), self%missed(n, 2:m + 1), self%monodromy(n, n))
          call self%flow%setup(system, columns, flow_order, flow_tolerance)
       end associate
-      if (columns > system%states + 1) call self%single%setup(system, 1, flow_order, flow_tolerance)
+      call self%single%setup(system, 1, flow_order, flow_tolerance)
    end subroutine setup
+
+   !> Makes a parameter of the train variable; before `setup`.
+   subroutine vary(self, below, above, apart)
+      class(sections_type), intent(inout) :: self
+      !> The trains with a smaller and a larger value of the parameter.
+      type(system_type), intent(in) :: below, above
+      !> Difference of these values [unit of the parameter].
+      real(dp), intent(in) :: apart
+
+      self%apart = apart
+      call self%below%setup(below, 1, flow_order, flow_tolerance)
+      call self%above%setup(above, 1, flow_order, flow_tolerance)
+   end subroutine vary
 
    !> Carries the first state to the beginnings of the other sections.
    subroutine guess(self, frequency_ratio, states)
@@ -96,7 +124,13 @@ contains
       end do
       self%drift = 0
       self%missed = 0
-      associate (last => self%flow%columns)
+      self%events = 0
+      self%slowest_event = huge(1.0_dp)
+      if (self%apart > 0) then
+         if (allocated(self%parameter_drift)) deallocate (self%parameter_drift)
+         allocate (self%parameter_drift(n, 2:self%sections + 1))
+      end if
+      associate (last => self%flow%columns - merge(1, 0, self%apart > 0))
          do k = 1, self%sections
             if (k > 1) self%transfer(:, :, k) = transpose(self%flow%x(2:n + 1, :))
             self%flow%x(1, :) = states(:, k)
@@ -107,6 +141,18 @@ contains
                gap = self%flow%x(n + 2, :)
             end if
             self%missed(:, k + 1) = gap
+            self%events = self%events + self%flow%events
+            self%slowest_event = min(self%slowest_event, self%flow%slowest_event)
+            if (self%apart > 0) then
+               ahead = states(:, k)
+               call carry(self%above, k, parts, frequency_ratio, ahead)
+               behind = states(:, k)
+               call carry(self%below, k, parts, frequency_ratio, behind)
+               associate (column => self%flow%x(self%flow%columns, :))
+                  column = column + (ahead - behind)/self%apart
+                  self%parameter_drift(:, k + 1) = column
+               end associate
+            end if
             if (.not. self%moves) cycle
             ahead = states(:, k)
             call carry(self%single, k, parts, (1 + difference)*frequency_ratio, ahead)
@@ -127,17 +173,111 @@ contains
    end function interrupted
 
    !> Change of state k [1], (state), without the gap missed(k).
-   pure function step_at(self, k, first, frequency_ratio) result(step)
+   pure function step_at(self, k, first, frequency_ratio, parameter) result(step)
       class(sections_type), intent(in) :: self
       !> Number of the section, from 1.
       integer, intent(in) :: k
       !> Changes of the first state [1], (state), and of Lambda [1].
       real(dp), intent(in) :: first(:), frequency_ratio
+      !> Change of the variable parameter of the train [unit of the parameter].
+      real(dp), intent(in), optional :: parameter
       real(dp) :: step(size(first))
 
       step = first
-      if (k > 1) step = matmul(self%transfer(:, :, k), first) + frequency_ratio*self%drift(:, k)
+      if (k == 1) return
+      step = matmul(self%transfer(:, :, k), first) + frequency_ratio*self%drift(:, k)
+      if (present(parameter)) step = step + parameter*self%parameter_drift(:, k)
    end function step_at
+
+   !> Carries tangents over the period of an orbit: the product of the monodromy matrix with vectors, quicker than the matrix.
+   subroutine carry_vectors(self, frequency_ratio, states, vectors)
+      class(sections_type), intent(inout) :: self
+      !> Lambda [1]; states at the beginnings of the sections [1], (state, section).
+      real(dp), intent(in) :: frequency_ratio, states(:, :)
+      !> Tangents at the beginning, then at the end of the period [1], (state, vector).
+      real(dp), intent(inout) :: vectors(:, :)
+      type(flow_type) :: few
+      integer :: k
+
+      call few%setup(self%single%system, 1 + size(vectors, 2), flow_order, flow_tolerance)
+      few%x(2:, :) = transpose(vectors)
+      do k = 1, self%sections
+         few%x(1, :) = states(:, k)
+         call fly_section(few, k, self%sections/self%period, frequency_ratio)
+      end do
+      vectors = transpose(few%x(2:, :))
+   end subroutine carry_vectors
+
+   !> Extremes of the displacement of a mesh over the period.
+   subroutine extremes(self, frequency_ratio, states, mesh, smallest, largest)
+      class(sections_type), intent(inout) :: self
+      !> Lambda [1]; states at the beginnings of the sections [1], (state, section).
+      real(dp), intent(in) :: frequency_ratio, states(:, :)
+      !> Number of the mesh.
+      integer, intent(in) :: mesh
+      !> Smallest and largest displacement over b_c [1].
+      real(dp), intent(out) :: smallest, largest
+      real(dp) :: end_time
+      integer :: k, part, parts
+
+      smallest = huge(1.0_dp)
+      largest = -smallest
+      parts = self%sections/self%period
+      do k = 1, self%sections
+         part = mod(k - 1, parts)
+         self%single%x(1, :) = states(:, k)
+         call self%single%start(frequency_ratio, 2*pi/frequency_ratio*part/parts)
+         end_time = 2*pi/frequency_ratio*(part + 1)/parts
+         do while (self%single%time < end_time)
+            if (self%interrupted()) return
+            call self%single%step(end_time)
+            call extremes_of_step(self%single, mesh, smallest, largest)
+         end do
+      end do
+   end subroutine extremes
+
+   !> Takes the displacement of a mesh over the latest step into its extremes.
+   subroutine extremes_of_step(flow, mesh, smallest, largest)
+      type(flow_type), intent(in) :: flow
+      integer, intent(in) :: mesh
+      real(dp), intent(inout) :: smallest, largest
+      real(dp) :: a, b, fa, fb, f, t, before, v
+      integer :: i, k, kept
+
+      before = flow%velocity(mesh, 0.0_dp)
+      call take(0.0_dp)
+      do i = 1, pieces
+         b = i*flow%length/pieces
+         v = flow%velocity(mesh, b)
+         call take(b)
+         if (before*v < 0) then
+            a = b - flow%length/pieces
+            fa = before
+            fb = v
+            kept = 0
+            do k = 1, max_steps
+               t = between(a, b, fa, fb)
+               f = flow%velocity(mesh, t)
+               call shrink(a, b, fa, fb, t, f, kept)
+               if (b - a < 1e-9_dp*flow%length .or. abs(f) < 1e-10_dp*abs(before - v)) exit
+            end do
+            call take(t)
+         end if
+         before = v
+      end do
+
+   contains
+
+      subroutine take(time)
+         real(dp), intent(in) :: time
+
+         associate (p => flow%displacement(mesh, time))
+            smallest = min(smallest, p)
+            largest = max(largest, p)
+         end associate
+      end subroutine take
+
+   end subroutine extremes_of_step
 
    !> Carries a state over section k.
    subroutine carry(flow, k, parts, frequency_ratio, state)

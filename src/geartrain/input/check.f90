@@ -32,7 +32,7 @@ contains
    subroutine check_analyses(case, seeded, checker)
       !> The case.
       type(case_type), intent(in), target :: case
-      !> Whether the response may start from a given motion.
+      !> Whether an analysis may start from a given motion.
       logical, intent(in) :: seeded
       !> Collects the problems.
       class(checker_type), intent(inout) :: checker
@@ -44,7 +44,7 @@ contains
          call find_analysis(i, case, none, analysis)
          if (analysis%asked) call analysis%check(case%train, seeded, checker)
       end do
-      call check_agreement(case, checker)
+      call check_agreement(case, seeded, checker)
    end subroutine check_analyses
 
 end module geartrain_input_check

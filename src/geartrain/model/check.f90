@@ -1,5 +1,6 @@
 !> Checks of a train: every value is in its range, and no values contradict each other.
 module geartrain_model_check
+   use geartrain_base_arithmetic, only: tells_nan
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
@@ -42,6 +43,8 @@ contains
       type(train_type) :: plain
       integer :: shafts, meshes, i
 
+      if (.not. tells_nan()) call checker%problems%add('geartrain was compiled with -Ofast, -ffast-math or -ffinite-math-only, &
+         &and cannot tell NaN from numbers: its results would be worth nothing; compile it without', 'train', 1, names_group=.true.)
       call check_drawing(train, checker)
       call plain_train(train, plain)
       shafts = 0

@@ -8,12 +8,12 @@ module geartrain_model_modes
    use geartrain_model_check, only: check_train
    use geartrain_model_labels, only: body_labels, label_length, mesh_labels, shaft_labels
    use geartrain_model_network, only: network_type
-   use geartrain_model_spectrum, only: eigenvalues_of
+   use geartrain_model_spectrum, only: eigenvalue_ranges, eigenvalues_of
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: modes_type, natural_modes, natural_frequencies, stiffness_at_rest
+   public :: modes_type, natural_modes, natural_frequency_ranges, stiffness_at_rest
 
    type :: modes_type
       !> Undamped natural frequencies over characteristic frequency [1], ascending, without the rigid-body mode, (mode).
@@ -63,25 +63,25 @@ contains
       type(system_type), intent(in) :: system
       type(modes_type), intent(inout) :: modes
       character(label_length) :: shafts(size(train%shafts)), meshes(size(train%meshes))
+      integer, allocatable :: shown(:)
       integer :: i
 
       shafts = shaft_labels(train)
       meshes = mesh_labels(train)
       modes%body = body_labels(train)
-      associate (shown => elastic(system))
-         allocate (modes%element(size(shown)), modes%element_label(size(shown)))
-         do i = 1, size(shown)
-            associate (shaft => system%element_shaft(shown(i)), mesh => system%element_mesh(shown(i)))
-               if (mesh > 0) then
-                  write (modes%element(i), '(a, i0)') 'mesh ', mesh
-                  modes%element_label(i) = meshes(mesh)
-               else
-                  write (modes%element(i), '(a, i0)') 'shaft ', shaft
-                  modes%element_label(i) = shafts(shaft)
-               end if
-            end associate
-         end do
-      end associate
+      shown = elastic(system)
+      allocate (modes%element(size(shown)), modes%element_label(size(shown)))
+      do i = 1, size(shown)
+         associate (shaft => system%element_shaft(shown(i)), mesh => system%element_mesh(shown(i)))
+            if (mesh > 0) then
+               write (modes%element(i), '(a, i0)') 'mesh ', mesh
+               modes%element_label(i) = meshes(mesh)
+            else
+               write (modes%element(i), '(a, i0)') 'shaft ', shaft
+               modes%element_label(i) = shafts(shaft)
+            end if
+         end associate
+      end do
    end subroutine name_elements
 
    !> Numbers of the elastic elements in the order of the case: shaft 1, mesh 1, shaft 2, ...
@@ -94,18 +94,17 @@ contains
       shown = shown(ascending(max(2*system%element_shaft(shown) - 1, 2*system%element_mesh(shown))*1.0_dp))
    end function elastic
 
-   !> Natural frequencies over characteristic frequency [1], ascending; empty where LAPACK does not converge.
-   pure function natural_frequencies(system) result(frequency)
+   !> Ranges that hold all natural frequencies: the lowest and the highest one of each range over characteristic frequency [1], (2,
+   !> range). Within a range each natural frequency is at most `ratio` times the next lower one.
+   pure function natural_frequency_ranges(system, ratio) result(ranges)
       !> The train.
       type(system_type), intent(in) :: system
-      real(dp), allocatable :: frequency(:)
-      integer :: info
+      !> Ratio > 1 [1].
+      real(dp), intent(in) :: ratio
+      real(dp), allocatable :: ranges(:, :)
 
-      allocate (frequency(system%displacements))
-      call eigenvalues_of(system, stiffness_at_rest(system), frequency, info)
-      frequency = sqrt(max(frequency, 0.0_dp))
-      if (info /= 0) frequency = [real(dp) ::]
-   end function natural_frequencies
+      ranges = sqrt(eigenvalue_ranges(system, stiffness_at_rest(system), ratio**2))
+   end function natural_frequency_ranges
 
    subroutine undamped(system, modes, info)
       type(system_type), intent(in) :: system

@@ -88,27 +88,67 @@ contains
       class(part_type), intent(in) :: self
       !> Frequency > 0 [rad/s].
       real(dp), intent(in) :: omega
-      !> Displacement over force [m/N], and its derivative with respect to omega [m s/(N rad)], (port, port).
-      complex(dp), intent(out) :: alpha(:, :), d_alpha(:, :)
-      type(part_state_type) :: state
-      complex(dp) :: x(size(self%mass), size(self%at)), changed(size(self%mass)), difference(self%graph%slots)
+      !> Displacement over force [m/N], (port, port).
+      complex(dp), intent(out) :: alpha(:, :)
+      !> Derivative of `alpha` with respect to omega [m s/(N rad)], (port, port).
+      complex(dp), intent(out), optional :: d_alpha(:, :)
+      complex(dp) :: spring(self%graph%slots), ground(size(self%mass)), inverse(size(self%mass)), &
+                     x(size(self%at), size(self%mass)), difference(size(self%at))
+      integer :: j, k, s
+
+      call eliminate(self, omega, spring, ground, inverse)
+      x = 0
+      do j = 1, size(self%at)
+         x(j, self%at(j)) = 1
+      end do
+      associate (graph => self%graph)
+         do k = 1, graph%nodes
+            associate (i => graph%order(k))
+               do s = graph%first(k), graph%first(k + 1) - 1
+                  x(:, graph%later(s)) = x(:, graph%later(s)) + (spring(s)*inverse(i))*x(:, i)
+               end do
+            end associate
+         end do
+         do k = graph%nodes, 1, -1
+            associate (i => graph%order(k))
+               do s = graph%first(k), graph%first(k + 1) - 1
+                  x(:, i) = x(:, i) + spring(s)*x(:, graph%later(s))
+               end do
+               x(:, i) = inverse(i)*x(:, i)
+            end associate
+         end do
+         do j = 1, size(self%at)
+            alpha(:, j) = x(:, self%at(j))
+         end do
+         if (.not. present(d_alpha)) return
+         ! X^T Z X' = -X^T Z' X, Z being symmetric.
+         d_alpha = 0
+         do k = 1, graph%nodes
+            associate (i => graph%order(k))
+               call subtract(cmplx(-2*omega*self%mass(i), self%drag(i), dp), x(:, i), d_alpha)
+               do s = graph%first(k), graph%first(k + 1) - 1
+                  difference = x(:, i) - x(:, graph%later(s))
+                  call subtract(cmplx(0, self%damping(s), dp), difference, d_alpha)
+               end do
+            end associate
+         end do
+      end associate
+   end subroutine receptance
+
+   !> a := a - factor y y^T.
+   pure subroutine subtract(factor, y, a)
+      complex(dp), intent(in) :: factor, y(:)
+      complex(dp), intent(inout) :: a(:, :)
+      complex(dp) :: product
       integer :: i, j
 
-      call self%factor(omega, state)
-      do j = 1, size(self%at)
-         x(:, j) = 0
-         x(self%at(j), j) = 1
-         call self%solve(state, x(:, j), difference)
-         alpha(:, j) = x(self%at, j)
-      end do
-      ! X^T Z X' = -X^T Z' X, Z being symmetric.
-      do j = 1, size(self%at)
-         changed = self%derivative(omega, x(:, j))
-         do i = 1, size(self%at)
-            d_alpha(i, j) = -sum(x(:, i)*changed)
+      do j = 1, size(y)
+         product = factor*y(j)
+         do i = 1, size(y)
+            a(i, j) = a(i, j) - product*y(i)
          end do
       end do
-   end subroutine receptance
+   end subroutine subtract
 
    !> Receptance in closed form of a part of one mass, or of two masses on a spring, without damping to ground.
    pure subroutine receptance_of_two(self, omega, alpha, d_alpha)
@@ -153,33 +193,42 @@ contains
       real(dp), intent(in) :: omega
       !> The factors.
       type(part_state_type), intent(out) :: state
+
+      state%omega = omega
+      allocate (state%spring(self%graph%slots), state%ground(size(self%mass)), state%inverse(size(self%mass)))
+      call eliminate(self, omega, state%spring, state%ground, state%inverse)
+   end subroutine factor
+
+   !> Springs when the first of their masses is eliminated, springs to ground and inverse pivots, as `part_state_type` has them.
+   pure subroutine eliminate(self, omega, spring, ground, inverse)
+      type(part_type), intent(in) :: self
+      real(dp), intent(in) :: omega
+      complex(dp), intent(out) :: spring(:), ground(:), inverse(:)
       complex(dp) :: share
       integer :: i, k, n, s, t, slot
 
-      state%omega = omega
-      state%spring = cmplx(self%stiffness, omega*self%damping, dp)
-      state%ground = cmplx(-omega**2*self%mass, omega*self%drag, dp)
-      allocate (state%inverse(size(self%mass)))
+      spring = cmplx(self%stiffness, omega*self%damping, dp)
+      ground = cmplx(-omega**2*self%mass, omega*self%drag, dp)
       associate (graph => self%graph)
          do k = 1, graph%nodes
             i = graph%order(k)
             associate (first => graph%first(k), last => graph%first(k + 1) - 1)
-               state%inverse(i) = 1/(state%ground(i) + sum(state%spring(first:last)))
+               inverse(i) = 1/(ground(i) + sum(spring(first:last)))
                n = graph%update(k)
                do s = first, last
-                  share = state%spring(s)*state%inverse(i)
-                  state%ground(graph%later(s)) = state%ground(graph%later(s)) + share*state%ground(i)
+                  share = spring(s)*inverse(i)
+                  ground(graph%later(s)) = ground(graph%later(s)) + share*ground(i)
                   do t = first, s - 1
                      slot = graph%target(n + t - first + 1) - graph%nodes
                      if (slot > graph%slots) slot = slot - graph%slots
-                     state%spring(slot) = state%spring(slot) + share*state%spring(t)
+                     spring(slot) = spring(slot) + share*spring(t)
                   end do
                   n = n + last - first + 1
                end do
             end associate
          end do
       end associate
-   end subroutine factor
+   end subroutine eliminate
 
    !> Solves for displacements, and for the differences of displacements by their own recurrence: a difference of two displacements
    !> would cancel on a stiff spring.

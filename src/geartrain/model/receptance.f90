@@ -50,7 +50,7 @@ contains
             associate (part => cut%part(p))
                if (size(part%at) == 0) cycle
                if (size(part%mass) > 2 .or. part%dragged) then
-                  call add_part(part, omega, d_omega, r)
+                  call add_part(part, omega, d_omega, wanted, r)
                else
                   if (wanted) then
                      call part%receptance_of_two(omega, alpha, d_alpha)
@@ -85,19 +85,24 @@ contains
    end subroutine add_two
 
    !> Adds the receptance of a part without closed form.
-   pure subroutine add_part(part, omega, d_omega, r)
+   pure subroutine add_part(part, omega, d_omega, wanted, r)
       type(part_type), intent(in) :: part
       real(dp), intent(in) :: omega, d_omega
+      logical, intent(in) :: wanted
       type(receptance_type), intent(inout) :: r
       complex(dp), dimension(size(part%at), size(part%at)) :: alpha, d_alpha
       integer :: i, j
 
-      call part%receptance(omega, alpha, d_alpha)
+      if (wanted) then
+         call part%receptance(omega, alpha, d_alpha)
+      else
+         call part%receptance(omega, alpha)
+      end if
       do j = 1, size(part%at)
          do i = 1, size(part%at)
             associate (entry => part%entry(i, j))
                r%h(entry) = r%h(entry) + part%gain(i, j)*alpha(i, j)
-               r%dh(entry) = r%dh(entry) + (part%gain(i, j)*d_omega)*d_alpha(i, j)
+               if (wanted) r%dh(entry) = r%dh(entry) + (part%gain(i, j)*d_omega)*d_alpha(i, j)
             end associate
          end do
       end do

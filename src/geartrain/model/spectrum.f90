@@ -1,12 +1,30 @@
 !> Eigenvalues of W diag(factor), which the roots of stiffness and factor transform to a symmetric matrix, banded since the elements
 !> are numbered along the train. Each element that closes a loop or has factor 0 adds an eigenvalue 0.
+!>
+!> Where not every eigenvalue is needed, they are counted: the eigenvalues above x are as many as the positive pivots of K - x I on
+!> the nodes of the train, K with the stiffness of each element times its factor (Sylvester's law of inertia). On a tree a count
+!> costs the number of nodes.
 module geartrain_model_spectrum
    use geartrain_base_kinds, only: dp
+   use geartrain_linalg_graph, only: graph_type
    use geartrain_linalg_lapack, only: dsbev
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: eigenvalues_of
+   public :: eigenvalues_of, eigenvalue_ranges, largest_eigenvalue
+
+   !> Eigenvalues below this share of the largest diagonal element are 0 but for rounding.
+   real(dp), parameter :: nothing = 1e-14_dp
+
+   !> K and I on the nodes of a train.
+   type :: pencil_type
+      !> Nodes joined by elements.
+      type(graph_type) :: graph
+      !> K over the square of the characteristic frequency [kg m^2], (entry of the graph); inertia [kg m^2], (node).
+      real(dp), allocatable :: stiffness(:), inertia(:)
+      !> A number that no eigenvalue exceeds; one below which they are 0 but for rounding.
+      real(dp) :: highest = 0, lowest = 0
+   end type pencil_type
 
 contains
 
@@ -54,5 +72,129 @@ contains
       end if
       values = value(below + 1:)
    end subroutine eigenvalues_of
+
+   !> The largest eigenvalue [1].
+   pure real(dp) function largest_eigenvalue(system, factor)
+      !> The train.
+      type(system_type), intent(in) :: system
+      !> Factors >= 0 of the elements, (element).
+      real(dp), intent(in) :: factor(:)
+      type(pencil_type) :: pencil
+
+      largest_eigenvalue = 0
+      if (.not. any(factor > 0)) return
+      call make_pencil(system, factor, pencil)
+      largest_eigenvalue = place(pencil, 1, pencil%lowest, pencil%highest)
+   end function largest_eigenvalue
+
+   !> Ranges that hold all eigenvalues > 0: the lowest and the highest eigenvalue of each range [1], (2, range). Within a range each
+   !> eigenvalue is at most `ratio` times the next lower one.
+   pure function eigenvalue_ranges(system, factor, ratio) result(ranges)
+      !> The train.
+      type(system_type), intent(in) :: system
+      !> Factors >= 0 of the elements, (element); ratio > 1 [1].
+      real(dp), intent(in) :: factor(:), ratio
+      real(dp), allocatable :: ranges(:, :)
+      type(pencil_type) :: pencil
+      real(dp) :: below, bottom, top
+      integer :: all, found, n
+
+      allocate (ranges(2, 0))
+      if (.not. any(factor > 0)) return
+      call make_pencil(system, factor, pencil)
+      all = count_above(pencil, pencil%lowest)
+      found = 0
+      bottom = pencil%highest
+      do while (found < all)
+         top = place(pencil, found + 1, pencil%lowest, bottom)
+         bottom = top
+         found = found + 1
+         do
+            below = max(bottom/ratio, pencil%lowest)
+            n = count_above(pencil, below)
+            if (n <= found) exit
+            bottom = place(pencil, n, below, bottom)
+            found = n
+         end do
+         ranges = reshape([ranges, bottom, top], [2, size(ranges, 2) + 1])
+      end do
+   end function eigenvalue_ranges
+
+   pure subroutine make_pencil(system, factor, pencil)
+      type(system_type), intent(in) :: system
+      real(dp), intent(in) :: factor(:)
+      type(pencil_type), intent(out) :: pencil
+      real(dp) :: weight
+      integer :: n, slot
+
+      associate (elements => system%network%elements)
+         pencil%inertia = system%network%inertia
+         call pencil%graph%setup(size(pencil%inertia), reshape([(elements(n)%from, elements(n)%to, n=1, size(elements))], &
+                                                               [2, size(elements)]))
+         allocate (pencil%stiffness(pencil%graph%entries), source=0.0_dp)
+         do n = 1, size(elements)
+            weight = factor(n)*system%stiffness(n)/system%characteristic_frequency**2
+            associate (from => elements(n)%from, to => elements(n)%to, radius => elements(n)%radius, k => pencil%stiffness)
+               k(from) = k(from) + weight*radius(1)**2
+               if (from == to) cycle
+               k(to) = k(to) + weight*radius(2)**2
+               slot = pencil%graph%entry_of(from, to)
+               if (slot > pencil%graph%nodes + pencil%graph%slots) slot = slot - pencil%graph%slots
+               k(slot) = k(slot) - weight*radius(1)*radius(2)
+            end associate
+         end do
+      end associate
+      ! The trace of a matrix without negative eigenvalues, and room for its rounding.
+      pencil%highest = 2*sum(system%own*factor)
+      pencil%lowest = nothing*maxval(system%own*factor)
+   end subroutine make_pencil
+
+   !> Number of eigenvalues above x.
+   pure integer function count_above(pencil, x)
+      type(pencil_type), intent(in) :: pencil
+      real(dp), intent(in) :: x
+      real(dp) :: a(pencil%graph%entries), share
+      integer :: i, k, n, s, t
+
+      a = pencil%stiffness
+      count_above = 0
+      associate (graph => pencil%graph, upper => pencil%graph%nodes, lower => pencil%graph%nodes + pencil%graph%slots)
+         do k = 1, graph%nodes
+            i = graph%order(k)
+            a(i) = a(i) - x*pencil%inertia(i)
+            ! A pivot of 0 counts as a small negative one.
+            if (.not. abs(a(i)) > 0) a(i) = -epsilon(x)*x*pencil%inertia(i)
+            if (a(i) > 0) count_above = count_above + 1
+            n = graph%update(k)
+            do s = graph%first(k), graph%first(k + 1) - 1
+               share = a(upper + s)/a(i)
+               do t = graph%first(k), graph%first(k + 1) - 1
+                  n = n + 1
+                  if (graph%target(n) <= lower) a(graph%target(n)) = a(graph%target(n)) - share*a(upper + t)
+               end do
+            end do
+         end do
+      end associate
+   end function count_above
+
+   !> The n-th largest eigenvalue, which lies between two numbers, by bisection.
+   pure real(dp) function place(pencil, n, from, to)
+      type(pencil_type), intent(in) :: pencil
+      integer, intent(in) :: n
+      real(dp), intent(in) :: from, to
+      real(dp) :: above, middle
+
+      place = from
+      above = to
+      do
+         middle = sqrt(place)*sqrt(above)
+         if (.not. (middle > place*(1 + epsilon(middle)) .and. middle < above*(1 - epsilon(middle)))) return
+         if (count_above(pencil, middle) >= n) then
+            place = middle
+         else
+            above = middle
+         end if
+      end do
+   end function place
 
 end module geartrain_model_spectrum

@@ -297,23 +297,23 @@ contains
 
       common_order = 0
       do j = 1, size(system%torque)
-         call add(system%torque(j))
+         call add(system%torque(j), common_order)
       end do
       do j = 1, system%meshes
-         call add(system%law(j)%variation())
-         call add(system%transmission_error(j))
+         call add(system%law(j)%variation(), common_order)
+         call add(system%transmission_error(j), common_order)
       end do
       if (common_order == 0) common_order = 1
 
    contains
 
-      pure subroutine add(series)
+      pure subroutine add(series, divisor)
          type(series_type), intent(in) :: series
+         integer, intent(inout) :: divisor
          integer :: h
 
          do h = 1, size(series%amplitude)
-            if (abs(series%amplitude(h)) > 0) &
-               common_order = int(greatest_divisor(int(common_order, int64), int(h*series%order, int64)))
+            if (abs(series%amplitude(h)) > 0) divisor = int(greatest_divisor(int(divisor, int64), int(h*series%order, int64)))
          end do
       end subroutine add
 

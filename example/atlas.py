@@ -1,0 +1,140 @@
+"""Atlas of the paper's train: python example/atlas.py [FOLDER] [--check]
+
+Curves of all special points of the motions of period 1 and 2 of figure 3's train, over Lambda and the stiffness variation, the torque
+and the backlash, drawn over the number of stable motions. --check compares the regions with random starts at 100 places, chosen by
+a random number generator before anything was computed. Takes about an hour on one core; pictures go to FOLDER (docs).
+"""
+
+import sys
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.colors import ListedColormap
+
+import geartrain as gt
+
+ROOT = Path(__file__).resolve().parents[1]
+RANGES = {"stiffness_variation": (0.02, 0.5), "input_torque": (20.0, 300.0), "mesh * half_backlash": (3e-6, 60e-6)}
+LABELS = {"stiffness_variation": "kappa, both meshes", "input_torque": "Torque [N m]", "mesh * half_backlash": "Half backlash [m], both meshes"}
+LAMBDA = (0.3, 2.6)
+NAMES = ("no stable one", "1", "2", "3 or more", "1 of period 2", "1 and 1 of period 2", "more")
+COLOURS = ("#dddddd", "#ffffff", "#cfe3f5", "#7fb2dd", "#fde3b5", "#f9c26b", "#c9a0c9")
+STYLES = {"fold": ("C0", "-"), "period doubling": ("C3", "-"), "neimark-sacker": ("C4", "-"), "separation": ("C2", ":"),
+          "back contact": ("C5", "--")}
+
+
+def branches_of(train):
+    """The response and its branches of period 2, fine enough that folds and doublings are where the exact ones are to plotting accuracy."""
+    response = train.response(start=LAMBDA[0], stop=LAMBDA[1], harmonics=12, period_doublings=1)
+    return [response, *(branch for branch in response.branches if branch.subharmonic == 2)]
+
+
+def crossings(locus, value):
+    """Lambda at which a curve has a value of its parameter."""
+    below, above = locus.parameter[:-1] - value, locus.parameter[1:] - value
+    at = np.flatnonzero(below * above <= 0)
+    share = np.clip(below[at] / np.where(below[at] == above[at], 1, below[at] - above[at]), 0, 1)
+    return locus.frequency[at] + share * (locus.frequency[at + 1] - locus.frequency[at])
+
+
+def curves_of(train, parameter, slices):
+    """Curves of all special points and onsets that responses at some values of the parameter have, each once."""
+    start, stop = RANGES[parameter]
+    found = []
+    for value in slices:
+        other = train.with_values({parameter: value})
+        for branch in branches_of(other):
+            for special in [*branch.special_points, *branch.onsets]:
+                if special.kind not in STYLES:
+                    continue
+                known = (crossings(curve, value) for curve in found
+                         if (curve.kind, curve.mesh, curve.period) == (special.kind, special.mesh or 0, branch.subharmonic))
+                if any((np.abs(at - special.frequency) < 2e-3).any() for at in known):
+                    continue
+                try:
+                    curve = other.locus(special, parameter=parameter, start=start, stop=stop)
+                except gt.SolverError as error:
+                    print(f"  {special.kind} at {special.frequency:.4f}, {parameter} = {value:g}: {error}", flush=True)
+                    continue
+                print(f"  {curve!r}", flush=True)
+                found.append(curve)
+    return found
+
+
+def stable_motions(branches, frequency):
+    """Numbers of stable motions of period 1 and 2 at each frequency, (2, frequencies)."""
+    number = np.zeros((2, len(frequency)), int)
+    for branch in branches:
+        at, stable = branch.frequency, branch.stable
+        for first, second, both in zip(at[:-1], at[1:], stable[:-1] & stable[1:]):
+            if both:
+                number[branch.subharmonic - 1] += (min(first, second) <= frequency) & (frequency < max(first, second))
+    return number
+
+
+def kind_of(number):
+    """Which of NAMES a pair of numbers is."""
+    one, two = number
+    if two == 0:
+        return min(one, 3)
+    return 4 if (one, two) == (0, 1) else 5 if (one, two) == (1, 1) else 6
+
+
+def draw(train, parameter, path):
+    start, stop = RANGES[parameter]
+    values = np.linspace(start, stop, 49)
+    frequency = np.linspace(*LAMBDA, 461)
+    kinds = np.array([[kind_of(pair) for pair in stable_motions(branches_of(train.with_values({parameter: value})), frequency).T]
+                      for value in values])
+    _, ax = plt.subplots(figsize=(9, 6), layout="constrained")
+    ax.imshow(kinds, origin="lower", aspect="auto", extent=(*LAMBDA, start, stop), cmap=ListedColormap(COLOURS), vmin=-0.5, vmax=6.5,
+              interpolation="nearest")
+    told = set()
+    for curve in curves_of(train, parameter, np.linspace(start, stop, 9)[1:]):
+        colour, line = STYLES[curve.kind]
+        label = f"{curve.kind}{', period 2' if curve.period == 2 else ''}"
+        ax.plot(curve.frequency, curve.parameter, line, color=colour, lw=1.6 if curve.period == 1 else 0.8, label=None if label in told else label)
+        told.add(label)
+        for point in curve.special_points:
+            if point.kind not in ("grazing", "grazing on a fold", "grazing on a doubling"):
+                ax.plot(point.frequency, point.parameter, "k.", ms=5)
+                ax.annotate(point.kind, (point.frequency, point.parameter), xytext=(4, 3), textcoords="offset points", fontsize=7)
+    for kind in np.unique(kinds):
+        ax.fill_between([], [], color=COLOURS[kind], ec="#888888", label=f"stable: {NAMES[kind]}")
+    own = {"stiffness_variation": 0.3, "input_torque": 150.0, "mesh * half_backlash": 30e-6}[parameter]
+    ax.axhline(own, color="k", lw=0.5)
+    ax.set(xlim=LAMBDA, ylim=(start, stop), xlabel="Lambda", ylabel=LABELS[parameter])
+    ax.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    plt.savefig(path, dpi=130)
+    plt.close()
+    print(f"Written: {path}", flush=True)
+
+
+def check(train, places=100):
+    """Random starts at places chosen before: how often they find the stable motions that the responses have."""
+    rng = np.random.default_rng(2026)
+    low, high = RANGES["stiffness_variation"]
+    agree = 0
+    for frequency, value in zip(rng.uniform(*LAMBDA, places), rng.uniform(low, high, places)):
+        other = train.with_values({"stiffness_variation": value})
+        expected = stable_motions(branches_of(other), np.array([frequency]))[:, 0].tolist()
+        periods = [motion.period for motion in other.attractors(frequency, starts=60) if not motion.unbounded]
+        starts = [periods.count(1), periods.count(2)]
+        more = sorted(period for period in periods if period not in (1, 2))
+        agree += starts == expected
+        if starts != expected or more:
+            print(f"  Lambda {frequency:.4f}, kappa {value:.4f}: stable of periods 1 and 2 {expected}, by random starts {starts}, "
+                  f"other periods {more}", flush=True)
+    print(f"{agree} of {places} places agree", flush=True)
+
+
+if __name__ == "__main__":
+    gt.plot_style()
+    folder = Path(next((argument for argument in sys.argv[1:] if not argument.startswith("-")), ROOT / "docs"))
+    folder.mkdir(parents=True, exist_ok=True)
+    paper = gt.read_case(ROOT / "namelists" / "fig03.nml").train
+    if "--check" in sys.argv:
+        check(paper)
+    for name in RANGES:
+        draw(paper, name, folder / f"atlas_{name.split()[-1]}.png")

@@ -1,0 +1,454 @@
+// The view of response curves.
+
+function responseView(panel) {
+  const names = Object.keys(data.quantities).filter((name) => main.series.some((series) => series.values[name]));
+  const [quantityLabel] = choice(
+    "quantity",
+    names.map((name) => [name, name.replace(/_/g, " ")]),
+    state.quantity,
+    (name) => {
+      const along = data.quantities[state.quantity].along;
+      state.quantity = name;
+      if (data.quantities[name].along !== along) state.part = "all";
+      fillParts();
+      draw(true);
+    },
+  );
+  const [partLabel, parts] = choice("of", [], "all", (part) => {
+    state.part = part;
+    if (part !== "all" && data.quantities[state.quantity].along === "mesh") state.mesh = Number(part);
+    draw(true);
+  });
+  function fillParts() {
+    const along = data.quantities[state.quantity].along;
+    parts.replaceChildren(
+      make("option", { value: "all" }, along === "mesh" ? "all meshes" : "all shafts"),
+      ...partsOf(main).map((name, place) => make("option", { value: place }, name)),
+    );
+    parts.value = state.part;
+  }
+  fillParts();
+  const there = new Set(files.flatMap((file) => file.series.map((series) => series.kind)));
+  const switches = [
+    ...Object.entries(KINDS).filter(([kind]) => there.has(kind)),
+    ...(main.series.some((s) => s.kind === "response" && s.jumps.length) ? [["jumps", "jumps"]] : []),
+    ...(main.series.some((s) => s.specials.length) ? [["specials", "special points"]] : []),
+    ...(main.series.some((s) => s.ranges.length || s.bands.length) ? [["ranges", "ranges"]] : []),
+    ...(files.length > 1 ? [["compare", `compared: ${files[1].name || files[1].title || "second file"}`]] : []),
+  ];
+  const boxes = switches.map(([what, words]) => {
+    const box = make("input", {
+      type: "checkbox",
+      id: `show-${what}`,
+      checked: true,
+      onchange: () => {
+        state.off[box.checked ? "delete" : "add"](what);
+        draw(true);
+      },
+    });
+    return make("label", {}, box, words);
+  });
+  const plot = make("div", {
+    id: "curve",
+    class: "plot",
+    tabindex: 0,
+    role: "application",
+    "aria-describedby": "keys",
+    "aria-label": "Response curves. Arrow keys left and right go along the branch, up and down to the next one.",
+  });
+  const key = make("ul", { class: "key", id: "key", "aria-label": "Key" });
+  const [facts, histories, planes] = pointPanels();
+  const curves = make(
+    "div",
+    { class: "curves" },
+    key,
+    plot,
+    make(
+      "p",
+      { class: "note", id: "keys" },
+      "Click a point, or give the picture the focus: left and right arrow go along the " +
+        "branch (with Shift by ten points), Home and End to its ends, up and down to the next branch.",
+    ),
+  );
+  panel.append(
+    make("div", { class: "controls" }, unitChoice("response"), quantityLabel, partLabel),
+    make("div", { class: "controls" }, make("fieldset", {}, make("legend", {}, "show"), ...boxes)),
+    make(
+      "div",
+      { class: "columns" },
+      make("div", { class: "column" }, curves, histories),
+      make("div", { class: "column" }, facts, planes),
+    ),
+  );
+  plot.addEventListener("keydown", moveKeys);
+  let drawn = false;
+  function draw(again) {
+    if (drawn && !again && drawn === state.unit) {
+      Plotly.Plots.resize(plot);
+      return;
+    }
+    drawn = state.unit;
+    drawCurves(plot, key);
+    const first = main.series.find((series) => series.count);
+    if (!state.chosen && first) choose(first, ...largest(first));
+    else drawPoint();
+  }
+  return draw;
+}
+
+/** The point and the mesh of the largest rms of a stable motion, with which the page begins. */
+function largest(series) {
+  const rms = series.values.rms,
+    width = rms.shape[1];
+  let best = -1;
+  for (let i = 0; i < rms.length; i++) {
+    const verdict = !series.stable || series.stable[Math.floor(i / width)] === 1;
+    if (verdict && Number.isFinite(rms[i]) && (best < 0 || rms[i] > rms[best])) best = i;
+  }
+  best = Math.max(best, 0);
+  return [Math.floor(best / width), best % width];
+}
+
+/** Pieces of one stability, each up to the first point of the next piece of the same segment. */
+function pieces(series) {
+  const found = [];
+  let first = 0;
+  for (let i = 1; i <= series.count; i++) {
+    const torn = i === series.count || (series.segment && series.segment[i] !== series.segment[i - 1]);
+    if (torn || (series.stable && series.stable[i] !== series.stable[i - 1])) {
+      found.push([first, torn ? i : i + 1, !series.stable || series.stable[first] === 1]);
+      first = i;
+    }
+  }
+  return found;
+}
+
+const code = (series, point) => series.place * 1e7 + point;
+const decode = (file, number) => [files[file].series[Math.floor(number / 1e7)], number % 1e7];
+
+function curveTraces() {
+  const traces = [];
+  for (const number of files.length > 1 && isOn("compare") ? [1, 0] : [0]) {
+    const file = files[number],
+      pale = number === 1;
+    for (const kind of Object.keys(KINDS)) {
+      const members = file.series.filter((series) => series.kind === kind && isOn(kind) && series.values[state.quantity]);
+      if (!members.length) continue;
+      for (const column of columnsShown(file)) {
+        const color = COLORS[column % COLORS.length],
+          name = safe(partsOf(file)[column]);
+        const told = `${pale ? `${safe(file.name || file.title)}, ` : ""}${name}`;
+        if (isBranch(members[0])) {
+          for (const stable of [true, false]) {
+            const x = [],
+              y = [],
+              own = [];
+            for (const series of members) {
+              const values = series.values[state.quantity],
+                width = values.shape[1];
+              for (const [from, to, verdict] of pieces(series)) {
+                if (verdict !== stable) continue;
+                for (let i = from; i < to; i++) {
+                  x.push(series.across[i] * acrossFactor(file));
+                  y.push(values[i * width + column]);
+                  own.push(code(series, i));
+                }
+                x.push(null);
+                y.push(null);
+                own.push(null);
+              }
+            }
+            if (!x.length) continue;
+            const words = members[0].stable ? (stable ? "stable" : "unstable") : "";
+            traces.push({
+              type: "scatter",
+              mode: "lines",
+              x,
+              y,
+              customdata: own,
+              meta: { file: number, column, kind, stable },
+              line: { color, dash: stable ? "solid" : UNSTABLE, width: (kind === "response" ? 2.2 : 1.3) + (pale ? 5 : 0) },
+              opacity: pale ? 0.3 : 1,
+              connectgaps: false,
+              hovertemplate:
+                `${told}, ${KINDS[kind]}${words && `, ${words}`}<br>` + `%{x:.6g}${acrossSuffix()}: %{y:.5g}<extra></extra>`,
+            });
+          }
+        } else {
+          for (const series of members) {
+            const values = series.values[state.quantity],
+              width = values.shape[1],
+              ways = series.directions;
+            traces.push({
+              type: "scatter",
+              mode: "markers",
+              x: Array.from(series.across, (l) => l * acrossFactor(file)),
+              y: range(series.count).map((i) => values[i * width + column]),
+              customdata: range(series.count).map((i) => code(series, i)),
+              meta: { file: number, column, kind, stable: true },
+              opacity: pale ? 0.4 : 1,
+              marker: {
+                color,
+                size: kind === "attractors" ? 10 : 7,
+                line: { color, width: 1.2 },
+                symbol:
+                  kind === "attractors"
+                    ? "star"
+                    : range(series.count).map((i) => (ways[i] === "down" ? "triangle-down-open" : "triangle-up")),
+              },
+              hovertemplate: `${told}, ${KINDS[kind]}<br>%{x:.6g}${acrossSuffix()}: %{y:.5g}<extra></extra>`,
+            });
+          }
+        }
+      }
+    }
+  }
+  if (isOn("specials")) traces.push(...specialTraces());
+  return traces;
+}
+
+/** Marks of special points: at their own rms; of any other quantity at the value of the point before. */
+function specialTraces() {
+  const marks = {};
+  for (const series of main.series.filter((s) => isOn(s.kind) && s.values[state.quantity])) {
+    for (const special of series.specials) {
+      const mark = (marks[special.kind] ??= { x: [], y: [], own: [] });
+      for (const column of columnsShown(main)) {
+        const factor = state.quantity === "rms" ? 1 : state.quantity === "true_ac_rms" ? Math.SQRT1_2 : 0;
+        mark.x.push(special.at * acrossFactor(main));
+        mark.y.push(factor ? factor * special.rms[column] : valueAt(series, state.quantity, special.point, column));
+        mark.own.push(code(series, special.point));
+      }
+    }
+  }
+  return Object.entries(marks).map(([kind, mark]) => ({
+    type: "scatter",
+    mode: "markers",
+    x: mark.x,
+    y: mark.y,
+    customdata: mark.own,
+    meta: { file: 0, column: null, kind: "specials" },
+    marker: { symbol: SPECIALS[kind] || "star", size: 8, color: "#fff", line: { color: INK, width: 1.6 } },
+    hovertemplate: `${kind}<br>%{x:.6g}${acrossSuffix()}: %{y:.5g}<extra></extra>`,
+  }));
+}
+
+/** Strips above the curves, a row for each mesh: light where the teeth separate, dark where the back flanks collide. */
+function rangeTraces(rows) {
+  const traces = [];
+  for (const what of ["apart", "back"]) {
+    for (const mesh of rows) {
+      const x = [],
+        y = [];
+      for (const series of main.series.filter((s) => s.kind === "response")) {
+        for (const [own, kind, low, high] of series.ranges) {
+          if (own !== mesh || kind !== what) continue;
+          x.push(low * acrossFactor(main), high * acrossFactor(main), null);
+          y.push(rows.indexOf(mesh), rows.indexOf(mesh), null);
+        }
+      }
+      const words = what === "apart" ? "teeth separate" : "back flanks collide";
+      if (x.length) {
+        traces.push({
+          type: "scatter",
+          mode: "lines",
+          x,
+          y,
+          yaxis: "y2",
+          meta: { kind: "ranges" },
+          opacity: what === "apart" ? 0.4 : 1,
+          line: { color: COLORS[mesh % COLORS.length], width: 9 },
+          hovertemplate: `${safe(main.meshes[mesh])}: ${words}, to %{x:.6g}${acrossSuffix()}<extra></extra>`,
+        });
+      }
+    }
+  }
+  return traces;
+}
+
+function drawCurves(plot, key) {
+  const rows =
+    !isOn("ranges") || !isOn("response")
+      ? []
+      : range(main.meshes.length).filter((mesh) =>
+          main.series.some((s) => s.kind === "response" && s.ranges.some((row) => row[0] === mesh)),
+        );
+  const traces = [...curveTraces(), ...rangeTraces(rows)];
+  const top = 1 - Math.min(0.35, 0.035 * rows.length + (rows.length ? 0.02 : 0));
+  const shapes = selectionShapes();
+  const annotations = [];
+  if (isOn("ranges") && isOn("response")) {
+    for (const series of main.series.filter((s) => s.kind === "response")) {
+      for (const [low, high] of series.bands) {
+        shapes.push({
+          type: "rect",
+          xref: "x",
+          yref: "paper",
+          x0: low * acrossFactor(main),
+          x1: high * acrossFactor(main),
+          y0: 0,
+          y1: top,
+          fillcolor: "#999",
+          opacity: 0.15,
+          line: { width: 0 },
+          layer: "below",
+        });
+      }
+    }
+  }
+  if (isOn("jumps")) {
+    for (const series of main.series.filter((s) => s.kind === "response" && isOn(s.kind))) {
+      for (const jump of series.jumps) {
+        const x = jump.at * acrossFactor(main),
+          factor = { rms: 1, true_ac_rms: Math.SQRT1_2 }[state.quantity];
+        let drawn = 0;
+        for (const column of factor ? columnsShown(main) : []) {
+          if (jump.after[column] == null) continue;
+          drawn++;
+          annotations.push({
+            x,
+            y: factor * jump.after[column],
+            ax: x,
+            ay: factor * jump.before[column],
+            axref: "x",
+            ayref: "y",
+            xref: "x",
+            yref: "y",
+            showarrow: true,
+            arrowhead: 2,
+            arrowsize: 1,
+            arrowwidth: 1.3,
+            arrowcolor: "#4a525c",
+            text: "",
+          });
+        }
+        if (!drawn) {
+          shapes.push({
+            type: "line",
+            xref: "x",
+            yref: "paper",
+            x0: x,
+            x1: x,
+            y0: 0,
+            y1: top,
+            line: { color: "#4a525c", width: 1, dash: "dot" },
+          });
+        }
+      }
+    }
+  }
+  const layout = {
+    ...baseLayout(acrossTitle(), quantityTitle(state.quantity)),
+    margin: { l: 68, r: 14, t: 32, b: 48 },
+    shapes,
+    annotations,
+    hovermode: "closest",
+    dragmode: "zoom",
+    uirevision: `${state.unit} ${state.quantity}`,
+    hoverdistance: 30,
+  };
+  layout.yaxis.domain = [0, top];
+  if (data.quantities[state.quantity].unit !== "1") layout.yaxis.exponentformat = "none";
+  layout.yaxis.title.standoff = 8;
+  if (rows.length) {
+    layout.yaxis2 = {
+      domain: [top + 0.015, 1],
+      range: [-0.6, rows.length - 0.4],
+      tickvals: range(rows.length),
+      fixedrange: true,
+      ticktext: rows.map((mesh) => `mesh ${mesh + 1}`),
+      showgrid: false,
+      zeroline: false,
+      tickfont: { size: 11 },
+    };
+  }
+  Plotly.react(plot, traces, layout, CONFIG);
+  if (!plot.hasClick) {
+    plot.hasClick = true;
+    plot.on("plotly_click", (event) => {
+      const { customdata, data: trace } = event.points[0];
+      if (customdata == null || trace.meta?.kind === "ranges") return;
+      const [series, point] = decode(trace.meta.file, customdata);
+      choose(series, point, trace.meta.column ?? state.mesh);
+      plot.focus({ preventScroll: true });
+    });
+  }
+  drawKey(key, traces);
+}
+
+function baseLayout(x, y) {
+  const axis = (text) => ({
+    title: { text, font: { size: 14 } },
+    gridcolor: "#e6e9ed",
+    zeroline: false,
+    linecolor: "#5b636d",
+    showline: true,
+    ticks: "outside",
+    ticklen: 4,
+    tickcolor: "#5b636d",
+    automargin: true,
+    exponentformat: "power",
+  });
+  return {
+    xaxis: axis(x),
+    yaxis: axis(y),
+    showlegend: false,
+    paper_bgcolor: "#fff",
+    plot_bgcolor: "#fff",
+    font: { color: INK, size: 12.5, family: 'system-ui, "Segoe UI", "DejaVu Sans", sans-serif' },
+  };
+}
+
+/** What lines and marks mean, below the controls. */
+function drawKey(key, traces) {
+  const kinds = new Set(traces.map((trace) => trace.meta?.kind)),
+    items = [];
+  const line = (color, dash = "", width = 2.2, opacity = 1) =>
+    `<path d="M1 7H27" stroke="${color}" stroke-width="${width}" stroke-dasharray="${dash}" opacity="${opacity}"/>`;
+  const mark = (path, fill = "#fff") => `<path d="${path}" fill="${fill}" stroke="${INK}" stroke-width="1.4"/>`;
+  for (const column of columnsShown(main)) items.push([line(COLORS[column % COLORS.length]), partsOf(main)[column]]);
+  if (traces.some((trace) => trace.meta?.stable === false)) items.push([line("#4a525c", "5,3"), "unstable"]);
+  if (["cascade", "branch", "island"].some((kind) => kinds.has(kind)))
+    items.push([line("#4a525c", "", 1.2), "further branches"]);
+  if (kinds.has("integration")) {
+    items.push([mark("M9 12L14 3L19 12Z", "#4a525c"), "integration, rising speed"]);
+    if (files.some((file) => file.series.some((s) => s.directions?.includes("down")))) {
+      items.push([mark("M9 3L14 12L19 3Z"), "integration, falling speed"]);
+    }
+  }
+  if (kinds.has("attractors"))
+    items.push([mark("M14 1l2 4 4 .5-3 3 .8 4.3-3.8-2-3.8 2 .8-4.3-3-3 4-.5z", "#4a525c"), "attractors"]);
+  if (isOn("jumps") && main.series.some((s) => s.kind === "response" && isOn(s.kind) && s.jumps.length)) {
+    items.push([mark("M14 12V4M11 6.5L14 3L17 6.5", "none"), "jump of the response (dotted: to another branch or period)"]);
+  }
+  const circle = `<circle cx="14" cy="7" r="4" fill="#fff" stroke="${INK}" stroke-width="1.4"/>`;
+  const signs = {
+    fold: circle,
+    "period doubling": mark("M14 2L19 7L14 12L9 7Z"),
+    "neimark-sacker": mark("M10 3H18V11H10Z"),
+    "branch point": mark("M10 3L18 11M18 3L10 11", "none"),
+  };
+  for (const kind of kinds.has("specials") ? Object.keys(SPECIALS) : []) {
+    if (main.series.some((s) => isOn(s.kind) && s.specials.some((special) => special.kind === kind)))
+      items.push([signs[kind], kind]);
+  }
+  if (kinds.has("ranges")) {
+    const words = main.series.some((s) => s.ofStable) ? " (stable motions)" : "";
+    items.push([line("#4a525c", "", 8, 0.4), `teeth separate${words}`]);
+    if (main.series.some((s) => s.ranges.some((row) => row[1] === "back")))
+      items.push([line("#4a525c", "", 8), `back flanks collide${words}`]);
+  }
+  if (isOn("ranges") && main.series.some((s) => s.kind === "response" && s.bands.length)) {
+    items.push(['<rect x="1" y="1" width="26" height="12" fill="#999" opacity=".3"/>', "no stable motion of this branch"]);
+  }
+  if (files.length > 1 && isOn("compare"))
+    items.push([line("#4a525c", "", 7, 0.3), `compared: ${files[1].name || files[1].title}`]);
+  key.replaceChildren(
+    ...items.map(([drawing, words]) => {
+      const item = make("li");
+      item.innerHTML = `<svg width="28" height="14" aria-hidden="true">${drawing}</svg>`;
+      item.append(words);
+      return item;
+    }),
+  );
+}

@@ -1,0 +1,288 @@
+!> The analysis &locus: the curve of a special point or contact onset over Lambda and a parameter of the train.
+module geartrain_analyses_locus
+   use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_base_carry, only: carry, carry_text
+   use geartrain_base_checker, only: checker_type
+   use geartrain_base_error, only: error_type, fatal, status_ended_early, status_input
+   use geartrain_base_field, only: field => field_type
+   use geartrain_base_fields, only: fields_type, listing, reading
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: text
+   use geartrain_base_observer, only: observer_type
+   use geartrain_base_variable, only: row => variable_type, visitor_type
+   use geartrain_continuation_branch, only: branch_type, response_settings_type, special_point_type
+   use geartrain_continuation_contact_edges, only: locate_contact_edges
+   use geartrain_continuation_exact_point, only: exact_point_type, find_exact_point, onsets_of
+   use geartrain_continuation_locus, only: trace_locus
+   use geartrain_continuation_locus_result, only: double_point_type, locus_type
+   use geartrain_flow_fields, only: about_frequency, about_multipliers
+   use geartrain_model_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: locus_analysis_type, locus_row, locus_settings_type
+
+   type(group_row_type), parameter :: locus_row = group_row_type('locus', &
+      'Asks for the curve of a fold, a doubling, a Neimark-Sacker point or a contact onset of the response over frequency and a &
+      &number of the train.', set_aside=.true.)
+
+   real(dp), parameter :: zero = 0
+
+   !> The variables of &locus.
+   type :: locus_settings_type
+      !> Kind of the special point, with underscores for blanks.
+      character(16) :: kind = 'fold'
+      !> Frequency near which it is on the response, and its unit: 'Lambda', 'rpm' or 'Hz'.
+      real(dp) :: near = 0
+      character(unit_length) :: unit = 'Lambda'
+      !> Of a contact onset the number of the mesh, else 0.
+      integer :: mesh = 0
+      !> Name of the parameter, and the ends of its range [unit of the parameter], `from` and `to` in a case file.
+      character(80) :: parameter = ''
+      real(dp) :: start = 0, stop = 0
+   end type locus_settings_type
+
+   type, extends(analysis_type) :: locus_analysis_type
+      type(locus_settings_type), pointer :: settings => null()
+      type(locus_type), pointer :: result => null()
+      !> The response that has the special point, and its settings; not associated: there is none.
+      type(branch_type), pointer :: response => null()
+      type(response_settings_type), pointer :: response_settings => null()
+   contains
+      procedure :: visit_variables
+      procedure :: check
+      procedure :: give_example
+      procedure :: run
+      procedure :: tell_end
+      procedure :: visit_fields
+      procedure :: report
+   end type locus_analysis_type
+
+contains
+
+   subroutine visit_variables(self, v)
+      class(locus_analysis_type), intent(inout) :: self
+      class(visitor_type), intent(inout) :: v
+      type(locus_settings_type), pointer :: settings
+      character(:), allocatable :: word
+
+      settings => self%settings
+      call v%enter('locus', 1)
+      word = trim(settings%kind)
+      call v%on_text(row('kind', '', 'kind of the special point; separation and back_contact: where a mesh begins to separate, or &
+                         &its back flanks to touch', choices='fold period_doubling neimark-sacker separation back_contact'), word)
+      if (allocated(word)) settings%kind = word
+      call v%on_real(row('near', '', 'frequency near which it is on the response, in the `unit`', required=.true., above=zero), &
+                     settings%near)
+      call visit_unit(settings%unit, v)
+      call v%on_integer(row('mesh', '', 'number of the mesh that separates or whose back flanks touch; 0 for other kinds', &
+                            least=zero), settings%mesh)
+      word = trim(settings%parameter)
+      call v%on_text(row('parameter', '', "number of the train, as in 'input_torque', 'mesh 2 half_backlash', &
+                         &'mesh * damping_ratio', 'stiffness_variation'; must be given"), word)
+      if (allocated(word)) settings%parameter = word
+      call v%on_real(row('from', '', 'value of parameter at one end of the curve (start in a call)', required=.true.), &
+                     settings%start)
+      call v%on_real(row('to', '', 'value of parameter at its other end, the value of the train between them (stop in a call)', &
+                         required=.true.), settings%stop)
+      call v%leave()
+   end subroutine visit_variables
+
+   subroutine check(self, train, seeded, checker)
+      class(locus_analysis_type), intent(in) :: self
+      type(train_type), intent(in) :: train
+      logical, intent(in) :: seeded
+      class(checker_type), intent(inout) :: checker
+      logical :: onset
+      integer :: meshes
+
+      if (checker%problems%in_group('locus') .or. checker%problems%of_train()) return
+      associate (settings => self%settings)
+         call checker%enter('locus', 1)
+         call check_unit(train, settings%unit, checker)
+         if (settings%parameter == '') call checker%complain('parameter', "''", "must be given, as in 'input_torque'")
+         onset = settings%kind == 'separation' .or. settings%kind == 'back_contact'
+         meshes = 0
+         if (allocated(train%meshes)) meshes = size(train%meshes)
+         if (onset .and. (settings%mesh < 1 .or. settings%mesh > meshes)) then
+            call checker%complain('mesh', text(settings%mesh), 'must be 1 to '//text(meshes)//' for kind = '''// &
+                                  trim(settings%kind)//'''')
+         else if (settings%mesh > 0 .and. .not. onset) then
+            call checker%complain('mesh', text(settings%mesh), 'must be 0 for kind = '''//trim(settings%kind)//'''')
+         end if
+         if (.not. abs(settings%stop - settings%start) > 0) call checker%complain('to', text(settings%stop), 'must not be `from`')
+         call checker%leave()
+      end associate
+   end subroutine check
+
+   subroutine give_example(self)
+      class(locus_analysis_type), intent(inout) :: self
+
+      self%settings%near = 0.46_dp
+      self%settings%parameter = 'stiffness_variation'
+      self%settings%start = 0.1_dp
+      self%settings%stop = 0.5_dp
+   end subroutine give_example
+
+   subroutine run(self, train, error, observer, start)
+      class(locus_analysis_type), intent(inout) :: self
+      type(train_type), intent(in) :: train
+      type(error_type), allocatable, intent(out) :: error
+      class(observer_type), intent(inout) :: observer
+      type(motion_type), intent(in), optional :: start
+      type(motion_type) :: motion
+      character(16) :: kind
+
+      if (allocated(self%result%ended)) return
+      kind = self%settings%kind
+      if (index(kind, '_') > 0) kind(index(kind, '_'):index(kind, '_')) = ' '
+      if (present(start)) then
+         motion = start
+      else
+         call find_start(self, train, kind, motion, error)
+         if (allocated(error)) return
+      end if
+      associate (settings => self%settings)
+         call trace_locus(train, motion, kind, settings%mesh, settings%parameter, settings%start, settings%stop, self%result, &
+                          error, observer)
+      end associate
+   end subroutine run
+
+   !> Finds the special point of the exact motion near that of the response that is nearest to `near`.
+   subroutine find_start(self, train, kind, motion, error)
+      class(locus_analysis_type), intent(inout) :: self
+      type(train_type), intent(in) :: train
+      character(*), intent(in) :: kind
+      type(motion_type), intent(out) :: motion
+      type(error_type), allocatable, intent(inout) :: error
+      type(special_point_type), allocatable :: specials(:)
+      type(exact_point_type) :: exact
+      real(dp) :: near
+      integer :: best, i
+
+      if (.not. associated(self%response)) then
+         call fatal(error, 'locus: needs &response, which has the special point', status_input)
+         return
+      end if
+      near = self%settings%near*lambda_per(train, self%settings%unit)
+      if (self%settings%mesh > 0) then
+         call locate_contact_edges(train, self%response_settings, self%response)
+         call onsets_of(self%response, specials)
+      else
+         allocate (specials(0))
+         if (allocated(self%response%special_points)) specials = self%response%special_points
+      end if
+      best = 0
+      do i = 1, size(specials)
+         if (specials(i)%kind /= kind .or. specials(i)%mesh /= self%settings%mesh) cycle
+         if (best == 0) best = i
+         if (abs(specials(i)%frequency_ratio - near) < abs(specials(best)%frequency_ratio - near)) best = i
+      end do
+      if (best == 0) then
+         call fatal(error, 'locus: the response has no '//trim(kind), status_ended_early)
+         return
+      end if
+      call find_exact_point(train, self%response, merge(0, best, self%settings%mesh > 0), specials(best), exact, error)
+      motion = exact%motion
+   end subroutine find_start
+
+   subroutine tell_end(self, complete, ended)
+      class(locus_analysis_type), intent(in) :: self
+      logical, intent(out) :: complete
+      character(:), allocatable, intent(out) :: ended
+
+      complete = self%result%complete
+      ended = ''
+      if (allocated(self%result%ended)) ended = self%result%ended
+   end subroutine tell_end
+
+   subroutine visit_fields(self, train, fields, summary)
+      class(locus_analysis_type), intent(inout) :: self
+      type(train_type), intent(in) :: train
+      class(fields_type), intent(inout) :: fields
+      logical, intent(in) :: summary
+      integer :: n
+
+      associate (locus => self%result)
+         if (.not. fields%enter('/locus', 'curve of a special point of the exact motion over frequency and a number of the train', &
+                                .true.)) return
+         if (allocated(locus%frequency_ratio)) call fields%describe('coordinates', 'frequency parameter')
+         call carry_text(fields, field('ended', '', '', 'why it ended on either side, in words'), locus%ended, 'not yet')
+         call carry(fields, field('complete', '', '', '1: it got to the ends of the range, or closed'), locus%complete)
+         call carry(fields, field('closed', '', '', '1: it came back to where it began'), locus%closed)
+         call carry(fields, field('kind', '', '', 'kind of the special point'), locus%kind)
+         call carry(fields, field('mesh', '', '', 'number of the mesh of a contact onset, else 0', least=0, &
+                                  most=size(train%meshes)), locus%mesh)
+         call carry(fields, field('period', '', '', 'period of the motions in periods of the fundamental', least=1), locus%period)
+         call carry_text(fields, field('parameter_name', '', '', 'name of the parameter', optional=.true.), locus%name)
+         n = 0
+         if (allocated(locus%frequency_ratio)) n = size(locus%frequency_ratio)
+         call fields%index_axis('point', n, 'point, along the curve')
+         call carry(fields, field('frequency', 'point', '1', about_frequency, optional=n == 0), locus%frequency_ratio)
+         call carry(fields, field('parameter', 'point', '', 'value of the parameter, in its unit', optional=n == 0), &
+                    locus%parameter)
+         n = 0
+         if (allocated(locus%state)) n = size(locus%state, 1)
+         call fields%index_axis('state', n, 'number of the multiplier')
+         call carry(fields, field('initial_state', 'point state', '1', 'state of the motion at phase 0: displacements of the &
+                                  &elastic elements of the tree, then velocities', optional=n == 0), locus%state)
+         call carry(fields, field('multipliers', 'point state complex', '1', about_multipliers, optional=n == 0), locus%multipliers)
+         call visit_double_points(locus, fields)
+      end associate
+   end subroutine visit_fields
+
+   !> Visits the points at which two conditions meet.
+   subroutine visit_double_points(locus, fields)
+      type(locus_type), intent(inout) :: locus
+      class(fields_type), intent(inout) :: fields
+      type(double_point_type), allocatable :: list(:)
+      integer :: i, n
+
+      n = 0
+      if (allocated(locus%special_points)) n = size(locus%special_points)
+      if (fields%way == reading) allocate (list(0))
+      if (fields%enter('/locus/special_points', 'points of the curve at which two conditions meet', n > 0)) then
+         call fields%describe('coordinates', 'frequency kind')
+         call fields%index_axis('special_point', n, 'special point, along the curve')
+         if (allocated(list)) deallocate (list)
+         allocate (list(merge(1, n, fields%way == listing)))
+         if (n > 0 .and. fields%way /= reading) list = locus%special_points
+         call fields%begin_list('special_point')
+         do i = 1, size(list)
+            call fields%visit_item(i)
+            call carry(fields, field('kind', '', '', 'of a fold: cusp, isola centre, 1:1 resonance, fold-flip; of a doubling: &
+                                     &generalized doubling, 1:2 resonance, fold-flip; of a Neimark-Sacker point: 1:1 to 1:4 &
+                                     &resonance, fold-neimark-sacker, flip-neimark-sacker; of an onset: grazing on a fold, grazing &
+                                     &on a doubling; of all: grazing'), list(i)%kind)
+            call carry(fields, field('frequency', '', '1', about_frequency), list(i)%frequency_ratio)
+            call carry(fields, field('parameter', '', '', 'value of the parameter, in its unit'), list(i)%parameter)
+            call carry(fields, field('after_point', '', '1', 'the point of the curve before it', least=0), list(i)%point)
+         end do
+         call fields%end_list()
+      end if
+      if (fields%way == reading) call move_alloc(list, locus%special_points)
+   end subroutine visit_double_points
+
+   subroutine report(self, train, unit, seconds)
+      class(locus_analysis_type), intent(in) :: self
+      type(train_type), intent(in) :: train
+      integer, intent(in) :: unit
+      real(dp), intent(in) :: seconds
+      integer :: i
+
+      associate (locus => self%result)
+         if (.not. allocated(locus%ended)) return
+         write (unit, '(3a, i0, 3a)') 'Locus: ', trim(locus%kind), ', ', size(locus%frequency_ratio), ' points in ', &
+            fixed(seconds, 2), ' s'
+         do i = 1, size(locus%special_points)
+            associate (special => locus%special_points(i))
+               write (unit, '(6a)') '    ', trim(special%kind), ' at Lambda = ', text(special%frequency_ratio), &
+                  ', '//locus%name//' = ', text(special%parameter)
+            end associate
+         end do
+         write (unit, '(2a)') '    ended: ', locus%ended
+      end associate
+   end subroutine report
+
+end module geartrain_analyses_locus

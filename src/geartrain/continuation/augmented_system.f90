@@ -1,0 +1,441 @@
+!> The augmented system of a special point of the exact motion: an orbit, by shooting in sections, at which a test function is 0. Its
+!> unknowns are the states, Lambda and, along a curve in two parameters, the value of a parameter of the train.
+!>
+!> Newton's method is reduced to three unknowns. Bordered by fixed vectors, M - I is regular even where an orbit folds; so the states
+!> follow from the changes l of Lambda, m of the parameter and s along the null vector, and what remains is
+!>    h + h_l l + h_m m + h_s s = 0, the orbit closes;   g + g_l l + g_m m + g_s s = 0, the test function;   the step along the curve.
+!> Test functions g: of a fold and a doubling the last unknown of M - I and M + I, bordered; of a Neimark-Sacker point the product of
+!> the pair of multipliers less 1; of a contact onset the distance of an extreme displacement from the wall. Derivatives of g are
+!> differences along the four directions, whose errors slow Newton's method, and do not move its result.
+module geartrain_continuation_augmented_system
+   use geartrain_base_kinds, only: dp
+   use geartrain_continuation_contact_ranges, only: depth_below
+   use geartrain_continuation_orbit_tests, only: back_contact, is_onset
+   use geartrain_continuation_units, only: units_of, units_type
+   use geartrain_floquet_critical_pair, only: pair_of
+   use geartrain_floquet_multipliers, only: eigenvalues
+   use geartrain_flow_multiple_shooting, only: has_converged, most_parts
+   use geartrain_flow_sections, only: sections_type
+   use geartrain_linalg_border, only: border_type
+   use geartrain_linalg_elimination, only: factor_matrix, solve_factored
+   use geartrain_model_parameter_path, only: parameter_path_type
+   use geartrain_model_system, only: system_type
+   implicit none (type, external)
+   private
+   public :: augmented_point_type, augmented_system_type
+
+   integer, parameter :: max_iterations = 12
+   !> Length of a displacement for differences of the test function, and for those over the parameter, in the units of the metric.
+   real(dp), parameter :: small = 1e-6_dp, small_parameter = 1e-6_dp
+   !> Largest change of Lambda and of the parameter by one solution, in the units of the metric.
+   real(dp), parameter :: farthest = 0.5_dp
+   !> Directions: what remains of the equations, Lambda, the parameter, the null vector of M - I.
+   integer, parameter :: rest = 1, along_lambda = 2, along_parameter = 3, along_null = 4
+
+   !> A special point.
+   type :: augmented_point_type
+      !> Lambda [1]; the parameter, from its value at the beginning over `scale` [1]; states at the beginnings of the sections [1],
+      !> (state, section).
+      real(dp) :: frequency_ratio = 0, parameter = 0
+      real(dp), allocatable :: states(:, :)
+      !> Unit tangent of the curve in the metric.
+      real(dp) :: tangent_frequency = 0, tangent_parameter = 0
+      real(dp), allocatable :: tangent(:, :)
+      !> Multipliers, largest magnitude first, (state).
+      complex(dp), allocatable :: multipliers(:)
+      !> Of a Neimark-Sacker point the sum of its pair of multipliers, by which the pair is known; huge: not known.
+      real(dp) :: pair_sum = huge(1.0_dp)
+      !> Contact events in a period; smallest mesh speed at one of them [1].
+      integer :: events = 0
+      real(dp) :: slowest_event = 0
+      !> Derivatives of h and g in the directions at the end of Newton's method.
+      real(dp) :: h(4) = 0, g(4) = 0
+      !> Value that M - I or M + I has as the last unknown of the bordered matrix; product of its null vectors, which is 0 where
+      !> its eigenvalue 0 is double.
+      real(dp) :: singular_plus = 0, product_plus = 0, singular_minus = 0, product_minus = 0
+   end type augmented_point_type
+
+   type :: augmented_system_type
+      !> Kind of the special point; of a contact onset the number of the mesh.
+      character(16) :: kind = ''
+      integer :: mesh = 0
+      !> Period of the orbit [periods of the fundamental].
+      integer :: period = 1
+      !> Units of the metric; unit of the parameter in it, and its value where `parameter` of a point is 0 [unit of the parameter].
+      type(units_type) :: units
+      real(dp) :: scale = 1, origin = 0
+      !> The train with variable parameter; not allocated: the train is as it is.
+      type(parameter_path_type), allocatable :: path
+      !> The train of the latest value, and this value [1].
+      type(system_type) :: system
+      real(dp), private :: latest = huge(1.0_dp)
+      !> Flights with and without derivatives with respect to Lambda and the parameter.
+      type(sections_type) :: moving, probe
+      !> Metric of the states, (state, section).
+      real(dp), allocatable, private :: weight(:, :)
+      !> Of M - I, and of M + I; whether their borders are null vectors of a nearby orbit.
+      type(border_type) :: plus, minus
+      logical, private :: has_borders = .false.
+      !> Sum of the pair of multipliers of the latest flight, by which the pair is known.
+      real(dp), private :: pair_sum = huge(1.0_dp)
+   contains
+      procedure :: setup
+      procedure :: solve
+      procedure :: advance
+      procedure :: distance
+      procedure :: product_of
+      procedure, private :: multipliers
+      procedure, private :: stand_at
+      procedure, private :: test_value
+   end type augmented_system_type
+
+contains
+
+   !> Prepares for special points of one kind.
+   subroutine setup(self, system, period, kind, mesh, path, origin)
+      class(augmented_system_type), intent(inout) :: self
+      !> The train.
+      type(system_type), intent(in) :: system
+      !> Period of the orbits [periods of the fundamental].
+      integer, intent(in) :: period
+      !> Kind of the special points.
+      character(*), intent(in) :: kind
+      !> Of contact onsets the number of the mesh.
+      integer, intent(in) :: mesh
+      !> The train with variable parameter.
+      type(parameter_path_type), intent(in), optional :: path
+      !> The value of the parameter that counts as 0 [unit of the parameter].
+      real(dp), intent(in), optional :: origin
+      integer :: parts
+
+      self%kind = kind
+      self%mesh = mesh
+      self%period = period
+      self%system = system
+      self%units = units_of(system)
+      self%latest = huge(1.0_dp)
+      if (present(path)) then
+         self%path = path
+         self%origin = origin
+         self%scale = path%length
+      end if
+      parts = period*most_parts(system, period)
+      associate (n => system%displacements)
+         allocate (self%weight(system%states, parts))
+         self%weight(:n, :) = 1/(parts*self%units%length**2)
+         self%weight(n + 1:, :) = 1/(parts*(self%units%length*self%units%frequency_ratio)**2)
+      end associate
+      call self%plus%begin(system%states)
+      call self%minus%begin(system%states)
+   end subroutine setup
+
+   !> Takes the train with a value of the parameter.
+   subroutine stand_at(self, parameter)
+      class(augmented_system_type), intent(inout) :: self
+      real(dp), intent(in) :: parameter
+      type(system_type) :: below, above
+      integer :: parts
+
+      if (abs(parameter - self%latest) <= 0) return
+      self%latest = parameter
+      parts = most_parts(self%system, self%period)
+      if (allocated(self%path)) then
+         call self%path%system_at(self%origin + self%scale*parameter, self%system)
+         call self%path%system_at(self%origin + self%scale*(parameter - small_parameter), below)
+         call self%path%system_at(self%origin + self%scale*(parameter + small_parameter), above)
+         call self%moving%vary(below, above, 2*small_parameter)
+      end if
+      call self%moving%setup(self%system, self%period, parts, moves=.true.)
+      call self%probe%setup(self%system, self%period, parts, moves=.false.)
+   end subroutine stand_at
+
+   !> Product of two displacements in the metric.
+   pure real(dp) function product_of(self, states, frequency_ratio, parameter, point)
+      class(augmented_system_type), intent(in) :: self
+      !> Displacement: states, (state, section), Lambda, parameter.
+      real(dp), intent(in) :: states(:, :), frequency_ratio, parameter
+      !> Its tangent is the other one.
+      type(augmented_point_type), intent(in) :: point
+
+      product_of = sum(self%weight*states*point%tangent) + parameter*point%tangent_parameter &
+                   + frequency_ratio*point%tangent_frequency/self%units%frequency_ratio**2
+   end function product_of
+
+   !> Distance of two points in the metric.
+   pure real(dp) function distance(self, a, b)
+      class(augmented_system_type), intent(in) :: self
+      !> The points.
+      type(augmented_point_type), intent(in) :: a, b
+
+      distance = sqrt(sum(self%weight*(a%states - b%states)**2) + (a%parameter - b%parameter)**2 &
+                      + ((a%frequency_ratio - b%frequency_ratio)/self%units%frequency_ratio)**2)
+   end function distance
+
+   !> Newton's method from a guess to a special point: at constant value of the parameter, or in the plane normal to the tangent of
+   !> the guess. The tangent keeps its sense.
+   subroutine solve(self, point, along, success)
+      class(augmented_system_type), intent(inout) :: self
+      !> The guess, with a tangent if `along`; then the special point with its tangent where there is a parameter.
+      type(augmented_point_type), intent(inout) :: point
+      !> Whether the step is normal to the tangent; else the parameter is constant.
+      logical, intent(in) :: along
+      !> Whether Newton's method has converged.
+      logical, intent(out) :: success
+      type(augmented_point_type) :: guess
+      real(dp) :: y(size(point%states, 1), 4), part(4), matrix(3, 3), right(3, 2), value, length, before, gap, scale, norm
+      real(dp) :: step(size(point%states, 1), size(point%states, 2), 4)
+      integer :: pivot(3), d, i, k, n, m, info
+
+      n = size(point%states, 1)
+      m = size(point%states, 2)
+      guess = point
+      self%pair_sum = point%pair_sum
+      success = .false.
+      before = huge(1.0_dp)
+      do i = 1, max_iterations
+         call self%stand_at(point%parameter)
+         call self%moving%fly(point%frequency_ratio, point%states)
+         if (self%moving%interrupted()) return
+         if (.not. self%has_borders) then
+            call take_borders(self, info)
+            if (info == 0) call take_borders(self, info)
+            if (info /= 0) return
+            self%has_borders = .true.
+         end if
+         call close_orbit(self, y, point%h, info)
+         if (info /= 0) return
+         part = [0, 1, 0, 0]
+         do d = 1, 4
+            do k = 1, m
+               if (allocated(self%path)) then
+                  step(:, k, d) = self%moving%step_at(k, y(:, d), merge(1.0_dp, 0.0_dp, d == along_lambda), &
+                                                      merge(1.0_dp, 0.0_dp, d == along_parameter))
+               else
+                  step(:, k, d) = self%moving%step_at(k, y(:, d), merge(1.0_dp, 0.0_dp, d == along_lambda))
+               end if
+               if (d == rest .and. k > 1) step(:, k, d) = step(:, k, d) + self%moving%missed(:, k)
+            end do
+         end do
+         call self%test_value(point, self%moving%monodromy, self%system%half_backlash, .true., value, info)
+         if (info /= 0) return
+         call differentiate(self, point, step, value, point%g)
+         matrix(1, :) = point%h(2:)
+         matrix(2, :) = point%g(2:)
+         matrix(3, :) = [0.0_dp, 1.0_dp, 0.0_dp]
+         right(:, 1) = [-point%h(1), -value - point%g(1), 0.0_dp]
+         if (along) then
+            matrix(3, :) = [self%product_of(step(:, :, 2), 1.0_dp, 0.0_dp, guess), &
+                            self%product_of(step(:, :, 3), 0.0_dp, 1.0_dp, guess), &
+                            self%product_of(step(:, :, 4), 0.0_dp, 0.0_dp, guess)]
+            right(3, 1) = -self%product_of(step(:, :, 1), 0.0_dp, 0.0_dp, guess) &
+                          - self%product_of(point%states - guess%states, point%frequency_ratio - guess%frequency_ratio, &
+                                            point%parameter - guess%parameter, guess)
+         end if
+         right(:, 2) = [0, 0, 1]
+         call factor_matrix(3, matrix, pivot, info)
+         if (info /= 0) return
+         call solve_factored(3, 2, matrix, pivot, right)
+         step(:, :, 1) = step(:, :, 1) + right(1, 1)*step(:, :, 2) + right(2, 1)*step(:, :, 3) + right(3, 1)*step(:, :, 4)
+         scale = max(maxval(abs(point%states)), tiny(1.0_dp))
+         gap = maxval(abs(self%moving%missed))/scale
+         length = max(maxval(abs(step(:, :, 1)))/scale, abs(right(1, 1))/self%units%frequency_ratio, abs(right(2, 1)))
+         if (.not. length < 10) return
+         point%states = point%states + step(:, :, 1)
+         point%frequency_ratio = point%frequency_ratio + right(1, 1)
+         point%parameter = point%parameter + right(2, 1)
+         if (.not. point%frequency_ratio > 0) return
+         if (abs(point%frequency_ratio - guess%frequency_ratio) > farthest*self%units%frequency_ratio) return
+         if (abs(point%parameter - guess%parameter) > farthest) return
+         success = has_converged(length, before, gap)
+         if (success) exit
+         before = length
+      end do
+      if (.not. success) return
+      point%events = self%moving%events
+      point%slowest_event = self%moving%slowest_event
+      call take_borders(self, info)
+      if (info /= 0) success = .false.
+      point%multipliers = self%multipliers()
+      point%pair_sum = self%pair_sum
+      point%singular_plus = self%plus%value
+      point%singular_minus = self%minus%value
+      point%product_plus = self%plus%product
+      point%product_minus = self%minus%product
+      if (.not. allocated(self%path)) return
+      if (.not. along) then
+         ! The direction of the curve: the null vector of the first two rows.
+         right(:, 2) = [point%h(3)*point%g(4) - point%h(4)*point%g(3), point%h(4)*point%g(2) - point%h(2)*point%g(4), &
+                        point%h(2)*point%g(3) - point%h(3)*point%g(2)]
+      end if
+      point%tangent = right(1, 2)*step(:, :, 2) + right(2, 2)*step(:, :, 3) + right(3, 2)*step(:, :, 4)
+      point%tangent_frequency = right(1, 2)
+      point%tangent_parameter = right(2, 2)
+      norm = sqrt(self%product_of(point%tangent, point%tangent_frequency, point%tangent_parameter, point))
+      if (.not. along .and. allocated(guess%tangent)) then
+         if (self%product_of(point%tangent, point%tangent_frequency, point%tangent_parameter, guess) < 0) norm = -norm
+      end if
+      point%tangent = point%tangent/norm
+      point%tangent_frequency = point%tangent_frequency/norm
+      point%tangent_parameter = point%tangent_parameter/norm
+   end subroutine solve
+
+   !> Step along the curve: predictor and Newton's method.
+   subroutine advance(self, from, h, to, success)
+      class(augmented_system_type), intent(inout) :: self
+      !> A special point with its tangent.
+      type(augmented_point_type), intent(in) :: from
+      !> Length of the step in the metric.
+      real(dp), intent(in) :: h
+      !> The next special point.
+      type(augmented_point_type), intent(inout) :: to
+      !> Whether Newton's method has converged, and to a point with a tangent of nearly the same direction.
+      logical, intent(out) :: success
+
+      to = from
+      to%states = from%states + h*from%tangent
+      to%frequency_ratio = from%frequency_ratio + h*from%tangent_frequency
+      to%parameter = from%parameter + h*from%tangent_parameter
+      success = to%frequency_ratio > 0
+      if (success) call self%solve(to, .true., success)
+      if (success) success = self%product_of(to%tangent, to%tangent_frequency, to%tangent_parameter, from) > 0.8_dp
+   end subroutine advance
+
+   !> Takes the null vectors of M - I and M + I of the latest flight as the next borders.
+   subroutine take_borders(self, info)
+      class(augmented_system_type), intent(inout) :: self
+      integer, intent(out) :: info
+
+      call self%plus%find(self%moving%monodromy, -1.0_dp, info)
+      if (info /= 0) return
+      call self%minus%find(self%moving%monodromy, 1.0_dp, info)
+      if (info /= 0) return
+      call self%plus%renew()
+      call self%minus%renew()
+
+   end subroutine take_borders
+
+   !> Multipliers of the latest flight, (state).
+   function multipliers(self)
+      class(augmented_system_type), intent(in) :: self
+      complex(dp) :: multipliers(self%system%states)
+      real(dp) :: matrix(self%system%states, self%system%states)
+
+      matrix = self%moving%monodromy
+      call eigenvalues(matrix, multipliers)
+   end function multipliers
+
+   !> Changes of the first state, and of h, in the four directions.
+   subroutine close_orbit(self, y, h, info)
+      class(augmented_system_type), intent(inout) :: self
+      real(dp), intent(out) :: y(:, :), h(4)
+      integer, intent(out) :: info
+      real(dp) :: matrix(size(y, 1) + 1, size(y, 1) + 1), right(size(y, 1) + 1, 4)
+      integer :: pivot(size(y, 1) + 1), n, last
+
+      n = size(y, 1)
+      last = self%moving%sections + 1
+      call self%plus%fill(self%moving%monodromy, -1.0_dp, matrix)
+      right = 0
+      right(:n, rest) = -self%moving%missed(:, last)
+      right(:n, along_lambda) = -self%moving%drift(:, last)
+      if (allocated(self%path)) right(:n, along_parameter) = -self%moving%parameter_drift(:, last)
+      right(n + 1, along_null) = 1
+      call factor_matrix(n + 1, matrix, pivot, info)
+      if (info /= 0) return
+      call solve_factored(n + 1, 4, matrix, pivot, right)
+      y = right(:n, :)
+      h = right(n + 1, :)
+   end subroutine close_orbit
+
+   !> Value of the test function at an orbit.
+   subroutine test_value(self, point, monodromy, half_backlash, on_orbit, value, info)
+      class(augmented_system_type), intent(inout) :: self
+      type(augmented_point_type), intent(in) :: point
+      !> Of a contact onset not used.
+      real(dp), intent(in) :: monodromy(:, :)
+      !> Over characteristic length [1], (mesh).
+      real(dp), intent(in) :: half_backlash(:)
+      !> Whether null vectors and the pair are those of this orbit from here on.
+      logical, intent(in) :: on_orbit
+      real(dp), intent(out) :: value
+      integer, intent(out) :: info
+      real(dp) :: smallest, largest, matrix(size(monodromy, 1), size(monodromy, 1))
+      complex(dp) :: multipliers(size(monodromy, 1)), pair(2)
+
+      info = 0
+      value = 0
+      select case (self%kind)
+      case ('fold')
+         call self%plus%find(monodromy, -1.0_dp, info)
+         value = self%plus%value
+      case ('period doubling')
+         call self%minus%find(monodromy, 1.0_dp, info)
+         value = self%minus%value
+      case ('neimark-sacker')
+         matrix = monodromy
+         call eigenvalues(matrix, multipliers)
+         pair = pair_of(multipliers, self%pair_sum)
+         value = real(product(pair), dp) - 1
+         if (on_orbit) self%pair_sum = real(sum(pair), dp)
+      case default
+         call self%probe%extremes(point%frequency_ratio, point%states, self%mesh, smallest, largest)
+         value = depth_below(smallest, largest, half_backlash(self%mesh), self%kind == back_contact)
+      end select
+   end subroutine test_value
+
+   !> Derivatives of the test function in the directions, whose steps of all states are given.
+   subroutine differentiate(self, point, step, value, g)
+      class(augmented_system_type), intent(inout) :: self
+      type(augmented_point_type), intent(in) :: point
+      real(dp), intent(in) :: step(:, :, :), value
+      real(dp), intent(out) :: g(4)
+      type(augmented_point_type) :: moved
+      type(border_type) :: border
+      type(sections_type) :: other
+      type(system_type) :: system
+      real(dp) :: vectors(size(point%states, 1), 1), reference(size(point%states, 1), 1), norm, h, next
+      integer :: d, info
+      logical :: quick
+
+      quick = self%kind == 'fold' .or. self%kind == 'period doubling'
+      if (self%kind == 'fold') border = self%plus
+      if (self%kind == 'period doubling') border = self%minus
+      system = self%system
+      if (quick) then
+         reference(:, 1) = border%right
+         call self%probe%carry_vectors(point%frequency_ratio, point%states, reference)
+      end if
+      g = 0
+      do d = 1, 4
+         if (d == along_parameter .and. .not. allocated(self%path)) cycle
+         norm = maxval(abs(step(:, :, d)))/self%units%length
+         if (d == along_lambda) norm = max(norm, 1/self%units%frequency_ratio)
+         if (d == along_parameter) norm = max(norm, 1.0_dp)
+         ! Of the remaining error the second order is left to the next step.
+         if (d == rest .and. norm < 1e-8_dp) cycle
+         h = small/norm
+         moved%states = point%states + h*step(:, :, d)
+         moved%frequency_ratio = point%frequency_ratio
+         if (d == along_lambda) moved%frequency_ratio = moved%frequency_ratio + h
+         if (d == along_parameter) then
+            other = self%probe
+            call self%path%system_at(self%origin + self%scale*(point%parameter + h), system)
+            call self%probe%setup(system, self%period, self%probe%sections/self%period, moves=.false.)
+         end if
+         if (quick) then
+            vectors(:, 1) = border%right
+            call self%probe%carry_vectors(moved%frequency_ratio, moved%states, vectors)
+            g(d) = -dot_product(border%left, vectors(:, 1) - reference(:, 1))/h
+         else
+            if (.not. is_onset(self%kind)) call self%probe%fly(moved%frequency_ratio, moved%states)
+            call self%test_value(moved, self%probe%monodromy, system%half_backlash, .false., next, info)
+            g(d) = (next - value)/h
+         end if
+         if (d == along_parameter) then
+            self%probe = other
+            system = self%system
+         end if
+      end do
+   end subroutine differentiate
+
+end module geartrain_continuation_augmented_system

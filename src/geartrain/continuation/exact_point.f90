@@ -1,0 +1,217 @@
+!> Special points and contact onsets of the exact motion: where they are, the motion there, and which multipliers cross.
+module geartrain_continuation_exact_point
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_base_error, only: error_type, fatal, status_ended_early
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: text
+   use geartrain_continuation_augmented_system, only: augmented_point_type, augmented_system_type
+   use geartrain_continuation_branch, only: branch_type, special_point_type
+   use geartrain_continuation_decided, only: joined, nearest_decided
+   use geartrain_continuation_exact_search, only: ends_of, find_exact
+   use geartrain_continuation_normal_form, only: degenerate, doubling_coefficient
+   use geartrain_continuation_orbit_corrector, only: orbit_corrector_type, orbit_type
+   use geartrain_continuation_orbit_tests, only: back_contact, critical, is_onset, outside, separation
+   use geartrain_flow_multiple_shooting, only: most_parts, section_states
+   use geartrain_flow_orbit, only: measure
+   use geartrain_flow_sections, only: sections_type
+   use geartrain_model_check, only: check_train
+   use geartrain_model_system, only: build_system, system_type
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: exact_point_type, find_exact_point, onsets_of, refine_special_points
+
+   !> Distance from a special point to the orbits on either side whose multipliers are counted, in the units of units_type.
+   real(dp), parameter :: beside = 1e-4_dp
+   !> Change of Lambda up to which the solution of the augmented system is the special point that was found, in its unit.
+   real(dp), parameter :: near = 1e-6_dp
+
+   type :: exact_point_type
+      !> Kind as in special_point_type; number of the mesh of a contact onset, else 0.
+      character(16) :: kind = ''
+      integer :: mesh = 0
+      !> Lambda [1].
+      real(dp) :: frequency_ratio = 0
+      !> The motion with its state, multipliers and figures.
+      type(motion_type) :: motion
+      !> Number of multipliers outside the unit circle just before and just after it along the branch; -1: not known.
+      integer :: before = -1, after = -1
+      !> Smallest mesh speed at a contact event [1]: near 0 the motion grazes; huge: no event, or not known.
+      real(dp) :: slowest_event = huge(1.0_dp)
+      !> Of a period doubling 'supercritical' or 'subcritical'; blank where the motion stays on linear pieces, or it is not known.
+      character(16) :: criticality = ''
+   end type exact_point_type
+
+contains
+
+   !> The contact onsets of a branch: its contact edges as special points.
+   subroutine onsets_of(branch, onsets)
+      !> A branch whose contact edges are located.
+      type(branch_type), intent(in) :: branch
+      !> The onsets, in the order along the branch.
+      type(special_point_type), allocatable, intent(out) :: onsets(:)
+      integer :: i, n
+
+      n = 0
+      if (allocated(branch%contact_edges)) n = size(branch%contact_edges)
+      allocate (onsets(n))
+      do i = 1, n
+         associate (edge => branch%contact_edges(i))
+            onsets(i)%kind = merge(back_contact, separation//'  ', edge%back)
+            onsets(i)%mesh = edge%mesh
+            onsets(i)%point = edge%point
+            onsets(i)%frequency_ratio = edge%frequency_ratio
+            onsets(i)%rms = branch%rms(:, edge%point)
+         end associate
+      end do
+   end subroutine onsets_of
+
+   !> Finds the special point of the exact motion that is nearest to a special point, or to a contact onset, of a branch.
+   subroutine find_exact_point(train, branch, number, special, exact, error)
+      !> The train.
+      type(train_type), intent(in) :: train
+      !> The branch.
+      type(branch_type), intent(in) :: branch
+      !> Number of the special point; 0: a contact onset.
+      integer, intent(in) :: number
+      !> The special point or the contact onset.
+      type(special_point_type), intent(in) :: special
+      !> The special point of the exact motion.
+      type(exact_point_type), intent(out) :: exact
+      !> Bad input, or there is none near it (status_ended_early).
+      type(error_type), allocatable, intent(out) :: error
+      type(system_type) :: system
+      type(orbit_corrector_type) :: corrector
+      type(orbit_type) :: orbit
+      logical :: found
+
+      call check_train(train, error)
+      if (allocated(error)) return
+      if (allocated(branch%parameter)) then
+         call fatal(error, 'exact: the branch is over a parameter: only special points of a branch over frequency are made exact')
+         return
+      end if
+      call build_system(train, system)
+      call corrector%setup(system, branch%subharmonic)
+      call find_exact(corrector, branch, special, change_at(branch, number, special), orbit, found)
+      if (train%interrupt%raised()) found = .false.
+      if (.not. found) then
+         call fatal(error, 'exact: no '//trim(special%kind)//' of the exact motion was found near Lambda = ' &
+                    //text(special%frequency_ratio), status_ended_early)
+         return
+      end if
+      exact%kind = special%kind
+      exact%mesh = special%mesh
+      call take_orbit(system, corrector, orbit, exact)
+   end subroutine find_exact_point
+
+   !> Replaces the special points of a branch by those of the exact motion near them; one near which none is found stays as it is.
+   subroutine refine_special_points(train, branch)
+      !> The train.
+      type(train_type), intent(in) :: train
+      !> The branch.
+      type(branch_type), intent(inout) :: branch
+      type(exact_point_type), allocatable :: exact(:)
+      type(error_type), allocatable :: error
+      integer :: i, k, n(3)
+
+      if (.not. allocated(branch%special_points) .or. allocated(branch%parameter)) return
+      allocate (exact(size(branch%special_points)))
+      do i = 1, size(exact)
+         if (train%interrupt%raised()) return
+         call find_exact_point(train, branch, i, branch%special_points(i), exact(i), error)
+      end do
+      ! All are sought on the branch as it was.
+      do i = 1, size(exact)
+         if (.not. exact(i)%frequency_ratio > 0) cycle
+         associate (special => branch%special_points(i))
+            special%frequency_ratio = exact(i)%frequency_ratio
+            special%rms = exact(i)%motion%rms
+            if (special%kind == 'fold') cycle
+            ! It may lie beyond one of the two points that it was between.
+            do k = 0, 2
+               n = special%point + [0, 1, -1]
+               if (n(k + 1) < 1 .or. n(k + 1) >= branch%points) cycle
+               if (.not. joined(branch, n(k + 1))) cycle
+               associate (ends => branch%frequency_ratio(n(k + 1):n(k + 1) + 1))
+                  if (exact(i)%frequency_ratio < minval(ends) .or. exact(i)%frequency_ratio > maxval(ends)) cycle
+               end associate
+               special%point = n(k + 1)
+               exit
+            end do
+         end associate
+      end do
+   end subroutine refine_special_points
+
+   !> Change of the number that `critical` counts at a special point of a branch; 0: not known.
+   integer function change_at(branch, number, special) result(change)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: number
+      type(special_point_type), intent(in) :: special
+      integer :: sides(2), ends(2)
+
+      change = 0
+      if (is_onset(special%kind) .or. .not. allocated(branch%stable)) return
+      ends = ends_of(branch, special)
+      sides = [nearest_decided(branch, number, -1), nearest_decided(branch, number, 1)]
+      sides = merge(sides, ends, sides > 0)
+      change = critical(special%kind, branch%multipliers(:, sides(2))) - critical(special%kind, branch%multipliers(:, sides(1)))
+   end function change_at
+
+   !> Takes the motion from the orbit at a special point, solved for both conditions at once, and counts multipliers beside it.
+   subroutine take_orbit(system, corrector, orbit, exact)
+      type(system_type), intent(in) :: system
+      type(orbit_corrector_type), intent(inout) :: corrector
+      type(orbit_type), intent(in) :: orbit
+      type(exact_point_type), intent(inout) :: exact
+      type(orbit_type) :: side
+      logical :: found
+
+      associate (motion => exact%motion)
+         motion%frequency_ratio = orbit%frequency_ratio/corrector%times
+         motion%period = corrector%period
+         motion%state = orbit%states(:, 1)
+         motion%multipliers = orbit%multipliers
+         if (exact%kind /= 'branch point') call polish(system, exact)
+         call measure(system, 0, motion)
+         motion%undecided = .true.
+         motion%error_estimate = 0
+         exact%frequency_ratio = motion%frequency_ratio
+      end associate
+      call corrector%advance(orbit, -beside, side, found)
+      if (found) exact%before = outside(side%multipliers)
+      call corrector%advance(orbit, beside, side, found)
+      if (found) exact%after = outside(side%multipliers)
+   end subroutine take_orbit
+
+   !> Solves the augmented system, from the special point of the search, whose error is that of a bracket. Where the system is
+   !> singular, as where multipliers coincide by symmetry, the point stays as it is.
+   subroutine polish(system, exact)
+      type(system_type), intent(in) :: system
+      type(exact_point_type), intent(inout) :: exact
+      type(augmented_system_type) :: augmented
+      type(augmented_point_type) :: point
+      type(sections_type) :: sections
+      real(dp) :: coefficient
+      logical :: success
+
+      associate (motion => exact%motion)
+         call augmented%setup(system, motion%period, exact%kind, exact%mesh)
+         call sections%setup(system, motion%period, most_parts(system, motion%period), moves=.false.)
+         call section_states(system, motion, sections, point%states)
+         point%frequency_ratio = motion%frequency_ratio
+         call augmented%solve(point, .false., success)
+         if (success) success = abs(point%frequency_ratio - motion%frequency_ratio) < near*augmented%units%frequency_ratio
+         if (.not. success) return
+         motion%frequency_ratio = point%frequency_ratio
+         motion%state = point%states(:, 1)
+         motion%multipliers = point%multipliers
+         exact%slowest_event = point%slowest_event
+      end associate
+      if (exact%kind /= 'period doubling') return
+      coefficient = doubling_coefficient(augmented, point)
+      if (coefficient > degenerate) exact%criticality = 'supercritical'
+      if (coefficient < -degenerate) exact%criticality = 'subcritical'
+   end subroutine polish
+
+end module geartrain_continuation_exact_point

@@ -1,0 +1,209 @@
+!> The special point of the exact branch that is nearest to a special point of a branch: the exact branch is met across it and
+!> followed both ways in turn, until a test function changes sign that changes sign at this kind alone.
+module geartrain_continuation_exact_search
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_continuation_branch, only: branch_type, coefficients_of, special_point_type
+   use geartrain_continuation_orbit_corrector, only: orbit_corrector_type, orbit_test_type, orbit_type
+   use geartrain_continuation_orbit_tests, only: back_contact, choose_test, fold_test_type, is_onset
+   implicit none (type, external)
+   private
+   public :: ends_of, find_exact, guess_from_point, neighbours
+
+   !> First step and longest way along the exact branch, in the units of units_type.
+   real(dp), parameter :: first_step = 2e-4_dp, longest_way = 0.25_dp
+   !> Least Lambda on the way over Lambda at its beginning: towards 0 the integration takes ever longer.
+   real(dp), parameter :: slowest = 0.5_dp
+   integer, parameter :: max_steps = 100
+
+contains
+
+   !> Finds the special point of the exact branch, with the tangent in the sense of the branch.
+   subroutine find_exact(corrector, branch, special, change, exact, found)
+      !> The corrector of the exact branch.
+      type(orbit_corrector_type), intent(inout) :: corrector
+      !> The branch.
+      type(branch_type), intent(in) :: branch
+      !> A special point or a contact onset of the branch.
+      type(special_point_type), intent(in) :: special
+      !> Change of what `critical` counts at the special point, along the branch; 0: not known.
+      integer, intent(in) :: change
+      !> The special point of the exact branch.
+      type(orbit_type), intent(out) :: exact
+      !> Whether one was found.
+      logical, intent(out) :: found
+      type(orbit_type) :: start
+
+      call stand_at(corrector, branch, special, start, found)
+      corrector%watched_mesh = 0
+      if (is_onset(special%kind)) corrector%watched_mesh = special%mesh
+      corrector%watches_back = special%kind == back_contact
+      if (found) call corrector%correct(start, found)
+      if (found) call search(corrector, start, special%kind, sense_of(branch, special, change), exact, found)
+   end subroutine find_exact
+
+   !> Indices of the points of the branch on both sides of a special point.
+   pure function ends_of(branch, special) result(ends)
+      !> The branch.
+      type(branch_type), intent(in) :: branch
+      !> Its special point.
+      type(special_point_type), intent(in) :: special
+      integer :: ends(2)
+
+      ends = [special%point, min(special%point + 1, branch%points)]
+      if (special%kind == 'fold') ends = neighbours(branch, special%point)
+   end function ends_of
+
+   !> First guess of an orbit from a point of the branch.
+   subroutine guess_from_point(corrector, branch, i, orbit)
+      !> The corrector of the exact branch.
+      type(orbit_corrector_type), intent(inout) :: corrector
+      !> The branch.
+      type(branch_type), intent(in) :: branch
+      !> Index of the point.
+      integer, intent(in) :: i
+      !> The guess.
+      type(orbit_type), intent(out) :: orbit
+      type(motion_type) :: motion
+
+      motion%frequency_ratio = branch%frequency_ratio(i)
+      motion%period = branch%subharmonic
+      motion%coefficients = coefficients_of(branch, i)
+      call corrector%first_guess(motion, orbit)
+   end subroutine guess_from_point
+
+   !> Indices of the points before and after a point; at an end of a segment the index of the point itself.
+   pure function neighbours(branch, i) result(ends)
+      !> The branch.
+      type(branch_type), intent(in) :: branch
+      !> Index of the point.
+      integer, intent(in) :: i
+      integer :: ends(2)
+
+      ends = i
+      if (i > 1) then
+         if (branch%segment(i - 1) == branch%segment(i)) ends(1) = i - 1
+      end if
+      if (i < branch%points) then
+         if (branch%segment(i + 1) == branch%segment(i)) ends(2) = i + 1
+      end if
+   end function neighbours
+
+   !> First guess of the orbit at a special point, on the chord of the points on both sides, with the chord as tangent.
+   subroutine stand_at(corrector, branch, special, start, found)
+      type(orbit_corrector_type), intent(inout) :: corrector
+      type(branch_type), intent(in) :: branch
+      !> The special point.
+      type(special_point_type), intent(in) :: special
+      type(orbit_type), intent(out) :: start
+      logical, intent(out) :: found
+      type(orbit_type) :: first, last
+      real(dp) :: way, share
+      integer :: ends(2)
+
+      ends = ends_of(branch, special)
+      call guess_from_point(corrector, branch, ends(1), first)
+      call guess_from_point(corrector, branch, ends(2), last)
+      if (special%kind == 'fold') then
+         call guess_from_point(corrector, branch, special%point, start)
+      else
+         share = 0
+         if (abs(last%frequency_ratio - first%frequency_ratio) > 0) &
+            share = (corrector%times*special%frequency_ratio - first%frequency_ratio)/(last%frequency_ratio - first%frequency_ratio)
+         ! Next to a fold Lambda may lie outside the range of the two points.
+         share = max(0.0_dp, min(1.0_dp, share))
+         start = first
+         start%states = (1 - share)*first%states + share*last%states
+         start%frequency_ratio = (1 - share)*first%frequency_ratio + share*last%frequency_ratio
+      end if
+      call corrector%point_at(first, last, start, way)
+      found = way > 0
+   end subroutine stand_at
+
+   !> Sign of the change of the test function of the kind between two points of the branch; 0: not known.
+   pure integer function sense_of(branch, special, change) result(sense)
+      type(branch_type), intent(in) :: branch
+      !> The special point.
+      type(special_point_type), intent(in) :: special
+      !> Change of the number that `critical` counts.
+      integer, intent(in) :: change
+      integer :: ends(2)
+
+      select case (special%kind)
+      case ('fold')
+         ends = neighbours(branch, special%point)
+         associate (here => branch%frequency_ratio(special%point), before => branch%frequency_ratio(ends(1)), &
+                    after => branch%frequency_ratio(ends(2)))
+            sense = 0
+            if (here > max(before, after)) sense = -1
+            if (here < min(before, after)) sense = 1
+         end associate
+      case ('period doubling')
+         sense = -change
+      case ('neimark-sacker')
+         sense = max(-1, min(1, change))
+      case default
+         sense = 0
+      end select
+   end function sense_of
+
+   !> Finds the special point of a kind on the exact branch that is nearest to `start`.
+   subroutine search(corrector, start, kind, sense, exact, found)
+      type(orbit_corrector_type), intent(inout) :: corrector
+      type(orbit_type), intent(in) :: start
+      character(*), intent(in) :: kind
+      !> Sign of the change of the test function, see `sense_of`; 0: any.
+      integer, intent(in) :: sense
+      type(orbit_type), intent(inout) :: exact
+      logical, intent(out) :: found
+      type(orbit_type) :: side(2), next
+      real(dp) :: rise
+      class(orbit_test_type), allocatable :: test
+      real(dp) :: step(2), way(2)
+      logical :: open_end(2)
+      integer :: i, k
+
+      ! The search begins a little before `start`: at the special point itself the sign of the test function is rounding.
+      call corrector%advance(start, -0.5_dp*first_step, next, found)
+      side = start
+      if (found) side = next
+      side(2)%tangent = -side(1)%tangent
+      side(2)%tangent_frequency = -side(1)%tangent_frequency
+      step = first_step
+      way = 0
+      open_end = .true.
+      found = .false.
+      do i = 1, max_steps
+         k = minloc(way, 1, open_end)
+         if (k == 0) exit
+         call corrector%advance(side(k), step(k), next, found)
+         if (.not. found) then
+            step(k) = step(k)/3
+            open_end(k) = step(k) > 1e-7_dp
+            cycle
+         end if
+         call choose_test(kind, side(k), next, test)
+         if (allocated(test)) then
+            rise = test%value(next)
+            ! On the way back the change has the opposite sign; for a fold the test function has the opposite sign as well.
+            if (k == 2 .and. kind /= 'fold') rise = -rise
+            if (rise*sense < 0) deallocate (test)
+         end if
+         if (allocated(test)) then
+            call corrector%find_zero(test, side(k), step(k), next, exact, found)
+            if (found) then
+               ! The tangent gets the sense of the branch.
+               if (k == 2) exact%tangent = -exact%tangent
+               if (k == 2) exact%tangent_frequency = -exact%tangent_frequency
+               return
+            end if
+         end if
+         way(k) = way(k) + step(k)
+         open_end(k) = way(k) < longest_way .and. next%frequency_ratio > slowest*start%frequency_ratio
+         step(k) = 1.5_dp*step(k)
+         side(k) = next
+      end do
+      found = .false.
+   end subroutine search
+
+end module geartrain_continuation_exact_search

@@ -1,0 +1,34 @@
+!> The curve of a special point over Lambda and a parameter of the train, as it is traced.
+module geartrain_continuation_locus_result
+   use geartrain_base_kinds, only: dp
+   implicit none (type, external)
+   private
+   public :: double_point_type, locus_type
+
+   !> A point of the curve at which two conditions meet.
+   type :: double_point_type
+      character(24) :: kind = ''
+      !> Lambda [1], parameter [its unit].
+      real(dp) :: frequency_ratio = 0, parameter = 0
+      !> Number of the point of the curve before it.
+      integer :: point = 0
+   end type double_point_type
+
+   type :: locus_type
+      !> Kind of the special point, and of a contact onset the number of the mesh.
+      character(16) :: kind = ''
+      integer :: mesh = 0
+      !> Name of the parameter, its unit.
+      character(:), allocatable :: name, unit
+      !> Period of the motions [periods of the fundamental].
+      integer :: period = 1
+      !> Lambda [1], parameter [its unit], (point); state of the motion [1], (state, point); its multipliers, (state, point).
+      real(dp), allocatable :: frequency_ratio(:), parameter(:), state(:, :)
+      complex(dp), allocatable :: multipliers(:, :)
+      type(double_point_type), allocatable :: special_points(:)
+      !> Why it ended on either side, in words; whether it got to the ends of the range, or closed; whether it closed.
+      character(:), allocatable :: ended
+      logical :: complete = .false., closed = .false.
+   end type locus_type
+
+end module geartrain_continuation_locus_result

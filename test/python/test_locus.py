@@ -1,0 +1,126 @@
+"""Curves of special points over frequency and a number of the train, against closed forms and one-parameter results."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from conftest import single_pair
+
+import geartrain as gt
+
+
+@pytest.fixture(scope="module")
+def pair():
+    return single_pair(0.4, stiffness_cos=[0.3])
+
+
+@pytest.fixture(scope="module")
+def branch(pair):
+    return pair.response(start=0.5, stop=2.4)
+
+
+def of_kind(branch, kind):
+    return [special for special in branch.special_points if special.kind == kind]
+
+
+def hill(frequency, kappa, zeta, terms=20):
+    """Hill's determinant of x'' + 2 zeta x' + (1 + kappa cos Lambda t) x = 0 for the multiplier -1, over its diagonal: exponents
+    of e^(i (n + 1/2) Lambda t)."""
+    order = np.arange(-terms, terms) + 0.5
+    diagonal = 1 - (order * frequency) ** 2 + 2j * zeta * order * frequency
+    beside = np.ones(2 * terms - 1) * kappa / 2
+    return np.linalg.det((np.diag(diagonal) + np.diag(beside, 1) + np.diag(beside, -1)) / np.abs(diagonal)[:, None]).real
+
+
+def test_boundary_of_mathieu(pair, branch):
+    locus = pair.locus(of_kind(branch, "period doubling")[0], parameter="stiffness_variation", start=0.1, stop=0.5)
+    assert locus.complete and locus.kind == "period doubling"
+    assert list(locus.parameter[[0, -1]]) == [0.5, 0.5]
+    # Both edges of the band, which meet at its tip at the least kappa.
+    assert locus.frequency.min() < 1.8 and locus.frequency.max() > 2.1
+    off = []
+    for frequency, kappa in zip(locus.frequency, locus.parameter):
+        here, above, below = (hill(frequency, kappa + change, 0.05) for change in (0, 1e-6, -1e-6))
+        off.append(abs(here / (above - below)) * 2e-6)
+    # The distance in kappa, whose derivative vanishes nowhere on the boundary.
+    assert max(off) < 1e-10
+
+
+def test_fold_over_torque(pair, branch):
+    first, second = (special.exact() for special in of_kind(branch, "fold"))
+    # Without back contact p - b scales with the torque, and so no fold moves.
+    locus = pair.locus(first, parameter="input_torque", start=0.1, stop=0.8)
+    assert locus.complete
+    assert locus.frequency == pytest.approx(first.frequency, abs=1e-11)
+    # The second one stays until p reaches -b.
+    locus = pair.locus(second, parameter="input_torque", start=0.1, stop=0.8)
+    before = locus.parameter < 0.4 * 2 / (1 - second.motion.minimum[0])
+    assert locus.frequency[before] == pytest.approx(second.frequency, abs=1e-10)
+    grazing = [point for point in locus.special_points if point.kind == "grazing"]
+    assert [point.parameter for point in grazing] == pytest.approx([0.4 * 2 / (1 - second.motion.minimum[0])], abs=1e-6)
+    assert "grazing" in locus.ended
+
+
+def test_fold_when_gap_and_torque_scale(branch):
+    fold = of_kind(branch, "fold")[0].exact()
+    scaled = single_pair(0.9, stiffness_cos=[0.3]).response(start=0.5, stop=1.2)
+    assert of_kind(scaled, "fold")[0].exact().frequency == pytest.approx(fold.frequency, abs=1e-11)
+
+
+@pytest.mark.parametrize("kind, parameter, value", [
+    ("fold", "mesh 1 damping_ratio", 0.03), ("period doubling", "stiffness_variation", 0.4),
+    ("separation", "stiffness_variation", 0.35),
+])
+def test_ends_equal_one_parameter_results(pair, branch, kind, parameter, value):
+    special = (branch.onsets if kind == "separation" else of_kind(branch, kind))[0]
+    own = {"mesh 1 damping_ratio": 0.05, "stiffness_variation": 0.3}[parameter]
+    locus = pair.locus(special, parameter=parameter, start=own, stop=value)
+    end = locus.frequency[-1]
+    other = pair.with_values({parameter: value}).response(start=0.5, stop=2.4)
+    found = [one.exact().frequency for one in (other.onsets if kind == "separation" else of_kind(other, kind))]
+    assert locus.parameter[-1] == value
+    assert min(abs(np.array(found) - end)) < 1e-9
+
+
+def test_cusp(pair, branch):
+    locus = pair.locus(of_kind(branch, "fold")[0], parameter="mesh 1 damping_ratio", start=0.03, stop=0.2)
+    cusp, = (point for point in locus.special_points if point.kind == "cusp")
+    # Two folds meet at the cusp, the most damping at which there are any.
+    assert locus.parameter.max() <= cusp.parameter < locus.parameter.max() + 1e-4
+    for change, folds in ((-2e-3, 2), (2e-3, 0)):
+        other = pair.with_values({"mesh 1 damping_ratio": cusp.parameter + change}).response(start=0.5, stop=1.2)
+        assert len(of_kind(other, "fold")) == folds
+
+
+def test_refined_special_points(branch):
+    refined = branch.refine()
+    exact = [special.exact().frequency for special in branch.special_points]
+    assert [special.frequency for special in refined.special_points] == pytest.approx(exact, abs=1e-12)
+
+
+def test_refused(pair, branch):
+    fold = of_kind(branch, "fold")[0]
+    with pytest.raises(gt.InputError, match="must lie between"):
+        pair.locus(fold, parameter="input_torque", start=0.5, stop=0.8)
+    with pytest.raises(gt.InputError, match="did you mean"):
+        pair.locus(fold, parameter="mesh 1 damping_ration", start=0.01, stop=0.1)
+    with pytest.raises(gt.InputError, match="special"):
+        pair.locus(0.84, parameter="input_torque", start=0.1, stop=0.8)
+    with pytest.raises(gt.InputError, match="branch point"):
+        pair.locus(dataclasses.replace(fold, kind="branch point"), parameter="input_torque", start=0.1, stop=0.8)
+
+
+def test_case_file(tmp_path, pair, branch, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    response = {"start": 0.5, "stop": 1.2}
+    locus = {"kind": "fold", "near": 0.84, "parameter": "mesh 1 damping_ratio", "start": 0.03, "stop": 0.2}
+    (tmp_path / "case.nml").write_text(pair.namelist(response=response, locus=locus))
+    results = gt.read_case("case.nml").run()
+    own = pair.locus(of_kind(branch, "fold")[0], parameter="mesh 1 damping_ratio", start=0.03, stop=0.2)
+    assert results.locus.frequency[[0, -1]] == pytest.approx(own.frequency[[0, -1]], abs=1e-9)
+    results.write("case.h5")
+    again = gt.read_results("case.h5").locus
+    assert (again.frequency == results.locus.frequency).all() and again.special_points == results.locus.special_points
+    with pytest.raises(gt.InputError, match="needs &response"):
+        (tmp_path / "alone.nml").write_text(pair.namelist(locus=locus))
+        gt.read_case("alone.nml")
