@@ -1,8 +1,8 @@
 """Atlas of the paper's train: python example/atlas.py [FOLDER] [--check]
 
-Curves of all special points of the motions of period 1 and 2 of figure 3's train, over Lambda and the stiffness variation, the torque
-and the backlash, drawn over the number of stable motions. --check compares the regions with random starts at 100 places, chosen by
-a random number generator before anything was computed. Takes about an hour on one core; pictures go to FOLDER (docs).
+Curves of all special points of the motions of period 1 and 2 of figure 3's train, over Lambda and the stiffness variation, the
+torque and the backlash, drawn over the number of stable motions. --check compares the regions with random starts at 100 places,
+which a random number generator chose before anything was computed. Pictures go to FOLDER (docs).
 """
 
 import sys
@@ -16,7 +16,8 @@ import geartrain as gt
 
 ROOT = Path(__file__).resolve().parents[1]
 RANGES = {"stiffness_variation": (0.02, 0.5), "input_torque": (20.0, 300.0), "mesh * half_backlash": (3e-6, 60e-6)}
-LABELS = {"stiffness_variation": "kappa, both meshes", "input_torque": "Torque [N m]", "mesh * half_backlash": "Half backlash [m], both meshes"}
+LABELS = {"stiffness_variation": "kappa, both meshes", "input_torque": "Torque [N m]",
+          "mesh * half_backlash": "Half backlash [m], both meshes"}
 LAMBDA = (0.3, 2.6)
 NAMES = ("no stable one", "1", "2", "3 or more", "1 of period 2", "1 and 1 of period 2", "more")
 COLOURS = ("#dddddd", "#ffffff", "#cfe3f5", "#7fb2dd", "#fde3b5", "#f9c26b", "#c9a0c9")
@@ -25,7 +26,7 @@ STYLES = {"fold": ("C0", "-"), "period doubling": ("C3", "-"), "neimark-sacker":
 
 
 def branches_of(train):
-    """The response and its branches of period 2, fine enough that folds and doublings are where the exact ones are to plotting accuracy."""
+    """The response and its branches of period 2."""
     response = train.response(start=LAMBDA[0], stop=LAMBDA[1], harmonics=12, period_doublings=1)
     return [response, *(branch for branch in response.branches if branch.subharmonic == 2)]
 
@@ -88,13 +89,14 @@ def draw(train, parameter, path):
     kinds = np.array([[kind_of(pair) for pair in stable_motions(branches_of(train.with_values({parameter: value})), frequency).T]
                       for value in values])
     _, ax = plt.subplots(figsize=(9, 6), layout="constrained")
-    ax.imshow(kinds, origin="lower", aspect="auto", extent=(*LAMBDA, start, stop), cmap=ListedColormap(COLOURS), vmin=-0.5, vmax=6.5,
-              interpolation="nearest")
+    ax.imshow(kinds, origin="lower", aspect="auto", extent=(*LAMBDA, start, stop), cmap=ListedColormap(COLOURS),
+              vmin=-0.5, vmax=6.5, interpolation="nearest")
     told = set()
     for curve in curves_of(train, parameter, np.linspace(start, stop, 9)[1:]):
         colour, line = STYLES[curve.kind]
         label = f"{curve.kind}{', period 2' if curve.period == 2 else ''}"
-        ax.plot(curve.frequency, curve.parameter, line, color=colour, lw=1.6 if curve.period == 1 else 0.8, label=None if label in told else label)
+        ax.plot(curve.frequency, curve.parameter, line, color=colour, lw=1.6 if curve.period == 1 else 0.8,
+                label=None if label in told else label)
         told.add(label)
         for point in curve.special_points:
             if point.kind not in ("grazing", "grazing on a fold", "grazing on a doubling"):

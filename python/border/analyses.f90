@@ -82,7 +82,8 @@ end subroutine train_sizes
 ! The branches that follow from it are the box's further ones, after those that it had.
 subroutine run_analysis(handle, name, progress, status)
    use geartrain, only: error_type, motion_type
-   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type
+   use geartrain_python_box, only: box_type, box_of, close_with
+   use geartrain_python_work, only: begin_watch, watch_type
    use geartrain_run_run_case, only: run => run_analysis
    implicit none
    integer(8), intent(in) :: handle
@@ -106,7 +107,8 @@ end subroutine run_analysis
 ! Work on the box's branch or on its first motion, see `work` in python/box.f90.
 subroutine do_work(handle, what, values, n, progress, status)
    use geartrain, only: error_type
-   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type, work
+   use geartrain_python_box, only: box_type, box_of, close_with
+   use geartrain_python_work, only: begin_watch, watch_type, work
    implicit none
    integer(8), intent(in) :: handle
    character(*), intent(in) :: what
@@ -129,7 +131,8 @@ end subroutine do_work
 ! given by period, Lambda and coefficients.
 subroutine find_gradient(handle, what, names, number, frequency, coefficients, terms, meshes, progress, status)
    use geartrain, only: error_type
-   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, differentiate, watch_type
+   use geartrain_python_box, only: box_type, box_of, close_with
+   use geartrain_python_work, only: begin_watch, differentiate, watch_type
    implicit none
    integer(8), intent(in) :: handle
    character(*), intent(in) :: what, names
@@ -152,7 +155,8 @@ end subroutine find_gradient
 ! N m.
 subroutine sample_waveform(handle, periods, samples, meshes, shafts, progress, time, displacement, velocity, force, torque)
    use geartrain, only: waveform
-   use geartrain_python_box, only: begin_watch, box_type, box_of, watch_type
+   use geartrain_python_box, only: box_type, box_of
+   use geartrain_python_work, only: begin_watch, watch_type
    implicit none
    integer(8), intent(in) :: handle
    integer, intent(in) :: periods, samples, meshes, shafts
@@ -175,7 +179,8 @@ end subroutine sample_waveform
 ! Everything that the case asks for; `path` is where the results go, '' nowhere; `checkpoint` the file to go on from, '' none.
 subroutine run_all(handle, path, checkpoint, progress, status)
    use geartrain, only: error_type, run_case
-   use geartrain_python_box, only: begin_watch, box_type, box_of, close_with, watch_type
+   use geartrain_python_box, only: box_type, box_of, close_with
+   use geartrain_python_work, only: begin_watch, watch_type
    implicit none
    integer(8), intent(in) :: handle
    character(*), intent(in) :: path, checkpoint

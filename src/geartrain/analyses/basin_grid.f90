@@ -153,6 +153,7 @@ contains
 
    !> Shares with their errors, and why the map ended.
    subroutine conclude(found, done)
+      !> The map, whose starts are settled row by row.
       class(basins_type), intent(inout) :: found
       !> Rows done.
       integer, intent(in) :: done
@@ -194,6 +195,7 @@ contains
 
    !> Visits the fields, see geartrain_base_fields.
    subroutine visit(found, fields)
+      !> The map.
       class(basins_type), intent(inout) :: found
       !> The fields of the results.
       class(fields_type), intent(inout) :: fields

@@ -1,12 +1,12 @@
-!> The augmented system of a special point of the exact motion: an orbit, by shooting in sections, at which a test function is 0. Its
-!> unknowns are the states, Lambda and, along a curve in two parameters, the value of a parameter of the train.
+!> The augmented system of a special point of the exact motion: an orbit, by shooting in sections, at which a test function is 0.
+!> Its unknowns are the states, Lambda and, along a curve in two parameters, the value of a parameter of the train.
 !>
-!> Newton's method is reduced to three unknowns. Bordered by fixed vectors, M - I is regular even where an orbit folds; so the states
-!> follow from the changes l of Lambda, m of the parameter and s along the null vector, and what remains is
-!>    h + h_l l + h_m m + h_s s = 0, the orbit closes;   g + g_l l + g_m m + g_s s = 0, the test function;   the step along the curve.
-!> Test functions g: of a fold and a doubling the last unknown of M - I and M + I, bordered; of a Neimark-Sacker point the product of
-!> the pair of multipliers less 1; of a contact onset the distance of an extreme displacement from the wall. Derivatives of g are
-!> differences along the four directions, whose errors slow Newton's method, and do not move its result.
+!> Newton's method is reduced to three unknowns. Bordered by fixed vectors, M - I is regular even where an orbit folds; so all
+!> states follow from the changes l of Lambda, m of the parameter and s along the null vector, and what remains is
+!>    h + h_l l + h_m m + h_s s = 0, the orbit closes; g + g_l l + g_m m + g_s s = 0, the test function; the step along the curve.
+!> Test functions g: of a fold and a doubling the last unknown of M - I and M + I, bordered; of a Neimark-Sacker point the product
+!> of the pair of multipliers less 1; of a contact onset the distance of an extreme displacement from the wall. Derivatives of g
+!> are differences along the four directions, whose errors slow Newton's method, and do not move its result.
 module geartrain_continuation_augmented_system
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_contact_ranges, only: depth_below
