@@ -4,7 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import paper_train
+from conftest import paper_train, single_pair
+
+import geartrain as gt
+
+
+def soft_train():
+    """Figure 4's with k3 = 5e5 N m/rad, where pairs of multipliers leave the unit circle near sums of natural frequencies."""
+    return paper_train(shafts=[gt.Shaft(stiffness=stiffness, damping_ratio=0.01) for stiffness in (1e3, 5e5, 1e3)])
 
 
 def linear(train):
@@ -12,26 +19,98 @@ def linear(train):
     return replace(train, meshes=[replace(mesh, half_backlash=0.0, stiffness_cos=None) for mesh in train.meshes])
 
 
-def real_parts(train):
-    """Those of the eigenvalues of a linear train, -zeta omega of each mode twice, largest first."""
-    modes = train.modes()
-    return np.sort(-np.repeat(modes.damping_ratio * modes.natural_frequency, 2))[::-1]
+def exponents_of(motion):
+    """ln|multiplier| over the period, largest first."""
+    return np.sort(np.log(np.abs(motion.multipliers)))[::-1] * motion.frequency / (2 * np.pi * motion.period)
 
 
-def test_a_linear_train_has_the_real_parts_of_its_eigenvalues():
+def test_a_linear_pair_has_the_real_parts_of_its_eigenvalues():
+    """x'' + 0.1 x' + x = 0.4: both are -0.05."""
+    found = linear(single_pair(0.4, stiffness_cos=[0.3])).lyapunov_spectrum(0.8, periods=1000)
+    assert found.exponents == pytest.approx([-0.05, -0.05], rel=1e-5)
+    assert found.exponents.sum() == pytest.approx(-0.1, rel=1e-12)
+    assert found.kind == "periodic" and found.period == 1 and found.dimension == 0
+
+
+def test_a_linear_train_has_those_of_its_multipliers():
+    """To 1e-4: two modes lie next to each other, and their tangents are slow to part."""
     train = linear(paper_train())
     found = train.lyapunov_spectrum(0.9, periods=1000)
-    assert found.exponents == pytest.approx(real_parts(train), rel=1e-3)
-    assert found.kind == "periodic" and found.dimension == 0
+    exact = exponents_of(train.integrate(0.9))
+    assert found.exponents == pytest.approx(exact, rel=1e-4)
+    assert found.exponents.sum() == pytest.approx(exact.sum(), rel=1e-11)
 
 
-@pytest.mark.parametrize("frequency", [0.7, 1.92])
-def test_a_periodic_motion_has_those_of_its_multipliers(frequency):
-    """ln|multiplier| over the period, period 2 at 1.92."""
+@pytest.mark.parametrize(("frequency", "period"), [(0.7, 1), (1.92, 2)])
+def test_a_periodic_motion_has_those_of_its_multipliers(frequency, period):
     train = paper_train()
     found = train.lyapunov_spectrum(frequency, periods=1000)
     motion = train.integrate(frequency, start=found.state)
-    assert found.period == motion.period
-    exact = np.sort(np.log(np.abs(motion.multipliers)))[::-1] * frequency / (2 * np.pi * motion.period)
-    assert found.exponents == pytest.approx(exact, abs=1e-4)
-    assert found.exponents[:4] == pytest.approx(exact[:4], rel=1e-3)
+    assert found.period == motion.period == period
+    assert found.exponents == pytest.approx(exponents_of(motion), rel=1e-4)
+
+
+def test_chaos():
+    """The sum is the mean of the divergence (Liouville), that of the linear train; the largest is `Train.integrate`'s."""
+    train = soft_train()
+    found = train.lyapunov_spectrum(2.49, transient=4000, periods=4000)
+    assert found.kind == "chaotic" and 1 < found.dimension < 2
+    assert found.exponents.sum() == pytest.approx(exponents_of(linear(train).integrate(2.49)).sum(), rel=1e-9)
+    by_flow = train.integrate(2.49, max_periods=3000)
+    assert by_flow.kind == "chaotic"
+    assert abs(found.exponents[0] - by_flow.lyapunov_exponent) < found.errors[0] + by_flow.lyapunov_error
+
+
+def test_the_rotation_number_begins_with_the_angle_of_the_multipliers():
+    """A torus leaves the motion of period 1 at a Neimark-Sacker point; its rotation number goes to the angle over 2 pi there."""
+    train = soft_train()
+    response = train.response(start=2.29, stop=2.33)
+    point = next(special for special in response.special_points if special.kind == "neimark-sacker")
+    multipliers = response.at(point.frequency)[0].refine().multipliers
+    angle = np.abs(np.angle(multipliers[np.abs(multipliers).argmax()])) / (2 * np.pi)
+    diagram = train.bifurcation_diagram(start=2.309, stop=2.295, points=8, direction="down", transient=8000, sections=3000)
+    assert set(diagram.kind) == {"quasi-periodic"}
+    fit = np.polyfit(diagram.frequency - point.frequency, diagram.rotation_number, 2)
+    assert fit[-1] == pytest.approx(angle, abs=5e-6)
+    assert (np.abs(diagram.lyapunov_exponents[:, 0]) < 1e-4).all()
+
+
+def test_attractors_without_a_period():
+    """Two chaotic attractors at one speed, each with its share; the flow from the state of each stays on it."""
+    train = soft_train()
+    found = train.attractors(2.3, starts=8, max_periods=1000)
+    assert found.unsettled + sum(motion.share for motion in found) == pytest.approx(1)
+    assert [(motion.period, motion.kind) for motion in found] == [(0, "chaotic")] * 2
+    for motion in found:
+        later = train.lyapunov_spectrum(2.3, start=motion, transient=2000)
+        assert later.kind == "chaotic"
+        assert abs(later.exponents[0] - motion.lyapunov_exponent) < 2 * (later.errors[0] + motion.lyapunov_error)
+
+
+def test_a_diagram_up_and_down(tmp_path):
+    """Figure 3's jumps: what a sweep reaches at 0.6 depends on where it comes from; rows as `Train.sweep` finds them."""
+    train = paper_train()
+    diagram = train.bifurcation_diagram(start=0.4, stop=0.8, points=3, transient=200, sections=40)
+    motions = train.sweep(start=0.4, stop=0.8, points=3, direction="both")
+    assert diagram.direction == motions.direction
+    assert diagram.frequency == pytest.approx(motions.frequency)
+    assert diagram.final_state == pytest.approx(np.array([motion.state for motion in motions]), abs=1e-4)
+    assert (diagram.period == 1).all()
+    pytest.importorskip("matplotlib")
+    assert len(diagram.plot(mesh=2).get_lines()) == 2
+    with pytest.raises(gt.InputError, match="what = 'state'"):
+        diagram.plot(what="state")
+    text = train.namelist(bifurcation_diagram={"start": 0.4, "stop": 0.8, "points": 3, "transient": 200, "sections": 40})
+    (tmp_path / "case.nml").write_text(text)
+    results = gt.read_case(tmp_path / "case.nml").run()
+    results.write(tmp_path / "case.h5")
+    again = gt.read_results(tmp_path / "case.h5").bifurcation_diagram
+    assert (again.displacement == diagram.displacement).all() and again.kind == diagram.kind
+    assert diagram.to_dataset()["displacement"].dims == ("point", "section", "mesh")
+
+
+def test_what_it_refuses():
+    with pytest.raises(gt.InputError, match="periods = 5: must be"):
+        paper_train().lyapunov_spectrum(0.7, periods=5)
+    with pytest.raises(gt.InputError, match="points"):
+        paper_train().bifurcation_diagram(start=0.7, stop=0.7)
