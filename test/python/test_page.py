@@ -246,7 +246,7 @@ def browser(tmp_path_factory):
     options.binary_location = programs[0]
     folder = tmp_path_factory.mktemp("chromium")
     for flag in ("headless=new", "no-sandbox", "disable-gpu", "no-first-run", "disable-background-networking",
-                 "disable-component-update", "disable-sync", "window-size=1400,1000", f"user-data-dir={folder}"):
+                 "disable-component-update", "disable-sync", "window-size=1200,800", f"user-data-dir={folder}"):
         options.add_argument(f"--{flag}")
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     driver = selenium.Chrome(options=options, service=selenium.ChromeService(programs[1]))
@@ -257,9 +257,9 @@ def browser(tmp_path_factory):
 class Shown:
     """A page in the browser."""
 
-    def __init__(self, browser, path, width=1400):
+    def __init__(self, browser, path, width=1200):
         self.browser = browser
-        size = {"width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": width < 600}
+        size = {"width": width, "height": 800, "deviceScaleFactor": 1, "mobile": width < 600}
         browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
         browser.get_log("browser")
         browser.get(path.as_uri())
@@ -455,14 +455,14 @@ def test_two_files_and_a_narrow_screen(browser, branch, train, tmp_path, monkeyp
     other = train.with_values({"mesh 2 damping_ratio": 0.07}).response(start=0.4, stop=1.0)
     path = tmp_path / "both.html"
     monkeypatch.setattr("geartrain._page._LARGE", 0)
-    monkeypatch.setattr("geartrain._page._SPARSE", 4)
+    monkeypatch.setattr("geartrain._page._SPARSE", 2)
     gt.page(branch, path, compare=other, names=("given", "more <b>damping</b>"))
     page = Shown(browser, path, width=400)
     assert page.js("byId('curve').data.filter((t) => t.meta.file === 1).length") >= 2
     assert "more <b>damping</b>" in page.find("#key").text
     page.js("choose(main.series[0], 5)")
     page.settle()
-    assert "those of point 5, the nearest" in page.find("#force-note").text
+    assert "those of point 7, the nearest" in page.find("#force-note").text
     page.click("#show-compare")
     assert page.js("byId('curve').data.filter((t) => t.meta.file === 1).length") == 0
     for tab in ("response", "tables", "train"):
