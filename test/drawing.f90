@@ -19,7 +19,7 @@ module drawing
       integer :: count = 0
       integer, allocatable :: chosen(:)
       !> Group of each variable, as far as it is counted.
-      character(16) :: groups(400) = ''
+      character(24) :: groups(400) = ''
    contains
       procedure :: on_real
       procedure :: on_integer
