@@ -21,6 +21,7 @@ from .description import Description
 from .errors import InputError
 from .schematic import draw_schematic, figure_size
 from .special_point import SpecialPoints
+from .variables import ANALYSES
 
 __all__ = ["quantities", "shown_results"]
 
@@ -67,6 +68,9 @@ def shown_results(results: Any, name: str, block: Block, every: int = 1) -> dict
     shown = [_of_branch(branch, place == 0 and response is not None, block, every) for place, branch in enumerate(branches)]
     over = branches[0].parameter_name if branches else ""
     notes = [] if alone or not results.ended else [results.ended]
+    others = [name for name in ANALYSES if name not in (*parts, "response") and getattr(results, name, None) is not None]
+    if others and not alone:
+        notes.append(f"In the file, but not on this page: {', '.join(others)}")
     for kind in ("integration", "attractors"):
         if parts[kind] and over:
             notes.append(f"{kind} is over frequency, and not drawn over {over}")

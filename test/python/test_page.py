@@ -8,6 +8,7 @@ import shutil
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from geartrain._motion_check import VALUES
 from geartrain._page_force import force_laws, force_of
 from geartrain._page_pack import Block
 from geartrain.page_command import main
+from geartrain.variables import ANALYSES
 
 pytest.importorskip("plotly")
 
@@ -172,7 +174,8 @@ def test_what_is_refused(branch, results, tmp_path, monkeypatch):
     with pytest.raises(gt.InputError, match="branches: must be left out"):
         gt.page(branch, branches={})
     with pytest.raises(gt.InputError, match="nothing in these results"):
-        gt.page(replace(results, modes=None, response=None, integration=None, attractors=None, stability_map=None, branches=[]))
+        parts = ("modes", "response", "integration", "attractors", "stability_map", "locus")
+        gt.page(replace(results, **dict.fromkeys(parts), branches=[]))
     with pytest.raises(OSError):
         branch.page(tmp_path / "nowhere" / "page.html")
 
@@ -184,14 +187,30 @@ def test_what_is_refused(branch, results, tmp_path, monkeypatch):
         branch.page()
 
 
-def test_branch_over_a_parameter(over, branch):
+def test_branch_over_a_parameter(over, branch, train):
     told = unpacked(over.page().html)["files"][0]
     np.testing.assert_array_equal(told["series"][0]["across"], over.parameter)
-    assert "mesh 2 half_backlash [m]" in told["tables"][0]["headings"]
     # The gap of mesh 2 changes along the branch, and no one force law is that of all its points; mesh 1 keeps its own.
     assert told["laws"][0] is not None and told["laws"][1] is None and "mesh 2" in told["forces"]
     with pytest.raises(gt.InputError, match="compare: goes over frequency: must go over mesh 2 half_backlash"):
         over.page(compare=branch)
+    # Over the torque both laws stay as they are, and the rms is largest at an end, which is a row of the table of peaks.
+    over = train.continuation(parameter="input_torque", start=100.0, stop=200.0, frequency=0.7)
+    told = unpacked(over.page().html)["files"][0]
+    assert "input_torque [N m]" in told["tables"][0]["headings"] and None not in told["laws"]
+
+
+def test_what_a_page_does_not_show_is_told(results):
+    """An analysis that a page has no view for, as one that is new."""
+    told = unpacked(results.page().html)["files"][0]
+    assert told["notes"] == []
+    beside = SimpleNamespace(**{**vars(results), "locus": None})
+    modes = {"modes", "response", "integration", "attractors", "stability_map", "run_up", "locus"}
+    assert {*ANALYSES} >= modes
+    unknown = next(iter([name for name in ANALYSES if name not in modes]), None)
+    if unknown is not None:
+        setattr(beside, unknown, object())
+        assert unpacked(gt.page(beside).html)["files"][0]["notes"] == [f"In the file, but not on this page: {unknown}"]
 
 
 def test_train_of_rigid_shafts():

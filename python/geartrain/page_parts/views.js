@@ -105,7 +105,7 @@ function mapView(panel) {
     state.mapWhat = value;
     draw();
   });
-  const notes = main.loci.map((locus) => `Curve of a ${locus.kind}: ${locus.ended}.`);
+  const notes = main.loci.map((locus) => `Thick line: ${locus.kind}; it ended by ${locus.ended}.`);
   if (chart) notes.unshift(`${chart.linear ? "Of the train without backlash. " : ""}${chart.ended}.`);
   panel.append(
     make("div", { class: "controls" }, unitChoice("map"), what),
@@ -192,7 +192,7 @@ function locusTraces(locus) {
       showlegend: false,
       x: Array.from(locus.lambda, (l) => l * per(main)),
       y: Array.from(locus.values),
-      line: { color: INK, width: 2.5, dash: locus.kind === "fold" ? "solid" : "dash" },
+      line: { color: COLORS[2], width: 3.5, dash: locus.kind === "fold" ? "solid" : "dash" },
       hovertemplate: `${words}<br>%{x:.6g}${unitSuffix()}, %{y:.6g}<extra></extra>`,
     },
     {
@@ -202,7 +202,8 @@ function locusTraces(locus) {
       x: locus.specials.map((special) => special.at * per(main)),
       y: locus.specials.map((special) => special.value),
       text: locus.specials.map((special) => safe(special.kind)),
-      textposition: "top right",
+      // Two at one place have their names on different sides.
+      textposition: locus.specials.map((_, i) => ["top right", "bottom left", "bottom right", "top left"][i % 4]),
       marker: { size: 9, color: "#fff", line: { color: INK, width: 2 } },
       hovertemplate: "%{text}<br>%{x:.6g}, %{y:.6g}<extra></extra>",
     },
