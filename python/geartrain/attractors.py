@@ -20,6 +20,9 @@ __all__ = ["Attractors"]
 class Attractors(list[Motion]):
     """The steady motions that random starts settled on at one frequency, largest share first: a list of `Motion`.
 
+    Chaotic and quasi-periodic motions have the ``period`` 0, their ``kind`` and ``lyapunov_exponent``; flows of equal mean and
+    spread of all coordinates at phase 0 count as one such motion.
+
     Attributes
     ----------
     frequency : float

@@ -57,7 +57,7 @@ class LyapunovSpectrum:
 
     @property
     def dimension(self) -> float:
-        """Dimension of the attractor in its sections (Kaplan and Yorke): 0 of a periodic motion, 1 of a torus, more of chaos."""
+        """Of the attractor in its sections, after Kaplan and Yorke: 0 of a periodic motion, 1 of a torus, more in chaos."""
         exponents = np.where(np.abs(self.exponents) <= self.errors, 0.0, self.exponents)
         sums = np.cumsum(exponents)
         whole = int((sums >= 0).argmin()) if (sums < 0).any() else len(sums)

@@ -294,9 +294,9 @@ contains
       integer, allocatable, intent(inout) :: hits(:)
       !> Its place among the motions; 0: it does not count.
       integer, intent(out), optional :: place
-      !> What the motion does in the long run where it has no period.
+      !> What a motion without period does in the long run.
       type(aperiodic_type), intent(in), optional :: wandering
-      !> What each of `motions` does in the long run.
+      !> The same of each of `motions`.
       type(aperiodic_type), allocatable, intent(inout), optional :: known(:)
       type(aperiodic_type), allocatable :: more(:)
       integer :: i

@@ -152,25 +152,24 @@ contains
    end subroutine check_basins
 
    !> Shares with their errors, and why the map ended.
-   subroutine conclude(found, done)
-      !> The map, whose starts are settled row by row.
-      class(basins_type), intent(inout) :: found
+   subroutine conclude(self, done)
+      class(basins_type), intent(inout) :: self
       !> Rows done.
       integer, intent(in) :: done
       real(dp) :: starts
       integer :: i
 
-      associate (label => found%label(:, :done), n => size(found%motions))
+      associate (label => self%label(:, :done), n => size(self%motions))
          starts = max(1, size(label))
-         found%grid_share = [(count(label == i)/starts, i=1, n)]
-         found%grid_share_error = [(sampling_error(label == i), i=1, n)]
-         found%share_error = [(sqrt(found%motions(i)%share*(1 - found%motions(i)%share)/found%starts), i=1, n)]
-         found%unsettled = count(label == unsettled)/starts
-         found%unbounded = count(label == ran_away)/starts
+         self%grid_share = [(count(label == i)/starts, i=1, n)]
+         self%grid_share_error = [(sampling_error(label == i), i=1, n)]
+         self%share_error = [(sqrt(self%motions(i)%share*(1 - self%motions(i)%share)/self%starts), i=1, n)]
+         self%unsettled = count(label == unsettled)/starts
+         self%unbounded = count(label == ran_away)/starts
       end associate
-      found%complete = done == size(found%velocity)
-      found%ended = 'all starts done'
-      if (.not. found%complete) found%ended = 'cancelled after '//text(done)//' of '//text(size(found%velocity))//' rows'
+      self%complete = done == size(self%velocity)
+      self%ended = 'all starts done'
+      if (.not. self%complete) self%ended = 'cancelled after '//text(done)//' of '//text(size(self%velocity))//' rows'
    end subroutine conclude
 
    !> Standard error of the share of an area by a grid of points: the share of each point's cell is taken as known to as well as the
@@ -194,54 +193,53 @@ contains
    end function sampling_error
 
    !> Visits the fields, see geartrain_base_fields.
-   subroutine visit(found, fields)
-      !> The map.
-      class(basins_type), intent(inout) :: found
+   subroutine visit(self, fields)
+      class(basins_type), intent(inout) :: self
       !> The fields of the results.
       class(fields_type), intent(inout) :: fields
       integer :: n, states
 
       if (.not. fields%enter('/basins', 'which steady motion each start reaches at one frequency', .true.)) return
       n = 0
-      if (allocated(found%motions)) n = size(found%motions)
-      call carry_text(fields, field('ended', '', '', 'why it ended, in words'), found%ended, 'not yet: these are the rows so far')
-      call carry(fields, field('complete', '', '', '1: all starts are done'), found%complete)
-      call carry(fields, field('frequency', '', '', 'Lambda'), found%frequency_ratio)
-      call carry(fields, field('mesh_number', '', '', 'mesh whose displacement and velocity vary', least=1), found%mesh)
-      call carry(fields, field('starts', '', '', 'random starts that found the motions first', least=0), found%starts)
-      call carry(fields, field('random_seed', '', '', 'what the random starts were made from'), found%random_seed)
+      if (allocated(self%motions)) n = size(self%motions)
+      call carry_text(fields, field('ended', '', '', 'why it ended, in words'), self%ended, 'not yet: these are the rows so far')
+      call carry(fields, field('complete', '', '', '1: all starts are done'), self%complete)
+      call carry(fields, field('frequency', '', '', 'Lambda'), self%frequency_ratio)
+      call carry(fields, field('mesh_number', '', '', 'mesh whose displacement and velocity vary', least=1), self%mesh)
+      call carry(fields, field('starts', '', '', 'random starts that found the motions first', least=0), self%starts)
+      call carry(fields, field('random_seed', '', '', 'what the random starts were made from'), self%random_seed)
       call carry(fields, field('unsettled', '', '', 'share of the starts of the grid that settled on no motion'), &
-                 found%unsettled)
+                 self%unsettled)
       call carry(fields, field('unbounded', '', '', 'share of the starts of the grid that grew without bound: with grid_share &
-                             &and `unsettled` it sums to 1'), found%unbounded)
+                             &and `unsettled` it sums to 1'), self%unbounded)
       call carry(fields, field('displacement', 'displacement', '1', 'of the mesh at phase 0 / characteristic_length'), &
-                 found%displacement)
+                 self%displacement)
       call carry(fields, field('velocity', 'velocity', '1', 'of the mesh at phase 0 / (characteristic_length times &
-                             &characteristic_frequency)'), found%velocity)
+                             &characteristic_frequency)'), self%velocity)
       call carry(fields, field('label', 'velocity displacement', '1', 'number of the motion that the start reaches, from 1; 0: &
-                             &none, -1: it grows without bound, -2: not done yet', least=not_done), found%label)
+                             &none, -1: it grows without bound, -2: not done yet', least=not_done), self%label)
       states = 0
-      if (allocated(found%base)) states = size(found%base)
+      if (allocated(self%base)) states = size(self%base)
       call fields%index_axis('start_coordinate', states, 'coordinate of `start_state`, in the order of `initial_state`')
       call carry(fields, field('start_state', 'start_coordinate', '1', 'state at phase 0 that the starts have, but for &
-                             &the displacement and velocity of the mesh'), found%base)
+                             &the displacement and velocity of the mesh'), self%base)
       call carry(fields, field('displacement_place', '', '', 'place of the displacement of the mesh in the state, from 1', &
-                               least=1), found%displacement_place)
-      call carry(fields, field('velocity_place', '', '', 'place of its velocity, from 1', least=1), found%velocity_place)
+                               least=1), self%displacement_place)
+      call carry(fields, field('velocity_place', '', '', 'place of its velocity, from 1', least=1), self%velocity_place)
       call fields%index_axis('motion', n, 'motion: as random starts found them, largest share first, then those that only the &
                            &grid found')
       call carry(fields, field('grid_share', 'motion', '1', 'share of the starts of the grid', optional=.true.), &
-                 found%grid_share)
+                 self%grid_share)
       call carry(fields, field('grid_share_error', 'motion', '1', 'its standard error as a share of the area, from how the &
-                             &neighbours of each start agree', optional=.true.), found%grid_share_error)
+                             &neighbours of each start agree', optional=.true.), self%grid_share_error)
       call carry(fields, field('share_error', 'motion', '1', 'standard error of `share`, that of the random starts', &
-                             optional=.true.), found%share_error)
+                             optional=.true.), self%share_error)
       if (allocated(fields%wrong)) return
       if (fields%way == reading) then
-         allocate (found%motions(n))
-         if (allocated(found%label)) call fields%check(all(found%label <= n), 'label')
+         allocate (self%motions(n))
+         if (allocated(self%label)) call fields%check(all(self%label <= n), 'label')
       end if
-      if (n > 0 .or. fields%way == listing) call visit_motions(found%motions, 'motion', fields)
+      if (n > 0 .or. fields%way == listing) call visit_motions(self%motions, 'motion', fields)
    end subroutine visit
 
 end module geartrain_analyses_basin_grid

@@ -293,7 +293,9 @@ contains
       type(aperiodic_type), intent(in) :: this, wandering(:)
 
       do place = 1, size(wandering)
-         if (this%kind /= 'still settling' .and. this%is_same(wandering(place))) return
+         if (this%kind == 'still settling') exit
+         if (wandering(place)%kind /= 'chaotic' .and. wandering(place)%kind /= 'quasi-periodic') cycle
+         if (this%is_same(wandering(place))) return
       end do
       place = unsettled
    end function place_of

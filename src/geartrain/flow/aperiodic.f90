@@ -44,7 +44,7 @@ contains
       real(dp), intent(in) :: state(:)
       !> Periods of the fundamental, at least 60.
       integer, intent(in) :: periods
-      real(dp) :: now(size(state)), sections(size(state), periods), exponents(size(state)), errors(size(state))
+      real(dp) :: now(size(state)), sections(size(state), periods), exponents(1), errors(1)
       real(dp) :: part(size(state), 2, blocks)
       integer :: i, n
       logical :: lost

@@ -14,8 +14,8 @@ module geartrain_flow_spectrum
 
 contains
 
-   !> Lyapunov exponents, largest first: tangents carried along the flow and made orthogonal again after each period of the
-   !> fundamental (Benettin and others, 1980), in the norm of the energy.
+   !> The largest Lyapunov exponents, as many as asked for: tangents carried along the flow and made orthogonal again after each
+   !> period of the fundamental (Benettin and others, 1980), in the norm of the energy.
    subroutine lyapunov_spectrum(system, map, state, periods, exponents, errors, lost, sections)
       !> The train.
       type(system_type), intent(in) :: system
@@ -25,19 +25,19 @@ contains
       real(dp), intent(inout) :: state(:)
       !> Periods of the fundamental over which is averaged, after a fifth as many in which the tangents turn.
       integer, intent(in) :: periods
-      !> Exponents per unit of time [1], (state), and their uncertainties at 95 % [1], (state).
+      !> Exponents per unit of time [1], largest first, and their uncertainties at 95 % [1], (exponent): as many as states or fewer.
       real(dp), intent(out) :: exponents(:), errors(:)
       !> Set where the flow is not valid: an event was passed over, the state ran away, or an interrupt ended it.
       logical, intent(inout) :: lost
       !> States after each period of the average [1], (state, period).
       real(dp), intent(out), optional :: sections(:, :)
       type(energy_type) :: energy
-      real(dp) :: tangents(size(state), size(state)), growth(periods, size(state)), length(size(state))
-      integer :: i, k, order(size(state))
+      real(dp) :: tangents(size(state), size(exponents)), growth(periods, size(exponents)), length(size(exponents))
+      integer :: i, k, largest
 
       call energy%setup(system)
       tangents = 0
-      do i = 1, size(state)
+      do i = 1, size(exponents)
          tangents(i, i) = 1
       end do
       exponents = 0
@@ -46,25 +46,26 @@ contains
          call map%pass_period(state, lost, tangents)
          if (.not. all(abs(tangents) < 1e100_dp) .or. system%interrupt%raised()) lost = .true.
          if (lost) return
-         do i = 1, size(state)
+         do i = 1, size(exponents)
             tangents(:, i) = energy%coordinates(tangents(:, i))
          end do
          call orthogonalise(tangents, length)
-         do i = 1, size(state)
+         do i = 1, size(exponents)
             tangents(:, i) = energy%state(tangents(:, i))
          end do
          if (k < 1) cycle
          growth(k, :) = log(max(length, tiny(1.0_dp)))*map%frequency_ratio/(2*pi)
          if (present(sections)) sections(:, k) = state
       end do
-      do i = 1, size(state)
+      do i = 1, size(exponents)
          call exponent_of(growth(:, i), exponents(i), errors(i))
       end do
       ! They come out in order but for their uncertainty.
-      do i = 1, size(state)
-         order(i) = i - 1 + maxloc(exponents(i:), 1)
-         exponents([i, order(i)]) = exponents([order(i), i])
-         errors([i, order(i)]) = errors([order(i), i])
+      do i = 1, size(exponents)
+         largest = i - 1 + maxloc(exponents(i:), 1)
+         if (largest == i) cycle
+         exponents([i, largest]) = exponents([largest, i])
+         errors([i, largest]) = errors([largest, i])
       end do
    end subroutine lyapunov_spectrum
 
