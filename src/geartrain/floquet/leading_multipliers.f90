@@ -5,7 +5,7 @@ module geartrain_floquet_leading_multipliers
    use geartrain_floquet_motion_contacts, only: motion_contacts_type
    use geartrain_floquet_vector_propagator, only: vector_propagator_type
    use geartrain_linalg_arnoldi, only: arnoldi_type
-   use geartrain_model_alike, only: most_alike
+   use geartrain_model_alike, only: share_alike
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
@@ -27,6 +27,8 @@ module geartrain_floquet_leading_multipliers
    real(dp), parameter :: largest_growth = 1.5_dp
    !> Relative distance of multipliers that may be copies of each other, as of equal branches.
    real(dp), parameter :: equal = 1e-6_dp
+   !> Share of the elements that lie alike with two others, above which four vectors are carried from the beginning.
+   real(dp), parameter :: most_alike = 0.5_dp
    !> Largest difference that steps of half the length may make to the leading vector; how often steps are tried.
    real(dp), parameter :: largest_defect = 1e-7_dp
    integer, parameter :: most_attempts = 3
@@ -37,7 +39,7 @@ module geartrain_floquet_leading_multipliers
       type(vector_propagator_type) :: propagator
       type(arnoldi_type) :: space
       integer :: states = 0
-      !> Whether so many elements lie alike that two vectors would not find every copy of a multiplier.
+      !> Whether so many elements lie alike that two vectors would hardly find every copy of a multiplier.
       logical :: branches = .false.
       !> Time over which vectors are carried; contact events in order of time, the mesh and the contact after each, (event).
       real(dp) :: period = 0
@@ -62,7 +64,7 @@ contains
 
       self%states = 2*system%coordinates
       call self%propagator%setup(system)
-      self%branches = most_alike(system) > two
+      self%branches = share_alike(system, two) > most_alike
       allocate (self%first_contact(system%meshes), self%now(system%meshes))
    end subroutine setup
 

@@ -5,22 +5,25 @@ module geartrain_model_alike
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: most_alike
+   public :: share_alike
 
    !> Keys that differ by less are equal but for rounding.
    real(dp), parameter :: same = 1e-9_dp
 
 contains
 
-   !> How many elements lie alike at most. Elements are told apart by their own numbers, then again and again by what their
-   !> neighbours were told apart by, as long as this makes more kinds. Keys of two kinds could be equal by chance, but hardly are.
-   pure integer function most_alike(system)
+   !> Share of the elements that lie alike with so many others or more [1]. Elements are told apart by their own numbers, then again
+   !> and again by what their neighbours were told apart by, as long as this makes more kinds. Keys of two kinds could be equal by
+   !> chance, but hardly are.
+   pure real(dp) function share_alike(system, others)
       !> The train.
       type(system_type), intent(in) :: system
+      !> How many others.
+      integer, intent(in) :: others
       integer :: kind(system%elements), order(system%elements), number(system%elements), i, n, kinds
       real(dp) :: key(system%elements), scale
 
-      most_alike = 1
+      share_alike = 0
       ! A chain branches nowhere.
       if (all(system%first(2:) - system%first(:system%elements) <= 2)) return
       scale = maxval(system%own)
@@ -45,7 +48,7 @@ contains
       do n = 1, system%elements
          number(kind(n)) = number(kind(n)) + 1
       end do
-      most_alike = maxval(number)
-   end function most_alike
+      share_alike = sum(number, number > others)/real(system%elements, dp)
+   end function share_alike
 
 end module geartrain_model_alike
