@@ -85,7 +85,8 @@ contains
 
    !> Prepares for the orbits of a branch.
    subroutine setup(self, system, period)
-      class(orbit_corrector_type), intent(inout) :: self
+      ! A thread's private variable has garbage where its type has default values (gfortran 12): intent(out) sets them.
+      class(orbit_corrector_type), intent(out) :: self
       !> The train.
       type(system_type), intent(in) :: system
       !> Period of the branch [periods of the fundamental].
