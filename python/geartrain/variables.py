@@ -292,9 +292,7 @@ PARTS: dict[str, tuple[str, type[Part]]] = {
 }
 
 #: Analyses that a case may ask for, in their order.
-ANALYSES = (
-    "modes", "response", "integration", "attractors", "basins", "bifurcation_diagram", "stability_map", "run_up", "locus",
-)
+ANALYSES = ("modes", "response", "integration", "attractors", "basins", "bifurcation_diagram", "stability_map", "run_up", "locus")
 
 
 class Analyses(TypedDict, total=False):
