@@ -27,8 +27,12 @@ module geartrain_continuation_augmented_system
    integer, parameter :: max_iterations = 12
    !> Length of a displacement for differences of the test function, and for those over the parameter, in the units of the metric.
    real(dp), parameter :: small = 1e-6_dp, small_parameter = 1e-6_dp
+   !> Length of a Newton step, over the largest state, below which the derivatives of the point before it do for those after it.
+   real(dp), parameter :: nearby = 1e-3_dp
    !> Largest change of Lambda and of the parameter by one solution, in the units of the metric.
    real(dp), parameter :: farthest = 0.5_dp
+   !> Gap of an orbit, in the units of the metric, whose effect on the test function is left to the next iteration.
+   real(dp), parameter :: negligible = 1e-8_dp
    !> Directions: what remains of the equations, Lambda, the parameter, the null vector of M - I.
    integer, parameter :: rest = 1, along_lambda = 2, along_parameter = 3, along_null = 4
 
@@ -41,6 +45,9 @@ module geartrain_continuation_augmented_system
       !> Unit tangent of the curve in the metric.
       real(dp) :: tangent_frequency = 0, tangent_parameter = 0
       real(dp), allocatable :: tangent(:, :)
+      !> Change of the tangent over the length of the curve, normal to the tangent; not allocated: not known.
+      real(dp) :: bend_frequency = 0, bend_parameter = 0
+      real(dp), allocatable :: bend(:, :)
       !> Multipliers, largest magnitude first, (state).
       complex(dp), allocatable :: multipliers(:)
       !> Of a Neimark-Sacker point the sum of its pair of multipliers, by which the pair is known; huge: not known.
@@ -69,6 +76,8 @@ module geartrain_continuation_augmented_system
       !> The train of the latest value, and this value [1].
       type(system_type) :: system
       real(dp), private :: latest = huge(1.0_dp)
+      !> Value at which the parameter was last varied [1].
+      real(dp), private :: varied = huge(1.0_dp)
       !> Flights with and without derivatives with respect to Lambda and the parameter.
       type(sections_type) :: moving, probe
       !> Metric of the states, (state, section).
@@ -82,6 +91,7 @@ module geartrain_continuation_augmented_system
       procedure :: setup
       procedure :: solve
       procedure :: advance
+      procedure :: find_bend
       procedure :: distance
       procedure :: product_of
       procedure, private :: multipliers
@@ -114,6 +124,7 @@ contains
       self%system = system
       self%units = units_of(system)
       self%latest = huge(1.0_dp)
+      self%varied = huge(1.0_dp)
       if (present(path)) then
          self%path = path
          self%origin = origin
@@ -129,18 +140,20 @@ contains
       call self%minus%begin(system%states)
    end subroutine setup
 
-   !> Takes the train with a value of the parameter.
-   subroutine stand_at(self, parameter)
+   !> Takes the train with a value of the parameter, and varies the parameter there unless the derivatives of before will do.
+   subroutine stand_at(self, parameter, again)
       class(augmented_system_type), intent(inout) :: self
       real(dp), intent(in) :: parameter
+      logical, intent(in) :: again
       type(system_type) :: below, above
       integer :: parts
 
-      if (abs(parameter - self%latest) <= 0) return
+      if (abs(parameter - self%latest) <= 0 .and. (again .or. abs(parameter - self%varied) <= 0)) return
       self%latest = parameter
       parts = most_parts(self%system, self%period)
-      if (allocated(self%path)) then
-         call self%path%system_at(self%origin + self%scale*parameter, self%system)
+      if (allocated(self%path)) call self%path%system_at(self%origin + self%scale*parameter, self%system)
+      if (.not. again) self%varied = parameter
+      if (allocated(self%path) .and. .not. again) then
          call self%path%system_at(self%origin + self%scale*(parameter - small_parameter), below)
          call self%path%system_at(self%origin + self%scale*(parameter + small_parameter), above)
          call self%moving%vary(below, above, 2*small_parameter)
@@ -173,7 +186,7 @@ contains
 
    !> Newton's method from a guess to a special point: at constant value of the parameter, or in the plane normal to the tangent of
    !> the guess. The tangent keeps its sense.
-   subroutine solve(self, point, along, success)
+   subroutine solve(self, point, along, success, roughly)
       class(augmented_system_type), intent(inout) :: self
       !> The guess, with a tangent if `along`; then the special point with its tangent where there is a parameter.
       type(augmented_point_type), intent(inout) :: point
@@ -181,10 +194,14 @@ contains
       logical, intent(in) :: along
       !> Whether Newton's method has converged.
       logical, intent(out) :: success
+      !> Whether the tangent, and the derivatives of h and g, may be those of the first iterations; the point is as exact. Default
+      !> no.
+      logical, intent(in), optional :: roughly
       type(augmented_point_type) :: guess
       real(dp) :: y(size(point%states, 1), 4), part(4), matrix(3, 3), right(3, 2), value, length, before, gap, scale, norm
       real(dp) :: step(size(point%states, 1), size(point%states, 2), 4)
       integer :: pivot(3), d, i, k, n, m, info
+      logical :: again
 
       n = size(point%states, 1)
       m = size(point%states, 2)
@@ -192,9 +209,10 @@ contains
       self%pair_sum = point%pair_sum
       success = .false.
       before = huge(1.0_dp)
+      again = .false.
       do i = 1, max_iterations
-         call self%stand_at(point%parameter)
-         call self%moving%fly(point%frequency_ratio, point%states)
+         call self%stand_at(point%parameter, again)
+         call self%moving%fly(point%frequency_ratio, point%states, again)
          if (self%moving%interrupted()) return
          if (.not. self%has_borders) then
             call take_borders(self, info)
@@ -218,7 +236,7 @@ contains
          end do
          call self%test_value(point, self%moving%monodromy, self%system%half_backlash, .true., value, info)
          if (info /= 0) return
-         call differentiate(self, point, step, value, point%g)
+         call differentiate(self, point, step, value, again, point%g)
          matrix(1, :) = point%h(2:)
          matrix(2, :) = point%g(2:)
          matrix(3, :) = [0.0_dp, 1.0_dp, 0.0_dp]
@@ -248,6 +266,10 @@ contains
          if (abs(point%parameter - guess%parameter) > farthest) return
          success = has_converged(length, before, gap)
          if (success) exit
+         ! Where the steps do not become much shorter the derivatives are not those here.
+         again = length < nearby .and. length < 0.1_dp*before
+         if (again) again = present(roughly)
+         if (again) again = roughly
          before = length
       end do
       if (.not. success) return
@@ -280,7 +302,7 @@ contains
    end subroutine solve
 
    !> Step along the curve: predictor and Newton's method.
-   subroutine advance(self, from, h, to, success)
+   subroutine advance(self, from, h, to, success, roughly)
       class(augmented_system_type), intent(inout) :: self
       !> A special point with its tangent.
       type(augmented_point_type), intent(in) :: from
@@ -290,15 +312,37 @@ contains
       type(augmented_point_type), intent(inout) :: to
       !> Whether Newton's method has converged, and to a point with a tangent of nearly the same direction.
       logical, intent(out) :: success
+      !> As of `solve`.
+      logical, intent(in), optional :: roughly
 
       to = from
       to%states = from%states + h*from%tangent
       to%frequency_ratio = from%frequency_ratio + h*from%tangent_frequency
       to%parameter = from%parameter + h*from%tangent_parameter
+      if (allocated(from%bend)) then
+         to%states = to%states + h**2/2*from%bend
+         to%frequency_ratio = to%frequency_ratio + h**2/2*from%bend_frequency
+         to%parameter = to%parameter + h**2/2*from%bend_parameter
+      end if
       success = to%frequency_ratio > 0
-      if (success) call self%solve(to, .true., success)
+      if (success) call self%solve(to, .true., success, roughly)
       if (success) success = self%product_of(to%tangent, to%tangent_frequency, to%tangent_parameter, from) > 0.8_dp
    end subroutine advance
+
+   !> Finds the bend of the curve at a point from the tangent there and at the point before it.
+   pure subroutine find_bend(self, before, point)
+      class(augmented_system_type), intent(in) :: self
+      !> The point before, and the point.
+      type(augmented_point_type), intent(in) :: before
+      type(augmented_point_type), intent(inout) :: point
+      real(dp) :: way, cosine
+
+      way = self%distance(before, point)
+      cosine = self%product_of(before%tangent, before%tangent_frequency, before%tangent_parameter, point)
+      point%bend = (cosine*point%tangent - before%tangent)/way
+      point%bend_frequency = (cosine*point%tangent_frequency - before%tangent_frequency)/way
+      point%bend_parameter = (cosine*point%tangent_parameter - before%tangent_parameter)/way
+   end subroutine find_bend
 
    !> Takes the null vectors of M - I and M + I of the latest flight as the next borders.
    subroutine take_borders(self, info)
@@ -384,11 +428,13 @@ contains
    end subroutine test_value
 
    !> Derivatives of the test function in the directions, whose steps of all states are given.
-   subroutine differentiate(self, point, step, value, g)
+   subroutine differentiate(self, point, step, value, again, g)
       class(augmented_system_type), intent(inout) :: self
       type(augmented_point_type), intent(in) :: point
       real(dp), intent(in) :: step(:, :, :), value
-      real(dp), intent(out) :: g(4)
+      !> Whether those in the directions other than `rest` will do as they are.
+      logical, intent(in) :: again
+      real(dp), intent(inout) :: g(4)
       type(augmented_point_type) :: moved
       type(border_type) :: border
       type(sections_type) :: other
@@ -397,6 +443,8 @@ contains
       integer :: d, info
       logical :: quick
 
+      g(rest) = 0
+      if (again .and. maxval(abs(step(:, :, rest))) < negligible*self%units%length) return
       quick = self%kind == 'fold' .or. self%kind == 'period doubling'
       if (self%kind == 'fold') border = self%plus
       if (self%kind == 'period doubling') border = self%minus
@@ -405,14 +453,14 @@ contains
          reference(:, 1) = border%right
          call self%probe%carry_vectors(point%frequency_ratio, point%states, reference)
       end if
-      g = 0
-      do d = 1, 4
+      if (.not. again) g = 0
+      do d = 1, merge(1, 4, again)
          if (d == along_parameter .and. .not. allocated(self%path)) cycle
          norm = maxval(abs(step(:, :, d)))/self%units%length
          if (d == along_lambda) norm = max(norm, 1/self%units%frequency_ratio)
          if (d == along_parameter) norm = max(norm, 1.0_dp)
          ! Of the remaining error the second order is left to the next step.
-         if (d == rest .and. norm < 1e-8_dp) cycle
+         if (d == rest .and. norm < negligible) cycle
          h = small/norm
          moved%states = point%states + h*step(:, :, d)
          moved%frequency_ratio = point%frequency_ratio

@@ -165,7 +165,7 @@ contains
             side%at_end = .true.
             return
          end if
-         call augmented%advance(here, h, next, success)
+         call augmented%advance(here, h, next, success, roughly=.true.)
          if (augmented%moving%interrupted()) keep_going = .false.
          if (.not. keep_going) then
             side%ended = 'cancelled'
@@ -217,6 +217,11 @@ contains
          if (.not. abs(log(next%frequency_ratio/first%frequency_ratio)) < log(widest)) then
             side%ended = 'far from where it began, at Lambda = '//text(next%frequency_ratio)
             return
+         end if
+         if (cosine > least_cosine) then
+            call augmented%find_bend(here, next)
+         else if (allocated(next%bend)) then
+            deallocate (next%bend)
          end if
          here = next
          before = after

@@ -33,6 +33,8 @@ module geartrain_flow_sections
       !> Where a parameter of the train is variable, derivatives of state k with respect to it [1/unit of the parameter],
       !> (state, 2:sections + 1).
       real(dp), allocatable :: parameter_drift(:, :)
+      !> What each section by itself adds to drift and parameter_drift, of the latest flight that computed it.
+      real(dp), allocatable, private :: own_drift(:, :), own_parameter_drift(:, :)
       !> Contact events of the latest flight; smallest mesh speed at one of them [1].
       integer :: events = 0
       real(dp) :: slowest_event = huge(1.0_dp)
@@ -109,14 +111,23 @@ contains
    end subroutine guess
 
    !> Flies all sections: sets transfer, drift, missed and monodromy.
-   subroutine fly(self, frequency_ratio, states)
+   subroutine fly(self, frequency_ratio, states, nearby)
       class(sections_type), intent(inout) :: self
       !> Lambda [1]; states at the beginnings of the sections [1], (state, section).
       real(dp), intent(in) :: frequency_ratio, states(:, :)
+      !> Whether the latest flight was so near that what it found of the drifts will do; default no.
+      logical, intent(in), optional :: nearby
       real(dp) :: ahead(size(states, 1)), behind(size(states, 1)), gap(size(states, 1))
       integer :: k, n, parts
+      logical :: anew
 
       n = size(states, 1)
+      anew = .true.
+      if (present(nearby)) anew = .not. nearby
+      if (anew) then
+         if (allocated(self%own_drift)) deallocate (self%own_drift, self%own_parameter_drift)
+         allocate (self%own_drift(n, self%sections), self%own_parameter_drift(n, self%sections))
+      end if
       parts = self%sections/self%period
       self%flow%x = 0
       do k = 1, n
@@ -144,21 +155,27 @@ contains
             self%events = self%events + self%flow%events
             self%slowest_event = min(self%slowest_event, self%flow%slowest_event)
             if (self%apart > 0) then
-               ahead = states(:, k)
-               call carry(self%above, k, parts, frequency_ratio, ahead)
-               behind = states(:, k)
-               call carry(self%below, k, parts, frequency_ratio, behind)
+               if (anew) then
+                  ahead = states(:, k)
+                  call carry(self%above, k, parts, frequency_ratio, ahead)
+                  behind = states(:, k)
+                  call carry(self%below, k, parts, frequency_ratio, behind)
+                  self%own_parameter_drift(:, k) = (ahead - behind)/self%apart
+               end if
                associate (column => self%flow%x(self%flow%columns, :))
-                  column = column + (ahead - behind)/self%apart
+                  column = column + self%own_parameter_drift(:, k)
                   self%parameter_drift(:, k + 1) = column
                end associate
             end if
             if (.not. self%moves) cycle
-            ahead = states(:, k)
-            call carry(self%single, k, parts, (1 + difference)*frequency_ratio, ahead)
-            behind = states(:, k)
-            call carry(self%single, k, parts, (1 - difference)*frequency_ratio, behind)
-            self%flow%x(last, :) = self%flow%x(last, :) + (ahead - behind)/(2*difference*frequency_ratio)
+            if (anew) then
+               ahead = states(:, k)
+               call carry(self%single, k, parts, (1 + difference)*frequency_ratio, ahead)
+               behind = states(:, k)
+               call carry(self%single, k, parts, (1 - difference)*frequency_ratio, behind)
+               self%own_drift(:, k) = (ahead - behind)/(2*difference*frequency_ratio)
+            end if
+            self%flow%x(last, :) = self%flow%x(last, :) + self%own_drift(:, k)
             self%drift(:, k + 1) = self%flow%x(last, :)
          end do
       end associate
