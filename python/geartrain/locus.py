@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from ._table import Table
 from ._text_table import Rows
 from ._units import Unit, units_of
 from .description import Description
+from .errors import InputError, shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,7 +38,8 @@ class LocusPoint:
         On the curve of a fold ``'cusp'``, ``'isola centre'``, ``'1:1 resonance'`` or ``'fold-flip'``; of a period doubling
         ``'generalized doubling'``, ``'1:2 resonance'`` or ``'fold-flip'``; of a Neimark-Sacker point ``'1:1 resonance'`` to
         ``'1:4 resonance'``, ``'fold-neimark-sacker'`` or ``'flip-neimark-sacker'``; of a contact onset ``'grazing on a fold'`` or
-        ``'grazing on a doubling'``; of any of the first three ``'grazing'``: a mesh touches a wall of its gap with no speed.
+        ``'grazing on a doubling'``, which a mesh that touches a wall of its gap with no speed is on the curves of folds and doublings
+        too; of a Neimark-Sacker point ``'grazing'`` likewise.
     frequency : float
         Lambda.
     parameter : float
@@ -134,13 +136,18 @@ class Locus(Table):
             columns: dict[str, Any] = {name: [getattr(point, own) for point in self.special_points] for own, name in names.items()}
             box.put(_SPECIAL, {}, {**columns, "after_point": [point.point + 1 for point in self.special_points]})
 
-    def plot(self, ax: Axes | None = None, *, unit: Unit | None = None, **style: Any) -> Axes:
-        """Draw the curve, frequency over the parameter, with its special points.
+    def plot(
+        self, ax: Axes | None = None, *, across: Literal["parameter", "frequency"] = "parameter", unit: Unit | None = None,
+        **style: Any,
+    ) -> Axes:
+        """Draw the curve, frequency over the parameter, with its special points; over a stability map see `StabilityMap.plot`.
 
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
             Where to draw; a new figure unless told.
+        across : {'parameter', 'frequency'}
+            What the horizontal axis is.
         unit : {'Lambda', 'rpm', 'Hz'}, optional
             Of the frequency; unless told rpm where Lambda is the speed in rpm, else Lambda.
         **style
@@ -149,14 +156,23 @@ class Locus(Table):
         Returns
         -------
         matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
         """
         units = units_of(self.train, unit)
         ax = new_axes(ax)
-        line, = ax.plot(self.parameter, self.frequency * units.per_lambda, **{"lw": 1.5, "label": self.kind, **style})
+        if across not in ("parameter", "frequency"):
+            raise InputError(f"across = {shown(across)}: must be 'parameter' or 'frequency'")
+        turn = -1 if across == "frequency" else 1
+        axes = (self.parameter, self.frequency * units.per_lambda)[::turn]
+        line, = ax.plot(*axes, **{"lw": 1.5, "label": self.kind, **style})
         for point in self.special_points:
-            place = (point.parameter, point.frequency * units.per_lambda)
+            place = (point.parameter, point.frequency * units.per_lambda)[::turn]
             ax.plot(*place, "o", ms=5, color=line.get_color())
-            ax.annotate(point.kind, place, xytext=(6, 4), textcoords="offset points", fontsize=8)
-        ax.set_xlabel(self.parameter_name)
-        ax.set_ylabel(units.frequency)
+            ax.annotate(point.kind, place, xytext=(6, 4), textcoords="offset points", fontsize=8, annotation_clip=True)
+        x_label, y_label = (self.parameter_name, units.frequency)[::turn]
+        ax.set_xlabel(x_label)
+        ax.set_ylabel(y_label)
         return ax

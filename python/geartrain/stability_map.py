@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._dataset import dataset
-from ._draw import new_axes
+from ._draw import COLORS, new_axes
 from ._extras import extra
 from ._table import Table
 from ._units import Unit, hertz_of, speed_of, units_of
 from .description import Description
 from .errors import InputError, shown
+from .locus import Locus
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -108,7 +111,10 @@ class StabilityMap(Table):
         """Frequency of the fundamental [Hz], (points,); None without a train."""
         return hertz_of(self.train, self.frequency)
 
-    def plot(self, what: str = "spectral_radius", ax: Axes | None = None, *, unit: Unit | None = None, **style: Any) -> Axes:
+    def plot(
+        self, what: str = "spectral_radius", ax: Axes | None = None, *, curves: Iterable[Locus] = (), unit: Unit | None = None,
+        **style: Any,
+    ) -> Axes:
         """Draw the map, with the boundary of stability as a line.
 
         Parameters
@@ -116,6 +122,8 @@ class StabilityMap(Table):
         what : {'spectral_radius', 'stable_motions', 'motions'}
         ax : matplotlib.axes.Axes, optional
             Where to draw; a new figure unless told.
+        curves : iterable of Locus
+            Drawn over the map: curves of special points over the same parameter, of the same train.
         unit : {'Lambda', 'rpm', 'Hz'}, optional
             Of the frequency; unless told rpm where Lambda is the speed in rpm, else Lambda.
         **style
@@ -125,12 +133,21 @@ class StabilityMap(Table):
         -------
         matplotlib.axes.Axes
 
+        Raises
+        ------
+        InputError
+            Also where a curve is over another parameter.
+
         Examples
         --------
         >>> chart.plot().figure.savefig("map.png")  # doctest: +SKIP
         """
         if what not in _TITLES:
             raise InputError(f"what = {shown(what)}: must be {', '.join(map(repr, _TITLES))}")
+        curves = list(curves)
+        for curve in curves:
+            if curve.parameter_name.replace("mesh * ", "") not in (self.name, self.name.removeprefix("mesh_")):
+                raise InputError(f"curves: {curve!r} is over {curve.parameter_name!r}, the map over {self.name!r}")
         units = units_of(self.train, unit)
         frequency = units.per_lambda * self.frequency
         plt = extra("matplotlib.pyplot")
@@ -154,6 +171,12 @@ class StabilityMap(Table):
             bar.set_ticks(range(most + 1))
         elif min(values.shape) > 1 and np.nanmin(values) < 1 < np.nanmax(values):
             ax.contour(frequency, self.parameter, values, levels=[1.0], colors="black", linewidths=0.8)
+        if curves:
+            limits = ax.axis()
+            for curve, color in zip(curves, cycle(COLORS)):
+                curve.plot(ax, across="frequency", unit=unit, color=color)
+            ax.axis(limits)
+            ax.legend(fontsize=8)
         ax.grid(visible=False)
         ax.set_xlabel(units.frequency)
         ax.set_ylabel(_NAMES[self.name] + (f"  [{self.unit}]" if self.unit != "1" else ""))

@@ -93,7 +93,7 @@ def test_fold_over_torque(pair, branch):
     locus = pair.locus(second, parameter="input_torque", start=0.1, stop=0.8)
     before = locus.parameter < 0.4 * 2 / (1 - second.motion.minimum[0])
     assert locus.frequency[before] == pytest.approx(second.frequency, abs=1e-10)
-    grazing = [point for point in locus.special_points if point.kind == "grazing"]
+    grazing = [point for point in locus.special_points if point.kind == "grazing on a fold"]
     assert [point.parameter for point in grazing] == pytest.approx([0.4 * 2 / (1 - second.motion.minimum[0])], abs=1e-6)
     assert "grazing" in locus.ended
 

@@ -253,8 +253,8 @@ contains
             call fields%visit_item(i)
             call carry(fields, field('kind', '', '', 'of a fold: cusp, isola centre, 1:1 resonance, fold-flip; of a doubling: &
                                      &generalized doubling, 1:2 resonance, fold-flip; of a Neimark-Sacker point: 1:1 to 1:4 &
-                                     &resonance, fold-neimark-sacker, flip-neimark-sacker; of an onset: grazing on a fold, grazing &
-                                     &on a doubling; of all: grazing'), list(i)%kind)
+                                     &resonance, fold-neimark-sacker, flip-neimark-sacker, grazing; of an onset, a fold or a &
+                                     &doubling: grazing on a fold, grazing on a doubling'), list(i)%kind)
             call carry(fields, field('frequency', '', '1', about_frequency), list(i)%frequency_ratio)
             call carry(fields, field('parameter', '', '', 'value of the parameter, in its unit'), list(i)%parameter)
             call carry(fields, field('after_point', '', '1', 'the point of the curve before it', least=0), list(i)%point)

@@ -9,9 +9,9 @@
 !> are differences along the four directions, whose errors slow Newton's method, and do not move its result.
 module geartrain_continuation_augmented_system
    use geartrain_base_kinds, only: dp
+   use geartrain_continuation_augmented_point, only: augmented_point_type, metric_type
    use geartrain_continuation_contact_ranges, only: depth_below
    use geartrain_continuation_orbit_tests, only: back_contact, is_onset
-   use geartrain_continuation_units, only: units_of, units_type
    use geartrain_floquet_critical_pair, only: pair_of
    use geartrain_floquet_multipliers, only: eigenvalues
    use geartrain_flow_multiple_shooting, only: has_converged, most_parts
@@ -22,7 +22,7 @@ module geartrain_continuation_augmented_system
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: augmented_point_type, augmented_system_type
+   public :: augmented_system_type
 
    integer, parameter :: max_iterations = 12
    !> Length of a displacement for differences of the test function, and for those over the parameter, in the units of the metric.
@@ -32,35 +32,9 @@ module geartrain_continuation_augmented_system
    !> Largest change of Lambda and of the parameter by one solution, in the units of the metric.
    real(dp), parameter :: farthest = 0.5_dp
    !> Gap of an orbit, in the units of the metric, whose effect on the test function is left to the next iteration.
-   real(dp), parameter :: negligible = 1e-8_dp
+   real(dp), parameter :: negligible = 1e-10_dp
    !> Directions: what remains of the equations, Lambda, the parameter, the null vector of M - I.
    integer, parameter :: rest = 1, along_lambda = 2, along_parameter = 3, along_null = 4
-
-   !> A special point.
-   type :: augmented_point_type
-      !> Lambda [1]; the parameter, from its value at the beginning over `scale` [1]; states at the beginnings of the sections [1],
-      !> (state, section).
-      real(dp) :: frequency_ratio = 0, parameter = 0
-      real(dp), allocatable :: states(:, :)
-      !> Unit tangent of the curve in the metric.
-      real(dp) :: tangent_frequency = 0, tangent_parameter = 0
-      real(dp), allocatable :: tangent(:, :)
-      !> Change of the tangent over the length of the curve, normal to the tangent; not allocated: not known.
-      real(dp) :: bend_frequency = 0, bend_parameter = 0
-      real(dp), allocatable :: bend(:, :)
-      !> Multipliers, largest magnitude first, (state).
-      complex(dp), allocatable :: multipliers(:)
-      !> Of a Neimark-Sacker point the sum of its pair of multipliers, by which the pair is known; huge: not known.
-      real(dp) :: pair_sum = huge(1.0_dp)
-      !> Contact events in a period; smallest mesh speed at one of them [1].
-      integer :: events = 0
-      real(dp) :: slowest_event = 0
-      !> Derivatives of h and g in the directions at the end of Newton's method.
-      real(dp) :: h(4) = 0, g(4) = 0
-      !> Value that M - I or M + I has as the last unknown of the bordered matrix; product of its null vectors, which is 0 where
-      !> its eigenvalue 0 is double.
-      real(dp) :: singular_plus = 0, product_plus = 0, singular_minus = 0, product_minus = 0
-   end type augmented_point_type
 
    type :: augmented_system_type
       !> Kind of the special point; of a contact onset the number of the mesh.
@@ -68,8 +42,8 @@ module geartrain_continuation_augmented_system
       integer :: mesh = 0
       !> Period of the orbit [periods of the fundamental].
       integer :: period = 1
-      !> Units of the metric; unit of the parameter in it, and its value where `parameter` of a point is 0 [unit of the parameter].
-      type(units_type) :: units
+      !> The metric; unit of the parameter in it, and its value where `parameter` of a point is 0 [unit of the parameter].
+      type(metric_type) :: metric
       real(dp) :: scale = 1, origin = 0
       !> The train with variable parameter; not allocated: the train is as it is.
       type(parameter_path_type), allocatable :: path
@@ -80,8 +54,6 @@ module geartrain_continuation_augmented_system
       real(dp), private :: varied = huge(1.0_dp)
       !> Flights with and without derivatives with respect to Lambda and the parameter.
       type(sections_type) :: moving, probe
-      !> Metric of the states, (state, section).
-      real(dp), allocatable, private :: weight(:, :)
       !> Of M - I, and of M + I; whether their borders are null vectors of a nearby orbit.
       type(border_type) :: plus, minus
       logical, private :: has_borders = .false.
@@ -91,9 +63,6 @@ module geartrain_continuation_augmented_system
       procedure :: setup
       procedure :: solve
       procedure :: advance
-      procedure :: find_bend
-      procedure :: distance
-      procedure :: product_of
       procedure, private :: multipliers
       procedure, private :: stand_at
       procedure, private :: test_value
@@ -116,13 +85,11 @@ contains
       type(parameter_path_type), intent(in), optional :: path
       !> The value of the parameter that counts as 0 [unit of the parameter].
       real(dp), intent(in), optional :: origin
-      integer :: parts
 
       self%kind = kind
       self%mesh = mesh
       self%period = period
       self%system = system
-      self%units = units_of(system)
       self%latest = huge(1.0_dp)
       self%varied = huge(1.0_dp)
       if (present(path)) then
@@ -130,12 +97,7 @@ contains
          self%origin = origin
          self%scale = path%length
       end if
-      parts = period*most_parts(system, period)
-      associate (n => system%displacements)
-         allocate (self%weight(system%states, parts))
-         self%weight(:n, :) = 1/(parts*self%units%length**2)
-         self%weight(n + 1:, :) = 1/(parts*(self%units%length*self%units%frequency_ratio)**2)
-      end associate
+      call self%metric%setup(system, period*most_parts(system, period))
       call self%plus%begin(system%states)
       call self%minus%begin(system%states)
    end subroutine setup
@@ -162,28 +124,6 @@ contains
       call self%probe%setup(self%system, self%period, parts, moves=.false.)
    end subroutine stand_at
 
-   !> Product of two displacements in the metric.
-   pure real(dp) function product_of(self, states, frequency_ratio, parameter, point)
-      class(augmented_system_type), intent(in) :: self
-      !> Displacement: states, (state, section), Lambda, parameter.
-      real(dp), intent(in) :: states(:, :), frequency_ratio, parameter
-      !> Its tangent is the other one.
-      type(augmented_point_type), intent(in) :: point
-
-      product_of = sum(self%weight*states*point%tangent) + parameter*point%tangent_parameter &
-                   + frequency_ratio*point%tangent_frequency/self%units%frequency_ratio**2
-   end function product_of
-
-   !> Distance of two points in the metric.
-   pure real(dp) function distance(self, a, b)
-      class(augmented_system_type), intent(in) :: self
-      !> The points.
-      type(augmented_point_type), intent(in) :: a, b
-
-      distance = sqrt(sum(self%weight*(a%states - b%states)**2) + (a%parameter - b%parameter)**2 &
-                      + ((a%frequency_ratio - b%frequency_ratio)/self%units%frequency_ratio)**2)
-   end function distance
-
    !> Newton's method from a guess to a special point: at constant value of the parameter, or in the plane normal to the tangent of
    !> the guess. The tangent keeps its sense.
    subroutine solve(self, point, along, success, roughly)
@@ -201,7 +141,7 @@ contains
       real(dp) :: y(size(point%states, 1), 4), part(4), matrix(3, 3), right(3, 2), value, length, before, gap, scale, norm
       real(dp) :: step(size(point%states, 1), size(point%states, 2), 4)
       integer :: pivot(3), d, i, k, n, m, info
-      logical :: again
+      logical :: again, rough
 
       n = size(point%states, 1)
       m = size(point%states, 2)
@@ -210,6 +150,8 @@ contains
       success = .false.
       before = huge(1.0_dp)
       again = .false.
+      rough = .false.
+      if (present(roughly)) rough = roughly
       do i = 1, max_iterations
          call self%stand_at(point%parameter, again)
          call self%moving%fly(point%frequency_ratio, point%states, again)
@@ -236,17 +178,17 @@ contains
          end do
          call self%test_value(point, self%moving%monodromy, self%system%half_backlash, .true., value, info)
          if (info /= 0) return
-         call differentiate(self, point, step, value, again, point%g)
+         call differentiate(self, point, step, value, again, rough, point%g)
          matrix(1, :) = point%h(2:)
          matrix(2, :) = point%g(2:)
          matrix(3, :) = [0.0_dp, 1.0_dp, 0.0_dp]
          right(:, 1) = [-point%h(1), -value - point%g(1), 0.0_dp]
          if (along) then
-            matrix(3, :) = [self%product_of(step(:, :, 2), 1.0_dp, 0.0_dp, guess), &
-                            self%product_of(step(:, :, 3), 0.0_dp, 1.0_dp, guess), &
-                            self%product_of(step(:, :, 4), 0.0_dp, 0.0_dp, guess)]
-            right(3, 1) = -self%product_of(step(:, :, 1), 0.0_dp, 0.0_dp, guess) &
-                          - self%product_of(point%states - guess%states, point%frequency_ratio - guess%frequency_ratio, &
+            matrix(3, :) = [self%metric%product_of(step(:, :, 2), 1.0_dp, 0.0_dp, guess), &
+                            self%metric%product_of(step(:, :, 3), 0.0_dp, 1.0_dp, guess), &
+                            self%metric%product_of(step(:, :, 4), 0.0_dp, 0.0_dp, guess)]
+            right(3, 1) = -self%metric%product_of(step(:, :, 1), 0.0_dp, 0.0_dp, guess) &
+                          - self%metric%product_of(point%states - guess%states, point%frequency_ratio - guess%frequency_ratio, &
                                             point%parameter - guess%parameter, guess)
          end if
          right(:, 2) = [0, 0, 1]
@@ -256,20 +198,18 @@ contains
          step(:, :, 1) = step(:, :, 1) + right(1, 1)*step(:, :, 2) + right(2, 1)*step(:, :, 3) + right(3, 1)*step(:, :, 4)
          scale = max(maxval(abs(point%states)), tiny(1.0_dp))
          gap = maxval(abs(self%moving%missed))/scale
-         length = max(maxval(abs(step(:, :, 1)))/scale, abs(right(1, 1))/self%units%frequency_ratio, abs(right(2, 1)))
+         length = max(maxval(abs(step(:, :, 1)))/scale, abs(right(1, 1))/self%metric%units%frequency_ratio, abs(right(2, 1)))
          if (.not. length < 10) return
          point%states = point%states + step(:, :, 1)
          point%frequency_ratio = point%frequency_ratio + right(1, 1)
          point%parameter = point%parameter + right(2, 1)
          if (.not. point%frequency_ratio > 0) return
-         if (abs(point%frequency_ratio - guess%frequency_ratio) > farthest*self%units%frequency_ratio) return
+         if (abs(point%frequency_ratio - guess%frequency_ratio) > farthest*self%metric%units%frequency_ratio) return
          if (abs(point%parameter - guess%parameter) > farthest) return
          success = has_converged(length, before, gap)
          if (success) exit
          ! Where the steps do not become much shorter the derivatives are not those here.
-         again = length < nearby .and. length < 0.1_dp*before
-         if (again) again = present(roughly)
-         if (again) again = roughly
+         again = rough .and. length < nearby .and. length < 0.1_dp*before
          before = length
       end do
       if (.not. success) return
@@ -279,8 +219,6 @@ contains
       if (info /= 0) success = .false.
       point%multipliers = self%multipliers()
       point%pair_sum = self%pair_sum
-      point%singular_plus = self%plus%value
-      point%singular_minus = self%minus%value
       point%product_plus = self%plus%product
       point%product_minus = self%minus%product
       if (.not. allocated(self%path)) return
@@ -292,9 +230,9 @@ contains
       point%tangent = right(1, 2)*step(:, :, 2) + right(2, 2)*step(:, :, 3) + right(3, 2)*step(:, :, 4)
       point%tangent_frequency = right(1, 2)
       point%tangent_parameter = right(2, 2)
-      norm = sqrt(self%product_of(point%tangent, point%tangent_frequency, point%tangent_parameter, point))
+      norm = sqrt(self%metric%product_of(point%tangent, point%tangent_frequency, point%tangent_parameter, point))
       if (.not. along .and. allocated(guess%tangent)) then
-         if (self%product_of(point%tangent, point%tangent_frequency, point%tangent_parameter, guess) < 0) norm = -norm
+         if (self%metric%product_of(point%tangent, point%tangent_frequency, point%tangent_parameter, guess) < 0) norm = -norm
       end if
       point%tangent = point%tangent/norm
       point%tangent_frequency = point%tangent_frequency/norm
@@ -326,23 +264,8 @@ contains
       end if
       success = to%frequency_ratio > 0
       if (success) call self%solve(to, .true., success, roughly)
-      if (success) success = self%product_of(to%tangent, to%tangent_frequency, to%tangent_parameter, from) > 0.8_dp
+      if (success) success = self%metric%product_of(to%tangent, to%tangent_frequency, to%tangent_parameter, from) > 0.8_dp
    end subroutine advance
-
-   !> Finds the bend of the curve at a point from the tangent there and at the point before it.
-   pure subroutine find_bend(self, before, point)
-      class(augmented_system_type), intent(in) :: self
-      !> The point before, and the point.
-      type(augmented_point_type), intent(in) :: before
-      type(augmented_point_type), intent(inout) :: point
-      real(dp) :: way, cosine
-
-      way = self%distance(before, point)
-      cosine = self%product_of(before%tangent, before%tangent_frequency, before%tangent_parameter, point)
-      point%bend = (cosine*point%tangent - before%tangent)/way
-      point%bend_frequency = (cosine*point%tangent_frequency - before%tangent_frequency)/way
-      point%bend_parameter = (cosine*point%tangent_parameter - before%tangent_parameter)/way
-   end subroutine find_bend
 
    !> Takes the null vectors of M - I and M + I of the latest flight as the next borders.
    subroutine take_borders(self, info)
@@ -428,12 +351,14 @@ contains
    end subroutine test_value
 
    !> Derivatives of the test function in the directions, whose steps of all states are given.
-   subroutine differentiate(self, point, step, value, again, g)
+   subroutine differentiate(self, point, step, value, again, roughly, g)
       class(augmented_system_type), intent(inout) :: self
       type(augmented_point_type), intent(in) :: point
       real(dp), intent(in) :: step(:, :, :), value
       !> Whether those in the directions other than `rest` will do as they are.
       logical, intent(in) :: again
+      !> Whether g may be off by 1e-6: what M does to a vector differs by rounding from flight to flight.
+      logical, intent(in) :: roughly
       real(dp), intent(inout) :: g(4)
       type(augmented_point_type) :: moved
       type(border_type) :: border
@@ -444,20 +369,24 @@ contains
       logical :: quick
 
       g(rest) = 0
-      if (again .and. maxval(abs(step(:, :, rest))) < negligible*self%units%length) return
+      if (again .and. maxval(abs(step(:, :, rest))) < negligible*self%metric%units%length) return
       quick = self%kind == 'fold' .or. self%kind == 'period doubling'
       if (self%kind == 'fold') border = self%plus
       if (self%kind == 'period doubling') border = self%minus
       system = self%system
       if (quick) then
          reference(:, 1) = border%right
-         call self%probe%carry_vectors(point%frequency_ratio, point%states, reference)
+         if (roughly) then
+            reference(:, 1) = matmul(self%moving%monodromy, border%right)
+         else
+            call self%probe%carry_vectors(point%frequency_ratio, point%states, reference)
+         end if
       end if
       if (.not. again) g = 0
       do d = 1, merge(1, 4, again)
          if (d == along_parameter .and. .not. allocated(self%path)) cycle
-         norm = maxval(abs(step(:, :, d)))/self%units%length
-         if (d == along_lambda) norm = max(norm, 1/self%units%frequency_ratio)
+         norm = maxval(abs(step(:, :, d)))/self%metric%units%length
+         if (d == along_lambda) norm = max(norm, 1/self%metric%units%frequency_ratio)
          if (d == along_parameter) norm = max(norm, 1.0_dp)
          ! Of the remaining error the second order is left to the next step.
          if (d == rest .and. norm < negligible) cycle

@@ -4,7 +4,8 @@ module geartrain_continuation_exact_point
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
-   use geartrain_continuation_augmented_system, only: augmented_point_type, augmented_system_type
+   use geartrain_continuation_augmented_point, only: augmented_point_type
+   use geartrain_continuation_augmented_system, only: augmented_system_type
    use geartrain_continuation_branch, only: branch_type, special_point_type
    use geartrain_continuation_decided, only: joined, nearest_decided
    use geartrain_continuation_exact_search, only: ends_of, find_exact
@@ -201,7 +202,7 @@ contains
          call section_states(system, motion, sections, point%states)
          point%frequency_ratio = motion%frequency_ratio
          call augmented%solve(point, .false., success)
-         if (success) success = abs(point%frequency_ratio - motion%frequency_ratio) < near*augmented%units%frequency_ratio
+         if (success) success = abs(point%frequency_ratio - motion%frequency_ratio) < near*augmented%metric%units%frequency_ratio
          if (.not. success) return
          motion%frequency_ratio = point%frequency_ratio
          motion%state = point%states(:, 1)

@@ -6,9 +6,10 @@ module geartrain_continuation_locus
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: real_text, text
    use geartrain_base_observer, only: observer_type
-   use geartrain_continuation_augmented_system, only: augmented_point_type, augmented_system_type
+   use geartrain_continuation_augmented_point, only: augmented_point_type
+   use geartrain_continuation_augmented_system, only: augmented_system_type
    use geartrain_continuation_locus_result, only: double_point_type, locus_type
-   use geartrain_continuation_locus_tests, only: find_tests, most_tests, name_of, tests_type
+   use geartrain_continuation_locus_tests, only: find_tests, grazing_name, most_tests, name_of, tests_type
    use geartrain_flow_multiple_shooting, only: most_parts, section_states
    use geartrain_flow_sections, only: sections_type
    use geartrain_linalg_bracket, only: between, shrink
@@ -31,6 +32,9 @@ module geartrain_continuation_locus
    real(dp), parameter :: found_again = 1e-7_dp
    !> Distance of an extreme displacement from a wall that counts as touching, over half the backlash.
    real(dp), parameter :: touching = 1e-3_dp
+   !> Step below which a curve whose motion touches a wall is at a corner; most such steps before it ends there.
+   real(dp), parameter :: crawling = 1e-5_dp
+   integer, parameter :: most_crawls = 20
    !> Steps that are tried across a corner of the curve.
    real(dp), parameter :: leaps(*) = [1e-4_dp, 1e-3_dp, 3e-3_dp, 1e-2_dp]
    !> Largest Lambda over the one at the beginning, and its inverse the least: the integration of slow motions takes ever longer.
@@ -142,15 +146,15 @@ contains
       type(augmented_point_type) :: here, next
       type(tests_type) :: before, after
       real(dp) :: h, ends(2), cosine
-      integer :: k, leapt
-      logical :: success, ends_here
+      integer :: k, leapt, crawls
+      logical :: success, ends_here, at_wall
 
       allocate (side%point(most_points), side%special(most_points))
       ends = ([min(start, stop), max(start, stop)] - augmented%origin)/augmented%scale
       here = first
       ! The null vectors of the first point again, where the other side has left its own.
       call augmented%solve(here, .true., success)
-      if (success) success = augmented%distance(here, first) < found_again
+      if (success) success = augmented%metric%distance(here, first) < found_again
       if (.not. success) then
          side%ended = 'Newton''s method does not converge at Lambda = '//text(first%frequency_ratio)
          return
@@ -158,6 +162,7 @@ contains
       call find_tests(augmented, here, before)
       h = first_step
       leapt = -10
+      crawls = 0
       do while (side%points < most_points)
          if (here%parameter <= ends(1) .and. here%tangent_parameter < 0 .or. here%parameter >= ends(2) &
              .and. here%tangent_parameter > 0) then
@@ -172,17 +177,23 @@ contains
             return
          end if
          if (success) then
-            cosine = augmented%product_of(next%tangent, next%tangent_frequency, next%tangent_parameter, here)
+            cosine = augmented%metric%product_of(next%tangent, next%tangent_frequency, next%tangent_parameter, here)
             success = cosine > least_cosine
          end if
          if (.not. success) then
             h = h/3
-            if (h > shortest) cycle
-            if (touches(augmented, here)) then
-               call leap(success)
+            if (h > crawling) cycle
+            crawls = crawls + 1
+            at_wall = touches(augmented, here)
+            if (at_wall) call leap(success)
+            ! Where it does not get across, the curve may still get along in short steps.
+            if (.not. success .and. h > shortest .and. crawls < most_crawls) cycle
+            if (.not. success .and. at_wall) then
+               call put(grazing_name(augmented%kind), here)
                side%ended = 'a grazing at Lambda = '//text(here%frequency_ratio)
-               if (.not. success) return
+               return
             end if
+            if (.not. success .and. h > shortest) cycle
             if (.not. success) then
                side%ended = 'Newton''s method does not converge at Lambda = '//text(here%frequency_ratio)
                return
@@ -219,7 +230,7 @@ contains
             return
          end if
          if (cosine > least_cosine) then
-            call augmented%find_bend(here, next)
+            call augmented%metric%find_bend(here, next)
          else if (allocated(next%bend)) then
             deallocate (next%bend)
          end if
@@ -239,16 +250,17 @@ contains
          success = .false.
          if (side%points - leapt < 4) return
          leapt = side%points
-         call put('grazing', here)
          do i = 1, size(leaps)
             next = here
             next%states = here%states + leaps(i)*here%tangent
             next%frequency_ratio = here%frequency_ratio + leaps(i)*here%tangent_frequency
             next%parameter = here%parameter + leaps(i)*here%tangent_parameter
             call augmented%solve(next, .false., success)
-            if (success) success = next%events /= here%events .and. augmented%distance(here, next) < 10*leaps(i)
+            if (success) success = next%events /= here%events .and. augmented%metric%distance(here, next) < 10*leaps(i)
             if (.not. success) cycle
-            if (augmented%product_of(next%states - here%states, next%frequency_ratio - here%frequency_ratio, &
+            call put(grazing_name(augmented%kind), here)
+            crawls = 0
+            if (augmented%metric%product_of(next%states - here%states, next%frequency_ratio - here%frequency_ratio, &
                                      next%parameter - here%parameter, next) < 0) call reverse(next)
             before%events = next%events
             h = first_step
@@ -270,7 +282,7 @@ contains
          at_end%frequency_ratio = here%frequency_ratio + share*(next%frequency_ratio - here%frequency_ratio)
          at_end%parameter = end_value
          call augmented%solve(at_end, .false., success)
-         if (success) success = augmented%distance(at_end, here) < 1.5_dp*augmented%distance(next, here)
+         if (success) success = augmented%metric%distance(at_end, here) < 1.5_dp*augmented%metric%distance(next, here)
          if (success) next = at_end
       end subroutine land
 
@@ -285,7 +297,7 @@ contains
          logical :: success
 
          a = 0
-         b = augmented%product_of(next%states - here%states, next%frequency_ratio - here%frequency_ratio, &
+         b = augmented%metric%product_of(next%states - here%states, next%frequency_ratio - here%frequency_ratio, &
                                   next%parameter - here%parameter, here)
          fa = before%value(k)
          fb = after%value(k)
@@ -318,7 +330,7 @@ contains
          logical :: success
 
          a = 0
-         b = augmented%product_of(next%states - here%states, next%frequency_ratio - here%frequency_ratio, &
+         b = augmented%metric%product_of(next%states - here%states, next%frequency_ratio - here%frequency_ratio, &
                                   next%parameter - here%parameter, here)
          do i = 1, most_steps
             call augmented%advance(here, (a + b)/2, middle, success)
@@ -330,7 +342,7 @@ contains
             end if
             if (b - a < located) exit
          end do
-         call put('grazing', middle)
+         call put(grazing_name(augmented%kind), middle)
       end subroutine locate_grazing
 
       subroutine put(kind, point)
@@ -344,14 +356,16 @@ contains
 
    end subroutine trace_side
 
-   !> Whether a mesh just touches a wall of its gap, at an extreme of its displacement.
+   !> Whether a mesh just touches a wall of its gap, at an extreme of its displacement, or comes to one with hardly any speed.
    logical function touches(augmented, point)
       type(augmented_system_type), intent(inout) :: augmented
       type(augmented_point_type), intent(in) :: point
       real(dp) :: smallest, largest
       integer :: j
 
-      touches = .false.
+      associate (units => augmented%metric%units)
+         touches = point%slowest_event < sqrt(touching)*units%length*units%frequency_ratio
+      end associate
       do j = 1, augmented%system%meshes
          associate (b => augmented%system%half_backlash(j))
             if (.not. b > 0) cycle
@@ -367,13 +381,13 @@ contains
       type(augmented_point_type), intent(in) :: here, next, first
       real(dp) :: way, before
 
-      way = augmented%distance(here, next)
-      passes = augmented%distance(here, first) < way .and. augmented%distance(next, first) < way
+      way = augmented%metric%distance(here, next)
+      passes = augmented%metric%distance(here, first) < way .and. augmented%metric%distance(next, first) < way
       if (.not. passes) return
-      before = augmented%product_of(first%states - here%states, first%frequency_ratio - here%frequency_ratio, &
+      before = augmented%metric%product_of(first%states - here%states, first%frequency_ratio - here%frequency_ratio, &
                                     first%parameter - here%parameter, here)
       passes = before > 0 .and. before <= way .and. &
-               augmented%product_of(here%tangent, here%tangent_frequency, here%tangent_parameter, first) > least_cosine
+               augmented%metric%product_of(here%tangent, here%tangent_frequency, here%tangent_parameter, first) > least_cosine
    end function passes
 
    !> Puts both sides together.

@@ -1,12 +1,13 @@
 !> Test functions along the curve of a special point: each changes sign where a second condition is met.
 module geartrain_continuation_locus_tests
    use geartrain_base_kinds, only: dp
-   use geartrain_continuation_augmented_system, only: augmented_point_type, augmented_system_type
+   use geartrain_continuation_augmented_point, only: augmented_point_type
+   use geartrain_continuation_augmented_system, only: augmented_system_type
    use geartrain_continuation_normal_form, only: degenerate, doubling_coefficient
    use geartrain_floquet_critical_pair, only: pair_of
    implicit none (type, external)
    private
-   public :: find_tests, most_tests, name_of, tests_type
+   public :: find_tests, grazing_name, most_tests, name_of, tests_type
 
    integer, parameter :: most_tests = 6
    character(*), parameter :: of_fold(*) = [character(24) :: 'cusp', 'isola centre', '1:1 resonance', 'fold-flip']
@@ -43,6 +44,16 @@ contains
       end select
    end function name_of
 
+   !> Name of the point at which the number of contact events changes.
+   pure character(24) function grazing_name(kind)
+      !> Kind of the special point whose curve it is.
+      character(*), intent(in) :: kind
+
+      grazing_name = 'grazing'
+      if (kind == 'fold') grazing_name = of_onset(1)
+      if (kind == 'period doubling') grazing_name = of_onset(2)
+   end function grazing_name
+
    !> Evaluates the test functions.
    subroutine find_tests(augmented, point, tests)
       !> The system, with the flight of the latest solution.
@@ -56,16 +67,24 @@ contains
       tests%events = point%events
       select case (augmented%kind)
       case ('fold')
-         tests%value(:4) = [point%g(4), point%h(2), point%product_plus, point%singular_minus]
+         tests%value(:4) = [point%g(4), point%h(2), point%product_plus, beside(point, -1)]
       case ('period doubling')
-         tests%value(:3) = [doubling_coefficient(augmented, point), point%product_minus, point%singular_plus]
+         tests%value(:3) = [doubling_coefficient(augmented, point), point%product_minus, beside(point, 1)]
          if (abs(tests%value(1)) < degenerate) tests%value(1) = 0
       case ('neimark-sacker')
          total = real(sum(pair_of(point%multipliers, huge(total))), dp)
-         tests%value = [total - 2, total + 2, total + 1, total, point%singular_plus, point%singular_minus]
+         tests%value = [total - 2, total + 2, total + 1, total, beside(point, 1), beside(point, -1)]
       case default
-         tests%value(:2) = [point%singular_plus, point%singular_minus]
+         tests%value(:2) = [beside(point, 1), beside(point, -1)]
       end select
    end subroutine find_tests
+
+   !> Product of the differences of the multipliers from 1 or -1: it changes sign where a real one passes that value alone.
+   pure real(dp) function beside(point, value)
+      type(augmented_point_type), intent(in) :: point
+      integer, intent(in) :: value
+
+      beside = real(product(point%multipliers - value), dp)
+   end function beside
 
 end module geartrain_continuation_locus_tests

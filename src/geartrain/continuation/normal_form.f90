@@ -1,7 +1,8 @@
 !> Coefficient of the normal form of a period doubling: which side the doubled motions are on, and whether they are stable.
 module geartrain_continuation_normal_form
    use geartrain_base_kinds, only: dp
-   use geartrain_continuation_augmented_system, only: augmented_point_type, augmented_system_type
+   use geartrain_continuation_augmented_point, only: augmented_point_type
+   use geartrain_continuation_augmented_system, only: augmented_system_type
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
    implicit none (type, external)
    private
@@ -30,7 +31,7 @@ contains
       n = size(point%states, 1)
       q = augmented%minus%row
       w = augmented%minus%column/dot_product(augmented%minus%column, q)
-      h = small*augmented%units%length/maxval(abs(q(:augmented%system%displacements)))
+      h = small*augmented%metric%units%length/maxval(abs(q(:augmented%system%displacements)))
       q = h*q
       w = w/h
       ! All derivatives are along q, which has the length of the displacement.

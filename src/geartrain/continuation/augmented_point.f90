@@ -1,0 +1,103 @@
+!> A special point of the exact motion, and the metric in which the lengths of curves of such points are measured.
+module geartrain_continuation_augmented_point
+   use geartrain_base_kinds, only: dp
+   use geartrain_continuation_units, only: units_of, units_type
+   use geartrain_model_system, only: system_type
+   implicit none (type, external)
+   private
+   public :: augmented_point_type, metric_type
+
+   !> A special point.
+   type :: augmented_point_type
+      !> Lambda [1]; the parameter, from its value at the beginning over `scale` [1]; states at the beginnings of the sections [1],
+      !> (state, section).
+      real(dp) :: frequency_ratio = 0, parameter = 0
+      real(dp), allocatable :: states(:, :)
+      !> Unit tangent of the curve in the metric.
+      real(dp) :: tangent_frequency = 0, tangent_parameter = 0
+      real(dp), allocatable :: tangent(:, :)
+      !> Change of the tangent over the length of the curve, normal to the tangent; not allocated: not known.
+      real(dp) :: bend_frequency = 0, bend_parameter = 0
+      real(dp), allocatable :: bend(:, :)
+      !> Multipliers, largest magnitude first, (state).
+      complex(dp), allocatable :: multipliers(:)
+      !> Of a Neimark-Sacker point the sum of its pair of multipliers, by which the pair is known; huge: not known.
+      real(dp) :: pair_sum = huge(1.0_dp)
+      !> Contact events in a period; smallest mesh speed at one of them [1].
+      integer :: events = 0
+      real(dp) :: slowest_event = 0
+      !> Derivatives of h and g in the directions at the end of Newton's method.
+      real(dp) :: h(4) = 0, g(4) = 0
+      !> Product of the null vectors of M - I and of M + I, which is 0 where the eigenvalue 0 is double.
+      real(dp) :: product_plus = 0, product_minus = 0
+   end type augmented_point_type
+
+   type :: metric_type
+      !> Units of Lambda and the states.
+      type(units_type) :: units
+      !> Of the states, (state, section).
+      real(dp), allocatable, private :: weight(:, :)
+   contains
+      procedure :: setup
+      procedure :: product_of
+      procedure :: distance
+      procedure :: find_bend
+   end type metric_type
+
+contains
+
+   !> Prepares for orbits of a train.
+   subroutine setup(self, system, sections)
+      class(metric_type), intent(inout) :: self
+      !> The train.
+      type(system_type), intent(in) :: system
+      !> Sections of the orbits.
+      integer, intent(in) :: sections
+
+      self%units = units_of(system)
+      if (allocated(self%weight)) deallocate (self%weight)
+      allocate (self%weight(system%states, sections))
+      associate (n => system%displacements)
+         self%weight(:n, :) = 1/(sections*self%units%length**2)
+         self%weight(n + 1:, :) = 1/(sections*(self%units%length*self%units%frequency_ratio)**2)
+      end associate
+   end subroutine setup
+
+   !> Product of two displacements in the metric.
+   pure real(dp) function product_of(self, states, frequency_ratio, parameter, point)
+      class(metric_type), intent(in) :: self
+      !> Displacement: states, (state, section), Lambda, parameter.
+      real(dp), intent(in) :: states(:, :), frequency_ratio, parameter
+      !> Its tangent is the other one.
+      type(augmented_point_type), intent(in) :: point
+
+      product_of = sum(self%weight*states*point%tangent) + parameter*point%tangent_parameter &
+                   + frequency_ratio*point%tangent_frequency/self%units%frequency_ratio**2
+   end function product_of
+
+   !> Distance of two points in the metric.
+   pure real(dp) function distance(self, a, b)
+      class(metric_type), intent(in) :: self
+      !> The points.
+      type(augmented_point_type), intent(in) :: a, b
+
+      distance = sqrt(sum(self%weight*(a%states - b%states)**2) + (a%parameter - b%parameter)**2 &
+                      + ((a%frequency_ratio - b%frequency_ratio)/self%units%frequency_ratio)**2)
+   end function distance
+
+   !> Finds the bend of the curve at a point from the tangent there and at the point before it.
+   pure subroutine find_bend(self, before, point)
+      class(metric_type), intent(in) :: self
+      !> The point before, and the point.
+      type(augmented_point_type), intent(in) :: before
+      type(augmented_point_type), intent(inout) :: point
+      real(dp) :: way, cosine
+
+      way = self%distance(before, point)
+      cosine = self%product_of(before%tangent, before%tangent_frequency, before%tangent_parameter, point)
+      point%bend = (cosine*point%tangent - before%tangent)/way
+      point%bend_frequency = (cosine*point%tangent_frequency - before%tangent_frequency)/way
+      point%bend_parameter = (cosine*point%tangent_parameter - before%tangent_parameter)/way
+   end subroutine find_bend
+
+end module geartrain_continuation_augmented_point
