@@ -173,8 +173,10 @@ class StabilityMap(Table):
             ax.contour(frequency, self.parameter, values, levels=[1.0], colors="black", linewidths=0.8)
         if curves:
             limits = ax.axis()
+            # Set off from the colours of the map.
+            rim = extra("matplotlib.patheffects").withStroke(linewidth=3.5, foreground="white")
             for curve, color in zip(curves, cycle(COLORS)):
-                curve.plot(ax, across="frequency", unit=unit, color=color)
+                curve.plot(ax, across="frequency", unit=unit, color=color, path_effects=[rim])
             ax.axis(limits)
             ax.legend(fontsize=8)
         ax.grid(visible=False)

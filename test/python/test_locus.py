@@ -161,3 +161,18 @@ def test_case_file(tmp_path, pair, branch, monkeypatch):
     with pytest.raises(gt.InputError, match="needs &response"):
         (tmp_path / "alone.nml").write_text(pair.namelist(locus=locus))
         gt.read_case("alone.nml")
+
+
+def test_drawn_over_a_stability_map(pair, branch):
+    chart = pair.stability_map(start=1.6, stop=2.4, points=9, parameter_start=0.1, parameter_stop=0.5, parameter_points=9)
+    doubling = of_kind(branch, "period doubling")[0]
+    locus = pair.locus(doubling, parameter="stiffness_variation", start=0.2, stop=0.4)
+    ax = chart.plot(curves=[locus])
+    line = next(line for line in ax.lines if line.get_label() == "period doubling")
+    assert (line.get_xdata() == locus.frequency).all() and (line.get_ydata() == locus.parameter).all()
+    assert (locus.plot().lines[0].get_ydata() == locus.frequency).all()
+    other = pair.locus(doubling, parameter="mesh * damping_ratio", start=0.045, stop=0.055)
+    with pytest.raises(gt.InputError, match="over 'mesh \\* damping_ratio'"):
+        chart.plot(curves=[other])
+    with pytest.raises(gt.InputError, match="across"):
+        locus.plot(across="speed")
