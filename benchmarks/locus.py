@@ -1,6 +1,6 @@
-"""The curve of a fold over Lambda and the stiffness variation, 0.05 to 0.5, by `Train.locus` and by AUTO-07p, on one core:
-``python benchmarks/locus.py`` from the root, in five minutes. Times are of the processor, which other work on the machine hardly
-changes.
+"""The curve of a fold over Lambda and the stiffness variation, 0.05 to 0.5, by `Train.locus` and by AUTO-07p.
+
+``python benchmarks/locus.py`` from the root prints this section of the report alone, in five minutes.
 """
 
 import subprocess
@@ -11,14 +11,18 @@ from pathlib import Path
 import numpy as np
 
 import geartrain as gt
-from timing import one_core, spread
+import report
+from timing import one_core
 
 sys.path.append(str(Path(__file__).parent / "peers"))
 import auto_locus
 
 # Name, case, the stretch of Lambda with both folds at any stiffness variation, and the equations for AUTO: their file, number and
 # the least Lambda of the curve from which it takes the fold.
-TRAINS = (("figure 3", "fig03", (1.1, 2.2), ("auto_train", 12, 1.5)), ("one pair", "single_pair", (0.45, 1.3), ("auto_pair", 4, 0.7)))
+TRAINS = (
+    ("figure 3", "fig03", (1.1, 2.2), ("auto_train", 12, 1.5)),
+    ("one pair", "single_pair", (0.45, 1.3), ("auto_pair", 4, 0.7)),
+)
 # Widths over which AUTO's corners are rounded, and its intervals.
 AUTO_RUNS = ((0.01, 100), (0.001, 200), (0.0, 100))
 JUDGED = 12
@@ -69,18 +73,10 @@ def measure(quick, _executable, say):
 
 
 def main():
-    """Print the table."""
+    """Print the section."""
     with one_core():
         found = measure("--quick" in sys.argv, None, lambda text: print(text, file=sys.stderr, flush=True))
-    print("| train | tool | points | whole curve | processor time | a point | error in Lambda, median | largest |")
-    print("| --- | --- | --- | --- | --- | --- | --- | --- |")
-    for row in found["rows"]:
-        if "failed" in row:
-            print(f"| {row['train']} | {row['tool']} | {row['failed']} | | | | | |")
-            continue
-        told = ("", "") if row["errors"] is None else (f"{np.median(row['errors']):.0e}", f"{max(row['errors']):.0e}")
-        print(f"| {row['train']} | {row['tool']} | {row['points']} | {'yes' if row['whole'] else 'no'} | {spread(row['seconds'])} | "
-              f"{spread([np.median(row['seconds']) / row['points']])} | {told[0]} | {told[1]} |")
+    print(report.locus_section(found))
 
 
 if __name__ == "__main__":

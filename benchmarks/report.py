@@ -34,6 +34,30 @@ def duration(seconds):
     return spread([float(np.median(seconds))])
 
 
+def locus_rows(rows):
+    for row in rows:
+        if "failed" in row:
+            yield row["train"], row["tool"], row["failed"], "", "", "", "", ""
+            continue
+        told = [f"{value(row['errors']):.0e}" for value in (np.median, max)] if row["errors"] is not None else ["", ""]
+        each = spread([float(np.median(row["seconds"])) / row["points"]])
+        yield row["train"], row["tool"], row["points"], "yes" if row["whole"] else "no", spread(row["seconds"]), each, *told
+
+
+def locus_section(found):
+    header = ("train", "tool", "points", "to both ends", "processor time", "a point", "error of Lambda, median", "largest")
+    return f"""## The curve of a fold
+
+A fold over Lambda and the stiffness variation, 0.05 to 0.5, through its cusp: figure 3's of the resonance at 1.55, and that of
+one gear pair (`namelists/single_pair.nml`), by `train.locus` and by AUTO-07p with `ISW = 2`. Measured alone by
+`python benchmarks/locus.py`. Times are of the processor, of the curve alone. The error is the distance in Lambda of points from
+`special.exact()` of the train with that stiffness variation, at 12 points of each curve. With exact backlash the derivatives of
+AUTO's collocation jump where a collocation point passes a corner, so its corners are rounded over a width of p, in units of half
+the backlash, and the motion is that of another train.
+
+{table(header, locus_rows(found["rows"]))}"""
+
+
 def machine_section(found):
     versions = ", ".join(f"{name} {value}" for name, value in found["versions"].items())
     return f"""{found["processor"]}, {found["cores"]} cores, {found["system"]}; one core and one thread for every tool. {versions}.
@@ -301,6 +325,7 @@ def write(found, path):
     sections = (
         machine_section(found["machine"]), WHERE, curve_section(found["curve"]), accuracy_section(found["accuracy"]),
         scale_section(found["scale"]), cores_section(found["cores"]), study_section(found["study"]),
+        locus_section(found["locus"]),
         floor_section(found["machine"], found["curve"]),
     )  # fmt: skip
     intro = f"""# Speed against error

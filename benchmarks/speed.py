@@ -14,13 +14,14 @@ import numpy as np
 import accuracy
 import cores
 import curve
+import locus
 import machine
 import report
 import scale
 import study
 from timing import one_core
 
-PARTS = {"machine": machine, "curve": curve, "accuracy": accuracy, "scale": scale, "cores": cores, "study": study}
+PARTS = {"machine": machine, "curve": curve, "accuracy": accuracy, "scale": scale, "cores": cores, "study": study, "locus": locus}
 KEPT = Path("build/benchmarks")
 EXECUTABLE = KEPT / "bin/geartrain"
 

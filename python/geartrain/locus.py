@@ -38,8 +38,8 @@ class LocusPoint:
         On the curve of a fold ``'cusp'``, ``'isola centre'``, ``'1:1 resonance'`` or ``'fold-flip'``; of a period doubling
         ``'generalized doubling'``, ``'1:2 resonance'`` or ``'fold-flip'``; of a Neimark-Sacker point ``'1:1 resonance'`` to
         ``'1:4 resonance'``, ``'fold-neimark-sacker'`` or ``'flip-neimark-sacker'``; of a contact onset ``'grazing on a fold'`` or
-        ``'grazing on a doubling'``, which a mesh that touches a wall of its gap with no speed is on the curves of folds and doublings
-        too; of a Neimark-Sacker point ``'grazing'`` likewise.
+        ``'grazing on a doubling'``, as on the curves of folds and doublings where a mesh touches a wall of its gap with no speed;
+        likewise of a Neimark-Sacker point ``'grazing'``.
     frequency : float
         Lambda.
     parameter : float
@@ -165,14 +165,16 @@ class Locus(Table):
         ax = new_axes(ax)
         if across not in ("parameter", "frequency"):
             raise InputError(f"across = {shown(across)}: must be 'parameter' or 'frequency'")
-        turn = -1 if across == "frequency" else 1
-        axes = (self.parameter, self.frequency * units.per_lambda)[::turn]
-        line, = ax.plot(*axes, **{"lw": 1.5, "label": self.kind, **style})
+
+        def turned(parameter: Any, frequency: Any) -> tuple[Any, Any]:
+            return (frequency, parameter) if across == "frequency" else (parameter, frequency)
+
+        line, = ax.plot(*turned(self.parameter, self.frequency * units.per_lambda), **{"lw": 1.5, "label": self.kind, **style})
         for point in self.special_points:
-            place = (point.parameter, point.frequency * units.per_lambda)[::turn]
+            place = turned(point.parameter, point.frequency * units.per_lambda)
             ax.plot(*place, "o", ms=5, color=line.get_color())
             ax.annotate(point.kind, place, xytext=(6, 4), textcoords="offset points", fontsize=8, annotation_clip=True)
-        x_label, y_label = (self.parameter_name, units.frequency)[::turn]
+        x_label, y_label = turned(self.parameter_name, units.frequency)
         ax.set_xlabel(x_label)
         ax.set_ylabel(y_label)
         return ax

@@ -88,8 +88,9 @@ contains
    !> Finds the bend of the curve at a point from the tangent there and at the point before it.
    pure subroutine find_bend(self, before, point)
       class(metric_type), intent(in) :: self
-      !> The point before, and the point.
+      !> The point before.
       type(augmented_point_type), intent(in) :: before
+      !> The point, which gets its bend.
       type(augmented_point_type), intent(inout) :: point
       real(dp) :: way, cosine
 
