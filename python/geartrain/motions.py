@@ -30,6 +30,7 @@ _BATCH = 100  # random states between two looks at the indices
 _PUSH = 1e-3  # relative, by which a flow begins beside an unstable motion
 _SETTLING = (3, 10, 30)  # periods of the fundamental that a random state is integrated for before it is tried
 _PATIENCE = 4  # times as many random states are tried where the indices do not add up
+_ROUND = (0.7, 1.4)  # of the speed, between which branches are followed: those that pass it give their other motions there
 
 
 class Motions(list[Motion]):
@@ -99,14 +100,15 @@ class Motions(list[Motion]):
 
 
 def find_motions(
-    train: Any, frequency: float, period: int, starts: int, seeds: int, random_seed: int, branches: Sequence[Branch]
+    train: Any, frequency: float, period: int, starts: int, seeds: int, random_seed: int, response: Branch | None
 ) -> Motions:
-    """What `Train.motions` is documented to do, at Lambda; ``branches`` are the response there and those that bifurcate from it."""
+    """What `Train.motions` is documented to do, at Lambda."""
     at_infinity = _multipliers_at_infinity(train, frequency)
     known = _Known(train, frequency, {n: _index(at_infinity, n) for n in range(1, period + 1)})
-    for branch in branches:
+    for branch in _round_about(train, frequency, period) if response is None else [response, *response.branches]:
         for motion in branch.at(frequency):
-            known.add_near(motion, branch.origin or "response")
+            known.add_near(motion, branch.origin or "response", followed=response is None)
+    _follow(train, frequency, known)
     attractors = train.attractors(frequency, starts=starts, random_seed=random_seed)
     others = []
     for motion in attractors:
@@ -127,6 +129,7 @@ def find_motions(
                 if found is not None:
                     known.add(found, f"shooting for period {n} from {how}")
             _leave_unstable(train, frequency, known, pushed)
+            _follow(train, frequency, known)
             if not states:
                 break
     return Motions(known.found, frequency, known.expected_sum, others, tried)
@@ -141,6 +144,7 @@ class _Known:
         self.period = max(expected_sum)
         self.expected_sum = expected_sum
         self.found: list[Find] = []
+        self.followed: list[Motion] = []  # those whose branches were followed
 
     def shoot(self, state: Array, period: int) -> Motion | None:
         """The orbit of a period near a state; None where shooting finds none."""
@@ -153,24 +157,28 @@ class _Known:
                 return None
             return Motion(train=self.train, **motions_of(box)[0])
 
-    def add_near(self, motion: Motion, how: str) -> None:
+    def add_near(self, motion: Motion, how: str, *, followed: bool = False) -> None:
         """Add the exact orbit near a motion, where there is one."""
         try:
-            self.add(motion.refine(), how)
+            self.add(motion.refine(), how, followed=followed)
         except SolverError:
             return
 
-    def add(self, motion: Motion, how: str) -> None:
-        """Add an orbit, with its least period, unless it is known or its period is too long."""
+    def add(self, motion: Motion, how: str, *, followed: bool = False) -> None:
+        """Add an orbit, with its least period, unless it is known or its period is too long; told whether its branch was followed."""
         least = least_period(motion)
         if least < motion.period and motion.state is not None:
             shorter = self.shoot(motion.state, least)
             if shorter is None or not same_orbit(replace_period(shorter, motion.period), motion):
                 return
             motion = shorter
-        if motion.period > self.period or any(same_orbit(motion, other) for other, _ in self.found):
+        if motion.period > self.period:
             return
-        self.found.append((motion, how))
+        same = next((other for other, _ in self.found if same_orbit(motion, other)), None)
+        if same is None:
+            self.found.append((motion, how))
+        if followed:
+            self.followed.append(same or motion)
 
     def adds_up(self) -> bool:
         motions = [motion for motion, _ in self.found]
@@ -195,6 +203,33 @@ def _random_states(
             continue
         if later.state is not None:
             yield later.state, "the flow from a random state"
+
+
+def _round_about(train: Any, frequency: float, period: int, **settings: Any) -> list[Branch]:
+    """The branch of motions that passes a Lambda, the response unless another is told, and those that bifurcate from it.
+
+    Shooting makes every motion exact afterwards: a tighter tolerance would cost ten times as much and find no more.
+    """
+    low, high = _ROUND
+    doublings = (period // settings.get("subharmonic", 1)).bit_length() - 1
+    branch: Branch = train.response(start=low * frequency, stop=high * frequency, harmonics=0, tolerance=1e-2,
+                                    period_doublings=doublings, branch_points=True, **settings)
+    return [branch, *branch.branches]
+
+
+def _follow(train: Any, frequency: float, known: _Known) -> None:
+    """The other motions at this speed on the branches of those known: each has its other half behind a fold."""
+    for motion, _ in known.found:  # which grows meanwhile
+        if motion in known.followed:
+            continue
+        known.followed.append(motion)
+        try:
+            branches = _round_about(train, frequency, known.period, subharmonic=motion.period, seed=motion)
+        except SolverError:
+            continue
+        for branch in branches:
+            for other in branch.at(frequency):
+                known.add_near(other, f"the branch of the motion of period {motion.period}", followed=True)
 
 
 def _leave_unstable(train: Any, frequency: float, known: _Known, pushed: set[int]) -> None:
