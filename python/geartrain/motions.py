@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ._box import Box
 from ._motion_table import motions_of, put_motions
 from ._text_table import text_table
 from ._units import length_unit
@@ -31,6 +32,7 @@ _PUSH = 1e-3  # relative, by which a flow begins beside an unstable motion
 _SETTLING = (3, 10, 30)  # periods of the fundamental that a random state is integrated for before it is tried
 _PATIENCE = 4  # times as many random states are tried where the indices do not add up
 _ROUND = (0.7, 1.4)  # of the speed, between which branches are followed: those that pass it give their other motions there
+_POINTS = 3000  # after which such a branch is given up
 
 
 class Motions(list[Motion]):
@@ -105,9 +107,11 @@ def find_motions(
     """What `Train.motions` is documented to do, at Lambda."""
     at_infinity = _multipliers_at_infinity(train, frequency)
     known = _Known(train, frequency, {n: _index(at_infinity, n) for n in range(1, period + 1)})
-    for branch in _round_about(train, frequency, period) if response is None else [response, *response.branches]:
+    whole = response is None
+    first = response or _round_about(train, frequency, period_doublings=period.bit_length() - 1, branch_points=True)
+    for branch in [first, *first.branches]:
         for motion in branch.at(frequency):
-            known.add_near(motion, branch.origin or "response", followed=response is None)
+            known.add_near(motion, branch.origin or "response", followed=whole)
     _follow(train, frequency, known)
     attractors = train.attractors(frequency, starts=starts, random_seed=random_seed)
     others = []
@@ -151,18 +155,23 @@ class _Known:
         with self.train._ask_at(self.frequency, {}) as box:
             start = replace(from_state(state, *box.sizes()), frequency=self.frequency, period=period)
             put_motions(box, start, only_state=True)
-            try:
-                box.check(box.work("shoot", np.zeros(3)))
-            except SolverError:
-                return None
-            return Motion(train=self.train, **motions_of(box)[0])
+            return self._orbit(box)
+
+    def _orbit(self, box: Box) -> Motion | None:
+        """What shooting from the motion in a box finds."""
+        try:
+            box.check(box.work("shoot", np.zeros(3)))
+        except SolverError:
+            return None
+        return Motion(train=self.train, **motions_of(box)[0])
 
     def add_near(self, motion: Motion, how: str, *, followed: bool = False) -> None:
         """Add the exact orbit near a motion, where there is one."""
-        try:
-            self.add(motion.refine(), how, followed=followed)
-        except SolverError:
-            return
+        with self.train._ask_at(self.frequency, {}) as box:
+            put_motions(box, motion)
+            orbit = self._orbit(box)
+        if orbit is not None:
+            self.add(orbit, how, followed=followed)
 
     def add(self, motion: Motion, how: str, *, followed: bool = False) -> None:
         """Add an orbit, with its least period, unless it is known or its period is too long; told whether its branch was followed."""
@@ -205,16 +214,15 @@ def _random_states(
             yield later.state, "the flow from a random state"
 
 
-def _round_about(train: Any, frequency: float, period: int, **settings: Any) -> list[Branch]:
-    """The branch of motions that passes a Lambda, the response unless another is told, and those that bifurcate from it.
+def _round_about(train: Any, frequency: float, **settings: Any) -> Branch:
+    """The branch of motions that passes a Lambda, the response unless another is told.
 
     Shooting makes every motion exact afterwards: a tighter tolerance would cost ten times as much and find no more.
     """
     low, high = _ROUND
-    doublings = (period // settings.get("subharmonic", 1)).bit_length() - 1
     branch: Branch = train.response(start=low * frequency, stop=high * frequency, harmonics=0, tolerance=1e-2,
-                                    period_doublings=doublings, branch_points=True, **settings)
-    return [branch, *branch.branches]
+                                    max_points=_POINTS, **settings)
+    return branch
 
 
 def _follow(train: Any, frequency: float, known: _Known) -> None:
@@ -224,12 +232,11 @@ def _follow(train: Any, frequency: float, known: _Known) -> None:
             continue
         known.followed.append(motion)
         try:
-            branches = _round_about(train, frequency, known.period, subharmonic=motion.period, seed=motion)
+            others = _round_about(train, frequency, subharmonic=motion.period, seed=motion).at(frequency)
         except SolverError:
             continue
-        for branch in branches:
-            for other in branch.at(frequency):
-                known.add_near(other, f"the branch of the motion of period {motion.period}", followed=True)
+        for other in others:
+            known.add_near(other, f"the branch of the motion of period {motion.period}", followed=True)
 
 
 def _leave_unstable(train: Any, frequency: float, known: _Known, pushed: set[int]) -> None:
