@@ -107,11 +107,12 @@ def find_motions(
     """What `Train.motions` is documented to do, at Lambda."""
     at_infinity = _multipliers_at_infinity(train, frequency)
     known = _Known(train, frequency, {n: _index(at_infinity, n) for n in range(1, period + 1)})
-    whole = response is None
-    first = response or _round_about(train, frequency, period_doublings=period.bit_length() - 1, branch_points=True)
-    for branch in [first, *first.branches]:
+    own = response is None
+    if response is None:
+        response = _round_about(train, frequency, period_doublings=period.bit_length() - 1, branch_points=True)
+    for branch in [response, *response.branches]:
         for motion in branch.at(frequency):
-            known.add_near(motion, branch.origin or "response", followed=whole)
+            known.add_near(motion, branch.origin or "response", followed=own)
     _follow(train, frequency, known)
     attractors = train.attractors(frequency, starts=starts, random_seed=random_seed)
     others = []
