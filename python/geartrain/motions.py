@@ -107,12 +107,10 @@ def find_motions(
     """What `Train.motions` is documented to do, at Lambda."""
     at_infinity = _multipliers_at_infinity(train, frequency)
     known = _Known(train, frequency, {n: _index(at_infinity, n) for n in range(1, period + 1)})
-    own = response is None
-    if response is None:
-        response = _round_about(train, frequency, period_doublings=period.bit_length() - 1, branch_points=True)
-    for branch in [response, *response.branches]:
+    branches = _round_about(train, frequency, period.bit_length() - 1) if response is None else [response, *response.branches]
+    for branch in branches:
         for motion in branch.at(frequency):
-            known.add_near(motion, branch.origin or "response", followed=own)
+            known.add_near(motion, branch.origin or "response", followed=range(2) if response is None else ())
     _follow(train, frequency, known)
     attractors = train.attractors(frequency, starts=starts, random_seed=random_seed)
     others = []
@@ -149,7 +147,7 @@ class _Known:
         self.period = max(expected_sum)
         self.expected_sum = expected_sum
         self.found: list[Find] = []
-        self.followed: list[Motion] = []  # those whose branches were followed
+        self.followed: tuple[list[Motion], list[Motion]] = [], []  # those whose branches were; with what bifurcates from them
 
     def shoot(self, state: Array, period: int) -> Motion | None:
         """The orbit of a period near a state; None where shooting finds none."""
@@ -166,7 +164,7 @@ class _Known:
             return None
         return Motion(train=self.train, **motions_of(box)[0])
 
-    def add_near(self, motion: Motion, how: str, *, followed: bool = False) -> None:
+    def add_near(self, motion: Motion, how: str, *, followed: Iterable[int] = ()) -> None:
         """Add the exact orbit near a motion, where there is one."""
         with self.train._ask_at(self.frequency, {}) as box:
             put_motions(box, motion)
@@ -174,8 +172,11 @@ class _Known:
         if orbit is not None:
             self.add(orbit, how, followed=followed)
 
-    def add(self, motion: Motion, how: str, *, followed: bool = False) -> None:
-        """Add an orbit, with its least period, unless it is known or its period is too long; told whether its branch was followed."""
+    def add(self, motion: Motion, how: str, *, followed: Iterable[int] = ()) -> None:
+        """Add an orbit, with its least period, unless it is known or its period is too long.
+
+        ``followed`` are the lists of those followed that its branch is in.
+        """
         least = least_period(motion)
         if least < motion.period and motion.state is not None:
             shorter = self.shoot(motion.state, least)
@@ -187,8 +188,8 @@ class _Known:
         same = next((other for other, _ in self.found if same_orbit(motion, other)), None)
         if same is None:
             self.found.append((motion, how))
-        if followed:
-            self.followed.append(same or motion)
+        for level in followed:
+            self.followed[level].append(same or motion)
 
     def adds_up(self) -> bool:
         motions = [motion for motion, _ in self.found]
@@ -215,29 +216,36 @@ def _random_states(
             yield later.state, "the flow from a random state"
 
 
-def _round_about(train: Any, frequency: float, **settings: Any) -> Branch:
-    """The branch of motions that passes a Lambda, the response unless another is told.
+def _round_about(train: Any, frequency: float, doublings: int, **settings: Any) -> list[Branch]:
+    """The branch of motions that passes a Lambda, the response unless another is told; with doublings also what bifurcates.
 
     Shooting makes every motion exact afterwards: a tighter tolerance would cost ten times as much and find no more.
     """
     low, high = _ROUND
-    branch: Branch = train.response(start=low * frequency, stop=high * frequency, harmonics=0, tolerance=1e-2,
-                                    max_points=_POINTS, **settings)
-    return branch
+    branch: Branch = train.response(start=low * frequency, stop=high * frequency, harmonics=0, tolerance=1e-2, max_points=_POINTS,
+                                    period_doublings=doublings, branch_points=doublings > 0, **settings)
+    return [branch, *branch.branches]
 
 
 def _follow(train: Any, frequency: float, known: _Known) -> None:
-    """The other motions at this speed on the branches of those known: each has its other half behind a fold."""
-    for motion, _ in known.found:  # which grows meanwhile
-        if motion in known.followed:
-            continue
-        known.followed.append(motion)
-        try:
-            others = _round_about(train, frequency, subharmonic=motion.period, seed=motion).at(frequency)
-        except SolverError:
-            continue
-        for other in others:
-            known.add_near(other, f"the branch of the motion of period {motion.period}", followed=True)
+    """The other motions at this speed on the branches of those known: each has its other half behind a fold.
+
+    What bifurcates from these branches costs ten times as much. It is followed where the indices show that motions are missing.
+    """
+    for deep in (False, True):
+        for motion, _ in known.found:  # which grows meanwhile
+            if motion in known.followed[deep] or (deep and known.adds_up()):
+                continue
+            known.followed[deep].append(motion)
+            doublings = (known.period // motion.period).bit_length() - 1 if deep else 0
+            try:
+                branches = _round_about(train, frequency, doublings, subharmonic=motion.period, seed=motion)
+            except SolverError:
+                continue
+            for branch in branches:
+                how = branch.origin and f"{branch.origin}, of "
+                for other in branch.at(frequency):
+                    known.add_near(other, f"{how}the branch of the motion of period {motion.period}", followed=range(deep + 1))
 
 
 def _leave_unstable(train: Any, frequency: float, known: _Known, pushed: set[int]) -> None:
