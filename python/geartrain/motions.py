@@ -33,6 +33,8 @@ _SETTLING = (3, 10, 30)  # periods of the fundamental that a random state is int
 _PATIENCE = 4  # times as many random states are tried where the indices do not add up
 _ROUND = (0.7, 1.4)  # of the speed, between which branches are followed: those that pass it give their other motions there
 _POINTS = 3000  # after which such a branch is given up
+_ROUGH, _EXACT, _NEARBY = 1e-2, 1e-5, 1.001  # tolerance of such a branch; that of a point from which shooting leads away, and how
+# far its branch goes, over the speed
 
 
 class Motions(list[Motion]):
@@ -110,7 +112,7 @@ def find_motions(
     branches = _round_about(train, frequency, period.bit_length() - 1) if response is None else [response, *response.branches]
     for branch in branches:
         for motion in branch.at(frequency):
-            known.add_near(motion, branch.origin or "response", followed=range(2) if response is None else ())
+            known.add_balanced(motion, branch.origin or "response", range(2) if response is None else ())
     _follow(train, frequency, known)
     attractors = train.attractors(frequency, starts=starts, random_seed=random_seed)
     others = []
@@ -164,13 +166,29 @@ class _Known:
             return None
         return Motion(train=self.train, **motions_of(box)[0])
 
-    def add_near(self, motion: Motion, how: str, *, followed: Iterable[int] = ()) -> None:
+    def add_near(self, motion: Motion, how: str) -> None:
         """Add the exact orbit near a motion, where there is one."""
-        with self.train._ask_at(self.frequency, {}) as box:
-            put_motions(box, motion)
-            orbit = self._orbit(box)
+        orbit = self._nearest(motion)
+        if orbit is not None:
+            self.add(orbit, how)
+
+    def add_balanced(self, motion: Motion, how: str, followed: Iterable[int]) -> None:
+        """Add the exact orbit near a motion of a branch; where shooting leads away it is balanced more exactly first."""
+        orbit = self._nearest(motion)
+        if orbit is None or not _agree(orbit, motion):
+            try:
+                exact = self.train.response(seed=motion, subharmonic=motion.period, start=self.frequency,
+                                            stop=_NEARBY * self.frequency, harmonics=0, tolerance=_EXACT, stability=False)
+                orbit = self._nearest(exact.at(self.frequency)[0]) or orbit
+            except (SolverError, IndexError):
+                pass
         if orbit is not None:
             self.add(orbit, how, followed=followed)
+
+    def _nearest(self, motion: Motion) -> Motion | None:
+        with self.train._ask_at(self.frequency, {}) as box:
+            put_motions(box, motion)
+            return self._orbit(box)
 
     def add(self, motion: Motion, how: str, *, followed: Iterable[int] = ()) -> None:
         """Add an orbit, with its least period, unless it is known or its period is too long.
@@ -222,7 +240,7 @@ def _round_about(train: Any, frequency: float, doublings: int, **settings: Any) 
     Shooting makes every motion exact afterwards: a tighter tolerance would cost ten times as much and find no more.
     """
     low, high = _ROUND
-    branch: Branch = train.response(start=low * frequency, stop=high * frequency, harmonics=0, tolerance=1e-2, max_points=_POINTS,
+    branch: Branch = train.response(start=low * frequency, stop=high * frequency, harmonics=0, tolerance=_ROUGH, max_points=_POINTS,
                                     period_doublings=doublings, branch_points=doublings > 0, **settings)
     return [branch, *branch.branches]
 
@@ -245,7 +263,7 @@ def _follow(train: Any, frequency: float, known: _Known) -> None:
             for branch in branches:
                 how = branch.origin and f"{branch.origin}, of "
                 for other in branch.at(frequency):
-                    known.add_near(other, f"{how}the branch of the motion of period {motion.period}", followed=range(deep + 1))
+                    known.add_balanced(other, f"{how}the branch of the motion of period {motion.period}", range(deep + 1))
 
 
 def _leave_unstable(train: Any, frequency: float, known: _Known, pushed: set[int]) -> None:
@@ -311,6 +329,11 @@ def least_period(motion: Motion) -> int:
         if motion.period % period == 0 and (amplitude[order % (motion.period // period) > 0] < _SAME * scale).all():
             return period
     return motion.period
+
+
+def _agree(orbit: Motion, motion: Motion) -> bool:
+    """Whether the waveform of an orbit is within the tolerance that the motion was balanced to."""
+    return orbit.period == motion.period and float(np.abs(orbit.rms - motion.rms).max()) <= _ROUGH * float(orbit.rms.max())
 
 
 def replace_period(motion: Motion, period: int) -> Motion:
