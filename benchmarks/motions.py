@@ -83,7 +83,8 @@ def main():
                     if not any(same_motion(motion, own) for own in found)]
             missing += len(more)
             told = "".join(f"; missing: period {motion.period}, rms {motion.rms.round(4)}" for motion in more)
-            print(f"{name} at {frequency}: {len(found)} motions in {took:.1f} s of CPU, complete: {found.complete}{told}", flush=True)
+            print(f"{name} at {frequency}: {len(found)} motions in {took:.1f} s of CPU, complete: {found.complete}{told}",
+                  flush=True)
     print(f"{missing} missing")
     return missing > 0
 

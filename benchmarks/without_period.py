@@ -79,9 +79,9 @@ def main() -> None:
         found = train.lyapunov_spectrum(frequency, transient=8000, periods=8192)
         rate, error = rate_of_parting(train, float(name), frequency, found.state)
         line = line_of(found.displacement[:, 1])
-        print(f"k3 = {name}, {sums}, Lambda = {frequency}: {found.kind}, exponent {found.exponents[0]:.5f} +- {found.errors[0]:.5f}, "
-              f"by SciPy {rate:.5f} +- {error:.5f}; rotation number {found.rotation_number:.10f}, by the transform {line:.10f} "
-              f"or {1 - line:.10f}", flush=True)
+        print(f"k3 = {name}, {sums}, Lambda = {frequency}: {found.kind}, "
+              f"exponent {found.exponents[0]:.5f} +- {found.errors[0]:.5f}, by SciPy {rate:.5f} +- {error:.5f}; "
+              f"rotation number {found.rotation_number:.10f}, by the transform {line:.10f} or {1 - line:.10f}", flush=True)
 
 
 if __name__ == "__main__":
