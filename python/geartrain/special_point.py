@@ -112,7 +112,8 @@ class SpecialPoint:
         Examples
         --------
         >>> fold = branch.special_points[0].exact()
-        >>> fold.kind, fold.crossing, abs(fold.critical - 1).max() < 1e-7
+        >>> fold.kind, fold.crossing, bool(abs(fold.critical - 1).max() < 1e-7)
+        ('fold', 1, True)
         """
         place, onset = self._place()
         return exact_point(self.branch._box(), self.branch.train, place, onset)

@@ -52,7 +52,7 @@ def test_our_transforms_against_those_of_numpy(tmp_path):
     # Every length up to 40, those that we take, large factors that are primes; and from one plan to the next.
     lengths = [*range(1, 41), 64, 80, 96, 128, 192, 320, 1009, 1024, 1280, 1536, 31**2, 2 * 31**2, 5**4, 8]
     (tmp_path / "transforms.f90").write_text(TRANSFORMS)
-    sources = [ROOT / "src/geartrain/base/kinds.f90", ROOT / "python/fft.f90", "transforms.f90"]
+    sources = [ROOT / "src/geartrain/base/kinds.f90", ROOT / "python/fft.f90", ROOT / "python/fft_kernels.c", "transforms.f90"]
     subprocess.run(["gfortran", "-O1", "-fcheck=all,no-array-temps", *sources, "-o", "transforms"], cwd=tmp_path, check=True)
     rng = np.random.default_rng(1)
     samples = [rng.uniform(-0.3, 0.7, length) for length in lengths]
