@@ -41,9 +41,8 @@ class Variable(NamedTuple):
 class _Signature:
     """That of ``__init__``: Python 3.10 would show that of `Part.__new__`, which tells nothing."""
 
-    def __get__(self, _: Any, part: type) -> inspect.Signature:
-        itself, *keywords = inspect.signature(part.__init__).parameters.values()
-        return inspect.Signature(keywords)
+    def __get__(self, _: Any, part: Any) -> inspect.Signature:
+        return inspect.Signature(list(inspect.signature(part.__init__).parameters.values())[1:])
 
 
 @dataclass(frozen=True, kw_only=True)
