@@ -754,8 +754,8 @@ class Train(Description):
         --------
         >>> fold = branch.special_points[0]
         >>> locus = train.locus(fold, parameter="stiffness_variation", start=0.25, stop=0.35)
-        >>> locus.complete, locus.parameter[[0, -1]].round(3), locus.special_points[0].kind  # two folds meet before 0.25
-        (True, array([0.35, 0.35]), 'cusp')
+        >>> locus.complete, locus.parameter[[0, -1]], [(point.kind, round(point.parameter, 4)) for point in locus.special_points]
+        (True, array([0.35, 0.35]), [('cusp', 0.2681)])
         """
         if not isinstance(special, (SpecialPoint, ExactPoint)):
             raise InputError(f"special = {shown(special)}: must be a special point, one of a branch's special_points or onsets")

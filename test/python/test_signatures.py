@@ -54,7 +54,7 @@ def test_a_misspelt_keyword_is_told(train):
         gt.Shaft(colour="red")
     with pytest.raises(TypeError, match=r"response\(\) missing a required argument: 'stop'"):
         train.response(start=0.2)
-    with pytest.raises(gt.InputError, match="&response: there is no harmonic: must be one of start, stop, unit, harmonics"):
+    with pytest.raises(gt.InputError, match="&response: there is no harmonic: must be one of start, stop, parameter"):
         train.namelist(response={**ENDS, "harmonic": 6})
     with pytest.raises(TypeError, match="unexpected keyword argument 'respons'"):
         train.namelist(respons=ENDS)
