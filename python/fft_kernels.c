@@ -72,7 +72,8 @@ INLINE void butterfly(const int r, values *x)
       x[2] = subtract(even, odd);
       x[3] = subtract(difference, turned);
    } else {
-      const double c1 = 0.30901699437494742410, c2 = -0.80901699437494742410, s1 = 0.95105651629515357212, s2 = 0.58778525229247312917;
+      const double c1 = 0.30901699437494742410, c2 = -0.80901699437494742410;
+      const double s1 = 0.95105651629515357212, s2 = 0.58778525229247312917;
       values near = add(x[1], x[4]), far = add(x[2], x[3]), turned = turn(subtract(x[1], x[4])), twice = turn(subtract(x[2], x[3]));
       values m1 = add(x[0], add(scale(c1, near), scale(c2, far))), t1 = add(scale(s1, turned), scale(s2, twice));
       values m2 = add(x[0], add(scale(c2, near), scale(c1, far))), t2 = subtract(scale(s2, turned), scale(s1, twice));
@@ -97,7 +98,8 @@ INLINE void part(const int r, const int lanes, int s, int m, int p, int q, const
       store(yr, yi, q + s * (j + r * p), lanes, times(x[j], w[j]));
 }
 
-INLINE void stage(const int r, int s, int m, int step, const double *root, const double *xr, const double *xi, double *yr, double *yi)
+INLINE void stage(const int r, int s, int m, int step, const double *root, const double *xr, const double *xi,
+                  double *yr, double *yi)
 {
    for (int p = 0; p < m; p++) {
       values w[5];
@@ -147,7 +149,8 @@ INLINE void first_stage(int m, int step, const double *root, const double *xr, c
    }
 }
 
-VERSIONS void geartrain_split(int r, int s, int m, int step, const double *restrict root, const double *restrict x, double *restrict y)
+VERSIONS void geartrain_split(int r, int s, int m, int step, const double *restrict root, const double *restrict x,
+                              double *restrict y)
 {
    const int n = r * s * m;
    if (r == 4 && s == 1)

@@ -72,8 +72,8 @@ contains
       call sum_up(audit)
    end subroutine audit_branch
 
-   !> What a thread of the team does. A procedure of its own, since OpenMP's private copies of a corrector take the compiler ten times
-   !> as long as a local one.
+   !> What a thread of the team does. A procedure of its own, since a private copy of a corrector takes the compiler three times as
+   !> long as a local one.
    subroutine audit_share(train, branch, system, chosen, rows, exact, is_done, keep_going, observer)
       type(train_type), intent(in) :: train
       type(branch_type), intent(in) :: branch
