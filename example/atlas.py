@@ -36,11 +36,13 @@ def islands_of(train, branches, neighbours):
     """Branches that hang together with none of those known, from stable motions of a train with almost the same values."""
     found = []
     for branch in neighbours:
-        for frequency in branch.frequency[branch.stable][::8]:
+        tries = 0
+        for frequency in branch.frequency[branch.stable][::16]:
             for motion in branch.at(float(frequency)):
                 here = [own for other in (*branches, *found) for own in other.at(motion.frequency)]
-                if not motion.stable or any(np.allclose(own.rms, motion.rms, rtol=0.1) for own in here):
+                if tries == 3 or not motion.stable or any(np.allclose(own.rms, motion.rms, rtol=0.1) for own in here):
                     continue
+                tries += 1
                 try:
                     island = train.response(start=LAMBDA[0], stop=LAMBDA[1], harmonics=12 * motion.period,
                                             subharmonic=motion.period, seed=motion)
