@@ -128,10 +128,10 @@ class BifurcationDiagram(Table):
             there = np.array(self.direction) == direction
             frequency = np.repeat(units.per_lambda * self.frequency[there], values.shape[1])
             ax.plot(frequency, values[there].ravel(), **{
-                "linestyle": "none", "marker": marker, "markersize": 1.5 if direction == directions[0] else 0.8,
+                "linestyle": "none", "marker": marker, "markersize": 2.4 if direction == directions[0] else 1.2,
                 "markeredgewidth": 0, "color": color, "label": direction, "rasterized": True, **style})
         if len(directions) > 1:
-            ax.legend(frameon=False, markerscale=5)
+            ax.legend(frameon=False, markerscale=3)
         ax.set_xlabel(units.frequency)
         ax.set_ylabel(titles[what].format(mesh))
         return ax

@@ -599,11 +599,7 @@ class Train(Description):
         if isinstance(frequency, bool) or not isinstance(frequency, Real) or not 0 < frequency < float("inf"):
             raise InputError(f"frequency = {shown(frequency)}: must be a number > 0")
         at = lambda_of(self, float(frequency), unit)
-        if response is None:
-            # Shooting makes every motion exact: a tighter tolerance would cost ten times as much and find no more.
-            response = self.response(start=0.7 * at, stop=1.4 * at, harmonics=0, tolerance=1e-2,
-                                     period_doublings=int(period).bit_length() - 1, branch_points=True)
-        return find_motions(self, at, int(period), int(starts), int(seeds), int(random_seed), [response, *response.branches])
+        return find_motions(self, at, int(period), int(starts), int(seeds), int(random_seed), response)
 
     @takes(VARIABLES["stability_map"], StabilityMapKeywords)
     def stability_map(self, **settings: Unpack[StabilityMapKeywords]) -> StabilityMap:
