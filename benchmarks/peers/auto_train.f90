@@ -1,6 +1,7 @@
 ! Figure 3's train for AUTO-07p. Displacements of the five elastic elements (shaft, mesh, shaft, mesh, shaft) over b_c, time times
 ! omega_c: u = p(5), p'(5), cos, sin; the last two are the oscillator that makes the system autonomous.
-! par(1) = Lambda, par(2) = amplitude of the mesh stiffness, par(3:4) = rms of the meshes as the paper counts it.
+! par(1) = Lambda, par(2) = amplitude of the mesh stiffness, par(3:4) = rms of the meshes as the paper counts it,
+! par(5) = width over which the corners of the backlash are rounded, 0: not at all.
 module train
    implicit none
    double precision, parameter :: wc = 9870, gap = 30e-6, torque = 150
@@ -18,15 +19,22 @@ contains
    end function
 
    ! Elastic force over b_c at displacement p, and its slope.
-   pure subroutine spring(n, p, kappa, force, slope)
+   pure subroutine spring(n, p, kappa, width, force, slope)
       integer, intent(in) :: n
-      double precision, intent(in) :: p, kappa
+      double precision, intent(in) :: p, kappa, width
       double precision, intent(out) :: force, slope
+      double precision :: root(2)
       force = p
       slope = 1
       if (is_mesh(n)) then
-         force = max(p - 1, 0d0) + min(p + 1, 0d0)
-         slope = merge(1d0, 0d0, abs(p) > 1)
+         if (width > 0) then
+            root = sqrt((p + [-1, 1])**2 + width**2)
+            force = p + (root(1) - root(2))/2
+            slope = 1 + ((p - 1)/root(1) - (p + 1)/root(2))/2
+         else
+            force = max(p - 1, 0d0) + min(p + 1, 0d0)
+            slope = merge(1d0, 0d0, abs(p) > 1)
+         end if
       end if
       force = stiffness(n)*force
       slope = stiffness(n)*slope
@@ -63,7 +71,7 @@ subroutine func(ndim, u, icp, par, ijac, f, dfdu, dfdp)
    integer :: n
 
    do n = 1, 5
-      call spring(n, u(n), 1 + par(2)*u(11), force(n), slope(n))
+      call spring(n, u(n), 1 + par(2)*u(11), par(5), force(n), slope(n))
    end do
    circle = 1 - u(11)**2 - u(12)**2
    f(1:5) = u(6:10)
@@ -107,6 +115,7 @@ subroutine stpnt(ndim, u, par, t)
 
    par(1) = 2.6d0
    par(2) = 0
+   par(5) = 0
    par(11) = turn/par(1)
    u = 0
    u(1:5) = load/(stiffness*gap)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._draw import COLORS, new_axes
+from ._draw import COLORS, draws, new_axes
 from ._table import Table
 from ._units import Unit, hertz_of, speed_of, units_of
 from .description import Description
@@ -87,6 +87,7 @@ class BifurcationDiagram(Table):
         """Frequency of the fundamental [Hz], (points,); None without a train."""
         return hertz_of(self.train, self.frequency)
 
+    @draws
     def plot(self, mesh: int = 1, ax: Axes | None = None, *, what: str = "displacement", unit: Unit | None = None,
              **style: Any) -> Axes:
         """Draw the sections of a mesh, or the largest Lyapunov exponents.

@@ -377,7 +377,7 @@ class Branch(Curves):
                 "parameter": np.array([special.parameter for special in specials], float) if self.parameter_name else None,
                 "after_point": [special.point + 1 for special in specials],
                 "rms": np.stack([special.rms for special in specials]),
-                "correction": None if specials[0].correction is None else [float(special.correction) for special in specials],
+                "correction": None if specials[0].correction is None else [special.correction for special in specials],
             }
             box.put(f"{path}/special_points", {}, columns, like="/response/special_points")
 

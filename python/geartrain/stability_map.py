@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._dataset import dataset
-from ._draw import new_axes
+from ._draw import draws, new_axes
 from ._extras import extra
 from ._table import Table
 from ._units import Unit, hertz_of, speed_of, units_of
@@ -108,6 +108,7 @@ class StabilityMap(Table):
         """Frequency of the fundamental [Hz], (points,); None without a train."""
         return hertz_of(self.train, self.frequency)
 
+    @draws
     def plot(self, what: str = "spectral_radius", ax: Axes | None = None, *, unit: Unit | None = None, **style: Any) -> Axes:
         """Draw the map, with the boundary of stability as a line.
 

@@ -277,7 +277,7 @@ def test_every_keyword_given_wrongly(table):
         apart = (("attractors", "follow"), ("basins", "displacement_points"), ("basins", "velocity_points"))
         if variable.group == "output" or (variable.group, variable.name) in apart:
             continue
-        # Names that are no pair of texts are tried in case files, where messages are the same; a locus is called with a special point.
+        # Names that are no pair of texts are tried in case files, whose messages are the same. A locus takes a special point.
         if variable.kind == "names" or variable.group == "locus":
             continue
         values = wrong[variable.kind] + ([-7] if ">" in variable.allowed else [])

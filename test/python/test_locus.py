@@ -46,6 +46,43 @@ def test_boundary_of_mathieu(pair, branch):
     assert max(off) < 1e-10
 
 
+def square_wave(kappa, terms):
+    """Cosine amplitudes of 1 + kappa, half a period, and 1 - kappa, of terms 1 to `terms`."""
+    return [4 * kappa / np.pi * (-1) ** (order // 2) / order if order % 2 else 0.0 for order in range(1, terms + 1)]
+
+
+def meissner(frequency, kappa, zeta):
+    """1 + sum + product of the multipliers of x'' + 2 zeta x' + (1 +- kappa) x = 0: 0 where one is -1."""
+    half, matrix = np.pi / frequency, np.eye(2)
+    for stiffness in (1 + kappa, 1 - kappa):
+        omega = np.sqrt(stiffness - zeta**2)
+        cos, sin = np.cos(omega * half), np.sin(omega * half) / omega
+        matrix = np.exp(-zeta * half) * np.array([[cos + zeta * sin, sin], [-stiffness * sin, cos - zeta * sin]]) @ matrix
+    return 1 + np.trace(matrix) + np.linalg.det(matrix)
+
+
+def test_boundary_of_meissner():
+    def distance(terms):
+        """Lambda along the boundary of a wave of so many terms, and in kappa how far the closed form is from it."""
+        pair = single_pair(0.4, stiffness_cos=square_wave(0.25, terms))
+        doubling = of_kind(pair.response(start=1.6, stop=2.4, harmonics=12), "period doubling")[0]
+        locus = pair.locus(doubling, parameter="stiffness_variation", start=0.1, stop=0.5)
+        assert locus.complete
+        off = []
+        for frequency, kappa in zip(locus.frequency, np.pi / 4 * locus.parameter):
+            here, above, below = (meissner(frequency, kappa + change, 0.05) for change in (0, 1e-6, -1e-6))
+            off.append(here / (above - below) * 2e-6)
+        return locus.frequency, np.array(off)
+
+    # The terms left out, 25, 27, ... and 49, 51, ..., act by the square of their amplitudes over that of their order: as the third
+    # power of 24 and 48. What the finer boundary is off is an eighth of what the coarser one is.
+    (coarse, off), (fine, rest) = distance(24), distance(48)
+    rising = np.argsort(coarse)
+    eighth = np.interp(fine, coarse[rising], off[rising]) / 8
+    assert max(abs(rest)) < 2e-7
+    assert max(abs(rest - eighth)) < 1e-8
+
+
 def test_fold_over_torque(pair, branch):
     first, second = (special.exact() for special in of_kind(branch, "fold"))
     # Without back contact p - b scales with the torque, and so no fold moves.

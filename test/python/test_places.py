@@ -153,7 +153,7 @@ def processor_time(process):
 
 
 def test_frequent_kills_do_not_keep_a_run_from_its_end(executable, tmp_path):
-    """A kill after every second or two of processor time; each resumed run gets on, since its first checkpoint comes after 0.3 s."""
+    """A kill after every second or two of processor time: each resumed run gets on, as its first checkpoint comes after 0.3 s."""
     case = write_case(tmp_path, (
         "&response from = 0.4, to = 2.6, period_doublings = 1, refine = .true. /\n"
         "&integration from = 0.5, to = 1.0, points = 60 /\n&attractors frequency = 0.6, starts = 100 /\n"

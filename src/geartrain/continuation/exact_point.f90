@@ -159,7 +159,7 @@ contains
       end do
    end subroutine refine_special_points
 
-   !> Finds the two points that an exact special point lies between: it may lie beyond one of those between which it was found first.
+   !> Finds the two points that an exact special point lies between: it may lie beyond one of the two between which it was found.
    subroutine place_between(branch, special)
       type(branch_type), intent(in) :: branch
       type(special_point_type), intent(inout) :: special

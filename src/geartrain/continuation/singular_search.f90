@@ -90,7 +90,7 @@ contains
             ! A branch of even period crosses the branch of half its period where it begins and ends.
             if (success .and. .not. matrix%doubles .and. mod(matrix%period(), 2) == 0) &
                success = odd_share(solution%u) > half_period**2
-            ! A fold beside a period doubling is a zero of the balance of twice the period too: the critical vector tells them apart.
+            ! A fold next to a period doubling is a zero of the doubled balance too; the critical vector tells them apart.
             if (success .and. matrix%doubles) success = odd_share(solution%tangent) > 0.5_dp
             if (success .and. present(taken)) then
                do l = 1, size(taken)

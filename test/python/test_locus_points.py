@@ -1,0 +1,91 @@
+"""Points of a curve at which two conditions meet, by the trains beside them alone: their branches, exact points and multipliers."""
+
+import numpy as np
+import pytest
+from conftest import ROOT, paper_train
+from test_lyapunov import soft_train
+
+import geartrain as gt
+
+
+def nearest(branch, kind, frequency):
+    """The exact special point of a kind nearest to a frequency."""
+    of_kind = [special for special in branch.special_points if special.kind == kind]
+    return min(of_kind, key=lambda special: abs(special.frequency - frequency)).exact()
+
+
+def of_name(locus, kind, frequency):
+    return next(point for point in locus.special_points if point.kind == kind and abs(point.frequency - frequency) < 1e-3)
+
+
+def distance(multipliers, value):
+    return np.sort(abs(multipliers - value))
+
+
+@pytest.fixture(scope="module")
+def square_wave():
+    return gt.read_case(ROOT / "namelists" / "fig07_042.nml").train
+
+
+@pytest.fixture(scope="module")
+def superharmonic(square_wave):
+    return square_wave.response(start=0.2, stop=0.8, harmonics=12)
+
+
+def test_isola_centre():
+    # Figure 9's island (test_exact.py): its width goes to 0 as the square root of the distance from the centre.
+    train = paper_train().with_values({"mesh * damping_ratio": 0.01})
+    state = [0.01254298, -2.27472542, -0.08825069, -6.79887307, -0.10168407,
+             0.11287488, 2.11040707, 0.0276462, -1.9129191, 0.30859615]
+    island = train.response(start=0.7, stop=0.9, seed=train.integrate(frequency=0.85, start=state), harmonics=12)
+    locus = train.locus(nearest(island, "fold", 0.744), parameter="mesh * damping_ratio", start=0.01, stop=0.03)
+    centre = of_name(locus, "isola centre", 0.8466)
+    at = abs(locus.parameter - centre.parameter).argmin()
+    squares, values = [], centre.parameter - np.array([4e-5, 1e-5])
+    for value in values:
+        other = train.with_values({"mesh * damping_ratio": value})
+        seed = other.integrate(frequency=centre.frequency, start=locus.initial_state[at])
+        branch = other.response(start=0.8, stop=0.9, seed=seed, harmonics=24)
+        folds = [special.exact().frequency for special in branch.special_points if special.kind == "fold"]
+        squares.append(np.ptp(folds) ** 2)
+    zero = values[1] + (values[1] - values[0]) * squares[1] / (squares[0] - squares[1])
+    assert zero == pytest.approx(centre.parameter, abs=1e-7)
+
+
+def test_fold_flip(square_wave, superharmonic):
+    locus = square_wave.locus(nearest(superharmonic, "fold", 0.5656), parameter="stiffness_variation", start=0.3, stop=0.55)
+    point = of_name(locus, "fold-flip", 0.54579)
+    other = square_wave.with_values({"stiffness_variation": point.parameter})
+    for kind in ("fold", "period doubling"):
+        found = nearest(other.response(start=0.5, stop=0.6, harmonics=24), kind, point.frequency)
+        print(kind, found.frequency - point.frequency, distance(found.multipliers, 1)[0], distance(found.multipliers, -1)[0])
+
+
+def test_one_to_one_resonance(square_wave, superharmonic):
+    locus = square_wave.locus(nearest(superharmonic, "fold", 0.5656), parameter="mesh 1 damping_ratio", start=0.02, stop=0.05)
+    point = of_name(locus, "1:1 resonance", 0.53856)
+    other = square_wave.with_values({"mesh 1 damping_ratio": point.parameter})
+    found = nearest(other.response(start=0.5, stop=0.6, harmonics=24), "fold", point.frequency)
+    print(found.frequency - point.frequency, distance(found.multipliers, 1)[:3])
+
+
+def test_generalized_doubling():
+    train = paper_train()
+    doubling = nearest(train.response(start=1.7, stop=1.9), "period doubling", 1.7492)
+    locus = train.locus(doubling, parameter="mesh 1 damping_ratio", start=0.05, stop=0.1)
+    point = of_name(locus, "generalized doubling", 1.77417)
+    for change in (-1e-4, 1e-4):
+        other = train.with_values({"mesh 1 damping_ratio": point.parameter + change})
+        found = nearest(other.response(start=1.7, stop=1.9), "period doubling", point.frequency)
+        assert found.criticality == ("supercritical" if change < 0 else "subcritical")
+
+
+def test_neimark_sacker_and_one_to_four_resonance():
+    train = soft_train()
+    special = nearest(train.response(start=2.29, stop=2.33), "neimark-sacker", 2.31)
+    locus = train.locus(special, parameter="shaft 2 stiffness", start=2e5, stop=2e6)
+    point = of_name(locus, "1:4 resonance", 2.27781)
+    other = train.with_values({"shaft 2 stiffness": point.parameter})
+    found = nearest(other.response(start=point.frequency - 0.02, stop=point.frequency + 0.02), "neimark-sacker", point.frequency)
+    assert found.frequency == pytest.approx(point.frequency, abs=1e-9)
+    assert distance(found.multipliers, 1j)[0] < 1e-8
