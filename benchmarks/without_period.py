@@ -28,7 +28,7 @@ GROUPS, PERIODS, DISTANCE = 1000, 4, 1e-7
 
 
 def line_of(values: np.ndarray) -> float:
-    """Frequency per sample of the largest line of a series, below 1/2, with Hann's window; NaN without SciPy's maximum."""
+    """Frequency per sample of the largest line of a series, below 1/2, with Hann's window."""
     from scipy.optimize import minimize_scalar
 
     count = len(values)
@@ -79,9 +79,10 @@ def main() -> None:
         found = train.lyapunov_spectrum(frequency, transient=8000, periods=8192)
         rate, error = rate_of_parting(train, float(name), frequency, found.state)
         line = line_of(found.displacement[:, 1])
+        turns = f"{found.rotation_number:.10f}, by the transform {line:.10f} or {1 - line:.10f}"
         print(f"k3 = {name}, {sums}, Lambda = {frequency}: {found.kind}, "
               f"exponent {found.exponents[0]:.5f} +- {found.errors[0]:.5f}, by SciPy {rate:.5f} +- {error:.5f}; "
-              f"rotation number {found.rotation_number:.10f}, by the transform {line:.10f} or {1 - line:.10f}", flush=True)
+              f"rotation number {'none' if np.isnan(found.rotation_number) else turns}", flush=True)
 
 
 if __name__ == "__main__":
