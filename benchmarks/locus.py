@@ -18,7 +18,9 @@ import auto_locus
 
 # Name, case, the stretch of Lambda with both folds at any stiffness variation, and the equations for AUTO: their file, number and
 # the least Lambda of the curve from which it takes the fold.
-TRAINS = (("figure 3", "fig03", (1.1, 2.2), ("auto_train", 12, 1.5)), ("one pair", "single_pair", (0.45, 1.3), ("auto_pair", 4, 0.7)))
+TRAINS = (
+    ("figure 3", "fig03", (1.1, 2.2), ("auto_train", 12, 1.5)), ("one pair", "single_pair", (0.45, 1.3), ("auto_pair", 4, 0.7)),
+)
 # Widths over which AUTO's corners are rounded, and its intervals.
 AUTO_RUNS = ((0.01, 100), (0.001, 200), (0.0, 100))
 JUDGED = 12
@@ -79,7 +81,8 @@ def main():
             print(f"| {row['train']} | {row['tool']} | {row['failed']} | | | | | |")
             continue
         told = ("", "") if row["errors"] is None else (f"{np.median(row['errors']):.0e}", f"{max(row['errors']):.0e}")
-        print(f"| {row['train']} | {row['tool']} | {row['points']} | {'yes' if row['whole'] else 'no'} | {spread(row['seconds'])} | "
+        whole = "yes" if row["whole"] else "no"
+        print(f"| {row['train']} | {row['tool']} | {row['points']} | {whole} | {spread(row['seconds'])} | "
               f"{spread([np.median(row['seconds']) / row['points']])} | {told[0]} | {told[1]} |")
 
 

@@ -1,8 +1,8 @@
 """AUTO-07p: the curve of a fold over Lambda and the stiffness variation, from auto_train.f90 or auto_pair.f90.
 
 The mesh stiffness grows from 0 to 0.3 at Lambda = 2.6, Lambda falls until the second fold, and from the first one the fold is
-followed both ways. Where the backlash is exact the derivatives of collocation jump as a collocation point passes a corner of it; the
-corners are rounded over `width`.
+followed both ways. Where the backlash is exact the derivatives of collocation jump as a collocation point passes a corner of it;
+the corners are rounded over `width`.
 """
 
 import shutil
@@ -14,8 +14,8 @@ import numpy as np
 
 SCRIPT = """
 import resource
-settings = dict(e='{equations}', NDIM={dimension}, IPS=2, ILP=1, ISP=2, ISW=1, NTST={intervals}, NCOL=4, IAD=3, JAC=1, NMX=2000, NPR=0,
-                IID=0, ITMX=12, ITNW=5, NWTN=3, EPSL=1e-7, EPSU=1e-7, EPSS={located}, DSMIN=1e-6, DSMAX=0.05, IADS=1, NPAR=12,
+settings = dict(e='{equations}', NDIM={dimension}, IPS=2, ILP=1, ISP=2, ISW=1, NTST={intervals}, NCOL=4, IAD=3, JAC=1, NMX=2000,
+                NPR=0, IID=0, ITMX=12, ITNW=5, NWTN=3, EPSL=1e-7, EPSU=1e-7, EPSS={located}, DSMIN=1e-6, DSMAX=0.05, IADS=1, NPAR=12,
                 THL={{11: 0}})
 
 def used():
