@@ -15,8 +15,8 @@ import numpy as np
 SCRIPT = """
 import resource
 settings = dict(e='{equations}', NDIM={dimension}, IPS=2, ILP=1, ISP=2, ISW=1, NTST={intervals}, NCOL=4, IAD=3, JAC=1, NMX=2000,
-                NPR=0, IID=0, ITMX=12, ITNW=5, NWTN=3, EPSL=1e-7, EPSU=1e-7, EPSS={located}, DSMIN=1e-6, DSMAX=0.05, IADS=1, NPAR=12,
-                THL={{11: 0}})
+                NPR=0, IID=0, ITMX=12, ITNW=5, NWTN=3, EPSL=1e-7, EPSU=1e-7, EPSS={located}, DSMIN=1e-6, DSMAX=0.05, IADS=1,
+                NPAR=12, THL={{11: 0}})
 
 def used():
     children = resource.getrusage(resource.RUSAGE_CHILDREN)

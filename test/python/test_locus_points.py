@@ -2,10 +2,8 @@
 
 import numpy as np
 import pytest
-from conftest import ROOT, paper_train
+from conftest import paper_train
 from test_lyapunov import soft_train
-
-import geartrain as gt
 
 
 def nearest(branch, kind, frequency):
@@ -20,16 +18,6 @@ def of_name(locus, kind, frequency):
 
 def distance(multipliers, value):
     return np.sort(abs(multipliers - value))
-
-
-@pytest.fixture(scope="module")
-def square_wave():
-    return gt.read_case(ROOT / "namelists" / "fig07_042.nml").train
-
-
-@pytest.fixture(scope="module")
-def superharmonic(square_wave):
-    return square_wave.response(start=0.2, stop=0.8, harmonics=12)
 
 
 def test_isola_centre():
@@ -50,23 +38,6 @@ def test_isola_centre():
         squares.append(np.ptp(folds) ** 2)
     zero = values[1] + (values[1] - values[0]) * squares[1] / (squares[0] - squares[1])
     assert zero == pytest.approx(centre.parameter, abs=1e-7)
-
-
-def test_fold_flip(square_wave, superharmonic):
-    locus = square_wave.locus(nearest(superharmonic, "fold", 0.5656), parameter="stiffness_variation", start=0.3, stop=0.55)
-    point = of_name(locus, "fold-flip", 0.54579)
-    other = square_wave.with_values({"stiffness_variation": point.parameter})
-    for kind in ("fold", "period doubling"):
-        found = nearest(other.response(start=0.5, stop=0.6, harmonics=24), kind, point.frequency)
-        print(kind, found.frequency - point.frequency, distance(found.multipliers, 1)[0], distance(found.multipliers, -1)[0])
-
-
-def test_one_to_one_resonance(square_wave, superharmonic):
-    locus = square_wave.locus(nearest(superharmonic, "fold", 0.5656), parameter="mesh 1 damping_ratio", start=0.02, stop=0.05)
-    point = of_name(locus, "1:1 resonance", 0.53856)
-    other = square_wave.with_values({"mesh 1 damping_ratio": point.parameter})
-    found = nearest(other.response(start=0.5, stop=0.6, harmonics=24), "fold", point.frequency)
-    print(found.frequency - point.frequency, distance(found.multipliers, 1)[:3])
 
 
 def test_generalized_doubling():
