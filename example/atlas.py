@@ -20,6 +20,7 @@ RANGES = {"stiffness_variation": (0.02, 0.5), "input_torque": (20.0, 300.0), "me
 LABELS = {"stiffness_variation": "kappa, both meshes", "input_torque": "Torque [N m]",
           "mesh * half_backlash": "Half backlash [m], both meshes"}
 LAMBDA = (0.3, 2.6)
+ROWS = 49
 NAMES = ("no stable one", "1", "2", "3 or more", "1 of period 2", "1 and 1 of period 2", "more")
 COLOURS = ("#dddddd", "#ffffff", "#cfe3f5", "#7fb2dd", "#fde3b5", "#f9c26b", "#c9a0c9")
 STYLES = {"fold": ("C0", "-"), "period doubling": ("C3", "-"), "neimark-sacker": ("C4", "-"), "separation": ("C2", ":"),
@@ -32,24 +33,29 @@ def branches_of(train):
     return [response, *(branch for branch in response.branches if branch.subharmonic == 2)]
 
 
+def is_known(branches, frequency, rms, share):
+    """Whether one of the branches passes a motion, within a share of it."""
+    return any(np.allclose(own.rms, rms, rtol=share) for branch in branches for own in branch.at(frequency))
+
+
 def islands_of(train, branches, neighbours):
     """Branches that hang together with none of those known, from stable motions of a train with almost the same values."""
     found = []
     for branch in neighbours:
-        tries = 0
-        for frequency in branch.frequency[branch.stable][::16]:
-            for motion in branch.at(float(frequency)):
-                here = [own for other in (*branches, *found) for own in other.at(motion.frequency)]
-                if tries == 3 or not motion.stable or any(np.allclose(own.rms, motion.rms, rtol=0.1) for own in here):
-                    continue
-                tries += 1
-                try:
-                    island = train.response(start=LAMBDA[0], stop=LAMBDA[1], harmonics=12 * motion.period,
-                                            subharmonic=motion.period, seed=motion)
-                except (gt.SolverError, gt.InputError):
-                    continue
-                if island.stable.any():
-                    found.append(island)
+        at = np.flatnonzero(branch.stable)
+        for i in at[:: max(len(at) // 12, 1)]:
+            frequency, rms = float(branch.frequency[i]), branch.rms[i]
+            if is_known([*branches, *found], frequency, rms, 0.1):
+                continue
+            seeds = [motion for motion in branch.at(frequency) if np.allclose(motion.rms, rms, rtol=1e-3)]
+            try:
+                island = train.response(start=LAMBDA[0], stop=LAMBDA[1], harmonics=12 * branch.subharmonic,
+                                        subharmonic=branch.subharmonic, seed=seeds[0])
+            except (gt.SolverError, gt.InputError, IndexError):
+                continue
+            middle = len(island) // 2
+            if island.stable.any() and not is_known([*branches, *found], float(island.frequency[middle]), island.rms[middle], 1e-3):
+                found.append(island)
     return found
 
 
@@ -148,7 +154,7 @@ def label_regions(ax, number, frequency, values):
 def draw(train, parameter, path):
     """The regions of stable motions, and over them the curves."""
     start, stop = RANGES[parameter]
-    values = np.linspace(start, stop, 49)
+    values = np.linspace(start, stop, ROWS)
     frequency = np.linspace(*LAMBDA, 461)
     number = np.array([stable_motions(branches, frequency) for branches in rows_of(train, parameter, values)])
     kinds = np.array([[kind_of(pair) for pair in row.T] for row in number])
@@ -185,10 +191,15 @@ def check(train, places=100):
     """Random starts at places chosen before: how often they find the stable motions that the responses have."""
     rng = np.random.default_rng(2026)
     low, high = RANGES["stiffness_variation"]
+    drawn = list(zip(rng.uniform(*LAMBDA, places), rng.uniform(low, high, places)))
+    values = np.linspace(low, high, ROWS)
+    rows = rows_of(train, "stiffness_variation", values)
     agree = 0
-    for frequency, value in zip(rng.uniform(*LAMBDA, places), rng.uniform(low, high, places)):
+    for frequency, value in drawn:
         other = train.with_values({"stiffness_variation": value})
-        expected = stable_motions(branches_of(other), np.array([frequency]))[:, 0].tolist()
+        branches = branches_of(other)
+        branches += islands_of(other, branches, rows[abs(values - value).argmin()])
+        expected = stable_motions(branches, np.array([frequency]))[:, 0].tolist()
         periods = [motion.period for motion in other.attractors(frequency, starts=60) if not motion.unbounded]
         starts = [periods.count(1), periods.count(2)]
         more = sorted(period for period in periods if period not in (1, 2))
