@@ -48,8 +48,8 @@ def main() -> None:
                 same = settled.period == 0
             elsewhere += not same
             wrong += not same and (told is None or not reaches(train, frequency, start, told))
-        print(f"{name:14} {frequency:6.2f} {len(basins.motions):8} {basins.unsettled:10.1%} {spent:20.1f} {elsewhere:23} {wrong:12}",
-              flush=True)
+        row = f"{name:14} {frequency:6.2f} {len(basins.motions):8} {basins.unsettled:10.1%} {spent:20.1f}"
+        print(f"{row} {elsewhere:23} {wrong:12}", flush=True)
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import ListedColormap
+from scipy.ndimage import distance_transform_edt, label
 
 import geartrain as gt
 
@@ -19,6 +20,7 @@ RANGES = {"stiffness_variation": (0.02, 0.5), "input_torque": (20.0, 300.0), "me
 LABELS = {"stiffness_variation": "kappa, both meshes", "input_torque": "Torque [N m]",
           "mesh * half_backlash": "Half backlash [m], both meshes"}
 LAMBDA = (0.3, 2.6)
+ROWS = 49
 NAMES = ("no stable one", "1", "2", "3 or more", "1 of period 2", "1 and 1 of period 2", "more")
 COLOURS = ("#dddddd", "#ffffff", "#cfe3f5", "#7fb2dd", "#fde3b5", "#f9c26b", "#c9a0c9")
 STYLES = {"fold": ("C0", "-"), "period doubling": ("C3", "-"), "neimark-sacker": ("C4", "-"), "separation": ("C2", ":"),
@@ -29,6 +31,43 @@ def branches_of(train):
     """The response and its branches of period 2."""
     response = train.response(start=LAMBDA[0], stop=LAMBDA[1], harmonics=12, period_doublings=1)
     return [response, *(branch for branch in response.branches if branch.subharmonic == 2)]
+
+
+def is_known(branches, frequency, rms, share):
+    """Whether one of the branches passes a motion, within a share of it."""
+    return any(np.allclose(own.rms, rms, rtol=share) for branch in branches for own in branch.at(frequency))
+
+
+def islands_of(train, branches, neighbours):
+    """Branches that hang together with none of those known, from stable motions of a train with almost the same values."""
+    found = []
+    for branch in neighbours:
+        at = np.flatnonzero(branch.stable)
+        for i in at[:: max(len(at) // 12, 1)]:
+            frequency, rms = float(branch.frequency[i]), branch.rms[i]
+            if is_known([*branches, *found], frequency, rms, 0.1):
+                continue
+            seeds = [motion for motion in branch.at(frequency) if np.allclose(motion.rms, rms, rtol=1e-3)]
+            try:
+                island = train.response(start=LAMBDA[0], stop=LAMBDA[1], harmonics=12 * branch.subharmonic,
+                                        subharmonic=branch.subharmonic, seed=seeds[0])
+            except (gt.SolverError, gt.InputError, IndexError):
+                continue
+            middle = len(island) // 2
+            if island.stable.any() and not is_known([*branches, *found], float(island.frequency[middle]), island.rms[middle], 1e-3):
+                found.append(island)
+    return found
+
+
+def rows_of(train, parameter, values):
+    """All branches for each value: from rest, their doublings, and the islands that neighbouring values lead to."""
+    trains = [train.with_values({parameter: value}) for value in values]
+    rows = [branches_of(each) for each in trains]
+    order = range(len(values))
+    for steps in (order[1:], order[-2::-1]):
+        for row in steps:
+            rows[row] += islands_of(trains[row], rows[row], rows[row - steps.step])
+    return rows
 
 
 def crossings(locus, value):
@@ -47,7 +86,9 @@ def curves_of(train, parameter, slices):
         other = train.with_values({parameter: value})
         for branch in branches_of(other):
             for special in [*branch.special_points, *branch.onsets]:
-                if special.kind not in STYLES:
+                # Of the motions of period 2, a myriad, those that bound stable ones.
+                beside = branch.stable[max(special.point - 1, 0):special.point + 2]
+                if special.kind not in STYLES or (branch.subharmonic == 2 and not beside.any()):
                     continue
                 known = (crossings(curve, value) for curve in found
                          if (curve.kind, curve.mesh, curve.period) == (special.kind, special.mesh or 0, branch.subharmonic))
@@ -67,9 +108,20 @@ def stable_motions(branches, frequency):
     """Numbers of stable motions of period 1 and 2 at each frequency, (2, frequencies)."""
     number = np.zeros((2, len(frequency)), int)
     for branch in branches:
-        at, stable = branch.frequency, branch.stable
-        for first, second, both in zip(at[:-1], at[1:], stable[:-1] & stable[1:]):
-            if both:
+        folds = {special.point for special in branch.special_points if special.kind == "fold"}
+        changes = {special.point: special.frequency for special in branch.special_points if special.kind != "fold"}
+        for i in range(len(branch) - 1):
+            first, second = branch.frequency[i:i + 2]
+            ends = branch.stable[i:i + 2]
+            if branch.segment[i] != branch.segment[i + 1]:
+                continue
+            if i in folds or i + 1 in folds:
+                # A fold is the end of two pieces: the other point tells which this one is.
+                ends = ends[[1, 1]] if i in folds else ends[[0, 0]]
+            if ends[0] != ends[1]:
+                change = changes.get(i, (first + second) / 2)
+                first, second = (first, change) if ends[0] else (change, second)
+            if ends.any():
                 number[branch.subharmonic - 1] += (min(first, second) <= frequency) & (frequency < max(first, second))
     return number
 
@@ -82,26 +134,48 @@ def kind_of(number):
     return 4 if (one, two) == (0, 1) else 5 if (one, two) == (1, 1) else 6
 
 
+def label_regions(ax, number, frequency, values):
+    """Write into each region of some size how many stable motions there are."""
+    pairs = number[:, 0] * 100 + number[:, 1]
+    for pair in np.unique(pairs):
+        regions, count = label(pairs == pair)
+        one, two = divmod(pair, 100)
+        text = " + ".join([f"{one}"] * bool(one or not two) + [f"{two} of 2"] * bool(two))
+        for region in range(1, count + 1):
+            inside = regions == region
+            if inside.sum() < 0.004 * inside.size:
+                continue
+            # The place farthest from the region's edge.
+            depth = distance_transform_edt(np.pad(inside, 1), sampling=(8, 1))[1:-1, 1:-1]
+            row, column = np.unravel_index(depth.argmax(), depth.shape)
+            ax.text(frequency[column], values[row], text, fontsize=7, ha="center", va="center")
+
+
 def draw(train, parameter, path):
+    """The regions of stable motions, and over them the curves."""
     start, stop = RANGES[parameter]
-    values = np.linspace(start, stop, 49)
+    values = np.linspace(start, stop, ROWS)
     frequency = np.linspace(*LAMBDA, 461)
-    kinds = np.array([[kind_of(pair) for pair in stable_motions(branches_of(train.with_values({parameter: value})), frequency).T]
-                      for value in values])
-    _, ax = plt.subplots(figsize=(9, 6), layout="constrained")
-    ax.imshow(kinds, origin="lower", aspect="auto", extent=(*LAMBDA, start, stop), cmap=ListedColormap(COLOURS),
-              vmin=-0.5, vmax=6.5, interpolation="nearest")
+    number = np.array([stable_motions(branches, frequency) for branches in rows_of(train, parameter, values)])
+    kinds = np.array([[kind_of(pair) for pair in row.T] for row in number])
+    _, ax = plt.subplots(figsize=(10, 7), layout="constrained")
+    half = (frequency[1] - frequency[0]) / 2, (values[1] - values[0]) / 2
+    ax.imshow(kinds, origin="lower", aspect="auto", cmap=ListedColormap(COLOURS), vmin=-0.5, vmax=6.5, interpolation="nearest",
+              extent=(LAMBDA[0] - half[0], LAMBDA[1] + half[0], start - half[1], stop + half[1]))
     told = set()
-    for curve in curves_of(train, parameter, np.linspace(start, stop, 9)[1:]):
+    for curve in curves_of(train, parameter, np.linspace(start, stop, 7)[1:]):
         colour, line = STYLES[curve.kind]
-        label = f"{curve.kind}{', period 2' if curve.period == 2 else ''}"
+        name = f"{curve.kind}{', period 2' if curve.period == 2 else ''}"
         ax.plot(curve.frequency, curve.parameter, line, color=colour, lw=1.6 if curve.period == 1 else 0.8,
-                label=None if label in told else label)
-        told.add(label)
+                label=None if name in told else name)
+        told.add(name)
         for point in curve.special_points:
-            if point.kind not in ("grazing", "grazing on a fold", "grazing on a doubling"):
-                ax.plot(point.frequency, point.parameter, "k.", ms=5)
-                ax.annotate(point.kind, (point.frequency, point.parameter), xytext=(4, 3), textcoords="offset points", fontsize=7)
+            if not point.kind.startswith("grazing"):
+                ax.plot(point.frequency, point.parameter, "k.", ms=4)
+                if curve.period == 1:
+                    place = (point.frequency, point.parameter)
+                    ax.annotate(point.kind, place, xytext=(4, 3), textcoords="offset points", fontsize=6)
+    label_regions(ax, number, frequency, values)
     for kind in np.unique(kinds):
         ax.fill_between([], [], color=COLOURS[kind], ec="#888888", label=f"stable: {NAMES[kind]}")
     own = {"stiffness_variation": 0.3, "input_torque": 150.0, "mesh * half_backlash": 30e-6}[parameter]
@@ -117,10 +191,15 @@ def check(train, places=100):
     """Random starts at places chosen before: how often they find the stable motions that the responses have."""
     rng = np.random.default_rng(2026)
     low, high = RANGES["stiffness_variation"]
+    drawn = list(zip(rng.uniform(*LAMBDA, places), rng.uniform(low, high, places)))
+    values = np.linspace(low, high, ROWS)
+    rows = rows_of(train, "stiffness_variation", values)
     agree = 0
-    for frequency, value in zip(rng.uniform(*LAMBDA, places), rng.uniform(low, high, places)):
+    for frequency, value in drawn:
         other = train.with_values({"stiffness_variation": value})
-        expected = stable_motions(branches_of(other), np.array([frequency]))[:, 0].tolist()
+        branches = branches_of(other)
+        branches += islands_of(other, branches, rows[abs(values - value).argmin()])
+        expected = stable_motions(branches, np.array([frequency]))[:, 0].tolist()
         periods = [motion.period for motion in other.attractors(frequency, starts=60) if not motion.unbounded]
         starts = [periods.count(1), periods.count(2)]
         more = sorted(period for period in periods if period not in (1, 2))

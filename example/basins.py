@@ -26,10 +26,10 @@ def main() -> None:
     diagram = train.bifurcation_diagram(start=1.0, stop=2.0, points=401)
     figure, axes = plt.subplots(2, 1, figsize=(11, 7), sharex=True, layout="constrained")
     diagram.plot(mesh=2, ax=axes[0])
-    axes[0].label_outer()
     diagram.plot(what="lyapunov_exponents", ax=axes[1])
+    axes[0].set_xlabel("")
     axes[1].axhline(0.0, color="black", linewidth=0.6)
-    axes[1].set_ylim(bottom=-0.06)
+    axes[1].set_ylim(bottom=-0.03)
     figure.savefig(folder / "bifurcation_diagram.png", dpi=82)
 
 

@@ -75,7 +75,8 @@ contains
          call refine_motions(box%case%train, box%results%response, values(1), box%motions, error)
       case ('refine')
          call refine_branch(box%case%train, box%results%response, error, watch)
-         if (.not. allocated(error)) call refine_special_points(box%case%train, box%results%response)
+         if (allocated(error) .or. box%results%response%cancelled) return
+         call refine_special_points(box%case%train, box%results%response, watch)
       case ('double')
          allocate (doubled)
          call period_doubled(box%case%train, box%case%response, box%results%response, nint(values(1)), doubled, error, watch)

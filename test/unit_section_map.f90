@@ -42,7 +42,8 @@ contains
       end if
    end subroutine section_map_tests
 
-   !> A period from random states, with tangents: by tables and by the flow.
+   !> A period from random states, with tangents: by tables and by the flow. Where a mesh grazes a wall rounding errors grow; by how
+   !> much, the flow of another order tells, whose steps are others.
    subroutine compare(tests, train, frequency_ratio, starts, name)
       class(tests_type), intent(inout) :: tests
       type(train_type), intent(in) :: train
@@ -51,10 +52,12 @@ contains
       character(*), intent(in) :: name
       type(system_type) :: system
       type(section_map_type) :: map
-      type(flow_type) :: flow
+      type(flow_type) :: flow, other
       type(generator_type) :: generator
       real(dp), allocatable :: state(:), rest(:), tangents(:, :)
       real(dp) :: off, off_tangents
+      !> Rounding of a period without grazing, relative [1].
+      real(dp), parameter :: rounding = 1e-14_dp
       logical :: lost
       integer :: i, j
 
@@ -62,6 +65,7 @@ contains
       call map%setup(system, frequency_ratio)
       if (name == 'paper') call tests%is_true(map%intervals > 0, name//': has tables')
       call flow%setup(system, 3, flow_order, flow_tolerance)
+      call other%setup(system, 3, flow_order + 8, flow_tolerance)
       rest = resting_state(system)
       generator = begin_random(1, 1)
       off = 0
@@ -72,14 +76,25 @@ contains
          tangents = reshape([(2*generator%uniform() - 1, j=1, 2*size(rest))], [size(rest), 2])
          flow%x(1, :) = state
          flow%x(2:, :) = transpose(tangents)
+         other%x = flow%x
          call flow%pass_period(frequency_ratio)
+         call other%pass_period(frequency_ratio)
          call map%pass_period(state, lost, tangents)
-         off = max(off, maxval(abs(state - flow%x(1, :)))/maxval(abs(flow%x(1, :))))
-         off_tangents = max(off_tangents, maxval(abs(transpose(tangents) - flow%x(2:, :)))/maxval(abs(flow%x(2:, :))))
+         off = max(off, apart(state, flow%x(1, :))/(rounding + apart(other%x(1, :), flow%x(1, :))))
+         tangents = transpose(tangents)
+         off_tangents = max(off_tangents, apart([tangents], [flow%x(2:, :)])/ &
+                            (rounding + apart([other%x(2:, :)], [flow%x(2:, :)])))
       end do
       call tests%is_true(.not. lost, name//': no event passed over')
-      call tests%is_close(off, 0.0_dp, 1e-11_dp, name//': states')
-      call tests%is_close(off_tangents, 0.0_dp, 1e-10_dp, name//': tangents')
+      call tests%is_close(off, 0.0_dp, 30.0_dp, name//': states')
+      call tests%is_close(off_tangents, 0.0_dp, 30.0_dp, name//': tangents')
    end subroutine compare
+
+   !> Largest difference of two vectors over the largest number of the second.
+   pure real(dp) function apart(one, other)
+      real(dp), intent(in) :: one(:), other(:)
+
+      apart = maxval(abs(one - other))/maxval(abs(other))
+   end function apart
 
 end module unit_section_map

@@ -333,7 +333,8 @@ contains
       call period_doubled(driven_pair(), settings, branch, k, twice, error)
       call tests%is_true(.not. allocated(error) .and. twice%points > 5, 'the branch of twice the period')
       if (allocated(error) .or. twice%points == 0) return
-      do i = 2, twice%points, max(1, twice%points/3)
+      ! Below separation the equations are linear: motions of every amplitude lie at the value of the doubling, none is isolated.
+      do i = findloc(twice%mesh_load(1, :twice%points)%separation > 1e-3_dp, .true., 1), twice%points, max(1, twice%points/3)
          call compare(tests, with_value('stiffness_variation', twice%frequency_ratio(i)), twice, i, 'twice the period')
       end do
       call refine_branch(driven_pair(), branch, error)

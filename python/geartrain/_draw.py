@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+import functools
+import inspect
+from collections.abc import Callable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._extras import extra
+from ._variable import refuse_unknown
 from .errors import InputError, shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 __all__ = [
-    "COLORS", "DASHES", "MARKERS", "UNSTABLE", "add_keys", "check_number", "draw_curve", "draw_lines", "draw_range", "line_style",
-    "new_axes", "plot_style", "put_legend", "runs",
+    "COLORS", "DASHES", "MARKERS", "UNSTABLE", "add_keys", "check_number", "draw_curve", "draw_lines", "draw_range", "draws",
+    "line_style", "new_axes", "plot_style", "put_legend", "runs",
 ]
+
+Call = TypeVar("Call", bound=Callable[..., Any])
 
 #: Colours of M. Okabe and K. Ito, which the colour-blind tell apart; the first ones differ most in lightness, for print in grey.
 COLORS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000")
@@ -148,6 +153,26 @@ def draw_lines(ax: Axes, places: ArrayLike, heights: ArrayLike, width: float, co
     """Lines of a spectrum, each at its place with a mark on top; wide ones show behind narrow ones drawn later."""
     ax.vlines(places, 0.0, heights, colors=[color], linewidth=width, alpha=0.8)
     ax.plot(places, heights, linestyle="none", marker=marker, markersize=2.0 + width / 2, color=color, alpha=0.8)
+
+
+def draws(call: Call) -> Call:
+    """For a call that hands its ``**style`` to matplotlib: a keyword that neither of them has is told as in other calls."""
+    own = [item.name for item in inspect.signature(call).parameters.values() if item.kind is not item.VAR_KEYWORD]
+
+    @functools.wraps(call)
+    def drawn(*given: Any, **settings: Any) -> Any:
+        try:
+            return call(*given, **settings)
+        except (AttributeError, TypeError) as error:
+            # Which keywords there are only matplotlib knows, for each kind of picture.
+            unknown = [name for name in settings if name not in own and f"unexpected keyword argument {name!r}" in str(error)]
+            if not unknown:
+                raise
+            properties = extra("matplotlib.artist").ArtistInspector(extra("matplotlib.lines").Line2D).get_setters()
+            refuse_unknown(call.__name__, unknown, [*own[1:], *(name for name in properties if name not in unknown)])
+            raise
+
+    return cast(Call, drawn)
 
 
 def line_style(style: dict[str, Any]) -> dict[str, Any]:

@@ -38,11 +38,19 @@ class Variable(NamedTuple):
     meaning: str
 
 
+class _Signature:
+    """That of ``__init__``: Python 3.10 would show that of `Part.__new__`, which tells nothing."""
+
+    def __get__(self, _: Any, part: Any) -> inspect.Signature:
+        return inspect.Signature(list(inspect.signature(part.__init__).parameters.values())[1:])
+
+
 @dataclass(frozen=True, kw_only=True)
 class Part:
     """What is given by the variables of a group, all of them optional here: Fortran tells what is lacking."""
 
     variables = dict[str, Variable]()  # noqa: RUF012 (with an annotation it would be a field)
+    __signature__ = _Signature()
 
     def __init_subclass__(cls, variables: dict[str, Variable] | None = None) -> None:
         if variables is not None:

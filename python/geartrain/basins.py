@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._box import Box
-from ._draw import COLORS, new_axes
+from ._draw import COLORS, draws, new_axes
 from ._extras import extra
 from ._motion_table import motions_dataset, motions_of, put_table
 from ._table import Table
@@ -127,6 +127,7 @@ class Basins(Table):
         number = int(self.label[places[0], places[1]])
         return self.motions[number - 1] if number > 0 else None
 
+    @draws
     def plot(self, ax: Axes | None = None, **style: Any) -> Axes:
         """Draw the map, a colour for each motion.
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._draw import COLORS, new_axes
+from ._draw import COLORS, draws, new_axes
 from ._table import Table
 from ._units import Unit, hertz_of, speed_of, units_of
 from .description import Description
@@ -87,6 +87,7 @@ class BifurcationDiagram(Table):
         """Frequency of the fundamental [Hz], (points,); None without a train."""
         return hertz_of(self.train, self.frequency)
 
+    @draws
     def plot(self, mesh: int = 1, ax: Axes | None = None, *, what: str = "displacement", unit: Unit | None = None,
              **style: Any) -> Axes:
         """Draw the sections of a mesh, or the largest Lyapunov exponents.
@@ -127,10 +128,10 @@ class BifurcationDiagram(Table):
             there = np.array(self.direction) == direction
             frequency = np.repeat(units.per_lambda * self.frequency[there], values.shape[1])
             ax.plot(frequency, values[there].ravel(), **{
-                "linestyle": "none", "marker": marker, "markersize": 1.5 if direction == directions[0] else 0.8,
+                "linestyle": "none", "marker": marker, "markersize": 2.4 if direction == directions[0] else 1.2,
                 "markeredgewidth": 0, "color": color, "label": direction, "rasterized": True, **style})
         if len(directions) > 1:
-            ax.legend(frameon=False, markerscale=5)
+            ax.legend(frameon=False, markerscale=3)
         ax.set_xlabel(units.frequency)
         ax.set_ylabel(titles[what].format(mesh))
         return ax

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._draw import COLORS, DASHES, new_axes, put_legend
+from ._draw import COLORS, DASHES, draws, new_axes, put_legend
 from ._text_table import text_table
 from ._units import Unit, own_lambda, speed_of, units_of
 from .description import Description
@@ -123,6 +123,7 @@ class Campbell:
 
     __repr__ = __str__
 
+    @draws
     def plot(
         self, ax: Axes | None = None, *, unit: Unit | None = None, highest: float | None = None, **style: Any
     ) -> Axes:

@@ -26,7 +26,7 @@ from .run_up import RunUp
 from .stability_map import StabilityMap
 from .sweep import Sweep
 from .train import Train
-from .variables import ANALYSES
+from .variables import ANALYSES, VARIABLES
 
 __all__ = ["Case", "Results", "read_case", "read_results"]
 
@@ -216,6 +216,9 @@ class Case:
         text = box.text("case")
         groups = parse(text)
         one = dict(groups)
+        for name in one.keys() & set(ANALYSES):
+            # A variable that is not in force, as &response frequency without parameter, is not in the text.
+            one[name] = {**dict.fromkeys(VARIABLES.get(name, {})), **one[name]}
         return cls(
             train=Train._of(groups),
             modes="modes" in one,

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._box import Box, Group
-from ._draw import new_axes
+from ._draw import draws, new_axes
 from ._table import Table
 from ._text_table import Rows
 from ._units import Unit, units_of
@@ -136,6 +136,7 @@ class Locus(Table):
             columns: dict[str, Any] = {name: [getattr(point, own) for point in self.special_points] for own, name in names.items()}
             box.put(_SPECIAL, {}, {**columns, "after_point": [point.point + 1 for point in self.special_points]})
 
+    @draws
     def plot(
         self, ax: Axes | None = None, *, across: Literal["parameter", "frequency"] = "parameter", unit: Unit | None = None,
         **style: Any,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._draw import DASHES, MARKERS, check_number, draw_lines, line_style, new_axes, put_legend
+from ._draw import DASHES, MARKERS, check_number, draw_lines, draws, line_style, new_axes, put_legend
 from ._motion_check import check_motion
 from ._orders import named_orders
 from ._units import Unit, Units, units_of
@@ -60,6 +60,7 @@ class Pictures:
         """Samples of a period of the fundamental: 256, or 32 of the fastest mesh."""
         return max(256, 32 * int(max(self.train._outline["order"])) if self.train else 0)
 
+    @draws
     def plot(
         self, mesh: int | None = None, axes: Sequence[Axes] | None = None, *, periods: float | None = None,
         unit: Unit | None = None, **style: Any,
@@ -128,6 +129,7 @@ class Pictures:
         put_legend(axes[0], own=True)
         return axes
 
+    @draws
     def phase_plane(self, mesh: int = 1, ax: Axes | None = None, *, periods: int | None = None, **style: Any) -> Axes:
         """Draw the velocity of a mesh over its displacement; grey where the teeth are apart.
 
@@ -159,6 +161,7 @@ class Pictures:
         )
         return self._with_gap(ax, mesh)
 
+    @draws
     def poincare_section(self, mesh: int = 1, ax: Axes | None = None, *, periods: int | None = None, **style: Any) -> Axes:
         """Draw the velocity of a mesh over its displacement once in each period of the fundamental, at phase 0.
 

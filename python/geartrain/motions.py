@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ._box import Box
 from ._motion_table import motions_of, put_motions
 from ._text_table import text_table
 from ._units import length_unit
@@ -30,6 +31,10 @@ _BATCH = 100  # random states between two looks at the indices
 _PUSH = 1e-3  # relative, by which a flow begins beside an unstable motion
 _SETTLING = (3, 10, 30)  # periods of the fundamental that a random state is integrated for before it is tried
 _PATIENCE = 4  # times as many random states are tried where the indices do not add up
+_ROUND = (0.7, 1.4)  # of the speed, between which branches are followed: those that pass it give their other motions there
+_POINTS = 3000  # after which such a branch is given up
+_ROUGH, _EXACT, _NEARBY = 1e-2, 1e-5, 1.001  # tolerance of such a branch; that of a point from which shooting leads away, and how
+# far its branch goes, over the speed
 
 
 class Motions(list[Motion]):
@@ -99,14 +104,16 @@ class Motions(list[Motion]):
 
 
 def find_motions(
-    train: Any, frequency: float, period: int, starts: int, seeds: int, random_seed: int, branches: Sequence[Branch]
+    train: Any, frequency: float, period: int, starts: int, seeds: int, random_seed: int, response: Branch | None
 ) -> Motions:
-    """What `Train.motions` is documented to do, at Lambda; ``branches`` are the response there and those that bifurcate from it."""
+    """What `Train.motions` is documented to do, at Lambda."""
     at_infinity = _multipliers_at_infinity(train, frequency)
     known = _Known(train, frequency, {n: _index(at_infinity, n) for n in range(1, period + 1)})
+    branches = _round_about(train, frequency, period.bit_length() - 1) if response is None else [response, *response.branches]
     for branch in branches:
         for motion in branch.at(frequency):
-            known.add_near(motion, branch.origin or "response")
+            known.add_balanced(motion, branch.origin or "response", range(2) if response is None else ())
+    _follow(train, frequency, known)
     attractors = train.attractors(frequency, starts=starts, random_seed=random_seed)
     others = []
     for motion in attractors:
@@ -127,6 +134,7 @@ def find_motions(
                 if found is not None:
                     known.add(found, f"shooting for period {n} from {how}")
             _leave_unstable(train, frequency, known, pushed)
+            _follow(train, frequency, known)
             if not states:
                 break
     return Motions(known.found, frequency, known.expected_sum, others, tried)
@@ -141,36 +149,65 @@ class _Known:
         self.period = max(expected_sum)
         self.expected_sum = expected_sum
         self.found: list[Find] = []
+        self.followed: tuple[list[Motion], list[Motion]] = [], []  # those whose branches were; with what bifurcates from them
 
     def shoot(self, state: Array, period: int) -> Motion | None:
         """The orbit of a period near a state; None where shooting finds none."""
         with self.train._ask_at(self.frequency, {}) as box:
             start = replace(from_state(state, *box.sizes()), frequency=self.frequency, period=period)
             put_motions(box, start, only_state=True)
-            try:
-                box.check(box.work("shoot", np.zeros(3)))
-            except SolverError:
-                return None
-            return Motion(train=self.train, **motions_of(box)[0])
+            return self._orbit(box)
+
+    def _orbit(self, box: Box) -> Motion | None:
+        """What shooting from the motion in a box finds."""
+        try:
+            box.check(box.work("shoot", np.zeros(3)))
+        except SolverError:
+            return None
+        return Motion(train=self.train, **motions_of(box)[0])
 
     def add_near(self, motion: Motion, how: str) -> None:
         """Add the exact orbit near a motion, where there is one."""
-        try:
-            self.add(motion.refine(), how)
-        except SolverError:
-            return
+        orbit = self._nearest(motion)
+        if orbit is not None:
+            self.add(orbit, how)
 
-    def add(self, motion: Motion, how: str) -> None:
-        """Add an orbit, with its least period, unless it is known or its period is too long."""
+    def add_balanced(self, motion: Motion, how: str, followed: Iterable[int]) -> None:
+        """Add the exact orbit near a motion of a branch; where shooting leads away it is balanced more exactly first."""
+        orbit = self._nearest(motion)
+        if orbit is None or not _agree(orbit, motion):
+            try:
+                exact = self.train.response(seed=motion, subharmonic=motion.period, start=self.frequency,
+                                            stop=_NEARBY * self.frequency, harmonics=0, tolerance=_EXACT, stability=False)
+                orbit = self._nearest(exact.at(self.frequency)[0]) or orbit
+            except (SolverError, IndexError):
+                pass
+        if orbit is not None:
+            self.add(orbit, how, followed=followed)
+
+    def _nearest(self, motion: Motion) -> Motion | None:
+        with self.train._ask_at(self.frequency, {}) as box:
+            put_motions(box, motion)
+            return self._orbit(box)
+
+    def add(self, motion: Motion, how: str, *, followed: Iterable[int] = ()) -> None:
+        """Add an orbit, with its least period, unless it is known or its period is too long.
+
+        ``followed`` are the lists of those followed that its branch is in.
+        """
         least = least_period(motion)
         if least < motion.period and motion.state is not None:
             shorter = self.shoot(motion.state, least)
             if shorter is None or not same_orbit(replace_period(shorter, motion.period), motion):
                 return
             motion = shorter
-        if motion.period > self.period or any(same_orbit(motion, other) for other, _ in self.found):
+        if motion.period > self.period:
             return
-        self.found.append((motion, how))
+        same = next((other for other, _ in self.found if same_orbit(motion, other)), None)
+        if same is None:
+            self.found.append((motion, how))
+        for level in followed:
+            self.followed[level].append(same or motion)
 
     def adds_up(self) -> bool:
         motions = [motion for motion, _ in self.found]
@@ -195,6 +232,38 @@ def _random_states(
             continue
         if later.state is not None:
             yield later.state, "the flow from a random state"
+
+
+def _round_about(train: Any, frequency: float, doublings: int, **settings: Any) -> list[Branch]:
+    """The branch of motions that passes a Lambda, the response unless another is told; with doublings also what bifurcates.
+
+    Shooting makes every motion exact afterwards: a tighter tolerance would cost ten times as much and find no more.
+    """
+    low, high = _ROUND
+    branch: Branch = train.response(start=low * frequency, stop=high * frequency, harmonics=0, tolerance=_ROUGH, max_points=_POINTS,
+                                    period_doublings=doublings, branch_points=doublings > 0, **settings)
+    return [branch, *branch.branches]
+
+
+def _follow(train: Any, frequency: float, known: _Known) -> None:
+    """The other motions at this speed on the branches of those known: each has its other half behind a fold.
+
+    What bifurcates from these branches costs ten times as much. It is followed where the indices show that motions are missing.
+    """
+    for deep in (False, True):
+        for motion, _ in known.found:  # which grows meanwhile
+            if motion in known.followed[deep] or (deep and known.adds_up()):
+                continue
+            known.followed[deep].append(motion)
+            doublings = (known.period // motion.period).bit_length() - 1 if deep else 0
+            try:
+                branches = _round_about(train, frequency, doublings, subharmonic=motion.period, seed=motion)
+            except SolverError:
+                continue
+            for branch in branches:
+                how = branch.origin and f"{branch.origin}, of "
+                for other in branch.at(frequency):
+                    known.add_balanced(other, f"{how}the branch of the motion of period {motion.period}", range(deep + 1))
 
 
 def _leave_unstable(train: Any, frequency: float, known: _Known, pushed: set[int]) -> None:
@@ -260,6 +329,11 @@ def least_period(motion: Motion) -> int:
         if motion.period % period == 0 and (amplitude[order % (motion.period // period) > 0] < _SAME * scale).all():
             return period
     return motion.period
+
+
+def _agree(orbit: Motion, motion: Motion) -> bool:
+    """Whether the waveform of an orbit is within the tolerance that the motion was balanced to."""
+    return orbit.period == motion.period and float(np.abs(orbit.rms - motion.rms).max()) <= _ROUGH * float(orbit.rms.max())
 
 
 def replace_period(motion: Motion, period: int) -> Motion:

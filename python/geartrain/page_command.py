@@ -32,7 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         print(error, file=sys.stderr)
         return 4
-    print(f"{output}: {len(made.html.encode()) / 1e6:.2f} MB")
+    print(f"Written: {output}, {len(made.html.encode()) / 1e6:.2f} MB, for any browser")
     if told.show:
         made.show()
     return 0

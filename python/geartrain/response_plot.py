@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._box import described
-from ._draw import MARKERS, UNSTABLE, add_keys, check_number, draw_curve, draw_range, line_style, new_axes, put_legend
+from ._draw import MARKERS, UNSTABLE, add_keys, check_number, draw_curve, draw_range, draws, line_style, new_axes, put_legend
 from ._units import Unit, Units, units_of
 from .description import Description, mesh_names
 from .errors import InputError, shown
@@ -93,6 +93,7 @@ class Curves(Readings):
     branches: Sequence[Any]
     train: Description | None
 
+    @draws
     def plot(
         self, mesh: int | None = None, ax: Axes | None = None, *, quantity: str = "rms", shaft: int | None = None,
         unit: Unit | None = None, jumps: bool = False, ranges: bool = False, **style: Any,

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._dataset import dataset
-from ._draw import new_axes, put_legend
+from ._draw import draws, new_axes, put_legend
 from ._orders import orders_of
 from ._table import Table
 from ._units import Unit, units_of
@@ -114,6 +114,7 @@ class RunUp(Table):
         attributes = {name: value for name, value in attributes.items() if value is not None}
         return dataset(self.path, arrays, attributes, ("frequency", "speed", "fundamental_frequency", "window_time"))
 
+    @draws
     def plot(self, what: str = "mesh_force", ax: Axes | None = None, *, unit: Unit | None = None, **style: Any) -> Axes:
         """Draw the range that each force, torque or displacement goes through, over the frequency.
 
@@ -207,6 +208,7 @@ class RunUp(Table):
         ]) * (2 / weight.sum())
         return self.time[first] + (length - 1) / (2 * rate), np.fft.rfftfreq(length, 1 / rate), amplitude
 
+    @draws
     def waterfall(
         self, what: str = "mesh_force", number: int = 1, ax: Axes | None = None, *, unit: Unit | None = None,
         orders: Iterable[float | str] | None = None, highest: float | None = None, **style: Any,

@@ -39,6 +39,9 @@ class SpecialPoint:
         In rpm, where every mesh has teeth; in Hz.
     parameter : float or None
         Value of the parameter, on a branch over one.
+    correction : float or None
+        Of a refined branch the change of Lambda by refinement, which is the error that it had; NaN: shooting finds none of its kind
+        near it, it is that of the balance.
     branch : Branch or None
         The one that it was found on.
     mesh : int or None
@@ -53,6 +56,7 @@ class SpecialPoint:
     speed: float | None = None
     fundamental_frequency: float | None = None
     parameter: float | None = None
+    correction: float | None = None
     branch: Any = field(default=None, repr=False)
     mesh: int | None = None
 
@@ -112,7 +116,8 @@ class SpecialPoint:
         Examples
         --------
         >>> fold = branch.special_points[0].exact()
-        >>> fold.kind, fold.crossing, abs(fold.critical - 1).max() < 1e-7
+        >>> fold.kind, fold.crossing, round(fold.frequency, 9)
+        ('fold', 1, 0.462118423)
         """
         place, onset = self._place()
         return exact_point(self.branch._box(), self.branch.train, place, onset)

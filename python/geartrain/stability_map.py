@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._dataset import dataset
-from ._draw import COLORS, new_axes
+from ._draw import COLORS, draws, new_axes
 from ._extras import extra
 from ._table import Table
 from ._units import Unit, hertz_of, speed_of, units_of
@@ -111,6 +111,7 @@ class StabilityMap(Table):
         """Frequency of the fundamental [Hz], (points,); None without a train."""
         return hertz_of(self.train, self.frequency)
 
+    @draws
     def plot(
         self, what: str = "spectral_radius", ax: Axes | None = None, *, curves: Iterable[Locus] = (), unit: Unit | None = None,
         **style: Any,

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._box import Box
+from ._draw import draws
 from ._motion_table import INTEGRATION, motions_dataset, motions_of, put_table
 from ._units import Unit, hertz_of, speed_of
 from .description import Description
@@ -73,6 +74,7 @@ class Sweep(list[Motion]):
         """Frequency of the fundamental [Hz], (motions,); None without a train."""
         return hertz_of(self[0].train if self else None, self.frequency)
 
+    @draws
     def plot(
         self, mesh: int | None = None, ax: Axes | None = None, *, quantity: str = "rms", shaft: int | None = None,
         unit: Unit | None = None, **style: Any,

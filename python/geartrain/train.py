@@ -599,11 +599,7 @@ class Train(Description):
         if isinstance(frequency, bool) or not isinstance(frequency, Real) or not 0 < frequency < float("inf"):
             raise InputError(f"frequency = {shown(frequency)}: must be a number > 0")
         at = lambda_of(self, float(frequency), unit)
-        if response is None:
-            # Shooting makes every motion exact: a tighter tolerance would cost ten times as much and find no more.
-            response = self.response(start=0.7 * at, stop=1.4 * at, harmonics=0, tolerance=1e-2,
-                                     period_doublings=int(period).bit_length() - 1, branch_points=True)
-        return find_motions(self, at, int(period), int(starts), int(seeds), int(random_seed), [response, *response.branches])
+        return find_motions(self, at, int(period), int(starts), int(seeds), int(random_seed), response)
 
     @takes(VARIABLES["stability_map"], StabilityMapKeywords)
     def stability_map(self, **settings: Unpack[StabilityMapKeywords]) -> StabilityMap:
@@ -754,8 +750,8 @@ class Train(Description):
         --------
         >>> fold = branch.special_points[0]
         >>> locus = train.locus(fold, parameter="stiffness_variation", start=0.25, stop=0.35)
-        >>> locus.complete, locus.parameter[[0, -1]].round(3)
-        (True, array([0.25, 0.35]))
+        >>> locus.complete, locus.parameter[[0, -1]], [(point.kind, round(point.parameter, 4)) for point in locus.special_points]
+        (True, array([0.35, 0.35]), [('cusp', 0.2681)])
         """
         if not isinstance(special, (SpecialPoint, ExactPoint)):
             raise InputError(f"special = {shown(special)}: must be a special point, one of a branch's special_points or onsets")

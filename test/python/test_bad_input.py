@@ -28,12 +28,15 @@ GIVEN = {
     "response": {"from": "0.2", "to": "2.6"},
     "integration": {"from": "0.2", "to": "2.6"},
     "attractors": {"frequency": "0.6"},
+    "basins": {"frequency": "0.6"},
+    "bifurcation_diagram": {"from": "0.2", "to": "2.6"},
     "stability_map": {"from": "0.2", "to": "2.6", "parameter_from": "0.01", "parameter_to": "0.1"},
     "run_up": {"from": "0.2", "to": "2.6", "duration": "0.1"},
     "locus": {"near": "0.46", "parameter": "'input_torque'", "from": "100.0", "to": "200.0"},
     "output": {},
 }
-WORDS = {"from": "start", "to": "stop", "parameter_from": "parameter_start", "parameter_to": "parameter_stop"}
+WORDS = {f"{begin}{end}": f"{begin}{word}" for begin in ("", "parameter_", "displacement_", "velocity_")
+         for end, word in (("from", "start"), ("to", "stop"))}
 
 
 class Variable(NamedTuple):
@@ -253,9 +256,10 @@ def call(group, name, value):
         return train.stability_map(**{**given, name: value})
     if group == "run_up":
         return train.run_up(**{"start": 0.2, "stop": 0.3, "duration": 0.1, name: value})
-    if group == "locus":
-        given = {"near": 0.46, "parameter": "input_torque", "start": 100.0, "stop": 200.0}
-        return train.namelist(response={"start": 0.2, "stop": 0.3}, locus={**given, name: value})
+    if group == "bifurcation_diagram":
+        return train.bifurcation_diagram(**{"start": 0.2, "stop": 0.3, "points": 2, name: value})
+    if group == "basins":
+        return train.basins(**{"frequency": 0.6, "starts": 1, name: value})
     return train.attractors(**{"frequency": 0.6, "starts": 1, name: value})
 
 
@@ -269,11 +273,12 @@ def test_every_keyword_given_wrongly(table):
         "text": [5, b"x", ["x"], "a\nb", "\x07"],
     }
     for variable in table:
-        # What &attractors calls follow is a branch in a call.
-        if variable.group == "output" or (variable.group, variable.name) == ("attractors", "follow"):
+        # What &attractors calls follow is a branch in a call; the points of &basins are a pair.
+        apart = (("attractors", "follow"), ("basins", "displacement_points"), ("basins", "velocity_points"))
+        if variable.group == "output" or (variable.group, variable.name) in apart:
             continue
-        # Names that are no pair of texts are tried in case files, where messages are the same.
-        if variable.kind == "names":
+        # Names that are no pair of texts are tried in case files, whose messages are the same. A locus takes a special point.
+        if variable.kind == "names" or variable.group == "locus":
             continue
         values = wrong[variable.kind] + ([-7] if ">" in variable.allowed else [])
         for value in values:

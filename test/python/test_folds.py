@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import ROOT
+from conftest import ROOT, paper_train
 
 import geartrain as gt
 
@@ -41,3 +41,15 @@ def test_fold_that_needs_more_harmonics_than_the_branch_before():
     assert folds(branch) == pytest.approx([824.873], abs=2e-3)
     assert turns(branch) == pytest.approx(folds(branch), rel=1e-9)
     assert branch.at(824.95, unit="rpm")[0].rms[0] > 6
+
+
+def test_a_fold_beside_a_doubling_is_not_taken_for_it():
+    """The second doubling lies 1.5e-5 before a fold; from the fold a trace of twice the period follows the motions of period 1."""
+    train = paper_train().with_values({"mesh * half_backlash": 3.50625e-5})
+    response = train.response(start=0.3, stop=2.6, harmonics=12, period_doublings=1)
+    at = [special.frequency for special in response.special_points if special.kind == "period doubling"]
+    assert at == pytest.approx([0.673073, 0.673844, 1.749211, 2.043854], abs=2e-6)
+    assert len(response.branches) == 3  # the first two doublings are the ends of one branch
+    for branch in response.branches:
+        odd = np.abs(branch.coefficients[:, :, 1:].reshape(len(branch), 2, -1, 2)[:, :, ::2]).max(axis=(1, 2, 3))
+        assert branch.subharmonic == 2 and (odd > 1e-5).all()

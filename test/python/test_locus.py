@@ -133,6 +133,9 @@ def test_refined_special_points(branch):
     refined = branch.refine()
     exact = [special.exact().frequency for special in branch.special_points]
     assert [special.frequency for special in refined.special_points] == pytest.approx(exact, abs=1e-12)
+    change = [abs(place - special.frequency) for place, special in zip(exact, branch.special_points)]
+    assert [special.correction for special in refined.special_points] == pytest.approx(change, abs=1e-12)
+    assert all(special.correction is None for special in branch.special_points)
 
 
 def test_refused(pair, branch):

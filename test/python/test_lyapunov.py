@@ -75,6 +75,37 @@ def test_the_rotation_number_begins_with_the_angle_of_the_multipliers():
     assert (np.abs(diagram.lyapunov_exponents[:, 0]) < 1e-4).all()
 
 
+def test_the_rotation_number_is_the_line_of_the_sections():
+    """The largest line of their Fourier transform, with Hann's window, made sharper by a search for its top: to 1e-8."""
+    found = soft_train().lyapunov_spectrum(2.305, transient=8000, periods=4096)
+    assert found.kind == "quasi-periodic"
+    samples = np.arange(4096)
+    for values in found.displacement.T:
+        windowed = (values - values.mean()) * (1 - np.cos(2 * np.pi * samples / 4096))
+        rate, step = np.abs(np.fft.rfft(windowed)).argmax() / 4096, 0.5 / 4096
+        for _ in range(16):
+            rates = rate + step * np.linspace(-1, 1, 5)
+            heights = np.abs(np.exp(-2j * np.pi * rates[:, None] * samples) @ windowed)
+            rate, step = rates[heights.argmax()], step / 2
+        assert found.rotation_number == pytest.approx(rate, abs=1e-8)
+
+
+def test_neighbouring_flights_part_at_the_largest_exponent():
+    """Two flights, without tangents, brought back to a distance of 1e-7 every four periods."""
+    train = soft_train()
+    found = train.lyapunov_spectrum(2.49, transient=4000, periods=8000)
+    state, apart = found.state, np.full(10, 1e-7 / np.sqrt(10))
+    rates = []
+    for _ in range(400):
+        ends = [train.integrate(2.49, start=start, max_periods=4, stability=False).state for start in (state, state + apart)]
+        distance = np.linalg.norm(ends[1] - ends[0])
+        rates.append(np.log(distance / 1e-7) * 2.49 / (2 * np.pi * 4))
+        state, apart = ends[0], (ends[1] - ends[0]) * 1e-7 / distance
+    blocks = np.reshape(rates[80:], (20, -1)).mean(axis=1)
+    error = 2 * blocks.std(ddof=1) / np.sqrt(20)
+    assert abs(blocks.mean() - found.exponents[0]) < error + found.errors[0] and blocks.mean() > error
+
+
 def test_attractors_without_a_period():
     """Two chaotic attractors at one speed, each with its share; the flow from the state of each stays on it."""
     train = soft_train()

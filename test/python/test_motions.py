@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import paper_train, single_pair
+from conftest import ROOT, paper_train, single_pair
 
 import geartrain as gt
-from geartrain.motions import index_sum, least_period, replace_period, same_orbit
+from geartrain.motions import _follow, _Known, index_sum, least_period, replace_period, same_orbit
 
 
 def test_figure_3_where_two_motions_of_period_2_coexist():
@@ -27,6 +27,17 @@ def test_a_parametric_resonance_turns_the_sum():
     found = train.motions(1.92, period=2, starts=20, seeds=60)
     assert found.expected_sum == {1: 1, 2: -1} and found.complete
     assert [(motion.period, motion.stable) for motion in found] == [(2, True), (1, False), (2, False)]
+
+
+def test_the_branch_of_every_motion_is_followed():
+    """One of four unstable motions of period 4 on a branch that the response does not lead to: its folds lead to the others."""
+    known = _Known(gt.read_case(ROOT / "namelists" / "fig07_042.nml").train, 2.4, dict.fromkeys(range(1, 5)))
+    state = [-0.018260979, 0.67695533, -0.0062071734, -0.48918234, -0.00060837274,
+             0.1575611, -1.8351707, 0.0072783731, -0.51642438, -0.00055055801]
+    known.add(known.shoot(np.array(state), 4), "told")
+    _follow(known.train, 2.4, known)
+    rms = sorted(motion.rms.tolist() for motion, _ in known.found)
+    assert np.round(rms, 3).tolist() == [[1.615, 1.940], [1.627, 1.867], [1.963, 2.052], [1.974, 1.805]]
 
 
 def test_coexisting_motions_of_a_single_pair():

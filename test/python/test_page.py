@@ -225,7 +225,7 @@ def test_command(results, branch, tmp_path, capsys):
     one, other = tmp_path / "one.h5", tmp_path / "other.h5"
     results.write(one)
     branch.write(other)
-    assert main([str(one)]) == 0 and "one.html: " in capsys.readouterr().out
+    assert main([str(one)]) == 0 and "one.html, " in capsys.readouterr().out
     assert main([str(one), "--compare", str(other), "-o", str(tmp_path / "both.html")]) == 0
     assert [file["name"] for file in unpacked((tmp_path / "both.html").read_text())["files"]] == ["one", "other"]
     assert main([str(tmp_path / "no.h5")]) == 4

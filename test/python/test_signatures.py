@@ -54,7 +54,7 @@ def test_a_misspelt_keyword_is_told(train):
         gt.Shaft(colour="red")
     with pytest.raises(TypeError, match=r"response\(\) missing a required argument: 'stop'"):
         train.response(start=0.2)
-    with pytest.raises(gt.InputError, match="&response: there is no harmonic: must be one of start, stop, unit, harmonics"):
+    with pytest.raises(gt.InputError, match="&response: there is no harmonic: must be one of start, stop, parameter"):
         train.namelist(response={**ENDS, "harmonic": 6})
     with pytest.raises(TypeError, match="unexpected keyword argument 'respons'"):
         train.namelist(respons=ENDS)
@@ -112,3 +112,18 @@ def test_type_checkers_see_the_keywords(tmp_path):
     assert len(errors) == len(FAULTS), done.stdout
     for number, (error, word) in enumerate(zip(errors, FAULTS.values()), first):
         assert error.startswith(f"script.py:{number}: error: ") and word in error, error
+
+
+def test_a_misspelt_keyword_of_a_picture_is_told(branch):
+    with pytest.raises(TypeError, match=r"plot\(\) got an unexpected keyword argument 'meshs'; did you mean 'mesh'\?"):
+        branch.plot(meshs=1)
+    with pytest.raises(TypeError, match="'colour'; did you mean 'color'"):
+        branch.at(0.4)[0].phase_plane(colour="red")
+    with pytest.raises(TypeError, match=r"unexpected keyword argument 'qwertz'$"):
+        branch.plot(qwertz=1)
+    branch.plot(c="red", lw=1)
+
+
+def test_a_part_tells_its_signature_to_every_python():
+    # Python 3.10 asks `__new__`, which all parts share, where a class says nothing itself.
+    assert list(gt.Mesh.__signature__.parameters) == list(inspect.signature(gt.Mesh.__init__).parameters)[1:]

@@ -37,16 +37,13 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Told of each row of 'audit', by one thread at a time; may end it.
       class(observer_type), intent(inout), optional :: observer
-      ! Each thread has a corrector.
       type(orbit_corrector_type) :: corrector
       type(system_type) :: system
       type(orbit_type), allocatable :: exact(:)
-      type(audit_row_type) :: row
-      type(orbit_type) :: orbit
       integer, allocatable :: chosen(:)
       logical, allocatable :: is_done(:)
-      integer :: i, n, done
-      logical :: keep_going, go
+      integer :: n
+      logical :: keep_going
 
       call check_train(train, error)
       if (allocated(error)) return
@@ -64,12 +61,37 @@ contains
       if (allocated(branch%special_points)) n = n + size(branch%special_points)
       allocate (audit%rows(n), exact(n))
       allocate (is_done(n), source=.false.)
-      done = 0
       keep_going = .true.
-      !$omp parallel private(corrector)
+      !$omp parallel
+      call audit_share(train, branch, system, chosen, audit%rows, exact, is_done, keep_going, observer)
+      !$omp end parallel
       call corrector%setup(system, branch%subharmonic)
-      !$omp do private(row, orbit, go) schedule(dynamic)
-      do i = 1, n
+      call mark_twins(corrector, branch, exact, audit%rows)
+      audit%cancelled = .not. keep_going
+      audit%rows = pack(audit%rows, is_done)
+      call sum_up(audit)
+   end subroutine audit_branch
+
+   !> What a thread of the team does. A procedure of its own, since a private copy of a corrector takes the compiler three times as
+   !> long as a local one.
+   subroutine audit_share(train, branch, system, chosen, rows, exact, is_done, keep_going, observer)
+      type(train_type), intent(in) :: train
+      type(branch_type), intent(in) :: branch
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: chosen(:)
+      type(audit_row_type), intent(inout) :: rows(:)
+      type(orbit_type), intent(inout) :: exact(:)
+      logical, intent(inout) :: is_done(:), keep_going
+      class(observer_type), intent(inout), optional :: observer
+      type(orbit_corrector_type) :: corrector
+      type(audit_row_type) :: row
+      type(orbit_type) :: orbit
+      integer :: i
+      logical :: go
+
+      call corrector%setup(system, branch%subharmonic)
+      !$omp do schedule(dynamic)
+      do i = 1, size(rows)
          !$omp atomic read
          go = keep_going
          if (.not. go) cycle
@@ -86,24 +108,17 @@ contains
             cycle
          end if
          !$omp critical (geartrain_audit)
-         audit%rows(i) = row
+         rows(i) = row
          if (row%exact_frequency > 0) exact(i) = orbit
          is_done(i) = .true.
-         done = done + 1
          go = keep_going
-         if (go .and. present(observer)) call observer%on_step('audit', done, row%frequency_ratio, go)
+         if (go .and. present(observer)) call observer%on_step('audit', count(is_done), row%frequency_ratio, go)
          !$omp atomic write
          keep_going = go
          !$omp end critical (geartrain_audit)
       end do
       !$omp end do
-      !$omp end parallel
-      call corrector%setup(system, branch%subharmonic)
-      call mark_twins(corrector, branch, exact, audit%rows)
-      audit%cancelled = .not. keep_going
-      audit%rows = pack(audit%rows, is_done)
-      call sum_up(audit)
-   end subroutine audit_branch
+   end subroutine audit_share
 
    !> Indices of random points, ascending; no folds, which are audited as special points.
    function draw(branch, points, random_seed) result(chosen)

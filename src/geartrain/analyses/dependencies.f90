@@ -157,17 +157,11 @@ contains
 
       whole = .true.
       if (.not. asks_refinement(case)) return
-      call refine_branch(case%train, results%response, error, observer)
-      if (allocated(error)) return
-      whole = is_refined(results%response)
-      if (whole) call refine_special_points(case%train, results%response)
+      call refine_all(case%train, results%response, error, observer, whole)
       if (.not. allocated(results%branches)) return
       do i = 1, size(results%branches)
-         if (.not. whole) return
-         call refine_branch(case%train, results%branches(i), error, observer)
-         if (allocated(error)) return
-         whole = is_refined(results%branches(i))
-         if (whole) call refine_special_points(case%train, results%branches(i))
+         if (allocated(error) .or. .not. whole) return
+         call refine_all(case%train, results%branches(i), error, observer, whole)
       end do
    end subroutine refine_branches
 
@@ -180,12 +174,21 @@ contains
       if (allocated(case%response)) asks_refinement = case%response%refine
    end function asks_refinement
 
-   !> Whether refinement has tried every point.
-   pure logical function is_refined(branch)
-      type(branch_type), intent(in) :: branch
+   !> Refines the points and the special points of a branch.
+   subroutine refine_all(train, branch, error, observer, whole)
+      type(train_type), intent(in) :: train
+      type(branch_type), intent(inout) :: branch
+      type(error_type), allocatable, intent(out) :: error
+      class(observer_type), intent(inout) :: observer
+      !> Whether each of them has been tried.
+      logical, intent(out) :: whole
 
-      is_refined = .not. any(branch%correction(:branch%points) < -1)
-   end function is_refined
+      whole = .false.
+      call refine_branch(train, branch, error, observer)
+      if (allocated(error) .or. branch%cancelled) return
+      call refine_special_points(train, branch, observer)
+      whole = .not. branch%cancelled
+   end subroutine refine_all
 
    !> Locates the edges of separation and back collision of all branches of a case, to be reported and written.
    subroutine locate_edges(case, results, observer)

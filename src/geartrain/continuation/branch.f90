@@ -67,6 +67,8 @@ module geartrain_continuation_branch
       real(dp), allocatable :: rms(:)
       !> Of a contact onset the number of the mesh.
       integer :: mesh = 0
+      !> Change of Lambda by refine_special_points [1]; -1: shooting finds none of its kind near it; -2: not refined.
+      real(dp) :: correction = -2
    end type special_point_type
 
    !> Where a mesh begins or ceases to separate, or its back flanks to collide.

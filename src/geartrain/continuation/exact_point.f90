@@ -12,6 +12,7 @@ module geartrain_continuation_exact_point
    use geartrain_continuation_normal_form, only: degenerate, doubling_coefficient
    use geartrain_continuation_orbit_corrector, only: orbit_corrector_type, orbit_type
    use geartrain_continuation_orbit_tests, only: back_contact, critical, is_onset, outside, separation
+   use geartrain_continuation_refinement, only: cancel_refinement
    use geartrain_flow_multiple_shooting, only: most_parts, section_states
    use geartrain_flow_orbit, only: measure
    use geartrain_flow_sections, only: sections_type
@@ -107,42 +108,74 @@ contains
    end subroutine find_exact_point
 
    !> Replaces the special points of a branch by those of the exact motion near them; one near which none is found stays as it is.
-   subroutine refine_special_points(train, branch)
+   !> Those that were tried before, as in a checkpoint, are not tried again. On a branch over a parameter all stay as they are.
+   subroutine refine_special_points(train, branch, observer)
       !> The train.
       type(train_type), intent(in) :: train
       !> The branch.
-      type(branch_type), intent(inout) :: branch
-      type(exact_point_type), allocatable :: exact(:)
+      type(branch_type), intent(inout), target :: branch
+      !> Told of each special point as of a further point of 'refinement', by one thread at a time; may end it.
+      class(observer_type), intent(inout), optional :: observer
+      type(exact_point_type) :: exact
       type(error_type), allocatable :: error
-      integer :: i, k, n(3)
+      integer :: i, done
+      logical :: keep_going, go
 
       if (.not. allocated(branch%special_points) .or. allocated(branch%parameter)) return
-      allocate (exact(size(branch%special_points)))
-      do i = 1, size(exact)
-         if (train%interrupt%raised()) return
-         call find_exact_point(train, branch, i, branch%special_points(i), exact(i), error)
-      end do
-      ! All are sought on the branch as it was.
-      do i = 1, size(exact)
-         if (.not. exact(i)%frequency_ratio > 0) cycle
+      done = branch%points + count(branch%special_points%correction > -2)
+      keep_going = .true.
+      ! A special point's place among the points bounds the search of its neighbours: it stays until all are found.
+      !$omp parallel do private(exact, error, go) schedule(dynamic)
+      do i = 1, size(branch%special_points)
+         !$omp atomic read
+         go = keep_going
+         if (.not. go .or. branch%special_points(i)%correction > -2) cycle
+         call find_exact_point(train, branch, i, branch%special_points(i), exact, error)
+         if (train%interrupt%raised()) cycle
+         !$omp critical (geartrain_refine_special_points)
          associate (special => branch%special_points(i))
-            special%frequency_ratio = exact(i)%frequency_ratio
-            special%rms = exact(i)%motion%rms
-            if (special%kind == 'fold') cycle
-            ! It may lie beyond one of the two points that it was between.
-            do k = 0, 2
-               n = special%point + [0, 1, -1]
-               if (n(k + 1) < 1 .or. n(k + 1) >= branch%points) cycle
-               if (.not. joined(branch, n(k + 1))) cycle
-               associate (ends => branch%frequency_ratio(n(k + 1):n(k + 1) + 1))
-                  if (exact(i)%frequency_ratio < minval(ends) .or. exact(i)%frequency_ratio > maxval(ends)) cycle
-               end associate
-               special%point = n(k + 1)
-               exit
-            end do
+            special%correction = -1
+            if (exact%frequency_ratio > 0) then
+               special%correction = abs(exact%frequency_ratio - special%frequency_ratio)
+               special%frequency_ratio = exact%frequency_ratio
+               special%rms = exact%motion%rms
+            end if
+            done = done + 1
+            go = keep_going
+            if (go .and. present(observer)) call observer%on_step('refinement', done, special%frequency_ratio, go)
          end associate
+         !$omp atomic write
+         keep_going = go
+         !$omp end critical (geartrain_refine_special_points)
+      end do
+      !$omp end parallel do
+      if (any(branch%special_points%correction <= -2)) then
+         call cancel_refinement(branch)
+         return
+      end if
+      do i = 1, size(branch%special_points)
+         if (branch%special_points(i)%kind /= 'fold' .and. .not. branch%special_points(i)%correction < 0) &
+            call place_between(branch, branch%special_points(i))
       end do
    end subroutine refine_special_points
+
+   !> Finds the two points that an exact special point lies between: it may lie beyond one of the two between which it was found.
+   subroutine place_between(branch, special)
+      type(branch_type), intent(in) :: branch
+      type(special_point_type), intent(inout) :: special
+      integer :: k, n(3)
+
+      n = special%point + [0, 1, -1]
+      do k = 1, 3
+         if (n(k) < 1 .or. n(k) >= branch%points) cycle
+         if (.not. joined(branch, n(k))) cycle
+         associate (ends => branch%frequency_ratio(n(k):n(k) + 1))
+            if (special%frequency_ratio < minval(ends) .or. special%frequency_ratio > maxval(ends)) cycle
+         end associate
+         special%point = n(k)
+         return
+      end do
+   end subroutine place_between
 
    !> Change of the number that `critical` counts at a special point of a branch; 0: not known.
    integer function change_at(branch, number, special) result(change)

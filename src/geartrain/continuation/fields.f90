@@ -67,6 +67,7 @@ contains
          do i = 1, size(list)
             call fields%visit_item(i)
             call visit_special_point(list(i), branch, fields)
+            call visit_correction(list(i), any(list%correction > -2), any(list%correction <= -2), fields)
             if (fields%way == reading) cycle
             undecided = .false.
             if (allocated(branch%undecided) .and. fields%way /= listing) undecided = rests_on_undecided(branch, i)
@@ -79,6 +80,24 @@ contains
       end if
       if (fields%way == reading) call move_alloc(list, branch%special_points)
    end subroutine visit_special_points
+
+   !> Visits what refinement has done to a special point.
+   subroutine visit_correction(special, begun, in_part, fields)
+      type(special_point_type), intent(inout) :: special
+      !> Whether refinement has tried any special point of the branch, and whether it has not tried all.
+      logical, intent(in) :: begun, in_part
+      class(fields_type), intent(inout) :: fields
+      logical :: untried
+
+      if (.not. fields%has('correction', begun)) return
+      call carry(fields, row('correction', '', '1', 'change of Lambda by refinement, which is the error that it had; NaN: shooting &
+                             &finds no special point of this kind near it, it is that of the balance', 'with `refine`', &
+                             none_is_negative=.true.), special%correction)
+      untried = special%correction < -1
+      if (.not. fields%has('untried', in_part)) return
+      call carry(fields, row('untried', '', '1', '1 = refinement has not come to it', 'of a branch refined in part'), untried)
+      if (fields%way == reading .and. untried) special%correction = -2
+   end subroutine visit_correction
 
    subroutine visit_special_point(special, branch, fields)
       type(special_point_type), intent(inout) :: special

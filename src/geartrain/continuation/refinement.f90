@@ -13,7 +13,7 @@ module geartrain_continuation_refinement
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: refine_branch, refine_motions
+   public :: cancel_refinement, refine_branch, refine_motions
 
    !> An orbit that differs from the point by more than `another` times the estimated error of the point is another orbit.
    real(dp), parameter :: another = 10
@@ -75,11 +75,18 @@ contains
          !$omp end critical (geartrain_refinement)
       end do
       !$omp end parallel do
-      if (keep_going .and. .not. train%interrupt%raised()) return
+      if (.not. keep_going .or. train%interrupt%raised()) call cancel_refinement(branch)
+   end subroutine refine_branch
+
+   !> Tells in a branch that its refinement was cancelled.
+   subroutine cancel_refinement(branch)
+      !> The branch.
+      type(branch_type), intent(inout) :: branch
+
       branch%cancelled = .true.
       branch%complete = .false.
       branch%ended = 'refinement cancelled; before it: '//branch%ended
-   end subroutine refine_branch
+   end subroutine cancel_refinement
 
    !> Refines motions of a branch at one Lambda, or at one value of its parameter; one that shooting does not find stays as it is.
    subroutine refine_motions(train, branch, value, motions, error)

@@ -5,7 +5,7 @@ module geartrain_continuation_singular_search
    use geartrain_continuation_same_solution, only: same_solution
    use geartrain_continuation_singular, only: singular_type
    use geartrain_continuation_special_points, only: go_along
-   use geartrain_continuation_step_geometry, only: cosine, odd_product
+   use geartrain_continuation_step_geometry, only: cosine, odd_share
    use geartrain_linalg_bracket, only: between, shrink
    implicit none (type, external)
    private
@@ -89,7 +89,9 @@ contains
             call find_zero(matrix, j, side(k), next, step(k), f(j, k), f_next(j), solution, success)
             ! A branch of even period crosses the branch of half its period where it begins and ends.
             if (success .and. .not. matrix%doubles .and. mod(matrix%period(), 2) == 0) &
-               success = odd_product(solution, solution) > half_period**2*sum(solution%u**2)
+               success = odd_share(solution%u) > half_period**2
+            ! A fold next to a period doubling is a zero of the doubled balance too; the critical vector tells them apart.
+            if (success .and. matrix%doubles) success = odd_share(solution%tangent) > 0.5_dp
             if (success .and. present(taken)) then
                do l = 1, size(taken)
                   if (same_solution(solution, taken(l), matrix%period(), matrix%single%units, .true.)) success = .false.

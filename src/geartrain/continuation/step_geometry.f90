@@ -6,7 +6,7 @@ module geartrain_continuation_step_geometry
    use geartrain_continuation_units, only: units_type
    implicit none (type, external)
    private
-   public :: cosine_limit, sense_of, hides_folds, odd_product, loses_odd, passes_half_period, cosine, way_to, closes
+   public :: cosine_limit, sense_of, hides_folds, odd_product, odd_share, loses_odd, passes_half_period, cosine, way_to, closes
 
    !> Cosine of the largest angle between tangents of neighbouring points.
    real(dp), parameter :: cosine_limit = 0.85_dp
@@ -60,6 +60,19 @@ contains
          odd_product = odd_product + sum(here%u(2*k:2*k + 1, :)*next%u(2*k:2*k + 1, :))
       end do
    end function odd_product
+
+   !> Share of the odd harmonics in the sum of squares of a motion's harmonics, or of a direction's [1].
+   pure real(dp) function odd_share(u)
+      !> Coefficients [1], (coefficient, mesh).
+      real(dp), intent(in) :: u(:, :)
+      integer :: k
+
+      odd_share = 0
+      do k = 1, (size(u, 1) - 1)/2, 2
+         odd_share = odd_share + sum(u(2*k:2*k + 1, :)**2)
+      end do
+      if (odd_share > 0) odd_share = odd_share/sum(u**2)
+   end function odd_share
 
    !> Whether the odd harmonics of a motion of even period vanish from one point to the next: a jump onto the branch of half the
    !> period.

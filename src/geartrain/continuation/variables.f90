@@ -108,11 +108,19 @@ contains
       type(response_settings_type), intent(in) :: settings
       !> Whether the response may start from a given motion.
       logical, intent(in) :: seeded
-      !> Collects the problems; nothing is checked if it has a problem of this group.
+      !> Collects the problems; only the signs are checked if it has a problem of this group.
       class(checker_type), intent(inout) :: checker
 
-      if (checker%problems%in_group('response')) return
       call checker%enter('response', 1)
+      ! A range of frequencies has positive ends; the ends of a path in a parameter are in the parameter's own range.
+      if (settings%parameter == '') then
+         if (settings%start <= 0) call checker%complain('from', real_text(settings%start), 'must be > 0')
+         if (settings%stop <= 0) call checker%complain('to', real_text(settings%stop), 'must be > 0')
+      end if
+      if (checker%problems%in_group('response')) then
+         call checker%leave()
+         return
+      end if
       if (abs(settings%start - settings%stop) <= 0) then
          call checker%complain('to', real_text(settings%stop), 'must differ from "from": a branch needs a range')
       end if
@@ -152,10 +160,8 @@ contains
 
       !> Checks the ends of a range of frequencies.
       subroutine check_ends()
-         if (.not. settings%start > 0) call checker%complain('from', real_text(settings%start), 'must be > 0')
-         if (.not. settings%stop > 0) call checker%complain('to', real_text(settings%stop), 'must be > 0')
-         if (settings%start > 0) call check_frequency(train, 'from', settings%start, checker, settings%unit)
-         if (settings%stop > 0) call check_frequency(train, 'to', settings%stop, checker, settings%unit)
+         call check_frequency(train, 'from', settings%start, checker, settings%unit)
+         call check_frequency(train, 'to', settings%stop, checker, settings%unit)
          if (abs(settings%frequency) > 0) &
             call checker%complain('frequency', real_text(settings%frequency), 'belongs to parameter, which is not given')
       end subroutine check_ends
