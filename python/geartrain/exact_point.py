@@ -44,8 +44,9 @@ class ExactPoint:
         Multipliers outside the unit circle just before and just after it along the branch; None where there is no motion beside
         it.
     criticality : str
-        Of a period doubling ``'supercritical'`` (the doubled motions are stable where this one is unstable, as far as its other
-        multipliers go) or ``'subcritical'``; empty where the motion stays on linear pieces, and for other kinds.
+        Of a period doubling or a Neimark-Sacker point ``'supercritical'`` (the doubled, or quasi-periodic, motions are stable where
+        this one is unstable, as far as its other multipliers go) or ``'subcritical'``; empty where the motion stays on linear
+        pieces, and for other kinds.
     slowest_event : float or None
         Smallest mesh speed at a contact event, dimensionless; None where there is no event. Near 0 the motion grazes a wall of the
         gap, and the multipliers change there like a square root.

@@ -39,7 +39,7 @@ class LocusPoint:
         ``'generalized doubling'``, ``'1:2 resonance'`` or ``'fold-flip'``; of a Neimark-Sacker point ``'1:1 resonance'`` to
         ``'1:4 resonance'``, ``'fold-neimark-sacker'`` or ``'flip-neimark-sacker'``; of a contact onset ``'grazing on a fold'`` or
         ``'grazing on a doubling'``, as on the curves of folds and doublings where a mesh touches a wall of its gap with no speed;
-        likewise of a Neimark-Sacker point ``'grazing'``.
+        likewise of a Neimark-Sacker point and a branch point ``'grazing'``.
     frequency : float
         Lambda.
     parameter : float

@@ -727,7 +727,8 @@ class Train(Description):
         Parameters
         ----------
         special : SpecialPoint or ExactPoint
-            A fold, a period doubling, a Neimark-Sacker point or a contact onset of this train.
+            A fold, a period doubling, a Neimark-Sacker point or a contact onset of this train; or a branch point, where the
+            parameter leaves the train as symmetric as it is.
         parameter : str
             Name of the number, as in `Space`: ``'input_torque'``, ``'mesh 2 half_backlash'``, ``'stiffness_variation'``.
         start, stop : float
@@ -755,9 +756,6 @@ class Train(Description):
         """
         if not isinstance(special, (SpecialPoint, ExactPoint)):
             raise InputError(f"special = {shown(special)}: must be a special point, one of a branch's special_points or onsets")
-        if special.kind == "branch point":
-            raise InputError("special: a branch point has no curve of its own, only folds, period doublings, Neimark-Sacker "
-                             "points and contact onsets have")
         exact = special.exact() if isinstance(special, SpecialPoint) else special
         settings = {"kind": exact.kind.replace(" ", "_"), "near": exact.frequency, "mesh": exact.mesh or 0,
                     "parameter": parameter, "start": start, "stop": stop}

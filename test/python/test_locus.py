@@ -146,8 +146,6 @@ def test_refused(pair, branch):
         pair.locus(fold, parameter="mesh 1 damping_ration", start=0.01, stop=0.1)
     with pytest.raises(gt.InputError, match="special"):
         pair.locus(0.84, parameter="input_torque", start=0.1, stop=0.8)
-    with pytest.raises(gt.InputError, match="branch point"):
-        pair.locus(dataclasses.replace(fold, kind="branch point"), parameter="input_torque", start=0.1, stop=0.8)
 
 
 def test_case_file(tmp_path, pair, branch, monkeypatch):

@@ -152,7 +152,7 @@ contains
       integer :: i
 
       at_fold = .false.
-      reach = reach_test_type(frequency_ratio)
+      reach%frequency_ratio = frequency_ratio
       here = from
       reached = here
       success = abs(here%frequency_ratio - frequency_ratio) < resolution*corrector%units%frequency_ratio

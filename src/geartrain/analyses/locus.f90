@@ -24,8 +24,8 @@ module geartrain_analyses_locus
    public :: locus_analysis_type, locus_row, locus_settings_type
 
    type(group_row_type), parameter :: locus_row = group_row_type('locus', &
-      'Asks for the curve of a fold, a doubling, a Neimark-Sacker point or a contact onset of the response over frequency and a &
-      &number of the train.', set_aside=.true.)
+      'Asks for the curve of a fold, a doubling, a Neimark-Sacker point, a branch point or a contact onset of the response over &
+      &frequency and a number of the train.', set_aside=.true.)
 
    real(dp), parameter :: zero = 0
 
@@ -71,7 +71,8 @@ contains
       call v%enter('locus', 1)
       word = trim(settings%kind)
       call v%on_text(row('kind', '', 'kind of the special point; separation and back_contact: where a mesh begins to separate, or &
-                         &its back flanks to touch', choices='fold period_doubling neimark-sacker separation back_contact'), word)
+                         &its back flanks to touch', choices='fold period_doubling neimark-sacker branch_point &
+                         &separation back_contact'), word)
       if (allocated(word)) settings%kind = word
       call v%on_real(row('near', '', 'frequency near which it is on the response, in the `unit`', required=.true., above=zero), &
                      settings%near)
@@ -252,9 +253,10 @@ contains
          do i = 1, size(list)
             call fields%visit_item(i)
             call carry(fields, field('kind', '', '', 'of a fold: cusp, isola centre, 1:1 resonance, fold-flip; of a doubling: &
-                                     &generalized doubling, 1:2 resonance, fold-flip; of a Neimark-Sacker point: 1:1 to 1:4 &
-                                     &resonance, fold-neimark-sacker, flip-neimark-sacker, grazing; of an onset, a fold or a &
-                                     &doubling: grazing on a fold, grazing on a doubling'), list(i)%kind)
+                                     &generalized doubling, 1:2 resonance, fold-flip; of a Neimark-Sacker point: &
+                                     &1:1 to 1:4 resonance, fold-neimark-sacker, flip-neimark-sacker, grazing; of a &
+                                     &branch point: grazing; of an onset, a fold or a doubling: grazing on a fold, &
+                                     &grazing on a doubling'), list(i)%kind)
             call carry(fields, field('frequency', '', '1', about_frequency), list(i)%frequency_ratio)
             call carry(fields, field('parameter', '', '', 'value of the parameter, in its unit'), list(i)%parameter)
             call carry(fields, field('after_point', '', '1', 'the point of the curve before it', least=0), list(i)%point)

@@ -7,6 +7,8 @@
 !> Test functions g: of a fold and a doubling the last unknown of M - I and M + I, bordered; of a Neimark-Sacker point the product
 !> of the pair of multipliers less 1; of a contact onset the distance of an extreme displacement from the wall. Derivatives of g
 !> are differences along the four directions, whose errors slow Newton's method, and do not move its result.
+!> A branch point has the test function of a fold. There h and its derivatives are 0 by the symmetry of the train, as the null
+!> vector breaks the symmetry and the orbit does not; s = 0 takes the place of the first equation.
 module geartrain_continuation_augmented_system
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_augmented_point, only: augmented_point_type, metric_type
@@ -34,6 +36,7 @@ module geartrain_continuation_augmented_system
    !> Gap of an orbit, in the units of the metric, whose effect on the test function is left to the next iteration.
    real(dp), parameter :: negligible = 1e-10_dp
    !> Directions: what remains of the equations, Lambda, the parameter, the null vector of M - I.
+   character(*), parameter :: branch_point = 'branch point'
    integer, parameter :: rest = 1, along_lambda = 2, along_parameter = 3, along_null = 4
 
    type :: augmented_system_type
@@ -183,6 +186,10 @@ contains
          matrix(2, :) = point%g(2:)
          matrix(3, :) = [0.0_dp, 1.0_dp, 0.0_dp]
          right(:, 1) = [-point%h(1), -value - point%g(1), 0.0_dp]
+         if (self%kind == branch_point) then
+            matrix(1, :) = [0.0_dp, 0.0_dp, 1.0_dp]
+            right(1, 1) = 0
+         end if
          if (along) then
             matrix(3, :) = [self%metric%product_of(step(:, :, 2), 1.0_dp, 0.0_dp, guess), &
                             self%metric%product_of(step(:, :, 3), 0.0_dp, 1.0_dp, guess), &
@@ -226,6 +233,7 @@ contains
          ! The direction of the curve: the null vector of the first two rows.
          right(:, 2) = [point%h(3)*point%g(4) - point%h(4)*point%g(3), point%h(4)*point%g(2) - point%h(2)*point%g(4), &
                         point%h(2)*point%g(3) - point%h(3)*point%g(2)]
+         if (self%kind == branch_point) right(:, 2) = [-point%g(3), point%g(2), 0.0_dp]
       end if
       point%tangent = right(1, 2)*step(:, :, 2) + right(2, 2)*step(:, :, 3) + right(3, 2)*step(:, :, 4)
       point%tangent_frequency = right(1, 2)
@@ -332,7 +340,7 @@ contains
       info = 0
       value = 0
       select case (self%kind)
-      case ('fold')
+      case ('fold', branch_point)
          call self%plus%find(monodromy, -1.0_dp, info)
          value = self%plus%value
       case ('period doubling')
@@ -370,8 +378,8 @@ contains
 
       g(rest) = 0
       if (again .and. maxval(abs(step(:, :, rest))) < negligible*self%metric%units%length) return
-      quick = self%kind == 'fold' .or. self%kind == 'period doubling'
-      if (self%kind == 'fold') border = self%plus
+      quick = self%kind == 'fold' .or. self%kind == branch_point .or. self%kind == 'period doubling'
+      if (quick) border = self%plus
       if (self%kind == 'period doubling') border = self%minus
       system = self%system
       if (quick) then

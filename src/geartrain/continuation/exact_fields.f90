@@ -46,8 +46,8 @@ contains
       call carry(fields, row('frequency', '', '1', 'Lambda'), exact%frequency_ratio)
       call carry(fields, row('before', '', '1', 'multipliers outside the unit circle before it, -1: not known'), exact%before)
       call carry(fields, row('after', '', '1', 'multipliers outside the unit circle after it, -1: not known'), exact%after)
-      call carry(fields, row('criticality', '', '', 'of a period doubling supercritical or subcritical; blank: not known'), &
-                 exact%criticality)
+      call carry(fields, row('criticality', '', '', 'of a period doubling or a Neimark-Sacker point supercritical or &
+                     &subcritical; blank: not known'), exact%criticality)
       call carry(fields, row('slowest_event', '', '1', 'smallest mesh speed at a contact event; huge: no event'), &
                  exact%slowest_event)
    end subroutine visit_exact_point

@@ -10,7 +10,7 @@ module geartrain_continuation_exact_point
    use geartrain_continuation_branch, only: branch_type, special_point_type
    use geartrain_continuation_decided, only: joined, nearest_decided
    use geartrain_continuation_exact_search, only: ends_of, find_exact
-   use geartrain_continuation_normal_form, only: degenerate, doubling_coefficient
+   use geartrain_continuation_normal_form, only: degenerate, doubling_coefficient, neimark_sacker_coefficient
    use geartrain_continuation_orbit_corrector, only: orbit_corrector_type, orbit_type
    use geartrain_continuation_orbit_tests, only: back_contact, critical, is_onset, outside, separation
    use geartrain_continuation_refinement, only: cancel_refinement
@@ -41,7 +41,8 @@ module geartrain_continuation_exact_point
       integer :: before = -1, after = -1
       !> Smallest mesh speed at a contact event [1]: near 0 the motion grazes; huge: no event, or not known.
       real(dp) :: slowest_event = huge(1.0_dp)
-      !> Of a period doubling 'supercritical' or 'subcritical'; blank where the motion stays on linear pieces, or it is not known.
+      !> Of a period doubling or a Neimark-Sacker point 'supercritical' or 'subcritical'; blank where the motion stays on linear
+      !> pieces, or it is not known.
       character(16) :: criticality = ''
    end type exact_point_type
 
@@ -99,13 +100,21 @@ contains
       call find_exact(corrector, branch, special, change_at(branch, number, special), orbit, found)
       if (train%interrupt%raised()) found = .false.
       if (.not. found) then
-         call fatal(error, 'exact: no '//trim(special%kind)//' of the exact motion was found near Lambda = ' &
-                    //text(special%frequency_ratio), status_ended_early)
+         call none_found()
          return
       end if
       exact%kind = special%kind
       exact%mesh = special%mesh
-      call take_orbit(system, corrector, orbit, exact)
+      call take_orbit(system, corrector, orbit, exact, found)
+      if (.not. found) call none_found()
+
+   contains
+
+      subroutine none_found()
+         call fatal(error, 'exact: no '//trim(special%kind)//' of the exact motion was found near Lambda = ' &
+                    //text(special%frequency_ratio), status_ended_early)
+      end subroutine none_found
+
    end subroutine find_exact_point
 
    !> Replaces the special points of a branch by those of the exact motion near them; one near which none is found stays as it is.
@@ -194,41 +203,45 @@ contains
    end function change_at
 
    !> Takes the motion from the orbit at a special point, solved for both conditions at once, and counts multipliers beside it.
-   subroutine take_orbit(system, corrector, orbit, exact)
+   subroutine take_orbit(system, corrector, orbit, exact, found)
       type(system_type), intent(in) :: system
       type(orbit_corrector_type), intent(inout) :: corrector
       type(orbit_type), intent(in) :: orbit
       type(exact_point_type), intent(inout) :: exact
+      !> Of a branch point, of which the search only has a guess, whether it was solved for.
+      logical, intent(out) :: found
       type(orbit_type) :: side
-      logical :: found
+      logical :: polished, beside_it
 
       associate (motion => exact%motion)
          motion%frequency_ratio = orbit%frequency_ratio/corrector%times
          motion%period = corrector%period
          motion%state = orbit%states(:, 1)
          motion%multipliers = orbit%multipliers
-         if (exact%kind /= 'branch point') call polish(system, exact)
+         call polish(system, exact, polished)
+         found = polished .or. exact%kind /= 'branch point'
+         if (.not. found) return
          call measure(system, 0, motion)
          motion%undecided = .true.
          motion%error_estimate = 0
          exact%frequency_ratio = motion%frequency_ratio
       end associate
-      call corrector%advance(orbit, -beside, side, found)
-      if (found) exact%before = outside(side%multipliers)
-      call corrector%advance(orbit, beside, side, found)
-      if (found) exact%after = outside(side%multipliers)
+      call corrector%advance(orbit, -beside, side, beside_it)
+      if (beside_it) exact%before = outside(side%multipliers)
+      call corrector%advance(orbit, beside, side, beside_it)
+      if (beside_it) exact%after = outside(side%multipliers)
    end subroutine take_orbit
 
    !> Solves the augmented system, from the special point of the search, whose error is that of a bracket. Where the system is
    !> singular, as where multipliers coincide by symmetry, the point stays as it is.
-   subroutine polish(system, exact)
+   subroutine polish(system, exact, success)
       type(system_type), intent(in) :: system
       type(exact_point_type), intent(inout) :: exact
+      logical, intent(out) :: success
       type(augmented_system_type) :: augmented
       type(augmented_point_type) :: point
       type(sections_type) :: sections
       real(dp) :: coefficient
-      logical :: success
 
       associate (motion => exact%motion)
          call augmented%setup(system, motion%period, exact%kind, exact%mesh)
@@ -236,15 +249,17 @@ contains
          call section_states(system, motion, sections, point%states)
          point%frequency_ratio = motion%frequency_ratio
          call augmented%solve(point, .false., success)
-         if (success) success = abs(point%frequency_ratio - motion%frequency_ratio) < near*augmented%metric%units%frequency_ratio
+         if (success) success = abs(point%frequency_ratio - motion%frequency_ratio) &
+                                < merge(beside, near, exact%kind == 'branch point')*augmented%metric%units%frequency_ratio
          if (.not. success) return
          motion%frequency_ratio = point%frequency_ratio
          motion%state = point%states(:, 1)
          motion%multipliers = point%multipliers
          exact%slowest_event = point%slowest_event
       end associate
-      if (exact%kind /= 'period doubling') return
-      coefficient = doubling_coefficient(augmented, point)
+      coefficient = 0
+      if (exact%kind == 'period doubling') coefficient = doubling_coefficient(augmented, point)
+      if (exact%kind == 'neimark-sacker') coefficient = -neimark_sacker_coefficient(augmented, point)
       if (coefficient > degenerate) exact%criticality = 'supercritical'
       if (coefficient < -degenerate) exact%criticality = 'subcritical'
    end subroutine polish

@@ -112,6 +112,8 @@ contains
             share = (corrector%times*special%frequency_ratio - first%frequency_ratio)/(last%frequency_ratio - first%frequency_ratio)
          ! Next to a fold Lambda may lie outside the range of the two points.
          share = max(0.0_dp, min(1.0_dp, share))
+         ! At a branch point itself the two tangents leave Newton's method without a solution of its own.
+         if (special%kind == 'branch point') share = merge(0, 1, share > 0.5_dp)
          start = first
          start%states = (1 - share)*first%states + share*last%states
          start%frequency_ratio = (1 - share)*first%frequency_ratio + share*last%frequency_ratio

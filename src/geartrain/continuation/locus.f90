@@ -57,7 +57,8 @@ contains
       type(train_type), intent(in) :: train
       !> A motion near the special point, with a state or coefficients.
       type(motion_type), intent(in) :: motion
-      !> Kind of the special point: 'fold', 'period doubling', 'neimark-sacker', 'separation' or 'back contact'.
+      !> Kind of the special point: 'fold', 'period doubling', 'neimark-sacker', 'branch point', 'separation' or
+      !> 'back contact'.
       character(*), intent(in) :: kind
       !> Of a contact onset the number of the mesh, else 0.
       integer, intent(in) :: mesh

@@ -39,6 +39,7 @@ contains
          if (number <= size(of_doubling)) name_of = of_doubling(number)
       case ('neimark-sacker')
          if (number <= size(of_torus)) name_of = of_torus(number)
+      case ('branch point')
       case default
          if (number <= size(of_onset)) name_of = of_onset(number)
       end select
@@ -74,6 +75,7 @@ contains
       case ('neimark-sacker')
          total = real(sum(pair_of(point%multipliers, huge(total))), dp)
          tests%value = [total - 2, total + 2, total + 1, total, beside(point, 1), beside(point, -1)]
+      case ('branch point')
       case default
          tests%value(:2) = [beside(point, 1), beside(point, -1)]
       end select

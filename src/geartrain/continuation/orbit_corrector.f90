@@ -67,6 +67,8 @@ module geartrain_continuation_orbit_corrector
 
    !> A test function: it changes sign at the orbit that is sought.
    type, abstract :: orbit_test_type
+      !> Two branches cross at its zero, next to which shooting fails: the chord of the step leads there.
+      logical :: singular = .false.
    contains
       procedure(value_interface), deferred :: value
    end type orbit_test_type
@@ -228,7 +230,7 @@ contains
       real(dp), intent(in) :: h
       !> The orbit at the end of the step.
       type(orbit_type), intent(in) :: last
-      !> The orbit at which the test function is zero, to `resolution`.
+      !> The orbit at which the test function is zero, to `resolution`; of a singular test a guess of it.
       type(orbit_type), intent(inout) :: orbit
       !> Shooting has converged.
       logical, intent(out) :: success
@@ -240,6 +242,14 @@ contains
       fa = test%value(here)
       fb = test%value(last)
       kept = 0
+      if (test%singular) then
+         s = fa/(fa - fb)
+         orbit = here
+         orbit%states = (1 - s)*here%states + s*last%states
+         orbit%frequency_ratio = (1 - s)*here%frequency_ratio + s*last%frequency_ratio
+         success = .true.
+         return
+      end if
       do i = 1, max_steps
          s = between(a, b, fa, fb)
          call self%advance(here, s, orbit, success)

@@ -125,12 +125,12 @@ contains
          allocate (doubling_test_type :: test)
       case ('neimark-sacker')
          pairs = [pairs_outside(first%multipliers), pairs_outside(last%multipliers)]
-         allocate (test, source=neimark_sacker_test_type(maxval(pairs)))
+         allocate (test, source=neimark_sacker_test_type(pair=maxval(pairs)))
          changes = pairs(1) /= pairs(2)
       case (separation, back_contact)
          allocate (onset_test_type :: test)
       case default
-         allocate (branching_test_type :: test)
+         allocate (test, source=branching_test_type(singular=.true.))
          changes = first%tangent_frequency*last%tangent_frequency > 0
       end select
       if (changes) changes = test%value(first)*test%value(last) < 0

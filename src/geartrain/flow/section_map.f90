@@ -24,6 +24,8 @@ module geartrain_flow_section_map
    integer, parameter :: order = 30
    !> Most successive events at one instant; the next event is passed over.
    integer, parameter :: most_stuck = 3
+   !> Rounding of a displacement, over the sum of the terms of its series.
+   real(dp), parameter :: rounding = 1e-13_dp
 
    type :: section_map_type
       !> Lambda [1].
@@ -322,6 +324,9 @@ contains
             else
                if (g(0) > reach) cycle
                g(1:) = merge(-1, 1, w == contact(j))*f(1:, j)
+               ! A mesh that left this wall at the very instant of the event before, as equal stages do: rounding puts it on either
+               ! side.
+               if (g(1) > 0 .and. g(0) > -rounding*(reach + abs(self%system%law(j)%wall(w)))) g(0) = max(g(0), 0.0_dp)
             end if
             call first_root(g, root, t, hit)
             if (.not. hit) cycle
