@@ -206,7 +206,7 @@ contains
          case ('onsets')
             call locate_contact_edges(box%case%train, box%case%response, branch)
             call onsets_of(branch, onsets)
-            call visit_onsets(onsets, fields)
+            call visit_onsets(branch, onsets, fields)
          case ('peaks')
             call visit_peaks(branch, '', fields)
          case ('jumps')

@@ -32,9 +32,11 @@ class Rows(list[Row]):
 
 
 def text_table(columns: Mapping[str, Sequence[Any]]) -> str:
-    """Columns by their headings; a column without any value is left out."""
+    """Columns by their headings; a column without any value is left out. Without any row: none."""
+    if not any(len(values) for values in columns.values()):
+        return "none"
     shown = {heading: [_text(value) for value in values] for heading, values in columns.items()
-             if any(value is not None for value in values) or not values}
+             if any(value is not None for value in values)}
     widths = {heading: max(map(len, (heading, *texts))) for heading, texts in shown.items()}
     rows = [list(shown), *map(list, zip(*shown.values()))]
     return "\n".join("  ".join(text.rjust(width) for text, width in zip(row, widths.values())) for row in rows)

@@ -290,13 +290,11 @@ class Branch(Curves):
         [('separation', 2, 0.4617), ('separation', 2, 0.495)]
         """
         with self._box() as box:
-            rows = box.show("onsets")["/onsets"].rows("kind", "mesh", "frequency", "after_point")
+            rows = box.show("onsets")["/onsets"].rows("kind", "mesh", self._free_name, "after_point", "rms")
         return SpecialPoints((
-            SpecialPoint(
-                kind.strip(), float(frequency), int(point) - 1, self.rms[int(point) - 1], False,
-                speed_of(self.train, float(frequency)), hertz_of(self.train, float(frequency)), branch=self, mesh=int(mesh),
-            )
-            for kind, mesh, frequency, point in rows
+            SpecialPoint(kind.strip(), self._lambda(float(value)), int(point) - 1, rms, False, *self._speeds(float(value)),
+                         branch=self, mesh=int(mesh))
+            for kind, mesh, value, point, rms in rows
         ), length_unit(self.train))
 
     def to_dataset(self) -> Dataset:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -56,7 +56,7 @@ class ExactPoint:
 
     kind: str
     frequency: float
-    motion: Motion
+    motion: Motion = field(repr=False)
     mesh: int | None = None
     before: int | None = None
     after: int | None = None

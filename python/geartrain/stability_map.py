@@ -113,8 +113,8 @@ class StabilityMap(Table):
 
     @draws
     def plot(
-        self, what: str = "spectral_radius", ax: Axes | None = None, *, curves: Iterable[Locus] = (), unit: Unit | None = None,
-        **style: Any,
+        self, what: str = "spectral_radius", ax: Axes | None = None, *, curves: Locus | Iterable[Locus] = (),
+        unit: Unit | None = None, **style: Any,
     ) -> Axes:
         """Draw the map, with the boundary of stability as a line.
 
@@ -123,7 +123,7 @@ class StabilityMap(Table):
         what : {'spectral_radius', 'stable_motions', 'motions'}
         ax : matplotlib.axes.Axes, optional
             Where to draw; a new figure unless told.
-        curves : iterable of Locus
+        curves : Locus or iterable of Locus
             Drawn over the map: curves of special points over the same parameter, of the same train.
         unit : {'Lambda', 'rpm', 'Hz'}, optional
             Of the frequency; unless told rpm where Lambda is the speed in rpm, else Lambda.
@@ -145,8 +145,10 @@ class StabilityMap(Table):
         """
         if what not in _TITLES:
             raise InputError(f"what = {shown(what)}: must be {', '.join(map(repr, _TITLES))}")
-        curves = list(curves)
+        curves = [curves] if isinstance(curves, Locus) else list(curves)
         for curve in curves:
+            if not isinstance(curve, Locus):
+                raise InputError(f"curves: {shown(curve)} is no gt.Locus")
             if curve.parameter_name.replace("mesh * ", "") not in (self.name, self.name.removeprefix("mesh_")):
                 raise InputError(f"curves: {curve!r} is over {curve.parameter_name!r}, the map over {self.name!r}")
         units = units_of(self.train, unit)

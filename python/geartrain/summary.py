@@ -15,7 +15,7 @@ from ._draw import check_number
 from ._text_table import Rows
 from ._units import hertz_of, lambda_of, length_unit, own_lambda, speed_of
 from .description import Description
-from .errors import InputError, SolverError
+from .errors import InputError, SolverError, shown
 
 __all__ = ["Jump", "Jumps", "Peak", "Peaks", "Readings", "speeds"]
 
@@ -189,7 +189,8 @@ class Readings:
         (0.731, 3.046, True)
         """
         known = self.stable is not None
-        rows = self._read_off("peaks", mesh or 1).rows(self._free_name, "rms", "point", "stable", "undecided", "mesh")
+        found = self._read_off("peaks", 1 if mesh is None else mesh)
+        rows = found.rows(self._free_name, "rms", "point", "stable", "undecided", "mesh")
         peaks = Peaks((
             self._peak(float(f), float(rms), int(point) - 1, bool(stable) if known else None, bool(undecided), int(number))
             for f, rms, point, stable, undecided, number in rows
@@ -316,6 +317,8 @@ class Readings:
 
     def _ranges(self, what: str, mesh: int, stable: bool) -> Array:
         check_number("mesh", mesh, self.rms.shape[1])
+        if not isinstance(stable, (bool, np.bool_)):
+            raise InputError(f"stable = {shown(stable)}: must be True, of the stable motions alone, or False, of all")
         if stable and self.stable is None:
             raise InputError("stable = True: the stability of this branch was not asked for")
         found = self._read_off(what)

@@ -487,11 +487,14 @@ class Train(Description):
         >>> diagram.period, diagram.displacement.shape
         (array([2, 2], dtype=int32), (2, 200, 2))
         """
+        return self._diagram(seed, "seed", settings)
+
+    def _diagram(self, seed: Motion | ArrayLike | None, what: str, settings: Mapping[str, Any]) -> BifurcationDiagram:
         asked = self._ask(bifurcation_diagram=settings)
 
         def work(progress: NDArray[np.float64]) -> BifurcationDiagram:
             with asked as box:
-                self._put_start(box, seed, "seed")
+                self._put_start(box, seed, what)
                 status = box.run("bifurcation_diagram", progress)
                 found = BifurcationDiagram._from(box, self)
                 box.check(status, whole=found is None)
@@ -514,8 +517,9 @@ class Train(Description):
         unit : {'Lambda', 'rpm', 'Hz'}
         start : Motion or array_like, optional
             Where to start: a motion, or a state as ``Motion.state``; at rest unless told.
-        transient, periods : int
-            Periods of the fundamental before the average, and those averaged over.
+        transient, periods : int, default 500 and 2000
+            Periods of the fundamental before the average, and those averaged over. Where the kind is ``'undecided'`` more of them
+            decide, unless the flow is a chaotic transient.
 
         Returns
         -------
@@ -536,10 +540,11 @@ class Train(Description):
         ('periodic', 0.0)
         """
         try:
-            found = self.bifurcation_diagram(seed=start, start=frequency, stop=frequency, unit=unit, points=1, direction="up",
-                                             transient=transient, sections=periods)
+            found = self._diagram(start, "start", {"start": frequency, "stop": frequency, "unit": unit, "points": 1,
+                                                   "direction": "up", "transient": transient, "sections": periods})
         except InputError as error:
             told = in_words_of_the_call(str(error), {"start": "frequency", "stop": "frequency", "sections": "periods"})
+            told = told.replace("&bifurcation_diagram", "lyapunov_spectrum")
             raise InputError("\n".join(dict.fromkeys(told.splitlines()))) from None
         if not np.isfinite(found.lyapunov_exponents).all():
             raise SolverError(f"lyapunov_spectrum: no exponents at Lambda = {found.frequency[0]:g}: the flow is {found.kind[0]}")

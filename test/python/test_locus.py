@@ -1,6 +1,5 @@
 """Curves of special points over frequency and a number of the train, against closed forms and one-parameter results."""
 
-import dataclasses
 
 import numpy as np
 import pytest

@@ -121,12 +121,16 @@ contains
       type(train_type), intent(in) :: train
       logical, intent(in) :: seeded
       class(checker_type), intent(inout) :: checker
+      logical :: at_one
 
       associate (settings => self%settings)
          if (checker%problems%in_group('bifurcation_diagram')) return
          call checker%enter('bifurcation_diagram', 1)
-         if (abs(settings%start - settings%stop) <= 0 .neqv. settings%points == 1) call checker%complain('points', &
-            integer_text(settings%points), 'must be 1 where "from" and "to" are equal, and only there')
+         at_one = abs(settings%start - settings%stop) <= 0
+         if (at_one .and. settings%points > 1) call checker%complain('points', integer_text(settings%points), &
+            'must be 1, as "from" and "to" are equal')
+         if (.not. at_one .and. settings%points == 1) call checker%complain('points', '1', &
+            'must be 2 or more, as "from" and "to" differ')
          call check_unit(train, settings%unit, checker)
          call check_frequency(train, 'from', settings%start, checker, settings%unit)
          call check_frequency(train, 'to', settings%stop, checker, settings%unit)

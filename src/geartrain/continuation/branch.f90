@@ -79,8 +79,9 @@ module geartrain_continuation_branch
       integer :: mesh = 0
       !> .true.: edge of a range of back collision; .false.: of separation.
       logical :: back = .false.
-      !> Lambda [1].
+      !> Lambda [1]; rms over characteristic length [1], (mesh).
       real(dp) :: frequency_ratio = 0
+      real(dp), allocatable :: rms(:)
    end type contact_edge_type
 
    !> State of the trace of a response: all that the next step depends on, so that another run can go on with the trace.

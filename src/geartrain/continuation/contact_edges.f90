@@ -7,6 +7,7 @@ module geartrain_continuation_contact_edges
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_decided, only: joined
    use geartrain_continuation_points, only: motion_of
+   use geartrain_continuation_special_points, only: rms_of
    use geartrain_continuation_start, only: begin_trace, solution_of
    use geartrain_continuation_tracer, only: tracer_type
    use geartrain_linalg_bracket, only: between, shrink
@@ -86,6 +87,7 @@ contains
                edges(n)%mesh = j
                edges(n)%back = back
                call locate(j, back, first, last, edges(n)%frequency_ratio, success)
+               if (success) edges(n)%rms = rms_of(tracer%corrector, solution)
                if (.not. success) n = n - 1
             end do
          end do

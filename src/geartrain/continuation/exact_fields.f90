@@ -3,8 +3,10 @@ module geartrain_continuation_exact_fields
    use geartrain_base_carry, only: carry
    use geartrain_base_field, only: row => field_type
    use geartrain_base_fields, only: fields_type
-   use geartrain_continuation_branch, only: special_point_type
+   use geartrain_continuation_branch, only: branch_type, special_point_type
    use geartrain_continuation_exact_point, only: exact_point_type
+   use geartrain_continuation_free_fields, only: carry_free
+   use geartrain_flow_fields, only: about_rms
    implicit none (type, external)
    private
    public :: visit_exact_point, visit_onsets
@@ -12,7 +14,9 @@ module geartrain_continuation_exact_fields
 contains
 
    !> Visits the group of the contact onsets of a branch.
-   subroutine visit_onsets(onsets, fields)
+   subroutine visit_onsets(branch, onsets, fields)
+      !> The branch.
+      type(branch_type), intent(in) :: branch
       !> The onsets.
       type(special_point_type), intent(inout) :: onsets(:)
       !> The fields of the results.
@@ -27,8 +31,9 @@ contains
          call fields%visit_item(i)
          call carry(fields, row('kind', '', '', 'separation or back contact'), onsets(i)%kind)
          call carry(fields, row('mesh', '', '1', 'the mesh'), onsets(i)%mesh)
-         call carry(fields, row('frequency', '', '1', 'Lambda'), onsets(i)%frequency_ratio)
+         call carry_free(branch, fields, onsets(i)%frequency_ratio)
          call carry(fields, row('after_point', '', '1', 'the point of the branch before it'), onsets(i)%point)
+         call carry(fields, row('rms', 'mesh', '1', about_rms), onsets(i)%rms)
       end do
       call fields%end_list()
    end subroutine visit_onsets

@@ -14,6 +14,7 @@ module geartrain_continuation_exact_point
    use geartrain_continuation_orbit_corrector, only: orbit_corrector_type, orbit_type
    use geartrain_continuation_orbit_tests, only: back_contact, critical, is_onset, outside, separation
    use geartrain_continuation_refinement, only: cancel_refinement
+   use geartrain_floquet_multipliers, only: is_stable
    use geartrain_flow_multiple_shooting, only: most_parts, section_states
    use geartrain_flow_orbit, only: measure
    use geartrain_flow_sections, only: sections_type
@@ -65,7 +66,7 @@ contains
             onsets(i)%mesh = edge%mesh
             onsets(i)%point = edge%point
             onsets(i)%frequency_ratio = edge%frequency_ratio
-            onsets(i)%rms = branch%rms(:, edge%point)
+            onsets(i)%rms = edge%rms
          end associate
       end do
    end subroutine onsets_of
@@ -222,7 +223,9 @@ contains
          found = polished .or. exact%kind /= 'branch point'
          if (.not. found) return
          call measure(system, 0, motion)
-         motion%undecided = .true.
+         ! On a special point itself a multiplier is on the unit circle; a contact onset is a motion like any other.
+         motion%undecided = .not. is_onset(exact%kind)
+         motion%stable = .not. motion%undecided .and. is_stable(motion%multipliers)
          motion%error_estimate = 0
          exact%frequency_ratio = motion%frequency_ratio
       end associate

@@ -6,10 +6,11 @@ module geartrain_continuation_special_points
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
    use geartrain_continuation_step_geometry, only: odd_product
    use geartrain_linalg_bracket, only: between, shrink
+   use geartrain_linalg_trigonometric, only: rms
    implicit none (type, external)
    private
    public :: locate_fold, locate_half_period, add_special_point
-   public :: generic_vector, go_along
+   public :: generic_vector, go_along, rms_of
 
    integer, parameter :: max_steps = 30
 
@@ -127,6 +128,22 @@ contains
       end do
       y = 0.3_dp
    end subroutine generic_vector
+
+   !> The rms of a solution point on which the corrector worked last [1], (mesh).
+   function rms_of(corrector, solution)
+      !> Corrector of the branch.
+      type(corrector_type), intent(inout) :: corrector
+      !> The solution point.
+      type(solution_point_type), intent(in) :: solution
+      real(dp) :: rms_of(corrector%balance%system%meshes)
+      real(dp) :: coefficients(corrector%balance%block, corrector%balance%system%meshes)
+      integer :: j
+
+      call corrector%balance%full_coefficients(solution%u, coefficients)
+      do j = 1, size(rms_of)
+         rms_of(j) = rms(coefficients(:, j))
+      end do
+   end function rms_of
 
    !> Lists a special point of a branch, in the order along the branch.
    subroutine add_special_point(branch, kind, frequency_ratio, point, rms)

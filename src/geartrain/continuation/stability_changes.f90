@@ -8,7 +8,7 @@ module geartrain_continuation_stability_changes
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
-   use geartrain_continuation_special_points, only: add_special_point, go_along
+   use geartrain_continuation_special_points, only: add_special_point, go_along, rms_of
    use geartrain_floquet_monodromy, only: monodromy_type
    use geartrain_floquet_multipliers, only: are_numbers, neutral
    use geartrain_linalg_bracket, only: between, shrink
@@ -106,7 +106,7 @@ contains
           abs(change(neimark_sacker)) == 1 .and. change(doubling) == 0 .and. change(above_one) == 0) then
          kind = merge(doubling, neimark_sacker, change(neimark_sacker) == 0)
          call locate(corrector, monodromy, piece, a, b, first, last, kind, solution)
-         call add_special_point(branch, trim(names(kind)), solution%frequency_ratio, after - 1, branch%rms(:, after))
+         call add_special_point(branch, trim(names(kind)), solution%frequency_ratio, after - 1, rms_of(corrector, solution))
          return
       end if
       s = (a + b)/2
@@ -121,7 +121,7 @@ contains
       if (change(above_one)*change(neimark_sacker) < 0) change(neimark_sacker) = 0
       do kind = doubling, neimark_sacker
          do i = 1, abs(change(kind))
-            call add_special_point(branch, trim(names(kind)), solution%frequency_ratio, after - 1, branch%rms(:, after))
+            call add_special_point(branch, trim(names(kind)), solution%frequency_ratio, after - 1, rms_of(corrector, solution))
          end do
       end do
    end subroutine separate

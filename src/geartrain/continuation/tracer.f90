@@ -375,11 +375,14 @@ contains
       type(branch_type), intent(inout), target :: branch
       real(dp), intent(in) :: frequency_ratio
       integer, parameter :: nearby = 50
+      real(dp) :: share
 
       associate (special => branch%special_points, n => branch%points)
          if (any(special%kind == 'branch point' .and. special%point > n - nearby &
                  .and. abs(special%frequency_ratio - frequency_ratio) < 1e-8_dp*abs(frequency_ratio))) return
-         call add_special_point(branch, 'branch point', frequency_ratio, n - 1, branch%rms(:, n))
+         share = (frequency_ratio - branch%frequency_ratio(n - 1))/(branch%frequency_ratio(n) - branch%frequency_ratio(n - 1))
+         call add_special_point(branch, 'branch point', frequency_ratio, n - 1, &
+                                (1 - share)*branch%rms(:, n - 1) + share*branch%rms(:, n))
       end associate
    end subroutine add_branch_point
 

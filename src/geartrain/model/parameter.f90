@@ -90,9 +90,8 @@ contains
       type(error_type), allocatable, intent(inout) :: error
       type(entry_type) :: row, of_plain
       character(:), allocatable :: rest, which
-      character(24), allocatable :: names(:)
       real(dp) :: value
-      integer :: at, best, found
+      integer :: at, found
 
       rest = trim(adjustl(name))
       if (rest == variation) then
@@ -141,14 +140,7 @@ contains
       if (any(turned_variables == parameter%variable) .and. any(abs(train%meshes%phase) > 0)) parameter%direct = .false.
       parameter%direct = parameter%direct .or. parameter%derived
       if (found == 0) then
-         names = pack(given%row(:given%rows)%variable, given%row(:given%rows)%continuous &
-                                                       .and. given%row(:given%rows)%group == parameter%group)
-         best = nearest_name(trim(parameter%variable), names)
-         if (best > 0) then
-            call refuse('no variable of &'//trim(parameter%group)//' (did you mean "'//trim(names(best))//'"?)')
-         else
-            call refuse('no variable of &'//trim(parameter%group))
-         end if
+         call refuse('no variable of &'//trim(parameter%group)//trim(suggestion()))
       else if (.not. row%continuous) then
          call refuse('no continuous parameter')
       else if (index(parameter%variable, 'characteristic_') == 1) then
@@ -173,6 +165,38 @@ contains
 
          call fatal(error, 'parameter "'//trim(adjustl(name))//'": '//why)
       end subroutine refuse
+
+      !> A name that may be meant where there is none of this: of a mesh, shaft or body that &train has not, or one like it.
+      character(80) function suggestion()
+         integer :: i, best
+
+         suggestion = ''
+         associate (rows => given%row(:given%rows))
+            do i = 1, merge(size(rows), 0, parameter%group == 'train')
+               if (rows(i)%variable /= parameter%variable .or. rows(i)%group == 'train' .or. .not. rows(i)%continuous) cycle
+               suggestion = trim(rows(i)%group)//' * '//trim(parameter%variable)//trim(merge(' 1', '  ', rows(i)%values > 0))
+               exit
+            end do
+            if (suggestion == '') then
+               best = nearest_name(trim(parameter%variable), pack(rows%variable, is_near(rows)))
+               if (best == 0) best = findloc(index(pack(rows%variable, is_near(rows)), trim(parameter%variable)) > 0, .true., 1)
+               do i = 1, merge(size(rows), 0, best > 0)
+                  best = best - merge(1, 0, is_near(rows(i)))
+                  if (best > 0) cycle
+                  suggestion = rows(i)%variable
+                  exit
+               end do
+            end if
+         end associate
+         if (suggestion /= '') suggestion = ' (did you mean "'//trim(suggestion)//'"?)'
+      end function suggestion
+
+      !> Whether a row is a number of the group of the parameter.
+      elemental logical function is_near(row)
+         type(entry_type), intent(in) :: row
+
+         is_near = row%continuous .and. row%group == parameter%group
+      end function is_near
 
       !> Whether the parameter is the mean torque that is not given but balances all others.
       logical function balances_others()
