@@ -60,6 +60,15 @@ def single_pair(torque, damping_ratio=0.05, **mesh):
     )
 
 
+def equal_stages(stiffness_variation):
+    """Two equal pairs on an undamped shaft, whose motions may break the symmetry (test/validation_bifurcations.f90)."""
+    mesh = gt.Mesh(driving_radius=0.05, driven_radius=0.05, driving_inertia=0.003, driven_inertia=0.003, stiffness=2.5e8,
+                   damping_ratio=0.05, half_backlash=30e-6, stiffness_cos=[stiffness_variation])
+    shafts = [gt.Shaft(rigid=True), gt.Shaft(stiffness=1e5, damping=0.0), gt.Shaft(rigid=True)]
+    return gt.Train(input_torque=100.0, prime_mover_inertia=0.0, load_inertia=0.0, characteristic_length=30e-6,
+                    characteristic_frequency=2e4, shafts=shafts, meshes=[mesh, mesh])
+
+
 def write_case(folder, analyses, name="case.nml"):
     """The case file of figure 3 with other analyses."""
     path = folder / name

@@ -38,6 +38,13 @@ def test_a_branch_over_the_torque(pair, over_torque):
     assert 0.05 <= low < high < 1.0
 
 
+def test_onsets_have_the_value_of_the_parameter(over_torque):
+    assert {onset.frequency for onset in over_torque.onsets} == {0.9}
+    assert min(onset.parameter for onset in over_torque.onsets) == pytest.approx(over_torque.separation_ranges(1)[0, 0], rel=1e-9)
+    for onset in over_torque.onsets:
+        assert min(abs(motion.rms - onset.rms).max() for motion in over_torque.at(onset.parameter)) < 2e-5
+
+
 def test_motions_at_a_value_have_its_train(pair, over_torque):
     low, high = sorted(special.parameter for special in over_torque.special_points)
     motions = over_torque.at((low + high) / 2)

@@ -1,7 +1,8 @@
 """Special points and contact onsets of the exact motion, against closed forms and earlier findings by shooting."""
 
+import numpy as np
 import pytest
-from conftest import paper_train, single_pair
+from conftest import equal_stages, paper_train, single_pair
 
 import geartrain as gt
 
@@ -78,3 +79,64 @@ def test_none_near(branch):
     fold = only(branch.special_points, "fold", 0.8446)
     with pytest.raises(ValueError, match="no branch"):
         gt.SpecialPoint(fold.kind, fold.frequency, fold.point, fold.rms).exact()
+
+
+def test_branch_points_and_their_curve():
+    def exact_ones(branch):
+        return sorted((special.exact() for special in branch.special_points if special.kind == "branch point"),
+                      key=lambda exact: exact.frequency)
+
+    train = equal_stages(0.3)
+    branch = train.response(start=0.7, stop=1.1, harmonics=12)
+    low, high = exact_ones(branch)
+    # Where the balance with 48 harmonics has them.
+    fine = train.response(start=0.7, stop=1.1, harmonics=48)
+    assert [low.frequency, high.frequency] == pytest.approx(
+        sorted(special.frequency for special in fine.special_points if special.kind == "branch point"), abs=1e-7)
+    for exact in (low, high):
+        assert exact.crossing == 1 and exact.critical == pytest.approx([1], abs=1e-8)
+        assert exact.motion.rms[0] == pytest.approx(exact.motion.rms[1], abs=1e-10)
+    # One curve leads through both, and through those of another stiffness variation.
+    locus = train.locus(high, parameter="stiffness_variation", start=0.15, stop=0.5)
+    assert locus.complete
+    for value, expected in ((0.3, [low, high]), (0.4, exact_ones(equal_stages(0.4).response(start=0.7, stop=1.1, harmonics=12)))):
+        for exact in expected:
+            at = abs(locus.frequency - exact.frequency) + abs(locus.parameter - value)
+            near = np.argsort(at)[:6]
+            near = near[np.argsort(locus.parameter[near])]
+            # The polynomial through six points of the curve.
+            fit = np.polynomial.Polynomial.fit(locus.parameter[near], locus.frequency[near], 5)
+            assert fit(value) == pytest.approx(exact.frequency, abs=1e-6)
+
+
+def test_criticality_of_neimark_sacker_points():
+    # The sections of what the flow settles on beyond the point: a circle of a width like the square root of the distance, or an
+    # attractor whose width does not go to 0.
+    train = paper_train().with_values({"mesh * damping_ratio": 0.01})
+    branch = train.response(start=0.4, stop=0.5, harmonics=12)
+    exact = {"supercritical": only(branch.special_points, "neimark-sacker", 0.4441).exact(),
+             "subcritical": only(branch.special_points, "neimark-sacker", 0.4503).exact()}
+    widths = {}
+    for criticality, point in exact.items():
+        assert point.criticality == criticality
+        outwards = 1 if criticality == "supercritical" else -1
+        diagrams = (train.bifurcation_diagram(start=at, stop=at, points=1, direction="up", transient=20000, sections=300,
+                                              seed=point.motion.state * 1.005)
+                    for at in (point.frequency + outwards * 8e-5, point.frequency + outwards * 3.2e-4))
+        widths[criticality] = [float(np.ptp(diagram.displacement[0, :, 0])) for diagram in diagrams]
+    assert widths["supercritical"][1] / widths["supercritical"][0] == pytest.approx(2, rel=0.05)
+    assert widths["subcritical"][0] > 0.1
+
+
+def test_rms_of_special_points_is_that_there():
+    branch = paper_train().response(start=0.2, stop=2.6, harmonics=12)
+    for special in [*branch.special_points, *branch.onsets]:
+        there = branch.at(special.frequency)
+        # An onset is solved for up to a last step of 1e-5; at a fold two motions meet like the square root of the distance.
+        allowed = 1e-2 if special.kind == "fold" else 2e-5
+        assert min(abs(motion.rms - special.rms).max() for motion in there) < allowed, special
+
+
+def test_an_onset_is_a_motion_like_any_other(branch):
+    onset = only(branch.onsets, "separation", 1.128).exact()
+    assert onset.motion.stable and not onset.motion.undecided

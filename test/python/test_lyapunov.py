@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import paper_train, single_pair
+from conftest import equal_stages, paper_train, single_pair
 
 import geartrain as gt
 
@@ -140,8 +140,24 @@ def test_a_diagram_up_and_down(tmp_path):
     assert diagram.to_dataset()["displacement"].dims == ("point", "section", "mesh")
 
 
+def test_events_of_equal_stages_at_one_instant():
+    # From a state that is the same for both stages but for rounding, both meet their walls together.
+    train = equal_stages(0.3)
+    branch = train.response(start=0.7, stop=1.1, harmonics=12)
+    point = next(special for special in branch.special_points if special.kind == "neimark-sacker").exact()
+    found = train.bifurcation_diagram(start=0.88, stop=0.88, points=1, direction="up", transient=3000, seed=point.motion)
+    # The motion of the branch is stable there, and next to the Neimark-Sacker point, so it is come near to slowly.
+    assert found.kind[0] == "still settling" and np.ptp(found.displacement[0, :, 0]) < 1e-2
+
+
 def test_what_it_refuses():
     with pytest.raises(gt.InputError, match="periods = 5: must be"):
         paper_train().lyapunov_spectrum(0.7, periods=5)
+    with pytest.raises(gt.InputError, match="start = 'x': must be"):
+        paper_train().lyapunov_spectrum(0.7, start="x")
+    with pytest.raises(gt.InputError, match="lyapunov_spectrum: periods = 0: must be"):
+        paper_train().lyapunov_spectrum(0.7, periods=0)
+    with pytest.raises(gt.InputError, match="points = 1: must be 2 or more"):
+        paper_train().bifurcation_diagram(start=0.7, stop=0.8, points=1)
     with pytest.raises(gt.InputError, match="points"):
         paper_train().bifurcation_diagram(start=0.7, stop=0.7)

@@ -172,11 +172,13 @@ contains
 
          suggestion = ''
          associate (rows => given%row(:given%rows))
-            do i = 1, merge(size(rows), 0, parameter%group == 'train')
-               if (rows(i)%variable /= parameter%variable .or. rows(i)%group == 'train' .or. .not. rows(i)%continuous) cycle
-               suggestion = trim(rows(i)%group)//' * '//trim(parameter%variable)//trim(merge(' 1', '  ', rows(i)%values > 0))
-               exit
-            end do
+            i = 0
+            if (parameter%group == 'train') then
+               i = findloc(rows%variable == parameter%variable .and. rows%continuous .and. rows%group == 'mesh', .true., 1)
+               if (i == 0) i = findloc(rows%variable == parameter%variable .and. rows%continuous, .true., 1)
+            end if
+            if (i > 0) suggestion = trim(rows(i)%group)//' * '//trim(parameter%variable) &
+                                    //trim(merge(' 1', '  ', rows(i)%values > 0))
             if (suggestion == '') then
                best = nearest_name(trim(parameter%variable), pack(rows%variable, is_near(rows)))
                if (best == 0) best = findloc(index(pack(rows%variable, is_near(rows)), trim(parameter%variable)) > 0, .true., 1)
