@@ -230,8 +230,8 @@ def check(train, parameter, values, rows, places=100):
         agree += starts == expected
         missing += bool(unknown)
         if starts != expected:
-            print(f"  Lambda {frequency:.4f}, {parameter} {value:.4g}: stable of periods 1 and 2 {expected}, by random starts {starts}, "
-                  f"periods of those on no branch {unknown}", flush=True)
+            print(f"  Lambda {frequency:.4f}, {parameter} {value:.4g}: stable of periods 1 and 2 {expected}, by random starts "
+                  f"{starts}, periods of those on no branch {unknown}", flush=True)
     print(f"{agree} of {places} places agree; at {missing} random starts find a motion that is on no branch", flush=True)
 
 
