@@ -177,7 +177,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "max_periods": Variable("max_periods", "integer", "int", 2000, False, "Periods of the fundamental after which the search for the steady motion at the beginning is given up, and the run-up begins with the state reached; 0: it begins at rest, or with the motion given in a call; >= 0"),
     },
     "locus": {
-        "kind": Variable("kind", "text", "Literal['fold', 'period_doubling', 'neimark-sacker', 'separation', 'back_contact']", "fold", False, "Kind of the special point; separation and back_contact: where a mesh begins to separate, or its back flanks to touch; 'fold', 'period_doubling', 'neimark-sacker', 'separation' or 'back_contact'"),
+        "kind": Variable("kind", "text", "Literal['fold', 'period_doubling', 'neimark-sacker', 'branch_point', 'separation', 'back_contact']", "fold", False, "Kind of the special point; separation and back_contact: where a mesh begins to separate, or its back flanks to touch; 'fold', 'period_doubling', 'neimark-sacker', 'branch_point', 'separation' or 'back_contact'"),
         "near": Variable("near", "real", "float", None, True, "Frequency near which it is on the response, in the `unit; > 0"),
         "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Unit of the frequencies of the group: Lambda; rpm, the speed, of a train whose meshes all have teeth; Hz, of the fundamental; 'Lambda', 'rpm' or 'Hz'"),
         "mesh": Variable("mesh", "integer", "int", 0, False, "Number of the mesh that separates or whose back flanks touch; 0 for other kinds; >= 0"),
@@ -413,7 +413,7 @@ class RunUpKeywords(TypedDict, total=False):
 class LocusKeywords(TypedDict, total=False):
     """Variables of ``&locus`` that a call takes."""
 
-    kind: Literal["fold", "period_doubling", "neimark-sacker", "separation", "back_contact"]
+    kind: Literal["fold", "period_doubling", "neimark-sacker", "branch_point", "separation", "back_contact"]
     near: Required[float]
     unit: Literal["Lambda", "rpm", "Hz"]
     mesh: int

@@ -40,8 +40,6 @@ def test_a_branch_over_the_torque(pair, over_torque):
 
 def test_onsets_have_the_value_of_the_parameter(over_torque):
     assert {onset.frequency for onset in over_torque.onsets} == {0.9}
-    edges = over_torque.separation_ranges(1)
-    assert len(over_torque.onsets) and any(abs(edges - onset.parameter).min() < 1e-9 for onset in over_torque.onsets)
     for onset in over_torque.onsets:
         assert min(abs(motion.rms - onset.rms).max() for motion in over_torque.at(onset.parameter)) < 2e-5
 
