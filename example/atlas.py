@@ -22,6 +22,7 @@ LABELS = {"stiffness_variation": "kappa, both meshes", "input_torque": "Torque [
 # Values of the paper's figures: 7 over the stiffness variation, 6 over the torque; all have this backlash.
 SECTIONS = {"stiffness_variation": (0.1, 0.2, 0.3, 0.42), "input_torque": (50.0, 100.0, 150.0), "mesh * half_backlash": (30e-6,)}
 LAMBDA = (0.3, 2.6)
+AMPLITUDE_LIMIT = 12.0
 ROWS = 49
 NAMES = ("no stable one", "1", "2", "3 or more", "1 of period 2", "1 and 1 of period 2", "more")
 COLOURS = ("#dddddd", "#ffffff", "#cfe3f5", "#7fb2dd", "#fde3b5", "#f9c26b", "#c9a0c9")
@@ -31,7 +32,8 @@ STYLES = {"fold": ("C0", "-"), "period doubling": ("C3", "-"), "neimark-sacker":
 
 def branches_of(train):
     """The response and its branches of period 2."""
-    response = train.response(start=LAMBDA[0], stop=LAMBDA[1], harmonics=12, period_doublings=1)
+    response = train.response(start=LAMBDA[0], stop=LAMBDA[1], harmonics=12, period_doublings=1,
+                              amplitude_limit=AMPLITUDE_LIMIT)
     return [response, *(branch for branch in response.branches if branch.subharmonic == 2)]
 
 
@@ -48,7 +50,7 @@ def islands_of(train, branches, motions, share):
             continue
         try:
             island = train.response(start=LAMBDA[0], stop=LAMBDA[1], harmonics=12 * motion.period, subharmonic=motion.period,
-                                    seed=motion)
+                                    amplitude_limit=AMPLITUDE_LIMIT, seed=motion)
         except (gt.SolverError, gt.InputError):
             continue
         # It may have led to a branch that is known, also as one of twice the period.
@@ -60,10 +62,10 @@ def islands_of(train, branches, motions, share):
 
 
 def stable_ones(branches):
-    """About a dozen stable motions of each branch."""
+    """About forty stable motions of each branch: an island may end within a row or two."""
     for branch in branches:
         at = np.flatnonzero(branch.stable)
-        for i in at[:: max(len(at) // 12, 1)]:
+        for i in at[:: max(len(at) // 40, 1)]:
             frequency = float(branch.frequency[i])
             yield from (motion for motion in branch.at(frequency) if np.allclose(motion.rms, branch.rms[i], rtol=1e-3))
 
@@ -224,7 +226,9 @@ def check(train, parameter, values, rows, places=100):
         branches = branches_of(other)
         branches += islands_of(other, branches, stable_ones(rows[abs(values - value).argmin()]), 0.1)
         expected = stable_motions(branches, np.array([frequency]))[:, 0].tolist()
-        settled = [motion for motion in other.attractors(frequency, starts=100) if motion.period in (1, 2)]
+        # The branches end where the rms of a mesh passes the amplitude limit.
+        settled = [motion for motion in other.attractors(frequency, starts=100)
+                   if motion.period in (1, 2) and motion.rms.max() < AMPLITUDE_LIMIT]
         starts = [sum(motion.period == period for motion in settled) for period in (1, 2)]
         unknown = [motion.period for motion in settled if not is_known(branches, frequency, motion.rms, 0.01)]
         agree += starts == expected
