@@ -57,7 +57,7 @@ module geartrain_input_new_case
       "   helix_angle         = 15.0                 ! degrees; 0 of spur gears", &
       "   face_width          = 0.040                ! m; with the rest of the drawing: stiffness by ISO 6336-1", &
       "   backlash            = 60e-6                ! m, along the pitch circles", &
-      "   damping_ratio       = 0.05                 ! of the teeth in contact", &
+      "   damping_ratio       = 0.08                 ! of the teeth in contact", &
       "   stiffness_harmonics = 3                    ! of the wave of stiffness that the contact ratio gives", &
       "   error_cos           = 3e-6                 ! m, transmission error: once a tooth", &
       "/", &
