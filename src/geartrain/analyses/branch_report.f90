@@ -3,7 +3,7 @@ module geartrain_analyses_branch_report
    use geartrain_analyses_analysis, only: fixed
    use geartrain_analyses_frequency_text, only: frequency_text_type, in_width, length_unit, text_for
    use geartrain_base_kinds, only: dp
-   use geartrain_continuation_branch, only: branch_type, carried_by, has_sets, response_settings_type
+   use geartrain_continuation_branch, only: branch_type, carried_by, gap_along, has_sets, response_settings_type
    use geartrain_continuation_contact_ranges, only: back_collision_ranges, separation_ranges
    use geartrain_continuation_decided, only: rests_on_undecided
    use geartrain_continuation_jumps, only: jump_type, jumps
@@ -120,6 +120,7 @@ contains
             call report_ranges('mesh '//trim(name)//' back collision', &
                                back_collision_ranges(branch, mesh, .false.), &
                                back_collision_ranges(branch, mesh, .true.), allocated(branch%stable), told, unit)
+            call report_pulling(branch, mesh, trim(name), told, unit)
          end do
          call report_loads(branch, column(:)(first:), told, at_end, trim(merge(of_all, of_computed, missing == '')), unit)
       end if
@@ -167,6 +168,28 @@ contains
          if (allocated(train%bodies)) column(i) = trim(column(i))//' ('//trim(labels(i))//')'
       end do
    end subroutine name_meshes
+
+   !> A line about a mesh without backlash whose force changes sign, which no teeth can do.
+   subroutine report_pulling(branch, mesh, name, told, unit)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: mesh
+      character(*), intent(in) :: name
+      type(frequency_text_type), intent(in) :: told
+      integer, intent(in) :: unit
+      character(:), allocatable :: words
+      logical :: pulls(branch%points)
+
+      associate (n => branch%points)
+         ! Without a mean the train is not loaded: that is a linear study.
+         pulls = .not. gap_along(branch, mesh) > 0 .and. branch%minimum(mesh, :n) < 0 .and. branch%maximum(mesh, :n) > 0 &
+                 .and. abs(branch%mean(mesh, :n)) > 1e-9_dp*branch%rms(mesh, :n)
+         if (.not. any(pulls)) return
+         call told%with_unit(trim(told%number(minval(branch%frequency_ratio(:n), pulls)))//' to '// &
+                             told%number(maxval(branch%frequency_ratio(:n), pulls)), words)
+      end associate
+      write (unit, '(5a)') '    mesh ', name, ' has no backlash, and its teeth pull for some of ', words, &
+         ': with half_backlash, or backlash, they part'
+   end subroutine report_pulling
 
    !> Lines about branch points, at which other branches of the same period cross.
    subroutine report_branch_points(branch, told, unit)
