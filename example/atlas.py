@@ -98,13 +98,12 @@ def crossings(locus, value):
     return locus.frequency[at] + share * (locus.frequency[at + 1] - locus.frequency[at])
 
 
-def curves_of(train, parameter, slices):
-    """Curves of all special points and onsets that responses at some values of the parameter have, each once."""
+def curves_of(parameter, values, rows):
+    """Curves of all special points and onsets of the branches at some values of the parameter, each once."""
     start, stop = RANGES[parameter]
     found = []
-    for value in slices:
-        other = train.with_values({parameter: value})
-        for branch in branches_of(other):
+    for value, branches in zip(values, rows):
+        for branch in branches:
             for special in [*branch.special_points, *branch.onsets]:
                 # Of the motions of period 2, a myriad, those that bound stable ones.
                 beside = branch.stable[max(special.point - 1, 0):special.point + 2]
@@ -115,7 +114,7 @@ def curves_of(train, parameter, slices):
                 if any((np.abs(at - special.frequency) < 2e-3).any() for at in known):
                     continue
                 try:
-                    curve = other.locus(special, parameter=parameter, start=start, stop=stop)
+                    curve = branch.train.locus(special, parameter=parameter, start=start, stop=stop)
                 except gt.SolverError as error:
                     print(f"  {special.kind} at {special.frequency:.4f}, {parameter} = {value:g}: {error}", flush=True)
                     continue
@@ -170,7 +169,7 @@ def label_regions(ax, number, frequency, values):
         text = " + ".join([f"{one}"] * bool(one or not two) + [f"{two} of 2"] * bool(two))
         for region in range(1, count + 1):
             inside = regions == region
-            if inside.sum() < 0.004 * inside.size:
+            if inside.sum() < 0.006 * inside.size:
                 continue
             # The place farthest from the region's edge.
             depth = distance_transform_edt(np.pad(inside, 1), sampling=(8, 1))[1:-1, 1:-1]
@@ -178,7 +177,7 @@ def label_regions(ax, number, frequency, values):
             ax.text(frequency[column], values[row], text, fontsize=7, ha="center", va="center")
 
 
-def draw(train, parameter, values, rows, path):
+def draw(parameter, values, rows, path):
     """The regions of stable motions, and over them the curves."""
     start, stop = RANGES[parameter]
     frequency = np.linspace(*LAMBDA, 461)
@@ -189,7 +188,7 @@ def draw(train, parameter, values, rows, path):
     ax.imshow(kinds, origin="lower", aspect="auto", cmap=ListedColormap(COLOURS), vmin=-0.5, vmax=6.5, interpolation="nearest",
               extent=(LAMBDA[0] - half[0], LAMBDA[1] + half[0], start - half[1], stop + half[1]))
     told, places = set(), []
-    for curve in curves_of(train, parameter, np.linspace(start, stop, 7)[1:]):
+    for curve in curves_of(parameter, values[8::8], rows[8::8]):
         colour, line = STYLES[curve.kind]
         name = f"{curve.kind}{', period 2' if curve.period == 2 else ''}"
         ax.plot(curve.frequency, curve.parameter, line, color=colour, lw=1.6 if curve.period == 1 else 0.8,
@@ -247,6 +246,6 @@ if __name__ == "__main__":
     for name in RANGES:
         numbers = np.linspace(*RANGES[name], ROWS)
         found = rows_of(paper, name, numbers)
-        draw(paper, name, numbers, found, folder / f"atlas_{name.split()[-1]}.png")
+        draw(name, numbers, found, folder / f"atlas_{name.split()[-1]}.png")
         if "--check" in sys.argv:
             check(paper, name, numbers, found)
