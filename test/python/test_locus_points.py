@@ -87,3 +87,17 @@ def test_neimark_sacker_and_one_to_four_resonance():
     found = nearest(other.response(start=point.frequency - 0.02, stop=point.frequency + 0.02), "neimark-sacker", point.frequency)
     assert found.frequency == pytest.approx(point.frequency, abs=1e-9)
     assert distance(found.multipliers, 1j)[0] < 1e-8
+
+
+def test_one_to_three_resonance():
+    def neimark_sacker(train, frequency):
+        response = train.response(start=0.2, stop=2.6, harmonics=12, period_doublings=2)
+        return min((special for branch in response.branches if branch.subharmonic == 4 for special in branch.special_points
+                    if special.kind == "neimark-sacker"), key=lambda special: abs(special.frequency - frequency)).exact()
+
+    train = paper_train()
+    locus = train.locus(neimark_sacker(train, 1.47262), parameter="stiffness_variation", start=0.255, stop=0.305)
+    point = of_name(locus, "1:3 resonance", 1.4954)
+    found = neimark_sacker(train.with_values({"stiffness_variation": point.parameter}), point.frequency)
+    assert found.frequency == pytest.approx(point.frequency, abs=1e-10)
+    assert np.sort(np.angle(found.critical)) == pytest.approx([-2 * np.pi / 3, 2 * np.pi / 3], abs=1e-7)
