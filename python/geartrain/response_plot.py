@@ -205,7 +205,7 @@ class Curves(Readings):
         return {"not computed": (Patch(**hatched),)} if gaps else {}
 
     def _mark_jumps(self, ax: Axes, factor: float, columns: Sequence[int] | None) -> Keys:
-        """Arrows from the rms before to the rms after; without columns a line at the frequency."""
+        """Arrows from the rms before to the rms after, or a line where no motion is known; without columns a line at each."""
         from matplotlib.lines import Line2D
 
         arrow = {"arrowstyle": "->", "color": "0.35", "linewidth": 0.9, "shrinkA": 0, "shrinkB": 0}
@@ -216,8 +216,12 @@ class Curves(Readings):
                     ax.annotate("", (at, jump.after[column]), (at, jump.before[column]), arrowprops=arrow)
             if columns is None or not np.isfinite(jump.after).all():
                 ax.axvline(at, color="0.35", linewidth=0.8, linestyle=":")
-        handle = Line2D([], [], color="0.35", linewidth=0.9, linestyle="-" if columns else ":")
-        return {"jump": (handle,)} if self.jumps else {}
+        keys = {}
+        if columns is None or any(np.isfinite(jump.after).any() for jump in self.jumps):
+            keys["jump"] = (Line2D([], [], color="0.35", linewidth=0.9, linestyle="-" if columns else ":"),)
+        if columns is not None and not all(np.isfinite(jump.after).all() for jump in self.jumps):
+            keys["leaves the branch"] = (Line2D([], [], color="0.35", linewidth=0.8, linestyle=":"),)
+        return keys if self.jumps else {}
 
     def _mark_ranges(self, ax: Axes, factor: float, rows: Mapping[int, Any], names: bool) -> tuple[float, Keys]:
         """Strips above the axes, a row for each mesh that has any: light where teeth separate, dark where back flanks collide.

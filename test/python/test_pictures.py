@@ -73,7 +73,7 @@ def test_jumps_and_ranges_of_a_response(branch):
     np.testing.assert_allclose(sorted(strips), sorted(map(tuple, ranges)))
     assert len(plain.patches) == 0 and ax.get_xlim() == pytest.approx(plain.get_xlim())
     legend = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert legend == ["mesh 2", "unstable", "jump", "teeth separate", "back flanks collide"]
+    assert legend == ["mesh 2", "unstable", "jump", "leaves the branch", "teeth separate", "back flanks collide"]
 
 
 def test_a_response_that_ended_early_says_so(branch):
