@@ -27,7 +27,7 @@ from .variables import PARTS
 __all__ = ["Plan"]
 
 #: Of the records of points: what is written by another version is not taken for done.
-_RESULTS_VERSION = 1
+_RESULTS_VERSION = 2
 
 _LONGEST = 200  # characters of the values of a point in a message
 _TRIED = 20  # points among which one is allowed, as a rule
