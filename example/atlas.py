@@ -18,7 +18,7 @@ import geartrain as gt
 ROOT = Path(__file__).resolve().parents[1]
 RANGES = {"stiffness_variation": (0.02, 0.5), "input_torque": (20.0, 300.0), "mesh * half_backlash": (3e-6, 60e-6)}
 LABELS = {"stiffness_variation": "kappa, both meshes", "input_torque": "Torque [N m]",
-          "mesh * half_backlash": "Half backlash [m], both meshes"}
+          "mesh * half_backlash": "Half backlash [um], both meshes"}
 # Values of the paper's figures: 7 over the stiffness variation, 6 over the torque; all have this backlash.
 SECTIONS = {"stiffness_variation": (0.1, 0.2, 0.3, 0.42), "input_torque": (50.0, 100.0, 150.0), "mesh * half_backlash": (30e-6,)}
 LAMBDA = (0.3, 2.6)
@@ -209,6 +209,8 @@ def draw(parameter, values, rows, path):
     for value in SECTIONS[parameter]:
         ax.axhline(value, color="k", lw=0.6, ls=(0, (6, 4)))
     ax.set(xlim=LAMBDA, ylim=(start, stop), xlabel="Lambda", ylabel=LABELS[parameter])
+    if "[um]" in LABELS[parameter]:
+        ax.yaxis.set_major_formatter(lambda value, _: f"{1e6 * value:g}")
     ax.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     plt.savefig(path, dpi=130)
     plt.close()
