@@ -118,7 +118,7 @@ def _alone(store: Store, plan: Plan, point: int) -> list[Record]:
     key, begun = plan.key(point), time.perf_counter()
     code = "import sys; from geartrain.study_worker import compute_alone; compute_alone(*sys.argv[1:])"
     command = [sys.executable, "-c", code, str(store.folder), plan.digest, str(point)]
-    paths = [*filter(None, sys.path), os.environ.get("PYTHONPATH", "")]
+    paths = [os.environ.get("PYTHONPATH", ""), *filter(None, sys.path)]  # the user's first, as Python has them
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, paths))}
     with subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as child:
         try:
