@@ -264,11 +264,11 @@ contains
             if (fields%enter('/motions', '', .true.)) call fields%index_axis('motion', n, '')
             allocate (box%motions(n))
             if (n > 0) call visit_motions(box%motions, 'motion', fields)
-            if (allocated(fields%wrong)) wrong = fields%wrong
+            if (allocated(fields%wrong)) wrong = fields%wrong//': does not agree with the rest, or with the train'
          end associate
       end if
       box%fields = none
-      if (wrong /= '') call fatal(error, wrong//': does not agree with the rest, or with the train', status_input)
+      if (wrong /= '') call fatal(error, wrong, status_input)
    end subroutine take
 
    !> The field shown by its number through all groups; null where there is none.

@@ -15,7 +15,7 @@ from ._motion_table import as_columns
 from ._orders import named_orders
 from ._page_force import force_laws, largest_difference
 from ._page_pack import Block
-from ._units import hertz_of, length_unit, speed_of, units_of
+from ._units import hertz_of, in_own_unit, length_unit, own_lambda, speed_of, units_of
 from .campbell import exciting_orders
 from .description import Description
 from .errors import InputError
@@ -67,7 +67,7 @@ def shown_results(results: Any, name: str, block: Block, every: int = 1) -> dict
     train = _train_of([*branches, *parts.values()])
     shown = [_of_branch(branch, place == 0 and response is not None, block, every) for place, branch in enumerate(branches)]
     over = branches[0].parameter_name if branches else ""
-    notes = [] if alone or not results.ended else [results.ended]
+    notes = [] if alone or not results.ended else [in_own_unit(results.ended, train)]
     others = [name for name in ANALYSES if name not in (*parts, "response") and getattr(results, name, None) is not None]
     if others and not alone:
         notes.append(f"In the file, but not on this page: {', '.join(others)}")
@@ -82,7 +82,8 @@ def shown_results(results: Any, name: str, block: Block, every: int = 1) -> dict
     if parts["modes"] is not None:
         tables.append(_table("Natural modes", {
             "mode": list(range(1, len(parts["modes"].natural_frequency) + 1)),
-            "natural frequency, Lambda": parts["modes"].natural_frequency.tolist(),
+            **({"natural frequency, Lambda": parts["modes"].natural_frequency.tolist()}
+               if units_of(train, None).unit == "Lambda" else {}),
             **({} if (hertz := hertz_of(train, 1.0)) is None else
                {"natural frequency [Hz]": (hertz * parts["modes"].natural_frequency).tolist()}),
             "damping ratio": parts["modes"].damping_ratio.tolist(),
@@ -143,7 +144,7 @@ def _of_branch(branch: Any, first: bool, block: Block, every: int) -> dict[str, 
         "kind": kind,
         "name": "response" if first else branch.origin or "branch",
         "across": block.add(branch.parameter, "f8"),
-        "ended": branch.ended,
+        "ended": in_own_unit(branch.ended, branch.train),
         "complete": branch.complete,
         "period": block.add(np.full(len(branch), branch.subharmonic), "i4"),
         "orders": [int(order) for order in branch.orders],
@@ -172,7 +173,7 @@ def _of_motions(motions: Any, kind: str, block: Block, every: int) -> dict[str, 
         **_points(columns, block, every),
         "kind": kind,
         "name": words,
-        "ended": motions.ended,
+        "ended": in_own_unit(motions.ended, motions[0].train if motions else None),
         "complete": motions.complete,
         "period": block.add(columns["period"], "i4"),
         "kinds": list(columns["kind"]),
@@ -247,10 +248,54 @@ def _tables(branch: Any, place: int, name: str) -> list[dict[str, Any]]:
         _table("Special points", specials._table(), [[place, special.point] for special in specials]),
     ]
     unit = f" [{branch.parameter_unit}]" if branch.parameter_unit not in ("", "1") else ""
+    found.insert(1, _table(*_largest(branch, place)))
+    found.append(_table(*_bands(branch)))
     for table in found:
         table["branch"] = "" if place == 0 else name
         table["headings"] = [branch.parameter_name + unit if heading == "parameter" else heading for heading in table["headings"]]
     return [table for table in found if table["rows"]]
+
+
+def _largest(branch: Any, place: int) -> tuple[str, dict[str, list[Any]], list[list[int]]]:
+    """The largest force of each mesh and the largest torque of each shaft, of stable motions where there are some."""
+    arrays, train = branch.arrays(), branch.train
+    stable = branch.stable is not None and branch.stable.any()
+    torque = arrays.get("shaft_torque_maximum")
+    parts = [(label, arrays["mesh_force_maximum"][:, mesh], "N") for mesh, label in enumerate(train.mesh_labels)]
+    if torque is not None:
+        both = np.maximum(torque, -arrays["shaft_torque_minimum"])
+        parts += [(label, both[:, shaft], "N m") for shaft, label in enumerate(train.shaft_labels)]
+    parts = [part for part in parts if np.isfinite(part[1]).any()]
+    points = [int(np.nanargmax(np.where(branch.stable, values, np.nan) if stable else values)) for _, values, _ in parts]
+    factor = arrays["dynamic_factor"]
+    columns = {
+        "part": [label for label, _, _ in parts],
+        "force or torque": [float(values[point]) for point, (_, values, _) in zip(points, parts)],
+        "unit": [unit for _, _, unit in parts],
+        "dynamic factor": [float(factor[point, row]) if row < factor.shape[1] else None for row, point in enumerate(points)],
+        **_where(branch, points),
+    }
+    return f"Largest forces and torques{', stable motions' if stable else ''}", columns, [[place, point] for point in points]
+
+
+def _where(branch: Any, points: Sequence[int]) -> dict[str, list[Any]]:
+    """Columns that tell where points are."""
+    at = [float(branch.frequency[point]) for point in points]
+    speed = [speed_of(branch.train, one) for one in at]
+    return {
+        **({} if branch.parameter is None else {"parameter": [float(branch.parameter[point]) for point in points]}),
+        "speed [rpm]": speed,
+        "fundamental [Hz]": [hertz_of(branch.train, one) for one in at],
+        "Lambda": [own_lambda(*pair) for pair in zip(at, speed)],
+    }
+
+
+def _bands(branch: Any) -> tuple[str, dict[str, list[Any]]]:
+    """Where no motion of the branch is stable: the largest forces of stable motions tell nothing there."""
+    bands = branch.bands_without_stability if branch.stable is not None else np.empty((0, 2))
+    units = units_of(branch.train, None)
+    name, factor = (units.unit, units.per_lambda) if branch.parameter is None else (branch.parameter_name, 1.0)
+    return "Without a stable motion", {f"{name} from": list(factor * bands[:, 0]), "to": list(factor * bands[:, 1])}
 
 
 def _free(place: Any) -> float:
@@ -269,15 +314,17 @@ def _nearest(branch: Any, jump: Any) -> int:
 def _table(name: str, columns: Mapping[str, Sequence[Any]], points: Sequence[Sequence[int]] = ()) -> dict[str, Any]:
     """A table: headings and rows; a column of lists becomes one for each mesh."""
     flat: dict[str, list[Any]] = {}
+    before = ""
     for heading, values in columns.items():
         if all(value is None for value in values):
             continue
         widest = max((np.size(value) for value in values if isinstance(value, np.ndarray)), default=0)
         if not widest:
             flat[heading] = list(values)
+        # In the printed table "rms [um] before" and "after" stand side by side; here they may be sorted by.
+        words = before.replace("before", "after") if heading == "after" else heading
+        before = heading
         for mesh in range(widest):
-            # "rms before" and "after" belong together where they stand side by side, as in the printed table.
-            words = f"rms {heading}" if heading == "after" else heading
             flat[f"{words}, mesh {mesh + 1}" if widest > 1 else words] = [value[mesh] for value in values]
     return {"name": name, "headings": list(flat), "rows": list(zip(*flat.values())), "points": list(points)}
 
@@ -299,7 +346,7 @@ def _schematic(train: Description) -> str:
 def _of_map(chart: Any, block: Block) -> dict[str, Any]:
     """A stability map."""
     return {
-        "parameter": chart.name, "unit": chart.unit, "ended": chart.ended, "linear": chart.linear,
+        "parameter": chart.name, "unit": chart.unit, "ended": in_own_unit(chart.ended, chart.train), "linear": chart.linear,
         "lambda": block.add(chart.frequency, "f8"), "values": block.add(chart.parameter, "f8"),
         "motions": block.add(chart.motions, "i4"), "stable_motions": block.add(chart.stable_motions, "i4"),
         "spectral_radius": block.add(chart.spectral_radius),
@@ -310,7 +357,7 @@ def _of_map(chart: Any, block: Block) -> dict[str, Any]:
 def _of_locus(locus: Any, block: Block) -> dict[str, Any]:
     """The curve of a special point over frequency and a parameter."""
     return {
-        "kind": locus.kind, "parameter": locus.parameter_name, "ended": locus.ended,
+        "kind": locus.kind, "parameter": locus.parameter_name, "ended": in_own_unit(locus.ended, locus.train),
         "lambda": block.add(locus.frequency, "f8"), "values": block.add(locus.parameter, "f8"),
         "specials": [{"kind": point.kind, "at": point.frequency, "value": point.parameter} for point in locus.special_points],
     }
@@ -320,6 +367,8 @@ def _of_run_up(run_up: Any, block: Block) -> dict[str, Any]:
     """Extremes of a run-up over its windows."""
     frequency = np.interp(run_up.window_time, run_up.time, run_up.frequency)
     return {
-        "ended": run_up.ended, "lambda": block.add(frequency, "f8"), "time": block.add(run_up.window_time),
-        "low": block.add(run_up.mesh_force_minimum), "high": block.add(run_up.mesh_force_maximum),
+        "ended": in_own_unit(run_up.ended, run_up.train), "lambda": block.add(frequency, "f8"),
+        "time": block.add(run_up.window_time),
+        "mesh": {"low": block.add(run_up.mesh_force_minimum), "high": block.add(run_up.mesh_force_maximum)},
+        "shaft": {"low": block.add(run_up.shaft_torque_minimum), "high": block.add(run_up.shaft_torque_maximum)},
     }

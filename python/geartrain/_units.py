@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeVar
 
@@ -11,7 +12,17 @@ from numpy.typing import NDArray
 from .description import Description
 from .errors import InputError, shown
 
-__all__ = ["Unit", "Units", "hertz_of", "lambda_of", "length_unit", "own_lambda", "speed_of", "units_of"]
+__all__ = [
+    "Unit",
+    "Units",
+    "hertz_of",
+    "in_own_unit",
+    "lambda_of",
+    "length_unit",
+    "own_lambda",
+    "speed_of",
+    "units_of",
+]
 
 Unit = Literal["Lambda", "rpm", "Hz"]
 Numbers = TypeVar("Numbers", float, "NDArray[np.float64]")
@@ -37,6 +48,13 @@ def hertz_of(train: Description | None, frequency: Numbers) -> Numbers | None:
 def own_lambda(frequency: float, speed: float | None) -> float | None:
     """Lambda in a table; None where it is the speed in rpm, which the table has."""
     return None if speed is not None and abs(frequency - speed) <= 1e-9 * speed else frequency
+
+
+def in_own_unit(words: str, train: Any) -> str:
+    """Words with "Lambda = 3600" as "3600 rpm" where Lambda is the speed in rpm."""
+    if not isinstance(train, Description) or units_of(train, None).unit != "rpm":
+        return words
+    return re.sub(r"Lambda = ([-+.\de]*\d)( to [-+.\de]*\d)?", r"\1\2 rpm", words)
 
 
 def length_unit(train: Description | None) -> str:

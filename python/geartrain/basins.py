@@ -13,6 +13,7 @@ from ._draw import COLORS, draws, new_axes
 from ._extras import extra
 from ._motion_table import motions_dataset, motions_of, put_table
 from ._table import Table
+from ._units import in_own_unit
 from .description import Description
 from .errors import InputError, shown
 from .motion import Motion
@@ -92,7 +93,8 @@ class Basins(Table):
 
     def __repr__(self) -> str:
         rows, columns = self.label.shape
-        return f"<Basins of {len(self.motions)} motions at Lambda = {self.frequency:g}, {rows} x {columns} starts: {self.ended}>"
+        words = f"{len(self.motions)} motions at Lambda = {self.frequency:g}, {rows} x {columns} starts: {self.ended}"
+        return f"<Basins of {in_own_unit(words, self.train)}>"
 
     def start(self, displacement: float, velocity: float) -> Array:
         """The state at phase 0 of a start, (2*elements,), from which `Train.integrate` shows the way to its motion.

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ._draw import COLORS, draws, new_axes
 from ._table import Table
-from ._units import Unit, hertz_of, speed_of, units_of
+from ._units import Unit, hertz_of, in_own_unit, speed_of, units_of
 from .description import Description
 from .errors import InputError, shown
 
@@ -75,7 +75,7 @@ class BifurcationDiagram(Table):
     train: Description | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
-        return f"<BifurcationDiagram of {len(self.frequency)} points: {self.ended}>"
+        return f"<BifurcationDiagram of {len(self.frequency)} points: {in_own_unit(self.ended, self.train)}>"
 
     @property
     def speed(self) -> Array | None:

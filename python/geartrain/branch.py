@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
@@ -16,7 +17,7 @@ from ._box import Box, Group, described
 from ._dataset import dataset
 from ._motion_table import motions_of
 from ._page import Page, page
-from ._units import Unit, hertz_of, lambda_of, length_unit, speed_of
+from ._units import Unit, hertz_of, in_own_unit, lambda_of, length_unit, speed_of
 from ._watch import watched
 from .audit import Audit
 from .description import Description, mesh_names, shaft_names
@@ -137,13 +138,14 @@ class Branch(Curves):
         return len(self.frequency)
 
     def __repr__(self) -> str:
-        return f"<Branch of {len(self)} points: {self.ended}>"
+        return f"<Branch of {len(self)} points: {in_own_unit(self.ended, self.train)}>"
 
     def at(self, frequency: float, *, unit: Unit = "Lambda") -> list[Motion]:
         """Every solution of this branch at exactly that frequency, in their order along the branch.
 
         ``unit`` is that of the frequency: Lambda, rpm or Hz, as in `Train.response`. Of a branch over a parameter ``frequency`` is
-        a value of the parameter in its unit, and the train of the motions has it.
+        a value of the parameter in its unit, and the train of the motions has it. Outside the range that was asked for the list is
+        empty, with a warning.
 
         Examples
         --------
@@ -166,6 +168,10 @@ class Branch(Curves):
             train = with_values(train, {self.parameter_name: frequency})
         else:
             frequency = lambda_of(train, frequency, unit)
+        ends = self._range()
+        if ends and abs(frequency - sum(ends) / 2) > (0.5 + 1e-9) * abs(ends[0] - ends[1]):
+            words = in_own_unit(f"{self.parameter_name or 'Lambda'} = {frequency:g}", train)
+            warnings.warn(f"{words}: outside the range of the branch, {min(ends):g} to {max(ends):g}", stacklevel=3)
 
         def work(progress: NDArray[np.float64]) -> list[Motion]:
             with self._box() as box:

@@ -15,6 +15,7 @@ from ._motion_table import ATTRACTORS, INTEGRATION
 from ._namelist import parse
 from ._page import Page, page
 from ._table import Found
+from ._units import units_of
 from ._watch import watched
 from .attractors import Attractors
 from .basins import Basins
@@ -296,7 +297,9 @@ def _in_short(result: Any) -> str:
     words = f"{count} modes" if count else repr(result).strip("<>")
     frequency = np.ravel(getattr(result, "frequency", ()))
     if len(frequency) and np.isfinite(frequency).all():
-        words += f" (Lambda {frequency.min():g} to {frequency.max():g})"
+        ends = f"{frequency.min():g} to {frequency.max():g}"
+        train = getattr(result[0] if isinstance(result, list) else result, "train", None)
+        words += f" ({ends} rpm)" if units_of(train, None).unit == "rpm" else f" (Lambda {ends})"
     return words.splitlines()[0]
 
 

@@ -13,7 +13,7 @@ from ._box import Box, Group
 from ._draw import draws, new_axes
 from ._table import Table
 from ._text_table import Rows
-from ._units import Unit, units_of
+from ._units import Unit, in_own_unit, units_of
 from .description import Description
 from .errors import InputError, shown
 
@@ -111,7 +111,7 @@ class Locus(Table):
         return len(self.frequency)
 
     def __repr__(self) -> str:
-        return f"<Locus of a {self.kind} over {self.parameter_name}, {len(self)} points: {self.ended}>"
+        return f"<Locus of a {self.kind} over {self.parameter_name}, {len(self)} points: {in_own_unit(self.ended, self.train)}>"
 
     @classmethod
     def _from(cls, box: Box, train: Description | None = None) -> Self | None:

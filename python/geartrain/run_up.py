@@ -14,7 +14,7 @@ from ._dataset import dataset
 from ._draw import draws, new_axes, put_legend
 from ._orders import orders_of
 from ._table import Table
-from ._units import Unit, units_of
+from ._units import Unit, in_own_unit, units_of
 from .campbell import exciting_orders
 from .description import Description
 from .errors import InputError, shown
@@ -106,7 +106,7 @@ class RunUp(Table):
     train: Description | None = None
 
     def __repr__(self) -> str:
-        return f"<RunUp over {self.time[-1]:.6g} s, {len(self.time)} samples: {self.ended}>"
+        return f"<RunUp over {self.time[-1]:.6g} s, {len(self.time)} samples: {in_own_unit(self.ended, self.train)}>"
 
     def to_dataset(self) -> Dataset:
         """The run-up as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""

@@ -14,7 +14,7 @@ from ._dataset import dataset
 from ._draw import COLORS, draws, new_axes
 from ._extras import extra
 from ._table import Table
-from ._units import Unit, hertz_of, speed_of, units_of
+from ._units import Unit, hertz_of, in_own_unit, speed_of, units_of
 from .description import Description
 from .errors import InputError, shown
 from .locus import Locus
@@ -94,7 +94,7 @@ class StabilityMap(Table):
 
     def __repr__(self) -> str:
         rows, points = self.motions.shape
-        return f"<StabilityMap of {self.name} x Lambda, {rows} x {points}: {self.ended}>"
+        return f"<StabilityMap of {self.name} x Lambda, {rows} x {points}: {in_own_unit(self.ended, self.train)}>"
 
     @property
     def spectral_radius(self) -> Array:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ._box import Box
 from ._draw import draws
 from ._motion_table import INTEGRATION, motions_dataset, motions_of, put_table
-from ._units import Unit, hertz_of, speed_of
+from ._units import Unit, hertz_of, in_own_unit, speed_of
 from .description import Description
 from .errors import InputError
 from .motion import Motion
@@ -98,7 +98,7 @@ class Sweep(list[Motion]):
         return motions_dataset(INTEGRATION, self, coordinates, attributes, direction=list(self.direction))
 
     def __repr__(self) -> str:
-        return f"<Sweep of {len(self)} motions: {self.ended}>"
+        return f"<Sweep of {len(self)} motions: {in_own_unit(self.ended, self[0].train if self else None)}>"
 
     @classmethod
     def _from(cls, box: Box, train: Description) -> Sweep:

@@ -227,8 +227,35 @@ function drawFacts() {
       }),
     ),
   );
+  const torques = ["shaft_torque_mean", "shaft_torque_minimum", "shaft_torque_maximum"].filter((name) => series.values[name]);
+  const shafts = torques.length ? file.shafts : [];
   byId("facts").replaceChildren(
     list,
     make("div", { class: "scroll" }, make("table", {}, make("thead", {}, head), make("tbody", {}, ...body))),
+    shafts.length
+      ? make("div", { class: "scroll" }, make("table", {}, ...torqueTable(series, point, torques, shafts)))
+      : "",
   );
+}
+
+/** The torques of the shafts of the chosen motion, a row for each shaft. */
+function torqueTable(series, point, names, shafts) {
+  const heading = (name) => name.replace("shaft_torque_", "").replace("minimum", "smallest").replace("maximum", "largest");
+  const head = make(
+    "tr",
+    {},
+    ...["shaft torque", ...names.map(heading)].map((words) => make("th", { scope: "col" }, words)),
+  );
+  const rows = shafts.map((label, shaft) =>
+    make(
+      "tr",
+      {},
+      make("th", { scope: "row" }, label),
+      ...names.map((name) => {
+        const value = valueAt(series, name, point, shaft);
+        return make("td", {}, Number.isFinite(value) ? `${show(value, 5)} N m` : "");
+      }),
+    ),
+  );
+  return [make("thead", {}, head), make("tbody", {}, ...rows)];
 }

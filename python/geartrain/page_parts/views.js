@@ -232,43 +232,54 @@ function tellCell(chart, point) {
 }
 
 function runUpView(panel) {
-  const plot = make("div", { id: "ramp", class: "plot", role: "img", "aria-label": "Mesh forces of the run-up" });
+  const plot = make("div", { id: "ramp", class: "plot", role: "img", "aria-label": "Forces and torques of the run-up" });
   plot.style.height = "460px";
-  panel.append(
-    make("div", { class: "controls" }, unitChoice("run-up")),
-    plot,
-    make(
-      "p",
-      { class: "note" },
-      `Smallest to largest force of each mesh in each tooth period of the slowest mesh. ${main.runUp.ended}.`,
-    ),
+  let along = "mesh";
+  const [what] = choice(
+    "show",
+    [
+      ["mesh", "mesh forces"],
+      ["shaft", "shaft torques"],
+    ],
+    along,
+    (value) => {
+      along = value;
+      draw();
+    },
   );
-  return () => {
-    const { lambda, low, high } = main.runUp,
-      meshes = low.shape[1],
-      x = Array.from(lambda, (l) => l * per(main));
-    const traces = range(meshes).flatMap((mesh) =>
+  panel.append(
+    make("div", { class: "controls" }, unitChoice("run-up"), main.shafts.length ? what : null),
+    plot,
+    make("p", { class: "note" }, `Smallest to largest value in each tooth period of the slowest mesh. ${main.runUp.ended}.`),
+  );
+  function draw() {
+    const { low, high } = main.runUp[along],
+      [names, unit, title] = { mesh: [main.meshes, "N", "mesh force"], shaft: [main.shafts, "N m", "shaft torque"] }[along],
+      width = low.shape[1],
+      x = Array.from(main.runUp.lambda, (l) => l * per(main));
+    const traces = range(width).flatMap((part) =>
       [low, high].map((values, place) => ({
         type: "scatter",
         mode: "lines",
         x,
-        y: x.map((_, i) => values[i * meshes + mesh]),
-        line: { color: COLORS[mesh % COLORS.length], width: 1 },
+        y: x.map((_, i) => values[i * width + part]),
+        line: { color: COLORS[part % COLORS.length], width: 1 },
         fill: place ? "tonexty" : "none",
-        name: safe(main.meshes[mesh]),
+        name: safe(names[part]),
         showlegend: place === 1,
-        hovertemplate: `${safe(main.meshes[mesh])}<br>%{x:.6g}${unitSuffix()}: %{y:.5g} N<extra></extra>`,
+        hovertemplate: `${safe(names[part])}<br>%{x:.6g}${unitSuffix()}: %{y:.5g} ${unit}<extra></extra>`,
       })),
     );
     const layout = {
-      ...baseLayout(frequencyTitle(), "mesh force  [N]"),
+      ...baseLayout(frequencyTitle(), `${title}  [${unit}]`),
       margin: { l: 68, r: 10, t: 40, b: 48 },
       hovermode: "closest",
       showlegend: true,
       legend: { orientation: "h", y: 1.02, yanchor: "bottom" },
     };
     Plotly.react(plot, traces, layout, CONFIG);
-  };
+  }
+  return draw;
 }
 
 function trainView(panel) {

@@ -2,6 +2,7 @@
 module geartrain_analyses_branch_report
    use geartrain_analyses_analysis, only: fixed
    use geartrain_analyses_frequency_text, only: frequency_text_type, in_width, length_unit, text_for
+   use geartrain_analyses_load_report, only: beyond, column_length, name_meshes, report_loads
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type, carried_by, gap_along, has_sets, response_settings_type
    use geartrain_continuation_contact_ranges, only: back_collision_ranges, separation_ranges
@@ -9,7 +10,6 @@ module geartrain_analyses_branch_report
    use geartrain_continuation_jumps, only: jump_type, jumps
    use geartrain_continuation_summary, only: band_type, bands_without_stability, folds, gaps, peak_type, peaks
    use geartrain_model_frequency_unit, only: lambda_per
-   use geartrain_model_labels, only: label_length, mesh_labels
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -17,8 +17,6 @@ module geartrain_analyses_branch_report
 
    !> Said of a table where a part of the range was not computed.
    character(*), parameter :: of_computed = '  of the computed ranges', of_all = repeat(' ', len(of_computed))
-   !> Said of a largest value at an end of the range.
-   character(*), parameter :: beyond = '  at the end of the range: there may be more beyond', blank = repeat(' ', len(beyond))
 
 contains
 
@@ -63,7 +61,7 @@ contains
       type(frequency_text_type) :: told
       type(band_type), allocatable :: bands(:)
       real(dp), allocatable :: at_fold(:)
-      character(label_length + 24) :: column(0:size(train%meshes)), name
+      character(column_length) :: column(0:size(train%meshes)), name
       character(:), allocatable :: words, missing
       logical, allocatable :: at_end(:)
       integer :: mesh, i, first
@@ -86,9 +84,7 @@ contains
             write (unit, '(2a)') '    not computed for ', words
          end if
          at_end = ends_range(branch, settings, train)
-         call name_meshes(train, column)
-         first = len(column) + 1 - max(8, 4 + maxval(len_trim(column)))
-         column = adjustr(column)
+         call name_meshes(train, column, first)
          write (unit, '(4a)') column(0)(first:), in_width('peak at '//told%unit, 16), in_width('rms'//length_unit(train), 12), &
             trim(merge(of_all, of_computed, missing == ''))
          do mesh = 1, branch%meshes
@@ -122,7 +118,7 @@ contains
                                back_collision_ranges(branch, mesh, .true.), allocated(branch%stable), told, unit)
             call report_pulling(branch, mesh, trim(name), told, unit)
          end do
-         call report_loads(branch, column(:)(first:), told, at_end, trim(merge(of_all, of_computed, missing == '')), unit)
+         call report_forces(branch, column(:)(first:), told, at_end, trim(merge(of_all, of_computed, missing == '')), unit)
       end if
       if (.not. allocated(branch%ended)) return
       call told%of_words(branch%ended, words)
@@ -153,21 +149,6 @@ contains
       ends = [settings%start, settings%stop]
       if (settings%parameter == '') ends = ends*lambda_per(train, settings%unit)
    end function ends_of
-
-   !> The column of meshes in a table: its head, then each by its number, and by its bodies where they have names.
-   subroutine name_meshes(train, column)
-      type(train_type), intent(in) :: train
-      character(*), intent(out) :: column(0:)
-      character(label_length) :: labels(size(train%meshes))
-      integer :: i
-
-      labels = mesh_labels(train)
-      column(0) = 'mesh'
-      do i = 1, size(labels)
-         write (column(i), '(i0)') i
-         if (allocated(train%bodies)) column(i) = trim(column(i))//' ('//trim(labels(i))//')'
-      end do
-   end subroutine name_meshes
 
    !> A line about a mesh without backlash whose force changes sign, which no teeth can do.
    subroutine report_pulling(branch, mesh, name, told, unit)
@@ -357,7 +338,7 @@ contains
    end subroutine list
 
    !> Lines about the largest force of each mesh over the branch: of stable motions where stability is known, else of all motions.
-   subroutine report_loads(branch, column, told, at_end, note, unit)
+   subroutine report_forces(branch, column, told, at_end, note, unit)
       type(branch_type), intent(in) :: branch
       !> Head of the column of meshes, and what each is called, (0:mesh).
       character(*), intent(in) :: column(0:)
@@ -367,23 +348,24 @@ contains
       character(*), intent(in) :: note
       integer, intent(in) :: unit
       logical :: counts(branch%points)
-      integer :: mesh, i
+      character(:), allocatable :: left_out, words
+      type(band_type), allocatable :: bands(:)
+      integer :: i
 
       counts = .true.
       if (allocated(branch%stable)) counts = branch%stable(:branch%points)
       if (.not. any(counts)) return
-      write (unit, '(5a)') column(0), '  largest force [N]  dynamic factor', in_width('at '//told%unit, 11), &
-         trim(merge(', stable motions', '                ', allocated(branch%stable))), note
-      do mesh = 1, branch%meshes
-         i = maxloc(branch%mesh_load(mesh, :branch%points)%force_maximum, 1, counts)
-         associate (load => branch%mesh_load(mesh, i))
-            write (unit, '(a, f19.1)', advance='no') column(mesh), load%force_maximum
-            if (load%dynamic_factor < 0) write (unit, '(a16)', advance='no') '-'
-            if (load%dynamic_factor >= 0) write (unit, '(f16.3)', advance='no') load%dynamic_factor
-            write (unit, '(2a)') in_width(told%number(branch%frequency_ratio(i)), 11), &
-               trim(merge(beyond, blank, at_end(i)))
-         end associate
-      end do
-   end subroutine report_loads
+      associate (n => branch%points)
+         call report_loads(branch%mesh_load(:, :n), branch%frequency_ratio(:n), counts, at_end, told, column, &
+                           trim(merge(', stable motions', '                ', allocated(branch%stable)))//note, unit)
+      end associate
+      bands = bands_without_stability(branch)
+      bands = pack(bands, [(told%number(bands(i)%from) /= told%number(bands(i)%to), i=1, size(bands))])
+      call list(bands, told, left_out)
+      if (left_out == '') return
+      call told%with_unit(left_out, words)
+      write (unit, '(3a)') '    these forces leave out ', words, ', where no motion of the branch is stable: &integration there &
+         &tells what happens'
+   end subroutine report_forces
 
 end module geartrain_analyses_branch_report

@@ -3,6 +3,8 @@
 module geartrain_analyses_integration
    use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
    use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
+   use geartrain_analyses_load_report, only: column_length, name_meshes, report_loads
+   use geartrain_balance_mesh_load, only: mesh_load_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_carry, only: carry, carry_text
    use geartrain_base_checker, only: checker_type
@@ -402,8 +404,11 @@ contains
       integer, intent(in) :: unit
       real(dp), intent(in) :: seconds
       type(frequency_text_type) :: told
+      type(mesh_load_type) :: load(size(train%meshes), size(self%result%motions))
+      character(column_length) :: column(0:size(train%meshes))
       character(:), allocatable :: ended
-      integer :: settled, period
+      logical :: counts(size(self%result%motions))
+      integer :: settled, period, first, i
 
       settled = count(self%result%motions%period > 0)
       write (unit, '(a, i0, 3a, i0, a, i0, a)') 'Integration: ', size(self%result%motions), ' points in ', &
@@ -412,8 +417,18 @@ contains
          if (any(self%result%motions%period == period)) write (unit, '(a, i0, a, i0)') '    of period ', period, ': ', &
             count(self%result%motions%period == period)
       end do
+      told = frequency_text(train, self%settings%unit, maxval([0.0_dp, self%result%motions%frequency_ratio]))
+      counts = [(allocated(self%result%motions(i)%mesh_load), i=1, size(counts))]
+      if (any(counts)) then
+         do i = 1, size(counts)
+            if (counts(i)) load(:, i) = self%result%motions(i)%mesh_load
+         end do
+         call name_meshes(train, column, first)
+         call report_loads(load, self%result%motions%frequency_ratio, counts, .not. counts, told, column(:)(first:), &
+                           trim(merge(', unsettled motions too', '                       ', &
+                                      any(self%result%motions%period == 0))), unit)
+      end if
       if (.not. allocated(self%result%ended)) return
-      told = frequency_text(train, self%settings%unit, 0.0_dp)
       call told%of_words(self%result%ended, ended)
       write (unit, '(2a)') '    ended: ', ended
    end subroutine report

@@ -71,7 +71,7 @@ contains
    end subroutine carry_reals
 
    !> Puts the last index of an array into another order; values that the array does not have are 0, those of further places of the
-   !> last index are not set.
+   !> last index are not set. Without an array the values of old places are NaN: a file from before the field was thought of.
    pure subroutine arrange(order, from, to, values, arranged)
       !> Old index of each place of the last index.
       integer, intent(in) :: order(:)
@@ -85,6 +85,7 @@ contains
 
       if (.not. present(values)) then
          arranged(:product(to)) = 0
+         arranged(:product(to(:size(to) - 1))*size(order)) = ieee_value(0.0_dp, ieee_quiet_nan)
          return
       end if
       rank = size(to)

@@ -28,6 +28,8 @@ module geartrain_base_fields
       integer :: way = writing
       !> Path of the first field that does not fit; not allocated while all fields fit.
       character(:), allocatable :: wrong
+      !> Whether that field is not there.
+      logical :: lacks = .false.
       !> Arranging: old index, in the last dimension, of the values that become first, second, ...; further values are not set.
       integer, allocatable :: order(:)
       !> Number of the present group.
@@ -291,7 +293,9 @@ contains
       if (allocated(self%wrong)) return
       place = self%groups(self%here)%place(about%name, about%dimensions == '' .and. self%along == '', self%next)
       self%next = place + 1
-      call self%check(place > 0 .or. about%optional, about%name)
+      if (place > 0 .or. about%optional) return
+      self%lacks = .true.
+      call self%check(.false., about%name)
    end function find
 
    !> Finds or adds the field for values of some extents; the values of the present item are those after number `first`.

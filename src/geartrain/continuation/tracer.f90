@@ -26,6 +26,8 @@ module geartrain_continuation_tracer
 
    !> Length of the first step, and of the smallest one, in the metric of the branch.
    real(dp), parameter :: first_step = 0.01_dp, smallest_step = 1e-9_dp
+   !> Largest change of Lambda in a step with sets of harmonics, over the range [1].
+   real(dp), parameter :: widest = 0.01_dp
    !> Length of a step that is as good as the fold in it.
    real(dp), parameter :: fold_itself = 1e-6_dp
 
@@ -45,7 +47,7 @@ module geartrain_continuation_tracer
       integer :: missed = 0
    contains
       procedure :: record, trace, tell_missed, note_state, restore_state
-      procedure, private :: take_step, find_end, stop_at, add_fold, add_changes
+      procedure, private :: shown_step, take_step, find_end, stop_at, add_fold, add_changes
    end type tracer_type
 
 contains
@@ -95,7 +97,7 @@ contains
       origin = here
       if (present(began)) origin = began
       sense = sense_of(here, self%corrector%units)
-      h = min(first_step, self%settings%step)
+      h = self%shown_step(min(first_step, self%settings%step), here, low, high)
       steps = 0
       closing = .false.
       if (self%resumes) then
@@ -120,6 +122,7 @@ contains
          else if (success .and. .not. closing) then
             longer = next_step(self%corrector, here, next, h, &
                                self%settings%step*max(1.0_dp, self%corrector%length_of(next%u)/large))
+            longer = self%shown_step(longer, next, low, high)
             self%curvature = (next%tangent_frequency - here%tangent_frequency)/h
             crosses = crosses_branch(here, next)
             if (crosses) call find_crossing(self%corrector, here, h, crossing, located)
@@ -194,6 +197,18 @@ contains
       outcome = closed_loop
       reason = 'closed where it began, at Lambda = '//text(origin%frequency_ratio)
    end subroutine trace
+
+   !> Length of a step [1], shortened where a curve of rms drawn over it would miss dips: with sets of harmonics long steps follow a
+   !> branch that is nearly straight in its coefficients.
+   pure real(dp) function shown_step(self, h, here, low, high) result(step)
+      class(tracer_type), intent(in) :: self
+      real(dp), intent(in) :: h, low, high
+      type(solution_point_type), intent(in) :: here
+
+      step = h
+      if (self%corrector%balance%chosen .and. h*abs(here%tangent_frequency) > widest*(high - low)) &
+         step = widest*(high - low)/abs(here%tangent_frequency)
+   end function shown_step
 
    !> Solves the next point: a distance h from `here`, or `origin` itself where the branch is closing. Where the tangent leads to or
    !> beyond the end of a path in a parameter, where there may be no train, the next point is at this end.

@@ -42,7 +42,8 @@ contains
       given = abs(settings%frequency) > 0
       call v%on_real(row('frequency', '', 'with parameter: the constant frequency', above=zero), settings%frequency, given)
       call visit_unit(settings%unit, v)
-      call v%on_integer(row('harmonics', '', 'harmonics R of Lambda/subharmonic; 0: as many as tolerance needs', least=one, &
+      call v%on_integer(row('harmonics', '', 'harmonics R of Lambda/subharmonic; 0: as many as tolerance needs, the choice for &
+                            &trains with teeth', least=one, &
                             most=most_harmonics*one, automatic=zero), settings%harmonics)
       call v%on_integer(row('subharmonic', '', 'period of the motion in periods of the fundamental, eta', least=one, &
          &most=1000*one), &

@@ -16,6 +16,8 @@ module geartrain_model_check_drawing
 
    !> Rounding of a drawing: by how much the flanks may overlap, over the module, and relative to a ratio of radii [1].
    real(dp), parameter :: rounding = 1e-3_dp
+   !> Beyond it no gear is made [m]; ISO 54 ends at 0.05.
+   real(dp), parameter :: largest_module = 1
 
 contains
 
@@ -86,6 +88,11 @@ contains
       integer :: i
 
       call check_alone()
+      if (mesh%normal_module > largest_module) then
+         call checker%complain('normal_module', real_text(mesh%normal_module), 'must be <= 1 m; metres are meant &
+                               &(2.5 mm are 2.5e-3)')
+         return
+      end if
       call check_ratio()
       if (mesh%backlash > 0 .and. mesh%half_backlash > 0) call checker%complain('backlash', real_text(mesh%backlash), &
          'contradicts half_backlash, along the line of action: leave out one of the two')
@@ -99,6 +106,14 @@ contains
          return
       end if
       call find_geometry(pair_of(mesh), geometry)
+      if (is_given(mesh%bore)) then
+         do i = 1, 2
+            if (mesh%bore(i) < geometry%reference_diameter(i)) cycle
+            call checker%complain('bore', real_text(mesh%bore(i)), 'must be < '//text(geometry%reference_diameter(i))// &
+                                  ' m, the reference diameter of the gear of '//integer_text(nint(mesh%teeth(i)))// &
+                                  ' teeth; metres are meant (28 mm are 0.028)', i)
+         end do
+      end if
       associate (g => geometry)
          ! Both along the working pitch circles.
          pitch = 2*pi*g%base_radius(1)/(mesh%teeth(1)*cos(g%working_angle))

@@ -1,13 +1,14 @@
 !> Warnings of a drawing: where a formula is used outside the range that its source gives, where teeth are cut or meet as no
-!> involute, and where the magnitude of a number is that of another unit.
+!> involute, where the magnitude of a number is that of another unit, and where parts do not fit one another.
 module geartrain_model_drawing_warnings
    use geartrain_base_field, only: text_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text, short => text
    use geartrain_base_problems, only: group_label
+   use geartrain_model_bodies, only: find_ends
    use geartrain_model_body, only: body_type
    use geartrain_model_drawing, only: has_discs, has_geometry, has_sections, has_stiffness, pair_of, plain_train, reduce_light_loads
-   use geartrain_model_gear_pair, only: find_geometry, light_load, pair_geometry_type
+   use geartrain_model_gear_pair, only: find_geometry, find_stiffness, light_load, pair_geometry_type, pair_stiffness_type
    use geartrain_model_mesh, only: is_given, mesh_type
    use geartrain_model_shaft, only: shaft_type
    use geartrain_model_system, only: build_system, system_type
@@ -26,6 +27,8 @@ module geartrain_model_drawing_warnings
    real(dp), parameter :: least_density = 500, most_density = 25000
    !> Damping ratio from which on nothing oscillates.
    real(dp), parameter :: critical = 1
+   !> Factor by which a given mesh stiffness is hardly ever off that of the drawing [1].
+   real(dp), parameter :: far_off = 20
    character(*), parameter :: in_metres = 'metres are meant '
 
 contains
@@ -46,8 +49,8 @@ contains
       end do
    end subroutine warnings_text
 
-   !> Lists where a formula is used outside the range that its source gives, where teeth are cut or meet as no involute, and where
-   !> the magnitude of a number is that of another unit.
+   !> Lists where a formula is used outside the range that its source gives, where teeth are cut or meet as no involute, where the
+   !> magnitude of a number is that of another unit, and where parts do not fit one another.
    subroutine find_warnings(train, warnings)
       !> A train that has passed `check_train`.
       type(train_type), intent(in) :: train
@@ -68,7 +71,9 @@ contains
          if (has_sections(train%shafts(i))) call warn_of_shaft(train%shafts(i), i, warnings)
       end do
       if (.not. any([(has_geometry(train%meshes(i)), i=1, size(train%meshes))])) return
+      call warn_of_shafts_in_gears(train, warnings)
       call plain_train(train, plain)
+      call warn_of_gaps(plain, warnings)
       call reduce_light_loads(plain, light)
       call build_system(train, system)
       do i = 1, size(train%meshes)
@@ -114,6 +119,51 @@ contains
       if (.not. (shaft%rigid .or. shaft%damping_given)) call warn_of_damping(shaft%damping_ratio, 'shaft', i, warnings)
    end subroutine warn_of_shaft
 
+   !> Shafts that are thicker than a gear on either end.
+   subroutine warn_of_shafts_in_gears(train, warnings)
+      type(train_type), intent(in) :: train
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+      type(pair_geometry_type) :: geometry
+      integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
+      integer :: i, j, k
+
+      call find_ends(train, shaft_ends, mesh_ends)
+      do i = 1, size(train%shafts)
+         associate (shaft => train%shafts(i))
+            if (.not. has_sections(shaft)) cycle
+            ! Told as beyond any shaft.
+            if (any(shaft%diameter > most_diameter)) cycle
+            gears: do j = 1, size(train%meshes)
+               if (.not. has_geometry(train%meshes(j))) cycle
+               call find_geometry(pair_of(train%meshes(j)), geometry)
+               do k = 1, 2
+                  if (.not. any(shaft_ends(:, i) == mesh_ends(k, j))) cycle
+                  if (train%meshes(j)%internal .and. train%meshes(j)%teeth(k) > train%meshes(j)%teeth(3 - k)) cycle
+                  if (.not. minval(shaft%diameter) > geometry%tip_diameter(k)) cycle
+                  call add_warning(warnings, 'shaft', i, 'diameter = '//real_text(minval(shaft%diameter))//': thicker than the &
+                     &gear of '//integer_text(nint(train%meshes(j)%teeth(k)))//' teeth at its end, whose tip diameter is '// &
+                     short(geometry%tip_diameter(k))//' m (28 mm are 0.028)')
+                  exit gears
+               end do
+            end do gears
+         end associate
+      end do
+   end subroutine warn_of_shafts_in_gears
+
+   !> Meshes without backlash beside meshes that have it.
+   subroutine warn_of_gaps(plain, warnings)
+      !> The plain train.
+      type(train_type), intent(in) :: plain
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+      integer :: i
+
+      if (.not. any(plain%meshes%half_backlash > 0)) return
+      do i = 1, size(plain%meshes)
+         if (.not. plain%meshes(i)%half_backlash > 0) call add_warning(warnings, 'mesh', i, 'has no backlash, as other meshes &
+            &have: its teeth cannot part (60 um are backlash = 60e-6)')
+      end do
+   end subroutine warn_of_gaps
+
    subroutine warn_of_density(density, group, i, warnings)
       real(dp), intent(in) :: density(:)
       character(*), intent(in) :: group
@@ -142,6 +192,7 @@ contains
       integer, intent(in) :: i
       type(text_type), allocatable, intent(inout) :: warnings(:)
       type(pair_geometry_type) :: geometry
+      type(pair_stiffness_type) :: stiffness
       real(dp) :: gap
 
       if (mesh%helix_angle > 0 .and. mesh%helix_angle < 1) call add('helix_angle', mesh%helix_angle, 'degrees are meant')
@@ -169,6 +220,13 @@ contains
                call add('centre_distance', mesh%centre_distance, 'makes a backlash of more than half a module: '//short(gap)// &
                         ' m along the line of action')
             end if
+         end if
+         if (mesh%stiffness > 0 .and. mesh%face_width > 0) then
+            call find_stiffness(pair_of(mesh), geometry, 0.0_dp, stiffness)
+            associate (drawn => stiffness%mesh*mesh%face_width)
+               if (mesh%stiffness > far_off*drawn .or. mesh%stiffness < drawn/far_off) call add('stiffness', mesh%stiffness, &
+                  'by ISO 6336-1 the teeth as drawn have '//short(drawn)//'; N/m are meant (600 N/um are 600e6)')
+            end associate
          end if
          call warn_of_error('error_cos', mesh%error_cos)
          call warn_of_error('error_sin', mesh%error_sin)

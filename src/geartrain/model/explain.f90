@@ -293,7 +293,9 @@ contains
             call carry_text(fields, field_type('tooth_ratio', '', '', 'all teeth of a gear are alike here: the motion repeats with &
                &the fundamental, not only when the teeth do'), words)
          end if
-         call carry(fields, field_type('mean_force', '', 'N', 'at rest, by the mean torques of the bodies'), force)
+         words = 'at rest, by the mean torques of the bodies'
+         if (force < 0) words = words//'; negative: the second body drives the first, and the back flanks bear the load'
+         call carry(fields, field_type('mean_force', '', 'N', words), force)
       end associate
    end subroutine explain_mesh
 

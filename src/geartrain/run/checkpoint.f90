@@ -159,8 +159,7 @@ contains
                     'begin anew, or name another file with --output')
       else
          call take_results(fields, case, results, wrong)
-         if (wrong /= '') call fatal(error, path//': error: cannot be resumed: '//wrong//' in it does not agree with the rest', &
-                                     status_file)
+         if (wrong /= '') call fatal(error, path//': error: cannot be resumed: '//wrong, status_file)
       end if
    end subroutine take_up_checkpoint
 

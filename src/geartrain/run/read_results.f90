@@ -24,15 +24,11 @@ contains
       character(:), allocatable :: input, written_by, wrong
 
       call open_results(path, fields, input, written_by, wrong)
-      if (fields%count == 0) wrong = wrong//', or of an earlier version (format 1): run its case again'
       if (wrong == '') then
          call read_case_text(input, '', case, error)
          if (allocated(error)) wrong = 'its case is none: '//error%message
       end if
-      if (wrong == '') then
-         call take_results(fields, case, results, wrong)
-         if (wrong /= '') wrong = wrong//' in it does not agree with the rest'
-      end if
+      if (wrong == '') call take_results(fields, case, results, wrong)
       if (allocated(error)) deallocate (error)
       if (wrong /= '') call fatal(error, path//': error: cannot be read as results: '//wrong, status_file)
    end subroutine read_results

@@ -99,19 +99,28 @@ contains
       character(:), allocatable, intent(out) :: input, written_by, wrong
       integer :: number
 
-      call read_groups(path, fields)
-      fields%way = reading
-      wrong = 'its checksum does not fit: damaged, cut short or something else'
+      logical :: there
+
       input = ''
       written_by = ''
+      inquire (file=path, exist=there)
+      wrong = 'there is no such file'
+      if (.not. there) return
+      wrong = 'it is a case: run it first, geartrain '//path
+      if (index(path, '.nml', back=.true.) > max(0, len(path) - 4)) return
+      call read_groups(path, fields)
+      fields%way = reading
+      wrong = 'its checksum does not fit: it is damaged, cut short, of an earlier version (format 1: run its case again) or &
+              &something else'
       if (.not. fields%enter('/', '', .true.)) return
       number = 0
       call carry(fields, row('format_version'), number)
       call carry_text(fields, row('program_version'), written_by)
       call carry_text(fields, row('input'), input)
       wrong = ''
-      if (allocated(fields%wrong) .or. number < 2 .or. number > format_version) &
-         wrong = 'it was written by another version of geartrain'
+      if (allocated(fields%wrong) .or. number < 2 .or. number > format_version) wrong = 'it was written by version '//written_by// &
+         ' of geartrain in format '//text(number)//'; this is version '//version//', which reads &
+         &formats 2 to '//text(format_version)
    end subroutine open_results
 
    !> Takes the results of a case from the groups read.
@@ -122,14 +131,15 @@ contains
       type(case_type), intent(in) :: case
       !> The results.
       type(results_type), intent(out) :: results
-      !> Path of the first field that does not agree with other fields or with the case; '': all fields agree.
+      !> Which field lacks, or does not agree with other fields or with the case, in words; '': all is as it should be.
       character(:), allocatable, intent(out) :: wrong
 
       fields%way = reading
       fields%here = 0
       wrong = ''
       call visit_results(results, case, fields, summary=.false.)
-      if (allocated(fields%wrong)) wrong = fields%wrong
+      if (allocated(fields%wrong)) wrong = fields%wrong//' in it does not agree with the rest'
+      if (fields%lacks) wrong = fields%wrong//' is not in it, which this version of geartrain needs: run its case again'
    end subroutine take_results
 
    subroutine visit_whole_results(results, case, fields, summary)
