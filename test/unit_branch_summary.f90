@@ -1,7 +1,8 @@
 !> Peaks, folds, bands, jumps and ranges of contact of branches made by hand.
 module unit_branch_summary
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use geartrain_base_kinds, only: dp
-   use geartrain_continuation_branch, only: branch_type, special_point_type
+   use geartrain_continuation_branch, only: arrange_points, branch_type, special_point_type
    use geartrain_continuation_contact_ranges, only: back_collision_ranges, separation_ranges
    use geartrain_continuation_jumps, only: jump_type, jumps
    use geartrain_continuation_summary, only: band_type, bands_without_stability, folds, gaps, peak_type, peaks
@@ -23,7 +24,21 @@ contains
       if (tests%runs('jump_among_three')) call jump_among_three(tests)
       if (tests%runs('ranges_of_contact')) call ranges_of_contact(tests)
       if (tests%runs('closed_island')) call closed_island(tests)
+      if (tests%runs('field_of_a_later_version')) call field_of_a_later_version(tests)
    end subroutine branch_summary_tests
+
+   !> An array that a checkpoint of before does not have: NaN for the points of before, not a number that looks like one.
+   subroutine field_of_a_later_version(tests)
+      class(tests_type), intent(inout) :: tests
+      type(branch_type) :: branch
+
+      branch = branch_of([0.6_dp, 0.8_dp, 0.9_dp], [0.1_dp, 0.2_dp, 0.3_dp], [1, 1, 1])
+      if (allocated(branch%mean)) deallocate (branch%mean)
+      call arrange_points(branch, [1, 2, 3], 5)
+      call tests%is_true(all(ieee_is_nan(branch%mean(:, :3))), 'points of before')
+      call tests%is_true(all(abs(branch%mean(:, 4:)) <= 0), 'room for points to come')
+      call tests%is_close(branch%rms(1, 2), 0.2_dp, 1e-15_dp, 'what was there')
+   end subroutine field_of_a_later_version
 
    !> A softening resonance: up to the peak, back through the fold at 0.72, out through the fold at 0.95; the stable levels overlap.
    subroutine resonance(tests)

@@ -182,7 +182,7 @@ contains
       call tests%is_true(allocated(error), 'harmonics that do not reach the mesh frequency are refused')
       if (allocated(error)) call tests%is_text(error%message, '&response: harmonics = 33: must be >= 17*subharmonic = 34: the &
                                                &variation of the stiffness of &mesh 2 has no lower harmonic of Lambda and would &
-                                               &be left out', 'message')
+                                               &be left out; 0 chooses those that matter', 'message')
       call check_response(train, response_settings_type(start=0.2_dp, stop=2.6_dp, harmonics=0, subharmonic=59), .false., error)
       call tests%is_true(allocated(error), 'and so they are where the program would choose them: 17*59 is more than 1000')
       train%torque_cos = [0.0_dp, 0.0_dp, 1.0_dp]
@@ -196,7 +196,8 @@ contains
       call check_integration(train, integration_settings_type(start=0.2_dp, stop=2.6_dp, harmonics=16), error)
       call tests%is_true(allocated(error), 'and so are those of a motion that is integrated')
       if (allocated(error)) call tests%is_text(error%message, '&integration: harmonics = 16: must be >= 17: the variation of the &
-                                               &stiffness of &mesh 2 has no lower harmonic of Lambda and would be left out', &
+                                               &stiffness of &mesh 2 has no lower harmonic of Lambda and would be left out; &
+                                               &0 chooses those that matter', &
                                                'message')
       call check_attractors(train, attractors_settings_type(frequency=0.2_dp, harmonics=16), error)
       call tests%is_true(allocated(error), 'and of random starts')

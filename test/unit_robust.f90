@@ -135,7 +135,7 @@ contains
       deallocate (case%attractors)
       damaged = fields
       call take_results(damaged, case, again, wrong)
-      call tests%is_text(wrong, 'attractors', 'attractors that nobody asked for')
+      call tests%is_text(wrong, 'attractors in it does not agree with the rest', 'attractors that nobody asked for')
    end subroutine damaged_fields
 
    !> Whether a group is read off a branch anew, so that nobody misses it.

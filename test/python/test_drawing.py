@@ -39,6 +39,24 @@ def test_explain_is_a_mapping_of_numbers(drawn):
     assert explained.about["motor"]["inertia"] == "as given" and "discs" not in explained.about["motor"]["inertia"]
 
 
+def test_a_mesh_whose_second_gear_drives_is_told(drawn):
+    first, second = drawn.meshes
+    turned = replace(first, between=first.between[::-1], teeth=first.teeth[::-1])
+    explained = replace(drawn, meshes=[turned, second]).explain()
+    assert explained["mesh 1"]["mean_force"] == pytest.approx(-drawn.explain()["mesh 1"]["mean_force"])
+    assert "negative: the second body drives the first" in explained.about["mesh 1"]["mean_force"]
+    assert "negative" not in explained.about["mesh 2"]["mean_force"]
+
+
+def test_a_speed_outside_the_range_of_a_branch_is_told(drawn):
+    branch = drawn.response(start=1450, stop=1460, unit="rpm", harmonics=0, tolerance=1e-2, stability=False)
+    assert len(branch.at(1455, unit="rpm")) == 1 and "reached 1460 rpm" in repr(branch)
+    with pytest.warns(UserWarning, match="^1461 rpm: outside the range of the branch, 1450 to 1460$"):
+        assert branch.at(1461, unit="rpm") == []
+    # No step is wider than a hundredth of the range.
+    assert np.abs(np.diff(branch.frequency)).max() < 0.1 * 1.1
+
+
 def test_explanation_cannot_be_changed_and_is_plain_python(drawn):
     explained = drawn.explain()
     with pytest.raises(TypeError):

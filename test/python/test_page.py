@@ -102,6 +102,15 @@ def test_holds_the_results(results, path):
         np.testing.assert_allclose(multipliers, branch.multipliers, rtol=1e-5, atol=1e-30)
     table = next(table for table in told["tables"] if table["name"] == "Jumps")
     assert [row[table["headings"].index("Lambda")] for row in table["rows"]] == [jump.frequency for jump in results.response.jumps]
+    names = [table["name"] for table in told["tables"]]
+    table = told["tables"][names.index("Largest forces and torques, stable motions")]
+    response, column = results.response, table["headings"].index("force or torque")
+    largest = response.mesh_force_maximum[response.stable].max(axis=0)
+    assert [row[column] for row in table["rows"][:2]] == largest.tolist()
+    motion = response.at(float(response.frequency[table["points"][2][1]]))[0]
+    assert table["rows"][2][column] == pytest.approx(max(-motion.shaft_torque_minimum[0], motion.shaft_torque_maximum[0]), rel=1e-6)
+    table = told["tables"][names.index("Without a stable motion")]
+    np.testing.assert_array_equal(table["rows"], response.bands_without_stability)
     assert told["map"]["spectral_radius"].shape == results.stability_map.spectral_radius.shape
     np.testing.assert_array_equal(told["loci"][0]["values"], results.locus.parameter)
 

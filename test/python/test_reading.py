@@ -196,11 +196,14 @@ def test_what_is_no_results_file_is_told(path, tmp_path):
         other.write_bytes(damaged)
         with pytest.raises(OSError, match="cannot be read as results: its checksum does not fit"):
             gt.read_results(other)
-    with pytest.raises(OSError, match="cannot be read as results"):
+    with pytest.raises(OSError, match="cannot be read as results: there is no such file"):
         gt.read_results(tmp_path / "nowhere.h5")
+    case = write_case(tmp_path, "&modes /\n")
+    with pytest.raises(OSError, match="it is a case: run it first, geartrain "):
+        gt.read_results(case)
     with h5py.File(other, "w") as file:
         file.attrs["format_version"] = 1
-    with pytest.raises(OSError, match=r"an earlier version \(format 1\)"):
+    with pytest.raises(OSError, match=r"an earlier version \(format 1: run its case again\)"):
         gt.read_results(other)
 
 

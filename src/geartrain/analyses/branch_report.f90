@@ -15,6 +15,8 @@ module geartrain_analyses_branch_report
    private
    public :: report_branch, report_branches
 
+   !> Most lines about peaks of a mesh, and about special points.
+   integer, parameter :: most_lines = 20
    !> Said of a table where a part of the range was not computed.
    character(*), parameter :: of_computed = '  of the computed ranges', of_all = repeat(' ', len(of_computed))
 
@@ -199,12 +201,21 @@ contains
       logical, intent(in) :: at_end(:)
       type(peak_type), allocatable :: found(:)
       type(peak_type) :: at_the_end
+      real(dp) :: lowest
       integer :: i
 
       found = peaks(branch, mesh)
+      lowest = 0
+      if (size(found) > most_lines) then
+         lowest = maxval(found%rms)
+         do while (count(found%rms >= lowest) < most_lines)
+            lowest = maxval(found%rms, found%rms < lowest)
+         end do
+      end if
       do i = 1, size(found)
-         call tell(found(i), '')
+         if (found(i)%rms >= lowest) call tell(found(i), '')
       end do
+      if (lowest > 0) write (unit, '(2a, i0, a)') name, '  and ', count(found%rms < lowest), ' lower peaks, in the file'
       i = maxloc(branch%rms(mesh, :branch%points), 1)
       if (.not. at_end(i)) return
       at_the_end = peak_type(branch%frequency_ratio(i), branch%rms(mesh, i), i)
@@ -273,16 +284,20 @@ contains
       type(frequency_text_type), intent(in) :: told
       integer, intent(in) :: unit
       character(:), allocatable :: words
-      integer :: i
+      integer :: i, n
 
       if (.not. allocated(branch%undecided)) return
       if (.not. any(branch%undecided(:branch%points))) return
       write (unit, '(a, i0, a)') '    stability of ', count(branch%undecided(:branch%points)), ' points is undecided'
+      n = 0
       do i = 1, size(branch%special_points)
          if (.not. rests_on_undecided(branch, i)) cycle
+         n = n + 1
+         if (n > most_lines) cycle
          call told%with_unit(told%number(branch%special_points(i)%frequency_ratio), words)
          write (unit, '(4a)') '    rests on undecided points: ', trim(branch%special_points(i)%kind), ' at ', words
       end do
+      if (n > most_lines) write (unit, '(a, i0, a)') '    and ', n - most_lines, ' other special points likewise'
    end subroutine report_undecided
 
    subroutine report_ranges(what, ranges, stable, known, told, unit)

@@ -18,6 +18,8 @@ module geartrain_model_check_drawing
    real(dp), parameter :: rounding = 1e-3_dp
    !> Beyond it no gear is made [m]; ISO 54 ends at 0.05.
    real(dp), parameter :: largest_module = 1
+   !> Sum of profile shifts that gears are hardly made with [1].
+   real(dp), parameter :: most_shift = 2
 
 contains
 
@@ -133,7 +135,7 @@ contains
                &circles, '//text(g%reference_distance*cos(g%transverse_angle))//' m')
          else if (g%distance_backlash*cos(g%working_angle) < -rounding*mesh%normal_module) then
             call checker%complain('centre_distance', real_text(mesh%centre_distance), 'contradicts teeth and profile_shift: the &
-               &flanks touch without backlash at '//text(g%tight_distance)//' m already')
+               &flanks touch without backlash at '//text(g%tight_distance)//' m already'//fitting())
          else if (mesh%backlash > 0 .and. mesh%backlash < g%distance_backlash - rounding*mesh%normal_module) then
             call too_far('teeth, profile_shift and backlash')
          else if (g%distance_backlash > 0.5_dp*mesh%normal_module .and. .not. g%contact_ratio > 1) then
@@ -162,11 +164,24 @@ contains
             if (factor > 500 .and. factor < 2000) then
                words = words//'; metres are meant, is it in millimetres?'
             else
-               words = words//', and have '//text(geometry%distance_backlash)//' m of it here'
+               words = words//', and have '//text(geometry%distance_backlash)//' m of it here'//fitting()
             end if
          end associate
          call checker%complain('centre_distance', real_text(mesh%centre_distance), words)
       end subroutine too_far
+
+      !> The profile shifts that have no backlash at the given centre distance, in words, where teeth are made with such.
+      function fitting() result(words)
+         character(:), allocatable :: words
+         real(dp) :: total
+
+         total = 0
+         if (is_given(mesh%profile_shift)) total = sum(mesh%profile_shift)
+         total = total + geometry%distance_backlash*(mesh%teeth(2) + merge(-1, 1, mesh%internal)*mesh%teeth(1)) &
+                         /(4*mesh%centre_distance*tan(mesh%pressure_angle*pi/180))
+         words = ''
+         if (abs(total) < most_shift) words = '; profile shifts with a sum of '//text(total)//' would fit'
+      end function fitting
 
       !> Given radii have the ratio of the teeth: else speeds and orders would be of another train than forces.
       subroutine check_ratio()

@@ -101,7 +101,9 @@ contains
          if (subharmonic > 1) needed = needed//'*subharmonic = '//integer_text(lowest*subharmonic)
          needed = needed//': '//name//' has no lower harmonic of Lambda and would be left out'
          if (harmonics > 0 .and. lowest*subharmonic > harmonics) then
-            call checker%complain('harmonics', integer_text(harmonics), 'must be >= '//needed//'; 0 chooses those that matter')
+            ! A stability map takes a number.
+            if (checker%group /= 'stability_map') needed = needed//'; 0 chooses those that matter'
+            call checker%complain('harmonics', integer_text(harmonics), 'must be >= '//needed)
          else if (harmonics == 0 .and. lowest*subharmonic > most*merge(system%excitation_order, 1, subharmonic == 1)) then
             call checker%complain('harmonics', '0', 'chooses at most '//integer_text(most)//', and must choose >= '//needed)
          end if
