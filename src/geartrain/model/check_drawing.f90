@@ -135,7 +135,7 @@ contains
                &circles, '//text(g%reference_distance*cos(g%transverse_angle))//' m')
          else if (g%distance_backlash*cos(g%working_angle) < -rounding*mesh%normal_module) then
             call checker%complain('centre_distance', real_text(mesh%centre_distance), 'contradicts teeth and profile_shift: the &
-               &flanks touch without backlash at '//text(g%tight_distance)//' m already'//fitting())
+               &flanks touch without backlash at '//text(g%tight_distance)//' m already'//trim(fitting()))
          else if (mesh%backlash > 0 .and. mesh%backlash < g%distance_backlash - rounding*mesh%normal_module) then
             call too_far('teeth, profile_shift and backlash')
          else if (g%distance_backlash > 0.5_dp*mesh%normal_module .and. .not. g%contact_ratio > 1) then
@@ -164,7 +164,7 @@ contains
             if (factor > 500 .and. factor < 2000) then
                words = words//'; metres are meant, is it in millimetres?'
             else
-               words = words//', and have '//text(geometry%distance_backlash)//' m of it here'//fitting()
+               words = words//', and have '//text(geometry%distance_backlash)//' m of it here'//trim(fitting())
             end if
          end associate
          call checker%complain('centre_distance', real_text(mesh%centre_distance), words)
@@ -172,7 +172,7 @@ contains
 
       !> The profile shifts that have no backlash at the given centre distance, in words, where teeth are made with such.
       function fitting() result(words)
-         character(:), allocatable :: words
+         character(64) :: words
          real(dp) :: total
 
          total = 0
