@@ -101,3 +101,24 @@ def test_one_to_three_resonance():
     found = neimark_sacker(train.with_values({"stiffness_variation": point.parameter}), point.frequency)
     assert found.frequency == pytest.approx(point.frequency, abs=1e-10)
     assert np.sort(np.angle(found.critical)) == pytest.approx([-2 * np.pi / 3, 2 * np.pi / 3], abs=1e-7)
+
+
+def test_one_to_two_resonance():
+    numbers = ((0.00165, 0.028, 386e6, 0.0284, 34.5e-6, 0.343), (0.00149, 0.02, 183e6, 0.0622, 32.7e-6, 0.154),
+               (0.00209, 0.0468, 225e6, 0.0601, 57.4e-6, 0.322))
+    train = gt.Train(
+        input_torque=121.0, prime_mover_inertia=2.3e-7, load_inertia=2.3e-7, characteristic_length=30e-6,
+        characteristic_frequency=9870.0,
+        shafts=[gt.Shaft(stiffness=stiffness, damping_ratio=0.01) for stiffness in (1e3, 8.61e6, 6.48e6, 1e3)],
+        meshes=[gt.Mesh(driving_radius=0.05, driven_radius=0.1, driving_inertia=driving, driven_inertia=driven, stiffness=stiffness,
+                        damping_ratio=damping, half_backlash=gap, stiffness_cos=[kappa])
+                for driving, driven, stiffness, damping, gap, kappa in numbers],
+    )
+    doubling = nearest(train.response(start=1.18, stop=1.38, harmonics=24), "period doubling", 1.2562)
+    locus = train.locus(doubling, parameter="stiffness_variation", start=0.154, stop=0.57)
+    point = of_name(locus, "1:2 resonance", 1.279)
+    other = train.with_values({"stiffness_variation": point.parameter})
+    found = nearest(other.response(start=1.18, stop=1.38, harmonics=24), "period doubling", point.frequency)
+    assert found.frequency == pytest.approx(point.frequency, abs=1e-9)
+    # Two of one eigenvector, which the root of an error parts.
+    assert distance(found.multipliers, -1)[1] < 1e-5 < distance(found.multipliers, -1)[2]

@@ -16,9 +16,10 @@ module geartrain_continuation_augmented_point
       !> Unit tangent of the curve in the metric.
       real(dp) :: tangent_frequency = 0, tangent_parameter = 0
       real(dp), allocatable :: tangent(:, :)
-      !> Change of the tangent over the length of the curve, normal to the tangent; not allocated: not known.
-      real(dp) :: bend_frequency = 0, bend_parameter = 0
-      real(dp), allocatable :: bend(:, :)
+      !> Terms of second and of third order of the curve over the way along the tangent, (state, section, term) and (term); not
+      !> allocated: not known.
+      real(dp) :: bend_frequency(2) = 0, bend_parameter(2) = 0
+      real(dp), allocatable :: bend(:, :, :)
       !> Multipliers, largest magnitude first, (state).
       complex(dp), allocatable :: multipliers(:)
       !> Of a Neimark-Sacker point the sum of its pair of multipliers, by which the pair is known; huge: not known.
@@ -85,7 +86,7 @@ contains
                       + ((a%frequency_ratio - b%frequency_ratio)/self%units%frequency_ratio)**2)
    end function distance
 
-   !> Finds the bend of the curve at a point from the tangent there and at the point before it.
+   !> Finds the bend of the curve at a point: of the cubic through this point and the point before it with their tangents.
    pure subroutine find_bend(self, before, point)
       class(metric_type), intent(in) :: self
       !> The point before.
@@ -94,11 +95,29 @@ contains
       type(augmented_point_type), intent(inout) :: point
       real(dp) :: way, cosine
 
-      way = self%distance(before, point)
+      way = self%product_of(point%states - before%states, point%frequency_ratio - before%frequency_ratio, &
+                            point%parameter - before%parameter, point)
       cosine = self%product_of(before%tangent, before%tangent_frequency, before%tangent_parameter, point)
-      point%bend = (cosine*point%tangent - before%tangent)/way
-      point%bend_frequency = (cosine*point%tangent_frequency - before%tangent_frequency)/way
-      point%bend_parameter = (cosine*point%tangent_parameter - before%tangent_parameter)/way
+      if (.not. allocated(point%bend)) allocate (point%bend(size(point%states, 1), size(point%states, 2), 2))
+      call terms(point%states - before%states, point%tangent, before%tangent, point%bend(:, :, 1), point%bend(:, :, 2))
+      call terms(point%frequency_ratio - before%frequency_ratio, point%tangent_frequency, before%tangent_frequency, &
+                 point%bend_frequency(1), point%bend_frequency(2))
+      call terms(point%parameter - before%parameter, point%tangent_parameter, before%tangent_parameter, &
+                 point%bend_parameter(1), point%bend_parameter(2))
+
+   contains
+
+      elemental subroutine terms(chord, tangent, tangent_before, second, third)
+         real(dp), intent(in) :: chord, tangent, tangent_before
+         real(dp), intent(out) :: second, third
+         real(dp) :: a, b
+
+         a = (tangent - chord/way)/way
+         b = (tangent - tangent_before/cosine)/way
+         second = 3*a - b
+         third = (2*a - b)/way
+      end subroutine terms
+
    end subroutine find_bend
 
 end module geartrain_continuation_augmented_point

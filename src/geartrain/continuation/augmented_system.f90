@@ -31,6 +31,8 @@ module geartrain_continuation_augmented_system
    real(dp), parameter :: small = 1e-6_dp, small_parameter = 1e-6_dp
    !> Length of a Newton step, over the largest state, below which the derivatives of the point before it do for those after it.
    real(dp), parameter :: nearby = 1e-3_dp
+   !> Length of the step, over the largest state, that may be left along a curve.
+   real(dp), parameter :: left_over = 1e-12_dp
    !> Largest change of Lambda and of the parameter by one solution, in the units of the metric.
    real(dp), parameter :: farthest = 0.5_dp
    !> Gap of an orbit, in the units of the metric, whose effect on the test function is left to the next iteration.
@@ -213,7 +215,8 @@ contains
          if (.not. point%frequency_ratio > 0) return
          if (abs(point%frequency_ratio - guess%frequency_ratio) > farthest*self%metric%units%frequency_ratio) return
          if (abs(point%parameter - guess%parameter) > farthest) return
-         success = has_converged(length, before, gap)
+         ! With derivatives of before the steps shrink by a constant factor: what is left is the next step.
+         success = has_converged(length, before, gap) .or. again .and. length**2 < left_over*before
          if (success) exit
          ! Where the steps do not become much shorter the derivatives are not those here.
          again = rough .and. length < nearby .and. length < 0.1_dp*before
@@ -266,9 +269,9 @@ contains
       to%frequency_ratio = from%frequency_ratio + h*from%tangent_frequency
       to%parameter = from%parameter + h*from%tangent_parameter
       if (allocated(from%bend)) then
-         to%states = to%states + h**2/2*from%bend
-         to%frequency_ratio = to%frequency_ratio + h**2/2*from%bend_frequency
-         to%parameter = to%parameter + h**2/2*from%bend_parameter
+         to%states = to%states + h**2*(from%bend(:, :, 1) + h*from%bend(:, :, 2))
+         to%frequency_ratio = to%frequency_ratio + h**2*(from%bend_frequency(1) + h*from%bend_frequency(2))
+         to%parameter = to%parameter + h**2*(from%bend_parameter(1) + h*from%bend_parameter(2))
       end if
       success = to%frequency_ratio > 0
       if (success) call self%solve(to, .true., success, roughly)
