@@ -33,7 +33,7 @@ contains
       type(branch_type) :: branch
 
       branch = branch_of([0.6_dp, 0.8_dp, 0.9_dp], [0.1_dp, 0.2_dp, 0.3_dp], [1, 1, 1])
-      if (allocated(branch%mean)) deallocate (branch%mean)
+      branch%orders = [1]
       call arrange_points(branch, [1, 2, 3], 5)
       call tests%is_true(all(ieee_is_nan(branch%mean(:, :3))), 'points of before')
       call tests%is_true(all(abs(branch%mean(:, 4:)) <= 0), 'room for points to come')
