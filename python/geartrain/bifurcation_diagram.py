@@ -44,7 +44,8 @@ class BifurcationDiagram(Table):
         Per unit of time (1/characteristic frequency), largest first, and their uncertainties at 95 %.
     rotation_number : ndarray, (points,)
         Of a quasi-periodic motion the turns of its sections about their middle in a period of the fundamental, 0 to 1/2: the
-        distance of its second frequency over that of the fundamental from the nearest whole number. NaN of any other, and where
+        distance of its second frequency over that of the fundamental from the nearest whole number; on a torus about a motion of
+        period n from the nearest multiple of 1/n. NaN of any other, and where
         the sections go round no point of a plane of displacement and velocity.
     final_state : ndarray, (points, 2*elements)
         At phase 0 after the last section, as ``Motion.state``.

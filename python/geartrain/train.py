@@ -773,6 +773,9 @@ class Train(Description):
                 found = Locus._from(box, self)
                 if found is None:
                     raise SolverError("nothing found")
+                # The curve begins at the special point, which is exact.
+                if np.abs(found.frequency - exact.frequency).min() > 1e-7 * exact.frequency:
+                    raise InputError(f"special = {exact!r}: is of another train; this one has none there")
                 return found
 
         return watched(work, "locus")

@@ -69,6 +69,29 @@ def equal_stages(stiffness_variation):
                     characteristic_frequency=2e4, shafts=shafts, meshes=[mesh, mesh])
 
 
+def equal_wheels():
+    """A pinion between two equal wheels: motions of period 2 may be symmetric with a shift by one period."""
+    mesh = dict(driving_radius=0.05, driven_radius=0.06, stiffness=2.5e8, damping_ratio=0.04, half_backlash=30e-6,
+                stiffness_cos=[0.3])
+    bodies = [gt.Body(name="pinion", inertia=0.004, torque=200.0), gt.Body(name="one", inertia=0.0052, torque=-120.0),
+              gt.Body(name="other", inertia=0.0052, balances=True)]
+    return gt.Train(characteristic_length=30e-6, characteristic_frequency=9870.0, bodies=bodies,
+                    meshes=[gt.Mesh(between=("pinion", name), **mesh) for name in ("one", "other")])
+
+
+def unlike_pairs():
+    """Three bodies in a row with unlike meshes, transmission errors and a phase."""
+    bodies = [gt.Body(name="one", inertia=0.0021, torque=120.0), gt.Body(name="two", inertia=0.0067),
+              gt.Body(name="three", inertia=0.031, balances=True)]
+    meshes = [
+        gt.Mesh(between=("one", "two"), driving_radius=0.047, driven_radius=0.082, stiffness=2.1e8, damping_ratio=0.045,
+                half_backlash=27e-6, stiffness_cos=[0.27, 0.06], error_cos=[2e-6], error_sin=[0.0, 1e-6]),
+        gt.Mesh(between=("two", "three"), driving_radius=0.052, driven_radius=0.097, stiffness=3.7e8, damping_ratio=0.055,
+                half_backlash=33e-6, stiffness_cos=[0.21], stiffness_sin=[0.12], error_cos=[1.5e-6], phase=0.7),
+    ]
+    return gt.Train(characteristic_length=30e-6, characteristic_frequency=9870.0, bodies=bodies, meshes=meshes)
+
+
 def write_case(folder, analyses, name="case.nml"):
     """The case file of figure 3 with other analyses."""
     path = folder / name

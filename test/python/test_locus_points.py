@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import ROOT, paper_train
+from conftest import ROOT, equal_wheels, paper_train, unlike_pairs
 from test_lyapunov import soft_train
 
 import geartrain as gt
@@ -122,3 +122,33 @@ def test_one_to_two_resonance():
     assert found.frequency == pytest.approx(point.frequency, abs=1e-9)
     # Two of one eigenvector, which the root of an error parts.
     assert distance(found.multipliers, -1)[1] < 1e-5 < distance(found.multipliers, -1)[2]
+
+
+def test_a_neimark_sacker_curve_ends_where_its_pair_becomes_real():
+    """In the 1:1 resonance of the fold's curve, and does not go on along motions whose pair is real with the product 1."""
+    train = unlike_pairs()
+    branch = train.response(start=0.8, stop=1.3, harmonics=20)
+    torus = train.locus(nearest(branch, "neimark-sacker", 1.037027), parameter="one torque", start=-150.0, stop=400.0)
+    fold = train.locus(nearest(branch, "fold", 1.03883), parameter="one torque", start=100.0, stop=140.0)
+    assert torus.ended == "a 1:1 resonance" and {point.kind for point in torus.special_points} == {"1:1 resonance"}
+    point = of_name(fold, "1:1 resonance", 1.03849)
+    assert of_name(torus, "1:1 resonance", 1.03849).parameter == pytest.approx(point.parameter, abs=1e-6)
+    for multipliers in torus.multipliers[1:-1]:
+        pair = multipliers[multipliers.imag > 0]
+        assert np.abs(np.abs(pair) - 1).min() < 1e-6
+
+
+def test_what_a_curve_cannot_begin_with():
+    train = unlike_pairs()
+    fold = nearest(train.response(start=0.8, stop=1.3, harmonics=20), "fold", 1.03883)
+    with pytest.raises(gt.InputError, match=r"mesh \* damping_ratio.* more than one value"):
+        train.locus(fold, parameter="mesh * damping_ratio", start=0.03, stop=0.06)
+    with pytest.raises(gt.InputError, match="is of another train"):
+        train.with_values({"one torque": 119.5}).locus(fold, parameter="one torque", start=100.0, stop=140.0)
+    with pytest.raises(gt.InputError, match="must differ from the other end"):
+        train.locus(fold, parameter="one torque", start=120.0, stop=120.0)
+    # Of period 2, symmetric with a shift by one period.
+    train = equal_wheels()
+    doubled = train.response(start=1.2, stop=2.4, harmonics=20, period_doublings=1).branches[0]
+    with pytest.raises(gt.SolverError, match="symmetric with a shift in time alone"):
+        train.locus(nearest(doubled, "branch point", 2.15), parameter="stiffness_variation", start=0.29, stop=0.36)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import equal_stages, paper_train, single_pair
+from conftest import equal_stages, equal_wheels, paper_train, single_pair
 
 import geartrain as gt
 
@@ -161,3 +161,22 @@ def test_what_it_refuses():
         paper_train().bifurcation_diagram(start=0.7, stop=0.8, points=1)
     with pytest.raises(gt.InputError, match="points"):
         paper_train().bifurcation_diagram(start=0.7, stop=0.7)
+
+
+def test_rotation_number_of_a_torus_about_a_motion_of_period_2():
+    """Its sections go to and fro between two curves, half a turn a period; on each curve they go round by the second frequency."""
+    train = equal_wheels()
+    doubled = train.response(start=1.2, stop=2.4, harmonics=20, period_doublings=1).branches[0]
+    for near, beside in ((2.0946, -2e-3), (1.6139, 2e-3)):
+        special = min((special for special in doubled.special_points if special.kind == "neimark-sacker"),
+                      key=lambda special: abs(special.frequency - near)).exact()
+        found = train.lyapunov_spectrum(special.frequency + beside, start=special.motion, periods=4000)
+        assert found.kind == "quasi-periodic"
+        # The angle of the pair is that of two periods.
+        assert found.rotation_number == pytest.approx(abs(np.angle(special.multipliers[0])) / (4 * np.pi), abs=1e-3)
+        # Independently, the highest line of every second section, between its neighbours.
+        values = found.displacement[::2, 0]
+        height = np.log(np.abs(np.fft.rfft((values - values.mean()) * np.hanning(len(values)))))
+        k = 1 + height[1:-1].argmax()
+        between = (height[k - 1] - height[k + 1]) / (2 * (height[k - 1] - 2 * height[k] + height[k + 1]))
+        assert found.rotation_number == pytest.approx((k + between) / len(values) / 2, abs=1e-5)

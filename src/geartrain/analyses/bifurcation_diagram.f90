@@ -406,7 +406,8 @@ contains
                                 &(1/characteristic_frequency), largest first'), found%exponents)
          call carry(fields, field('lyapunov_errors', 'point state', '1', 'their uncertainties at 95 %'), found%errors)
          call carry(fields, field('rotation_number', 'point', '1', 'of a quasi-periodic motion: turns of the sections about their &
-                                &middle in a period of the fundamental, 0 to 1/2; NaN of any other'), found%rotation)
+                                &middle in a period of the fundamental, 0 to 1/2; about a motion of period n on each of n curves, &
+                                &0 to 1/(2n); NaN of any other'), found%rotation)
          call carry(fields, field('final_state', 'point state', '1', 'state at phase 0 after the last section, with which the &
                                 &next point begins'), found%state)
       end associate

@@ -112,7 +112,8 @@ contains
          else if (settings%mesh > 0 .and. .not. onset) then
             call checker%complain('mesh', text(settings%mesh), 'must be 0 for kind = '''//trim(settings%kind)//'''')
          end if
-         if (.not. abs(settings%stop - settings%start) > 0) call checker%complain('to', text(settings%stop), 'must not be `from`')
+         if (.not. abs(settings%stop - settings%start) > 0) call checker%complain('to', text(settings%stop), &
+                                                                                    'must differ from the other end')
          call checker%leave()
       end associate
    end subroutine check

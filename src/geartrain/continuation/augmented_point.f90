@@ -5,7 +5,7 @@ module geartrain_continuation_augmented_point
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: augmented_point_type, metric_type
+   public :: augmented_point_type, metric_type, reverse
 
    !> A special point.
    type :: augmented_point_type
@@ -46,6 +46,16 @@ module geartrain_continuation_augmented_point
    end type metric_type
 
 contains
+
+   !> Turns the tangent round.
+   pure subroutine reverse(point)
+      !> A point with a tangent.
+      type(augmented_point_type), intent(inout) :: point
+
+      point%tangent = -point%tangent
+      point%tangent_frequency = -point%tangent_frequency
+      point%tangent_parameter = -point%tangent_parameter
+   end subroutine reverse
 
    !> Prepares for orbits of a train.
    subroutine setup(self, system, sections)

@@ -8,7 +8,8 @@
 !> of the pair of multipliers less 1; of a contact onset the distance of an extreme displacement from the wall. Derivatives of g
 !> are differences along the four directions, whose errors slow Newton's method, and do not move its result.
 !> A branch point has the test function of a fold. There h and its derivatives are 0 by the symmetry of the train, as the null
-!> vector breaks the symmetry and the orbit does not; s = 0 takes the place of the first equation.
+!> vector breaks the symmetry and the orbit does not. In place of the first equation stands s = 0 or, along a curve, that the state
+!> has no share of the first point's left null vector, which the symmetry turns round.
 module geartrain_continuation_augmented_system
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_augmented_point, only: augmented_point_type, metric_type
@@ -31,6 +32,8 @@ module geartrain_continuation_augmented_system
    real(dp), parameter :: small = 1e-6_dp, small_parameter = 1e-6_dp
    !> Length of a Newton step, over the largest state, below which the derivatives of the point before it do for those after it.
    real(dp), parameter :: nearby = 1e-3_dp
+   !> Gap of a branch point, over the largest state, that may be left.
+   real(dp), parameter :: closed = 1e-9_dp
    !> Length of the step, over the largest state, that may be left along a curve.
    real(dp), parameter :: left_over = 1e-12_dp
    !> Largest change of Lambda and of the parameter by one solution, in the units of the metric.
@@ -62,12 +65,17 @@ module geartrain_continuation_augmented_system
       !> Of M - I, and of M + I; whether their borders are null vectors of a nearby orbit.
       type(border_type) :: plus, minus
       logical, private :: has_borders = .false.
+      !> Whether the latest solution is no orbit: at a branch point where the parameter breaks the symmetry.
+      logical :: open = .false.
+      !> Left null vector of M - I at the point that the borders were found at first, (state).
+      real(dp), allocatable :: turned(:)
       !> Sum of the pair of multipliers of the latest flight, by which the pair is known.
       real(dp), private :: pair_sum = huge(1.0_dp)
    contains
       procedure :: setup
       procedure :: solve
       procedure :: advance
+      procedure :: find_borders
       procedure, private :: multipliers
       procedure, private :: stand_at
       procedure, private :: test_value
@@ -143,7 +151,7 @@ contains
       !> no.
       logical, intent(in), optional :: roughly
       type(augmented_point_type) :: guess
-      real(dp) :: y(size(point%states, 1), 4), part(4), matrix(3, 3), right(3, 2), value, length, before, gap, scale, norm
+      real(dp) :: y(size(point%states, 1), 4), matrix(3, 3), right(3, 2), value, length, before, gap, scale, norm, missed
       real(dp) :: step(size(point%states, 1), size(point%states, 2), 4)
       integer :: pivot(3), d, i, k, n, m, info
       logical :: again, rough
@@ -153,34 +161,34 @@ contains
       guess = point
       self%pair_sum = point%pair_sum
       success = .false.
+      self%open = .false.
       before = huge(1.0_dp)
       again = .false.
       rough = .false.
       if (present(roughly)) rough = roughly
+      if (.not. self%has_borders) then
+         call self%find_borders(point, info)
+         if (info /= 0) return
+      end if
       do i = 1, max_iterations
          call self%stand_at(point%parameter, again)
          call self%moving%fly(point%frequency_ratio, point%states, again)
          if (self%moving%interrupted()) return
-         if (.not. self%has_borders) then
-            call take_borders(self, info)
-            if (info == 0) call take_borders(self, info)
-            if (info /= 0) return
-            self%has_borders = .true.
-         end if
          call close_orbit(self, y, point%h, info)
          if (info /= 0) return
-         part = [0, 1, 0, 0]
          do d = 1, 4
             do k = 1, m
-               if (allocated(self%path)) then
-                  step(:, k, d) = self%moving%step_at(k, y(:, d), merge(1.0_dp, 0.0_dp, d == along_lambda), &
-                                                      merge(1.0_dp, 0.0_dp, d == along_parameter))
-               else
-                  step(:, k, d) = self%moving%step_at(k, y(:, d), merge(1.0_dp, 0.0_dp, d == along_lambda))
-               end if
+               step(:, k, d) = self%moving%step_at(k, y(:, d), merge(1.0_dp, 0.0_dp, d == along_lambda), &
+                                                   merge(1.0_dp, 0.0_dp, d == along_parameter))
                if (d == rest .and. k > 1) step(:, k, d) = step(:, k, d) + self%moving%missed(:, k)
             end do
          end do
+         missed = point%h(1)
+         if (self%kind == branch_point) then
+            point%h = [0, 0, 0, 1]
+            if (allocated(self%path)) point%h = matmul(self%turned, step(:, 1, :)) &
+                                                + [dot_product(self%turned, point%states(:, 1)), 0.0_dp, 0.0_dp, 0.0_dp]
+         end if
          call self%test_value(point, self%moving%monodromy, self%system%half_backlash, .true., value, info)
          if (info /= 0) return
          call differentiate(self, point, step, value, again, rough, point%g)
@@ -188,10 +196,6 @@ contains
          matrix(2, :) = point%g(2:)
          matrix(3, :) = [0.0_dp, 1.0_dp, 0.0_dp]
          right(:, 1) = [-point%h(1), -value - point%g(1), 0.0_dp]
-         if (self%kind == branch_point) then
-            matrix(1, :) = [0.0_dp, 0.0_dp, 1.0_dp]
-            right(1, 1) = 0
-         end if
          if (along) then
             matrix(3, :) = [self%metric%product_of(step(:, :, 2), 1.0_dp, 0.0_dp, guess), &
                             self%metric%product_of(step(:, :, 3), 0.0_dp, 1.0_dp, guess), &
@@ -216,12 +220,16 @@ contains
          if (abs(point%frequency_ratio - guess%frequency_ratio) > farthest*self%metric%units%frequency_ratio) return
          if (abs(point%parameter - guess%parameter) > farthest) return
          ! With derivatives of before the steps shrink by a constant factor: what is left is the next step.
-         success = has_converged(length, before, gap) .or. again .and. length**2 < left_over*before
+         success = has_converged(length, before, gap) .or. &
+                   again .and. self%kind /= branch_point .and. length**2 < left_over*before
          if (success) exit
          ! Where the steps do not become much shorter the derivatives are not those here.
          again = rough .and. length < nearby .and. length < 0.1_dp*before
          before = length
       end do
+      ! The equation that the symmetry has taken the place of.
+      self%open = success .and. self%kind == branch_point .and. allocated(self%path) .and. abs(missed) > closed*scale
+      success = success .and. .not. self%open
       if (.not. success) return
       point%events = self%moving%events
       point%slowest_event = self%moving%slowest_event
@@ -232,12 +240,10 @@ contains
       point%product_plus = self%plus%product
       point%product_minus = self%minus%product
       if (.not. allocated(self%path)) return
-      if (.not. along) then
-         ! The direction of the curve: the null vector of the first two rows.
-         right(:, 2) = [point%h(3)*point%g(4) - point%h(4)*point%g(3), point%h(4)*point%g(2) - point%h(2)*point%g(4), &
-                        point%h(2)*point%g(3) - point%h(3)*point%g(2)]
-         if (self%kind == branch_point) right(:, 2) = [-point%g(3), point%g(2), 0.0_dp]
-      end if
+      ! The direction of the curve: the null vector of the first two rows.
+      if (.not. along) right(:, 2) = [point%h(3)*point%g(4) - point%h(4)*point%g(3), &
+                                      point%h(4)*point%g(2) - point%h(2)*point%g(4), &
+                                      point%h(2)*point%g(3) - point%h(3)*point%g(2)]
       point%tangent = right(1, 2)*step(:, :, 2) + right(2, 2)*step(:, :, 3) + right(3, 2)*step(:, :, 4)
       point%tangent_frequency = right(1, 2)
       point%tangent_parameter = right(2, 2)
@@ -278,6 +284,22 @@ contains
       if (success) success = self%metric%product_of(to%tangent, to%tangent_frequency, to%tangent_parameter, from) > 0.8_dp
    end subroutine advance
 
+   !> Finds the borders at a point.
+   subroutine find_borders(self, point, info)
+      class(augmented_system_type), intent(inout) :: self
+      !> A point at or near a special point.
+      type(augmented_point_type), intent(in) :: point
+      !> 0: they are found.
+      integer, intent(out) :: info
+
+      call self%stand_at(point%parameter, .false.)
+      call self%moving%fly(point%frequency_ratio, point%states)
+      call take_borders(self, info)
+      if (info == 0) call take_borders(self, info)
+      self%has_borders = info == 0
+      self%turned = self%plus%left
+   end subroutine find_borders
+
    !> Takes the null vectors of M - I and M + I of the latest flight as the next borders.
    subroutine take_borders(self, info)
       class(augmented_system_type), intent(inout) :: self
@@ -289,7 +311,6 @@ contains
       if (info /= 0) return
       call self%plus%renew()
       call self%minus%renew()
-
    end subroutine take_borders
 
    !> Multipliers of the latest flight, (state).

@@ -6,10 +6,11 @@ module geartrain_continuation_locus
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: real_text, text
    use geartrain_base_observer, only: observer_type
-   use geartrain_continuation_augmented_point, only: augmented_point_type
+   use geartrain_continuation_augmented_point, only: augmented_point_type, reverse
    use geartrain_continuation_augmented_system, only: augmented_system_type
    use geartrain_continuation_locus_result, only: double_point_type, locus_type
-   use geartrain_continuation_locus_tests, only: find_tests, grazing_name, most_tests, name_of, tests_type
+   use geartrain_continuation_locus_tests, only: find_tests, grazing_name, is_symmetric, most_tests, name_of, &
+      tests_type, touches
    use geartrain_flow_multiple_shooting, only: most_parts, section_states
    use geartrain_flow_sections, only: sections_type
    use geartrain_linalg_bracket, only: between, shrink
@@ -28,10 +29,10 @@ module geartrain_continuation_locus
    !> Most points on either side of the first; most steps towards a point where two conditions meet, and its error.
    integer, parameter :: most_points = 1000, most_steps = 60
    real(dp), parameter :: located = 1e-10_dp
+   !> Value of a test function over the one before it from which on its sign is doubtful.
+   real(dp), parameter :: doubtful = 0.2_dp
    !> Distance within which the first point is found again on its other side.
    real(dp), parameter :: found_again = 1e-7_dp
-   !> Distance of an extreme displacement from a wall that counts as touching, over half the backlash.
-   real(dp), parameter :: touching = 1e-3_dp
    !> Step below which a curve whose motion touches a wall is at a corner; most such steps before it ends there.
    real(dp), parameter :: crawling = 1e-5_dp
    integer, parameter :: most_crawls = 20
@@ -80,12 +81,18 @@ contains
       type(sections_type) :: sections
       type(motion_type) :: guess
       real(dp) :: origin
+      integer :: info
       logical :: success, keep_going
 
       call check_train(train, error)
       if (allocated(error)) return
       call path%setup(train, name, motion%frequency_ratio, start, stop, error)
       if (allocated(error)) return
+      if (.not. path%holds_train) then
+         call fatal(error, 'locus: "'//trim(name)//'" has more than one value in the train: name one of them, or give the &
+                    &train one value first, for the curve to begin at')
+         return
+      end if
       origin = path%own_value
       if (.not. (min(start, stop) <= origin .and. origin <= max(start, stop) .and. path%length > 0)) then
          call fatal(error, 'locus: from '//real_text(start)//' to '//real_text(stop)//': the value of "'//trim(name)// &
@@ -98,6 +105,12 @@ contains
       guess = motion
       call section_states(system, guess, sections, first%states)
       first%frequency_ratio = motion%frequency_ratio
+      call augmented%find_borders(first, info)
+      if (kind == 'branch point' .and. .not. is_symmetric(augmented, first)) then
+         call fatal(error, 'locus: the motions at Lambda = '//text(motion%frequency_ratio)//' are symmetric with a shift in time &
+                    &alone: curves of their branch points are not followed', status_ended_early)
+         return
+      end if
       call augmented%solve(first, .false., success)
       if (.not. success) then
          call fatal(error, 'locus: Newton''s method finds no '//trim(kind)//' at Lambda = '//text(motion%frequency_ratio), &
@@ -126,15 +139,6 @@ contains
       locus%ended = trim(side(1)%ended)
       if (side(1)%ended /= side(2)%ended) locus%ended = locus%ended//'; '//trim(side(2)%ended)
    end subroutine trace_locus
-
-   !> Turns the tangent round.
-   subroutine reverse(point)
-      type(augmented_point_type), intent(inout) :: point
-
-      point%tangent = -point%tangent
-      point%tangent_frequency = -point%tangent_frequency
-      point%tangent_parameter = -point%tangent_parameter
-   end subroutine reverse
 
    !> Follows the curve from its first point along the tangent.
    subroutine trace_side(augmented, first, start, stop, side, keep_going, observer)
@@ -173,6 +177,10 @@ contains
          end if
          call augmented%advance(here, h, next, success, roughly=.true.)
          if (augmented%moving%interrupted()) keep_going = .false.
+         if (augmented%open) then
+            side%ended = 'the parameter breaks the symmetry, at Lambda = '//text(here%frequency_ratio)
+            return
+         end if
          if (.not. keep_going) then
             side%ended = 'cancelled'
             return
@@ -210,6 +218,17 @@ contains
             end if
          end if
          call find_tests(augmented, next, after)
+         ! Near a zero the signs of values that rest on derivatives of before are not sure.
+         if (any(after%value*before%value < 0 .or. abs(after%value) < doubtful*abs(before%value))) then
+            call augmented%solve(next, .true., success)
+            if (.not. success) then
+               h = h/3
+               if (h > shortest) cycle
+               side%ended = 'Newton''s method does not converge at Lambda = '//text(here%frequency_ratio)
+               return
+            end if
+            call find_tests(augmented, next, after)
+         end if
          ends_here = .false.
          do k = 1, most_tests
             if (name_of(augmented%kind, k) == '') exit
@@ -319,8 +338,9 @@ contains
             side%points = side%points + 1
             side%point(side%points) = middle
             side%ended = 'a '//trim(name_of(augmented%kind, k))
+         else if (ends_here) then
+            side%ended = 'the pair of multipliers becomes real at Lambda = '//text(next%frequency_ratio)
          end if
-         ends_here = ends_here .and. success
       end subroutine locate
 
       !> Locates where the number of contact events changes between `here` and `next`.
@@ -356,25 +376,6 @@ contains
       end subroutine put
 
    end subroutine trace_side
-
-   !> Whether a mesh just touches a wall of its gap, at an extreme of its displacement, or comes to one with hardly any speed.
-   logical function touches(augmented, point)
-      type(augmented_system_type), intent(inout) :: augmented
-      type(augmented_point_type), intent(in) :: point
-      real(dp) :: smallest, largest
-      integer :: j
-
-      associate (units => augmented%metric%units)
-         touches = point%slowest_event < sqrt(touching)*units%length*units%frequency_ratio
-      end associate
-      do j = 1, augmented%system%meshes
-         associate (b => augmented%system%half_backlash(j))
-            if (.not. b > 0) cycle
-            call augmented%probe%extremes(point%frequency_ratio, point%states, j, smallest, largest)
-            touches = touches .or. minval(abs([smallest, smallest, largest, largest] + [b, -b, b, -b])) < touching*b
-         end associate
-      end do
-   end function touches
 
    !> Whether the step from a point to the next one passes the first point of the curve.
    pure logical function passes(augmented, here, next, first)

@@ -7,9 +7,13 @@ module geartrain_continuation_locus_tests
    use geartrain_floquet_critical_pair, only: pair_of
    implicit none (type, external)
    private
-   public :: find_tests, grazing_name, most_tests, name_of, tests_type
+   public :: find_tests, grazing_name, is_symmetric, most_tests, name_of, tests_type, touches
 
    integer, parameter :: most_tests = 6
+   !> Distance of an extreme displacement from a wall that counts as touching, over half the backlash.
+   real(dp), parameter :: touching = 1e-3_dp
+   !> Share of the left null vector in a symmetric state [1].
+   real(dp), parameter :: symmetric = 1e-6_dp
    character(*), parameter :: of_fold(*) = [character(24) :: 'cusp', 'isola centre', '1:1 resonance', 'fold-flip']
    character(*), parameter :: of_doubling(*) = [character(24) :: 'generalized doubling', '1:2 resonance', 'fold-flip']
    character(*), parameter :: of_torus(*) = [character(24) :: '1:1 resonance', '1:2 resonance', '1:3 resonance', '1:4 resonance', &
@@ -55,6 +59,19 @@ contains
       if (kind == 'period doubling') grazing_name = of_onset(2)
    end function grazing_name
 
+   !> Whether the motion at a branch point is symmetric at every instant, and not with a shift in time alone: then its state has no
+   !> share of the left null vector of M - I, which the symmetry turns round. The augmented system takes it for granted.
+   pure logical function is_symmetric(augmented, point)
+      !> The system with the borders at the motion.
+      type(augmented_system_type), intent(in) :: augmented
+      !> The motion.
+      type(augmented_point_type), intent(in) :: point
+
+      associate (w => augmented%turned, x => point%states(:, 1))
+         is_symmetric = abs(dot_product(w, x)) < symmetric*norm2(w)*norm2(x)
+      end associate
+   end function is_symmetric
+
    !> Evaluates the test functions.
    subroutine find_tests(augmented, point, tests)
       !> The system, with the flight of the latest solution.
@@ -63,6 +80,7 @@ contains
       type(augmented_point_type), intent(in) :: point
       !> The values.
       type(tests_type), intent(out) :: tests
+      complex(dp) :: pair(2), others(size(point%multipliers) - 2)
       real(dp) :: total
 
       tests%events = point%events
@@ -73,13 +91,50 @@ contains
          tests%value(:3) = [doubling_coefficient(augmented, point), point%product_minus, beside(point, 1)]
          if (abs(tests%value(1)) < degenerate) tests%value(1) = 0
       case ('neimark-sacker')
-         total = real(sum(pair_of(point%multipliers, huge(total))), dp)
-         tests%value = [total - 2, total + 2, total + 1, total, beside(point, 1), beside(point, -1)]
+         pair = pair_of(point%multipliers, point%pair_sum)
+         total = real(sum(pair), dp)
+         ! The pair itself passes 1 and -1 at the first two resonances.
+         others = without(point%multipliers, pair)
+         tests%value = [total - 2, total + 2, total + 1, total, real(product(others - 1), dp), real(product(others + 1), dp)]
       case ('branch point')
       case default
          tests%value(:2) = [beside(point, 1), beside(point, -1)]
       end select
    end subroutine find_tests
+
+   !> Whether a mesh just touches a wall of its gap, at an extreme of its displacement, or comes to one with hardly any speed.
+   logical function touches(augmented, point)
+      !> The system, with the train of the point.
+      type(augmented_system_type), intent(inout) :: augmented
+      !> A special point.
+      type(augmented_point_type), intent(in) :: point
+      real(dp) :: smallest, largest
+      integer :: j
+
+      associate (units => augmented%metric%units)
+         touches = point%slowest_event < sqrt(touching)*units%length*units%frequency_ratio
+      end associate
+      do j = 1, augmented%system%meshes
+         associate (b => augmented%system%half_backlash(j))
+            if (.not. b > 0) cycle
+            call augmented%probe%extremes(point%frequency_ratio, point%states, j, smallest, largest)
+            touches = touches .or. minval(abs([smallest, smallest, largest, largest] + [b, -b, b, -b])) < touching*b
+         end associate
+      end do
+   end function touches
+
+   !> The multipliers but for two of them.
+   pure function without(multipliers, pair) result(others)
+      !> The multipliers, (state); two of them.
+      complex(dp), intent(in) :: multipliers(:), pair(2)
+      complex(dp) :: others(size(multipliers) - 2)
+      logical :: left(size(multipliers))
+
+      left = .true.
+      left(minloc(abs(multipliers - pair(1)), 1)) = .false.
+      left(minloc(abs(multipliers - pair(2)), 1, left)) = .false.
+      others = pack(multipliers, left)
+   end function without
 
    !> Product of the differences of the multipliers from 1 or -1: it changes sign where a real one passes that value alone.
    pure real(dp) function beside(point, value)

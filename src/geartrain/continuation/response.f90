@@ -223,6 +223,10 @@ contains
                return
             end if
             own%frequency_ratio = path%own_value
+            if (.not. path%holds_train) then
+               branch%ended = '"'//path%name//'" has more than one value in the train of the seed, which is on no branch over it'
+               return
+            end if
          end associate
       end if
       if (own%frequency_ratio < low .or. own%frequency_ratio > high) then

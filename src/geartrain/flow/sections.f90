@@ -196,14 +196,14 @@ contains
       integer, intent(in) :: k
       !> Changes of the first state [1], (state), and of Lambda [1].
       real(dp), intent(in) :: first(:), frequency_ratio
-      !> Change of the variable parameter of the train [unit of the parameter].
+      !> Change of the variable parameter of the train, if there is one [unit of the parameter].
       real(dp), intent(in), optional :: parameter
       real(dp) :: step(size(first))
 
       step = first
       if (k == 1) return
       step = matmul(self%transfer(:, :, k), first) + frequency_ratio*self%drift(:, k)
-      if (present(parameter)) step = step + parameter*self%parameter_drift(:, k)
+      if (present(parameter) .and. self%apart > 0) step = step + parameter*self%parameter_drift(:, k)
    end function step_at
 
    !> Carries tangents over the period of an orbit: the product of the monodromy matrix with vectors, quicker than the matrix.

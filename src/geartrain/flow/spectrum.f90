@@ -11,6 +11,9 @@ module geartrain_flow_spectrum
 
    !> Least radius over the largest at which a curve in a plane is taken to go round its middle.
    real(dp), parameter :: roundness = 0.05_dp
+   !> Most curves that the sections of a torus are looked for on; turns as near as this to a fraction are those from curve to curve.
+   integer, parameter :: most_curves = 8
+   real(dp), parameter :: fraction = 1e-5_dp
 
 contains
 
@@ -87,15 +90,46 @@ contains
    end subroutine orthogonalise
 
    !> Turns of the sections about their middle in a period of the fundamental, 0 to 1/2: where the motion is quasi-periodic, the
-   !> distance of its second frequency over that of the fundamental from the nearest whole number. Negative: the sections go round
-   !> no point of any plane of displacement and velocity.
-   !>
-   !> The average has weights that are 0 with all derivatives at the ends, so that it converges faster than any power of the number
-   !> of sections (Das and others, 2017).
+   !> distance of its second frequency over that of the fundamental from the nearest whole number; on a torus about a motion of
+   !> period n, whose sections lie on n closed curves and go from one to the next, from the nearest multiple of 1/n, 0 to 1/(2n).
+   !> Negative: the sections go round no point of any plane of displacement and velocity.
    pure real(dp) function rotation_number(system, sections) result(turns)
       !> The train.
       type(system_type), intent(in) :: system
       !> Successive states at phase 0 [1], (state, period).
+      real(dp), intent(in) :: sections(:, :)
+      real(dp) :: own
+      integer :: n
+
+      turns = turns_of(system, sections)
+      if (.not. is_fraction(turns)) return
+      ! The turns from one curve to the next. On each curve alone:
+      do n = 2, most_curves
+         own = turns_of(system, sections(:, ::n))
+         if (is_fraction(own)) cycle
+         turns = own/n
+         return
+      end do
+      turns = -1
+
+   contains
+
+      !> Whether turns are of a small whole number of periods, or none.
+      pure logical function is_fraction(turns)
+         real(dp), intent(in) :: turns
+         integer :: k
+
+         is_fraction = turns < 0 .or. any([(abs(k*turns - nint(k*turns)) < fraction, k=1, most_curves)])
+      end function is_fraction
+
+   end function rotation_number
+
+   !> Turns of the sections about the middle of their range, see `rotation_number`.
+   !>
+   !> The average has weights that are 0 with all derivatives at the ends, so that it converges faster than any power of the number
+   !> of sections (Das and others, 2017).
+   pure real(dp) function turns_of(system, sections) result(turns)
+      type(system_type), intent(in) :: system
       real(dp), intent(in) :: sections(:, :)
       complex(dp) :: z(size(sections, 2)), steps(size(sections, 2) - 1), middle
       real(dp) :: round_, best, error
@@ -133,6 +167,6 @@ contains
          if (high > low) scaled = (2*values - low - high)/(high - low)
       end function scaled
 
-   end function rotation_number
+   end function turns_of
 
 end module geartrain_flow_spectrum

@@ -36,6 +36,8 @@ module geartrain_model_parameter_path
       real(dp) :: amid = 0
       !> Value of the train that the path was made from [unit of the parameter].
       real(dp) :: own_value = 0
+      !> Whether all variables that take the value have it in that train, so that the train lies on the path.
+      logical :: holds_train = .true.
       !> Meshes that are unknowns of the balance, (mesh): those that have backlash or a varying stiffness anywhere between the ends.
       logical, allocatable :: unknown(:)
       type(train_type), private :: train
@@ -83,6 +85,7 @@ contains
                                                 &from it is given, or is not used')
       if (allocated(error)) return
       self%own_value = self%parameter(1)%value
+      self%holds_train = all(abs(self%parameter%value - self%own_value) <= 1e-12_dp*abs(self%own_value))
       self%unit = trim(self%parameter(1)%unit)
       if (self%unit == '') self%unit = '1'
       self%train = train
