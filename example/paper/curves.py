@@ -103,6 +103,8 @@ def _integrated(train: Train, branches: list[Branch]) -> Drawn:
     tried, difference = 0, 0.0
     for branch, frequency in product(branches, _SPACING * np.arange(4, 84)):
         seen: list[Array] = []
+        if not branch.frequency.min() <= frequency <= branch.frequency.max():
+            continue
         for motion in branch.at(float(frequency)):
             twin = any(np.allclose(motion.rms, rms, rtol=1e-5) for rms in seen)
             seen.append(motion.rms)

@@ -85,19 +85,22 @@ def watched(
                 if bar is not None:
                     bar.n = int(progress[1])
                     bar.set_postfix_str(f"{value} = {progress[2]:.4g}")
-            except KeyboardInterrupt:
+            except (KeyboardInterrupt, OSError, ValueError, RuntimeError) as stop:
+                if not isinstance(stop, KeyboardInterrupt):
+                    wanted, bar = False, None  # standard error is lost, and the bar with it
+                    # Ctrl-C amid the locks of the bar makes an error of the lock.
+                    if not isinstance(stop.__context__, KeyboardInterrupt):
+                        continue
                 progress[0] = 1.0
                 second, interrupted = interrupted, True
                 if second or not in_parts:
                     # The other thread ends by itself, and before the process does: its code must not be unloaded under it.
                     atexit.register(thread.join)
                     break
-            except (OSError, ValueError):  # standard error is lost, and the bar with it
-                wanted, bar = False, None
     finally:
         progress[0] = 1.0  # whatever takes this thread out of here, the other one does not go on for nobody
         if bar is not None:
-            with contextlib.suppress(OSError, ValueError):
+            with contextlib.suppress(OSError, ValueError, RuntimeError):
                 bar.close()
     if interrupted:
         message = f"{name} stopped by Ctrl-C"

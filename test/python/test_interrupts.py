@@ -11,6 +11,7 @@ import pytest
 from conftest import write_case
 
 import geartrain as gt
+from geartrain import _watch
 from geartrain._watch import watched
 
 #: What may lie between Ctrl-C and the end of the work [s].
@@ -149,3 +150,31 @@ def test_a_map_stopped_before_its_first_row_can_be_written(tmp_path):
     assert len(result.stability_map.parameter) == 0 and "cancelled after 0 of 9000 rows" in result.ended
     result.write(tmp_path / "out.h5")
     assert h5py.is_hdf5(tmp_path / "out.h5")
+
+
+def test_an_interrupt_amid_the_locks_of_the_bar_is_one(monkeypatch):
+    """tqdm releases a lock on its way out that it may not have taken yet, which makes another error of Ctrl-C."""
+
+    class Bar:
+        n = 0
+
+        def set_postfix_str(self, _):
+            try:
+                raise KeyboardInterrupt
+            finally:
+                raise RuntimeError("cannot release un-acquired lock")
+
+        def close(self):
+            raise RuntimeError("cannot release un-acquired lock")
+
+    monkeypatch.setattr(_watch, "progress_bar", lambda *_: Bar())
+    monkeypatch.setattr(_watch, "_PATIENCE", 0.0)
+
+    def work(progress):
+        while not progress[0]:
+            time.sleep(0.01)
+        return "what there is"
+
+    with pytest.raises(gt.Interrupted) as stop:
+        watched(work, "work")
+    assert stop.value.result == "what there is"
