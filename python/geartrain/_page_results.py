@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterable, Mapping, Sequence
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,12 +16,13 @@ from ._motion_table import as_columns
 from ._orders import named_orders
 from ._page_force import force_laws, largest_difference
 from ._page_pack import Block
-from ._units import hertz_of, in_own_unit, length_unit, own_lambda, speed_of, units_of
+from ._units import hertz_of, in_own_unit, length_unit, speed_of, units_of
 from .campbell import exciting_orders
 from .description import Description
 from .errors import InputError
 from .schematic import draw_schematic, figure_size
 from .special_point import SpecialPoints
+from .summary import speeds
 from .variables import ANALYSES
 
 __all__ = ["quantities", "shown_results"]
@@ -259,35 +261,30 @@ def _tables(branch: Any, place: int, name: str) -> list[dict[str, Any]]:
 def _largest(branch: Any, place: int) -> tuple[str, dict[str, list[Any]], list[list[int]]]:
     """The largest force of each mesh and the largest torque of each shaft, of stable motions where there are some."""
     arrays, train = branch.arrays(), branch.train
-    stable = branch.stable is not None and branch.stable.any()
+    counts = np.ones(len(branch), bool) if branch.stable is None or not branch.stable.any() else branch.stable
     torque = arrays.get("shaft_torque_maximum")
-    parts = [(label, arrays["mesh_force_maximum"][:, mesh], "N") for mesh, label in enumerate(train.mesh_labels)]
+    parts = [(label, "N", arrays["mesh_force_maximum"][:, mesh], arrays["dynamic_factor"][:, mesh])
+             for mesh, label in enumerate(train.mesh_labels)]
     if torque is not None:
         both = np.maximum(torque, -arrays["shaft_torque_minimum"])
-        parts += [(label, both[:, shaft], "N m") for shaft, label in enumerate(train.shaft_labels)]
-    parts = [part for part in parts if np.isfinite(part[1]).any()]
-    points = [int(np.nanargmax(np.where(branch.stable, values, np.nan) if stable else values)) for _, values, _ in parts]
-    factor = arrays["dynamic_factor"]
-    columns = {
-        "part": [label for label, _, _ in parts],
-        "force or torque": [float(values[point]) for point, (_, values, _) in zip(points, parts)],
-        "unit": [unit for _, _, unit in parts],
-        "dynamic factor": [float(factor[point, row]) if row < factor.shape[1] else None for row, point in enumerate(points)],
-        **_where(branch, points),
-    }
-    return f"Largest forces and torques{', stable motions' if stable else ''}", columns, [[place, point] for point in points]
-
-
-def _where(branch: Any, points: Sequence[int]) -> dict[str, list[Any]]:
-    """Columns that tell where points are."""
+        parts += [(label, "N m", both[:, shaft], None) for shaft, label in enumerate(train.shaft_labels)]
+    # Rigid shafts side by side have no torque of their own.
+    parts = [part for part in parts if np.isfinite(part[2][counts]).any()]
+    points = [int(np.nanargmax(np.where(counts, values, np.nan))) for _, _, values, _ in parts]
     at = [float(branch.frequency[point]) for point in points]
-    speed = [speed_of(branch.train, one) for one in at]
-    return {
-        **({} if branch.parameter is None else {"parameter": [float(branch.parameter[point]) for point in points]}),
-        "speed [rpm]": speed,
-        "fundamental [Hz]": [hertz_of(branch.train, one) for one in at],
-        "Lambda": [own_lambda(*pair) for pair in zip(at, speed)],
+    columns = {
+        "part": [label for label, *_ in parts],
+        "force or torque": [float(values[point]) for point, (_, _, values, _) in zip(points, parts)],
+        "unit": [unit for _, unit, _, _ in parts],
+        "dynamic factor": [None if factor is None else float(factor[point]) for point, (*_, factor) in zip(points, parts)],
+        **speeds(
+            SimpleNamespace(frequency=one, speed=speed_of(train, one), fundamental_frequency=hertz_of(train, one),
+                            parameter=None if branch.parameter is None else float(branch.parameter[point]))
+            for one, point in zip(at, points)
+        ),
     }
+    words = "" if counts is not branch.stable else ", stable motions"
+    return f"Largest forces and torques{words}", columns, [[place, point] for point in points]
 
 
 def _bands(branch: Any) -> tuple[str, dict[str, list[Any]]]:

@@ -18,6 +18,14 @@ def of_name(locus, kind, frequency):
     return next(point for point in locus.special_points if point.kind == kind and abs(point.frequency - frequency) < 1e-3)
 
 
+def beside(train, point, kind, **response):
+    """The exact special point of the train with the value of a point of a curve: it is at the Lambda of that point."""
+    other = train.with_values({"stiffness_variation": point.parameter})
+    found = nearest(other.response(**response), kind, point.frequency)
+    assert found.frequency == pytest.approx(point.frequency, abs=1e-9)
+    return found
+
+
 def distance(multipliers, value):
     return np.sort(abs(multipliers - value))
 
@@ -47,10 +55,8 @@ def test_fold_flip():
     fold = nearest(train.response(start=0.2, stop=0.8, harmonics=12), "fold", 0.5656)
     locus = train.locus(fold, parameter="stiffness_variation", start=0.3, stop=0.55)
     point = of_name(locus, "fold-flip", 0.54579)
-    other = train.with_values({"stiffness_variation": point.parameter})
     for kind in ("fold", "period doubling"):
-        found = nearest(other.response(start=0.2, stop=0.8, harmonics=12), kind, point.frequency)
-        assert found.frequency == pytest.approx(point.frequency, abs=1e-9)
+        found = beside(train, point, kind, start=0.2, stop=0.8, harmonics=12)
         assert distance(found.multipliers, 1)[0] < 1e-8
         assert distance(found.multipliers, -1)[0] < 1e-8
 
@@ -60,9 +66,7 @@ def test_one_to_one_resonance():
     fold = nearest(train.response(start=0.2, stop=1.0, harmonics=12), "fold", 0.73187)
     locus = train.locus(fold, parameter="stiffness_variation", start=0.28, stop=0.35)
     point = of_name(locus, "1:1 resonance", 0.75592)
-    other = train.with_values({"stiffness_variation": point.parameter})
-    found = nearest(other.response(start=0.2, stop=1.0, harmonics=12), "fold", point.frequency)
-    assert found.frequency == pytest.approx(point.frequency, abs=1e-9)
+    found = beside(train, point, "fold", start=0.2, stop=1.0, harmonics=12)
     # Two of one eigenvector, which the root of an error parts.
     assert distance(found.multipliers, 1)[1] < 1e-5
 
@@ -117,9 +121,7 @@ def test_one_to_two_resonance():
     doubling = nearest(train.response(start=1.18, stop=1.38, harmonics=24), "period doubling", 1.2562)
     locus = train.locus(doubling, parameter="stiffness_variation", start=0.154, stop=0.57)
     point = of_name(locus, "1:2 resonance", 1.279)
-    other = train.with_values({"stiffness_variation": point.parameter})
-    found = nearest(other.response(start=1.18, stop=1.38, harmonics=24), "period doubling", point.frequency)
-    assert found.frequency == pytest.approx(point.frequency, abs=1e-9)
+    found = beside(train, point, "period doubling", start=1.18, stop=1.38, harmonics=24)
     # Two of one eigenvector, which the root of an error parts.
     assert distance(found.multipliers, -1)[1] < 1e-5 < distance(found.multipliers, -1)[2]
 
