@@ -37,8 +37,6 @@ module geartrain_analyses_bifurcation_diagram
    !> Relative difference of sections that repeat themselves; of sections that differ, and do not turn about an orbit as they settle
    !> on it; most sections of one frequency.
    real(dp), parameter :: repeated_to = 1e-6_dp, clearly_different = 1e-4_dp, most_sections = 1e5_dp
-   !> Least sections for a rotation number.
-   integer, parameter :: fewest = 32
 
    !> The variables of &bifurcation_diagram.
    type :: bifurcation_diagram_settings_type
@@ -338,7 +336,7 @@ contains
       if (kind == 'chaotic') then
          if (is_leaving(system, found%frequency_ratio(i), state, found%exponents(1, i))) kind = 'still settling'
       end if
-      if (kind == 'quasi-periodic' .and. settings%sections >= fewest) then
+      if (kind == 'quasi-periodic') then
          turns = rotation_number(system, sections)
          if (turns >= 0) found%rotation(i) = turns
       end if

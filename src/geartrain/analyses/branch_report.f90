@@ -4,6 +4,7 @@ module geartrain_analyses_branch_report
    use geartrain_analyses_frequency_text, only: frequency_text_type, in_width, length_unit, text_for
    use geartrain_analyses_load_report, only: beyond, column_length, name_meshes, report_loads
    use geartrain_base_kinds, only: dp
+   use geartrain_base_sorting, only: ascending
    use geartrain_continuation_branch, only: branch_type, carried_by, gap_along, has_sets, response_settings_type
    use geartrain_continuation_contact_ranges, only: back_collision_ranges, separation_ranges
    use geartrain_continuation_decided, only: rests_on_undecided
@@ -103,9 +104,9 @@ contains
          call report_branch_points(branch, told, unit)
          call report_jumps(branch, told, length_unit(train), unit)
          bands = bands_without_stability(branch)
+         ! Those without width in the digits printed are left out; the file has them.
+         bands = pack(bands, [(told%number(bands(i)%from) /= told%number(bands(i)%to), i=1, size(bands))])
          do i = 1, size(bands)
-            ! A band without width in the digits printed; the file has it.
-            if (told%number(bands(i)%from) == told%number(bands(i)%to)) cycle
             call told%with_unit(trim(told%number(bands(i)%from))//' to '//told%number(bands(i)%to), words)
             write (unit, '(3a)') '    without a stable motion for ', words, &
                trim(merge(' (undecided)', '            ', bands(i)%undecided))
@@ -120,7 +121,7 @@ contains
                                back_collision_ranges(branch, mesh, .true.), allocated(branch%stable), told, unit)
             call report_pulling(branch, mesh, trim(name), told, unit)
          end do
-         call report_forces(branch, column(:)(first:), told, at_end, trim(merge(of_all, of_computed, missing == '')), unit)
+         call report_forces(branch, column(:)(first:), told, at_end, trim(merge(of_all, of_computed, missing == '')), bands, unit)
       end if
       if (.not. allocated(branch%ended)) return
       call told%of_words(branch%ended, words)
@@ -202,15 +203,14 @@ contains
       type(peak_type), allocatable :: found(:)
       type(peak_type) :: at_the_end
       real(dp) :: lowest
+      integer, allocatable :: order(:)
       integer :: i
 
       found = peaks(branch, mesh)
       lowest = 0
       if (size(found) > most_lines) then
-         lowest = maxval(found%rms)
-         do while (count(found%rms >= lowest) < most_lines)
-            lowest = maxval(found%rms, found%rms < lowest)
-         end do
+         order = ascending(-found%rms)
+         lowest = found(order(most_lines))%rms
       end if
       do i = 1, size(found)
          if (found(i)%rms >= lowest) call tell(found(i), '')
@@ -353,7 +353,7 @@ contains
    end subroutine list
 
    !> Lines about the largest force of each mesh over the branch: of stable motions where stability is known, else of all motions.
-   subroutine report_forces(branch, column, told, at_end, note, unit)
+   subroutine report_forces(branch, column, told, at_end, note, unstable, unit)
       type(branch_type), intent(in) :: branch
       !> Head of the column of meshes, and what each is called, (0:mesh).
       character(*), intent(in) :: column(0:)
@@ -361,11 +361,11 @@ contains
       logical, intent(in) :: at_end(:)
       !> Said of the table.
       character(*), intent(in) :: note
+      !> Ranges without a stable motion.
+      type(band_type), intent(in) :: unstable(:)
       integer, intent(in) :: unit
       logical :: counts(branch%points)
       character(:), allocatable :: left_out, words
-      type(band_type), allocatable :: bands(:)
-      integer :: i
 
       counts = .true.
       if (allocated(branch%stable)) counts = branch%stable(:branch%points)
@@ -374,9 +374,7 @@ contains
          call report_loads(branch%mesh_load(:, :n), branch%frequency_ratio(:n), counts, at_end, told, column, &
                            trim(merge(', stable motions', '                ', allocated(branch%stable)))//note, unit)
       end associate
-      bands = bands_without_stability(branch)
-      bands = pack(bands, [(told%number(bands(i)%from) /= told%number(bands(i)%to), i=1, size(bands))])
-      call list(bands, told, left_out)
+      call list(unstable, told, left_out)
       if (left_out == '') return
       call told%with_unit(left_out, words)
       write (unit, '(3a)') '    these forces leave out ', words, ', where no motion of the branch is stable: &integration there &

@@ -424,9 +424,10 @@ contains
             if (counts(i)) load(:, i) = self%result%motions(i)%mesh_load
          end do
          call name_meshes(train, column, first)
-         call report_loads(load, self%result%motions%frequency_ratio, counts, .not. counts, told, column(:)(first:), &
-                           trim(merge(', unsettled motions too', '                       ', &
-                                      any(self%result%motions%period == 0))), unit)
+         call report_loads(load, self%result%motions%frequency_ratio, counts, [(.false., i=1, size(counts))], told, &
+                           column(:)(first:), trim(merge(', unsettled motions too', '                       ', &
+                                                         any(counts .and. self%result%motions%period == 0)))// &
+                           trim(merge('                           ', ', those without bound apart', all(counts))), unit)
       end if
       if (.not. allocated(self%result%ended)) return
       call told%of_words(self%result%ended, ended)

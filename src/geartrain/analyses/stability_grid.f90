@@ -161,7 +161,7 @@ contains
       call check_unit(train, settings%unit, checker)
       call check_frequency(train, 'from', settings%start, checker, settings%unit)
       call check_frequency(train, 'to', settings%stop, checker, settings%unit)
-      if (.not. settings%linear) call check_harmonics(train, settings%harmonics, 1, most_harmonics, checker)
+      if (.not. settings%linear) call check_harmonics(train, settings%harmonics, 1, 0, checker)
       if (settings%linear .and. (settings%parameter == 'input_torque' .or. settings%parameter == 'half_backlash')) &
          call checker%complain('parameter', "'"//trim(settings%parameter)//"'", &
                                'has no influence on the stability of the linear train: leave out linear = .true.')

@@ -11,6 +11,8 @@ module geartrain_flow_spectrum
 
    !> Least radius over the largest at which a curve in a plane is taken to go round its middle.
    real(dp), parameter :: roundness = 0.05_dp
+   !> Fewest sections of a curve for its turns.
+   integer, parameter :: fewest = 32
    !> Most curves that the sections of a torus are looked for on; turns as near as this to a fraction are those from curve to curve.
    integer, parameter :: most_curves = 8
    real(dp), parameter :: fraction = 1e-5_dp
@@ -101,10 +103,12 @@ contains
       real(dp) :: own
       integer :: n
 
+      turns = -1
+      if (size(sections, 2) < fewest) return
       turns = turns_of(system, sections)
       if (.not. is_fraction(turns)) return
       ! The turns from one curve to the next. On each curve alone:
-      do n = 2, most_curves
+      do n = 2, min(most_curves, size(sections, 2)/fewest)
          own = turns_of(system, sections(:, ::n))
          if (is_fraction(own)) cycle
          turns = own/n

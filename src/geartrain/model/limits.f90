@@ -64,7 +64,7 @@ contains
       !> The train.
       type(train_type), intent(in) :: given
       !> Number of harmonics of Lambda/subharmonic, 0: chosen by the program; sub-harmonic index; most harmonics that the program
-      !> chooses.
+      !> chooses, 0: it chooses none.
       integer, intent(in) :: harmonics, subharmonic, most
       !> Gets the problems.
       class(checker_type), intent(inout) :: checker
@@ -101,8 +101,7 @@ contains
          if (subharmonic > 1) needed = needed//'*subharmonic = '//integer_text(lowest*subharmonic)
          needed = needed//': '//name//' has no lower harmonic of Lambda and would be left out'
          if (harmonics > 0 .and. lowest*subharmonic > harmonics) then
-            ! A stability map takes a number.
-            if (checker%group /= 'stability_map') needed = needed//'; 0 chooses those that matter'
+            if (most > 0) needed = needed//'; 0 chooses those that matter'
             call checker%complain('harmonics', integer_text(harmonics), 'must be >= '//needed)
          else if (harmonics == 0 .and. lowest*subharmonic > most*merge(system%excitation_order, 1, subharmonic == 1)) then
             call checker%complain('harmonics', '0', 'chooses at most '//integer_text(most)//', and must choose >= '//needed)

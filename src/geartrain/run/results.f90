@@ -98,7 +98,6 @@ contains
       !> Text of the case; version of geartrain that wrote the file; why the file cannot be used, '': it can.
       character(:), allocatable, intent(out) :: input, written_by, wrong
       integer :: number
-
       logical :: there
 
       input = ''
