@@ -1,8 +1,8 @@
 """Whether train.motions misses what brute force finds: python benchmarks/motions.py [--quick] [TRAIN ...] [SPEED ...]
 
 At five speeds of the trains of figures 3, 7 (kappa 0.42) and 9 (0.01) and of ten random trains of one to three meshes: 1,000 random
-starts of time integration, and 2,000 shootings from random states of another seed, for periods 1 to 4 from each of 500. Each orbit
-found must be among those of train.motions with its defaults. Prints a line a place and ends with how many were missing; --quick
+starts of time integration; 2,000 shootings from random states of another seed, for periods 1 to 4 from each of 500; and 2,000 solutions
+of the balance from random waveforms, of 500 for each period. Each orbit found must be among those of train.motions with its defaults. Prints a line a place and ends with how many were missing; --quick
 takes a tenth of it. Names of trains ("fig07_042", "random 3") and speeds (2.4) choose among the places.
 """
 
@@ -14,7 +14,7 @@ import numpy as np
 
 import geartrain as gt
 from geartrain.errors import SolverError
-from geartrain.motions import _Known
+from geartrain.motions import _Known, _random_waveforms
 
 ROOT = Path(__file__).resolve().parents[1]
 SPEEDS = (0.4, 0.7, 1.2, 1.92, 2.4)
@@ -54,6 +54,11 @@ def brute_force(train, frequency, starts, seeds, found):
             orbit = known.shoot(state, period)
             if orbit is not None:
                 known.add(orbit, "shooting")
+    given = _Known(train, frequency, dict.fromkeys(range(1, 5)))
+    given.found = [(motion, "") for motion in found]
+    for guess in _random_waveforms(given, [], 2.0, moments, seeds):
+        for balanced in known.balance(guess):
+            known.add_near(balanced, "balance")
     return [motion for motion, _ in known.found]
 
 

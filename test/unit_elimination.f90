@@ -1,6 +1,7 @@
 !> Small numerical tools: LU factors against the products they are made of, for sizes on both sides of the change to LAPACK; first
 !> roots of polynomials; sorting.
 module unit_elimination
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain, only: dp
    use geartrain_base_sorting, only: ascending
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
@@ -28,6 +29,8 @@ contains
          singular = reshape(1.0_dp*[1, 2, 3, 2, 4, 6, 0, 1, 0], [3, 3])
          call factor_matrix(3, singular, pivot, info)
          call tests%is_true(info /= 0, 'a singular matrix is told')
+         call not_a_number(tests, 3)
+         call not_a_number(tests, 40)
       end if
       if (tests%runs('first_roots')) call first_roots(tests)
       if (tests%runs('sorting')) then
@@ -53,6 +56,26 @@ contains
       call first_root([0.49_dp + 1e-6_dp, -1.4_dp, 1.0_dp], 2.0_dp, root, hit)
       call tests%is_true(.not. hit, 'a minimum above zero')
    end subroutine first_roots
+
+   !> A matrix with NaN has no factors, and its row exchanges may lead out of it.
+   subroutine not_a_number(tests, n)
+      class(tests_type), intent(inout) :: tests
+      integer, intent(in) :: n
+      real(dp) :: a(n, n)
+      integer :: pivot(n), info, i, j
+
+      do i = 1, n
+         do j = 1, n
+            a(i, j) = 1/real(i + j - 1, dp)
+         end do
+      end do
+      a(n/2, :) = ieee_value(1.0_dp, ieee_quiet_nan)
+      call factor_matrix(n, a, pivot, info)
+      call tests%is_true(info > 0 .and. info <= n, 'a row of NaN is told')
+      a = ieee_value(1.0_dp, ieee_quiet_nan)
+      call factor_matrix(n, a, pivot, info)
+      call tests%is_true(info > 0 .and. info <= n, 'a matrix of NaN is told')
+   end subroutine not_a_number
 
    !> a x = b with a known x, one column and three; zeros on the diagonal make rows change places.
    subroutine solves(tests, n)

@@ -16,7 +16,7 @@ from ._motion_table import motions_of, put_motions
 from ._text_table import text_table
 from ._units import length_unit
 from .branch import Branch
-from .errors import SolverError
+from .errors import InputError, SolverError
 from .motion import Motion, from_state
 
 __all__ = ["Motions", "find_motions"]
@@ -28,6 +28,9 @@ _SAME = 1e-6  # distance of two orbits found by shooting, relative, below which 
 _NEAR_ONE = 1e-6  # distance of a real multiplier from 1 below which the index of a motion is not known
 _SPREAD, _WIDER = 2.0, 1.5  # box of the random states over the largest state known; its growth where motions are missing
 _BATCH = 100  # random states between two looks at the indices
+_HARMONICS = 12  # of the fundamental in a random waveform
+_DECADES, _MEANS = (-2.0, 0.3), (-0.5, 2.0)  # its size over the box, as a power of 10; its mean over that of a motion known
+_WAVEFORMS = 4  # random waveforms for a random state: the balance takes a fifth of the time of shooting
 _PUSH = 1e-3  # relative, by which a flow begins beside an unstable motion
 _SETTLING = (3, 10, 30)  # periods of the fundamental that a random state is integrated for before it is tried
 _PATIENCE = 4  # times as many random states are tried where the indices do not add up
@@ -133,6 +136,9 @@ def find_motions(
             for found, (_, n, how) in zip(pool.map(lambda one: known.shoot(one[0], one[1]), tries), tries, strict=True):
                 if found is not None:
                     known.add(found, f"shooting for period {n} from {how}")
+            guesses = list(_random_waveforms(known, others, spread, moments, _WAVEFORMS * len(states)))
+            for balanced in _distinct(motion for motions in pool.map(known.balance, guesses) for motion in motions):
+                known.add_balanced(balanced, f"the balance for period {balanced.period} from a random waveform", ())
             _leave_unstable(train, frequency, known, pushed)
             _follow(train, frequency, known)
             if not states:
@@ -165,6 +171,14 @@ class _Known:
         except SolverError:
             return None
         return Motion(train=self.train, **motions_of(box)[0])
+
+    def balance(self, guess: Motion) -> list[Motion]:
+        """The motions of the truncated balance near a waveform, one or none."""
+        try:
+            return self.train.response(start=self.frequency, stop=_NEARBY * self.frequency, subharmonic=guess.period, seed=guess,
+                                       harmonics=_HARMONICS * guess.period, max_points=2, stability=False).at(self.frequency)
+        except SolverError:
+            return []
 
     def add_near(self, motion: Motion, how: str) -> None:
         """Add the exact orbit near a motion, where there is one."""
@@ -234,6 +248,55 @@ def _random_states(
             yield later.state, "the flow from a random state"
 
 
+def _random_waveforms(
+    known: _Known, others: Sequence[Motion], spread: float, moments: np.random.Generator, number: int
+) -> Iterator[Motion]:
+    """Waveforms about as large as what is known, for each period, whose harmonics fall as those behind a natural frequency do.
+
+    Newton's method on the balance finds from them what random states hardly find, motions that a flow leaves at once.
+    """
+    motions = [*(motion for motion, _ in known.found), *others]
+    if not motions:
+        return
+    try:
+        known.train._ask(response={"start": known.frequency, "stop": _NEARBY * known.frequency, "harmonics": _HARMONICS})
+    except InputError:  # the meshes are excited at higher harmonics, as those of a gearbox are by its slowest shaft
+        return
+    scale = np.max([np.maximum(np.abs(motion.mean), motion.rms) for motion in motions], axis=0)
+    scale = np.maximum(scale, 1e-3 * scale.max())[:, None]
+    ratio = known.frequency / _frequency_of_meshes(known.train)
+    for _ in range(number):
+        for period in range(1, known.period + 1):
+            order = np.arange(1, _HARMONICS * period + 1) / period
+            sizes = spread * scale * 10 ** moments.uniform(*_DECADES, scale.shape) / (order * (1 + (order * ratio) ** 2))
+            mean = moments.choice(len(motions))
+            coefficients = np.zeros((len(scale), 1 + 2 * len(order)))
+            coefficients[:, 0] = motions[mean].mean * moments.uniform(*_MEANS, len(scale))
+            coefficients[:, 1::2] = sizes * moments.normal(size=sizes.shape)
+            coefficients[:, 2::2] = sizes * moments.normal(size=sizes.shape)
+            yield replace(motions[mean], period=period, coefficients=coefficients, state=None, multipliers=None)
+
+
+def _frequency_of_meshes(train: Any) -> float:
+    """Natural frequency of the train, in Lambda, each mode counted as much as the meshes have of its energy."""
+    modes = train.modes()
+    shares = [
+        sum(share for element, share in modes.energy_shares(mode).items() if element.startswith("mesh"))
+        for mode in range(1, len(modes.natural_frequency) + 1)
+    ]
+    return float(np.average(modes.natural_frequency, weights=shares))
+
+
+def _distinct(motions: Iterable[Motion]) -> Iterator[Motion]:
+    """Each motion once, by its period and rms."""
+    seen: set[Any] = set()
+    for motion in motions:
+        key = motion.period, *(f"{rms:.3e}" for rms in motion.rms)
+        if key not in seen:
+            seen.add(key)
+            yield motion
+
+
 def _round_about(train: Any, frequency: float, doublings: int, **settings: Any) -> list[Branch]:
     """The branch of motions that passes a Lambda, the response unless another is told; with doublings also what bifurcates.
 
@@ -255,15 +318,20 @@ def _follow(train: Any, frequency: float, known: _Known) -> None:
             if motion in known.followed[deep] or (deep and known.adds_up()):
                 continue
             known.followed[deep].append(motion)
-            doublings = (known.period // motion.period).bit_length() - 1 if deep else 0
-            try:
-                branches = _round_about(train, frequency, doublings, subharmonic=motion.period, seed=motion)
-            except SolverError:
-                continue
-            for branch in branches:
-                how = branch.origin and f"{branch.origin}, of "
-                for other in branch.at(frequency):
-                    known.add_balanced(other, f"{how}the branch of the motion of period {motion.period}", range(deep + 1))
+            _follow_one(train, frequency, known, motion, f"the branch of the motion of period {motion.period}", deep=deep)
+
+
+def _follow_one(train: Any, frequency: float, known: _Known, motion: Motion, how: str, *, deep: bool) -> None:
+    """The motions at this speed on the branch of a motion, and when deep on what bifurcates from it."""
+    doublings = (known.period // motion.period).bit_length() - 1 if deep else 0
+    try:
+        branches = _round_about(train, frequency, doublings, subharmonic=motion.period, seed=motion)
+    except SolverError:
+        return
+    for branch in branches:
+        origin = f"{branch.origin}, of " if branch.origin else ""
+        for other in branch.at(frequency):
+            known.add_balanced(other, f"{origin}{how}", range(deep + 1))
 
 
 def _leave_unstable(train: Any, frequency: float, known: _Known, pushed: set[int]) -> None:
@@ -305,7 +373,7 @@ def _multipliers_at_infinity(train: Any, frequency: float) -> NDArray[np.complex
     if any(mesh.back_phase or mesh.back_stiffness not in (None, mesh.stiffness) for mesh in train.meshes):
         return None
     linear = replace(train, meshes=[replace(mesh, half_backlash=0.0, backlash=0.0) for mesh in train.meshes])
-    branch = linear.response(start=frequency, stop=1.001 * frequency, harmonics=1, amplitude_limit=1e15)
+    branch = linear.response(start=frequency, stop=_NEARBY * frequency, harmonics=0, tolerance=_ROUGH, amplitude_limit=1e15)
     multipliers: NDArray[np.complex128] | None = branch.multipliers
     return None if multipliers is None else multipliers[0]
 

@@ -556,10 +556,10 @@ class Train(Description):
     ) -> Motions:
         """Every periodic motion at one speed that can be found, stable or not, each to about 1e-11.
 
-        Looked for on the response and its period-doubled and crossing branches, by random starts of time integration, and by
-        shooting for every period from random states and from what these become after some periods of time integration; further
-        random states are tried where the sum of indices shows that motions are missing (`Motions`). Islands whose motions at this
-        speed are all unstable are found by the random states alone.
+        Looked for on the response and its period-doubled and crossing branches, by random starts of time integration, by shooting
+        for every period from random states and from what these become after some periods of time integration, and by the balance
+        from random waveforms; further ones are tried where the sum of indices shows that motions are missing (`Motions`). Islands
+        whose motions at this speed are all unstable are found by the random states and waveforms alone.
 
         Parameters
         ----------
@@ -571,7 +571,8 @@ class Train(Description):
         starts : int
             Random starts of time integration.
         seeds : int
-            Random states to begin shooting from; up to four times as many where motions are missing.
+            Random states to begin shooting from; four times as many random waveforms for the balance; of both up to four times as
+            many where motions are missing.
         random_seed : int
         response : Branch, optional
             A response that reaches this speed; one is followed round about it unless told.

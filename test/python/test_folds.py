@@ -7,6 +7,7 @@ import pytest
 from conftest import ROOT, paper_train
 
 import geartrain as gt
+from geartrain.errors import SolverError
 
 
 def turns(branch):
@@ -53,3 +54,22 @@ def test_a_fold_beside_a_doubling_is_not_taken_for_it():
     for branch in response.branches:
         odd = np.abs(branch.coefficients[:, :, 1:].reshape(len(branch), 2, -1, 2)[:, :, ::2]).max(axis=(1, 2, 3))
         assert branch.subharmonic == 2 and (odd > 1e-5).all()
+
+
+@pytest.mark.parametrize(("harmonics", "tolerance"), [(0, 1e-2), (0, 1e-5), (12, 1e-3), (30, 1e-3)])
+def test_an_exact_fold_is_a_seed(harmonics, tolerance):
+    """Of its Lambda the truncated balance may have no motion, or two: the branch begins beside it and turns there."""
+    train = paper_train()
+    response = train.response(start=0.4, stop=1.2, harmonics=harmonics, tolerance=tolerance)
+    for place, special in enumerate(special for special in response.special_points if special.kind == "fold"):
+        seed = special.exact().motion
+        branch = train.response(start=0.4, stop=1.2, harmonics=harmonics, tolerance=tolerance, seed=seed)
+        assert branch.complete and folds(branch) == pytest.approx(folds(response), rel=1e-3), place
+
+
+def test_a_seed_whose_branch_is_outside_the_range():
+    train = paper_train()
+    fold = train.response(start=0.4, stop=1.2).special_points[0].exact()
+    near = {"start": fold.frequency * (1 - 1e-9), "stop": fold.frequency * (1 + 1e-9), "harmonics": 12}
+    with pytest.raises(SolverError, match=r"Newton does not converge from the seed at Lambda = 0\.462118"):
+        train.response(**near, seed=fold.motion)

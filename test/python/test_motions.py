@@ -7,7 +7,7 @@ import pytest
 from conftest import ROOT, paper_train, single_pair
 
 import geartrain as gt
-from geartrain.motions import _follow, _Known, index_sum, least_period, replace_period, same_orbit
+from geartrain.motions import _follow, _Known, _multipliers_at_infinity, _random_waveforms, index_sum, least_period, replace_period, same_orbit
 
 
 def test_figure_3_where_two_motions_of_period_2_coexist():
@@ -38,6 +38,32 @@ def test_the_branch_of_every_motion_is_followed():
     _follow(known.train, 2.4, known)
     rms = sorted(motion.rms.tolist() for motion, _ in known.found)
     assert np.round(rms, 3).tolist() == [[1.615, 1.940], [1.627, 1.867], [1.963, 2.052], [1.974, 1.805]]
+
+
+def test_an_island_that_is_unstable_at_this_speed():
+    """Lambda 1.919 to 2.495, both motions at 2.4 unstable and of opposite index: neither starts nor the indices tell of it."""
+    train = paper_train(input_torque=223.9).with_values({
+        "mesh 1 driving_inertia": 0.0042508344, "mesh 1 driven_inertia": 0.037585609, "mesh 1 stiffness": 483801588.5,
+        "mesh 1 damping_ratio": 0.02796457, "mesh 1 half_backlash": 3.4814159e-05, "mesh 1 stiffness_cos": 0.21065779,
+        "mesh 2 driving_inertia": 0.0034953484, "mesh 2 driven_inertia": 0.023563942, "mesh 2 stiffness": 418491593.6,
+        "mesh 2 damping_ratio": 0.053140467, "mesh 2 half_backlash": 5.2393675e-05, "mesh 2 stiffness_cos": 0.24220609,
+        "shaft 2 stiffness": 9081437.3})
+    found = train.motions(2.4, period=2, starts=20)
+    assert found.complete and len(found) == 7
+    island = [motion for motion in found if 1.2 < motion.rms[0] < 1.4]
+    assert [motion.rms.round(4).tolist() for motion in island] == [[1.2415, 1.0727], [1.3753, 0.6302]]
+    branch = train.response(start=1.9, stop=2.6, subharmonic=2, seed=island[0], harmonics=0, tolerance=1e-3)
+    assert branch.closed and len(branch.at(2.4)) == 2 and not any(motion.stable for motion in branch.at(2.4))
+
+
+def test_a_gearbox_excited_at_high_harmonics_of_its_slowest_shaft():
+    """Its balance takes 71 harmonics at least: so does that of the train without backlash; random waveforms are left out."""
+    train = gt.read_case(ROOT / "namelists" / "reducer.nml").train
+    multipliers = _multipliers_at_infinity(train, 825.0)
+    assert len(multipliers) == 10 and (np.abs(multipliers) < 1).all()
+    known = _Known(train, 825.0, {1: 1})
+    known.found.append((_motion(np.ones((2, 3)), 1), "told"))
+    assert not list(_random_waveforms(known, [], 2.0, np.random.default_rng(0), 1))
 
 
 def test_coexisting_motions_of_a_single_pair():

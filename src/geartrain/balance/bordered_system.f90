@@ -111,13 +111,14 @@ contains
       class(bordered_system_type), intent(inout) :: self
       !> Balance as at `factor`; gets more explicit harmonics where GMRES does not converge.
       type(balance_type), intent(inout) :: balance
-      !> Right-hand side, afterwards the solution, (block, unknown), and its entry in the border row: NaN after an interrupt.
+      !> Right-hand side, afterwards the solution, (block, unknown), and its entry in the border row: NaN after an interrupt, and
+      !> where the matrix with more explicit harmonics is singular.
       real(dp), intent(inout) :: x(:, :), y
       !> Residual relative to the right-hand side at which GMRES ends [1]; 1e-10 unless it is given, and at least.
       real(dp), intent(in), optional :: accuracy
       real(dp) :: enough
       integer :: held
-      logical :: done
+      logical :: done, regular
 
       enough = tolerance
       if (self%flows) enough = tolerance_in_time
@@ -126,17 +127,20 @@ contains
       do while (.not. balance%is_direct())
          call self%iterate(balance, enough, x, y, done)
          if (done) return
-         if (balance%system%interrupt%raised()) then
+         regular = .not. balance%system%interrupt%raised()
+         if (regular) then
+            if (.not. self%flows) call balance%make_explicit(2*balance%explicit)
+            self%flows = .false.
+            call balance%jacobian(self%lowest)
+            held = self%orientation
+            call self%factor(balance, regular)
+            if (self%suits_flow) self%orientation = held
+         end if
+         if (.not. regular) then
             y = ieee_value(y, ieee_quiet_nan)
             x = y
             return
          end if
-         if (.not. self%flows) call balance%make_explicit(2*balance%explicit)
-         self%flows = .false.
-         call balance%jacobian(self%lowest)
-         held = self%orientation
-         call self%factor(balance, done)
-         if (self%suits_flow) self%orientation = held
       end do
       call self%lowest%solve(x, y)
    end subroutine solve

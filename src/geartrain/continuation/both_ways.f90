@@ -44,7 +44,8 @@ contains
       if (branch%closed .or. outcome == cancelled) return
       first_outcome = outcome
       first_points = branch%points
-      call tracer%corrector%refit(backward)
+      ! With the harmonics that it was solved with: with others a fold beside it may lie on its other side, and be on neither way.
+      call tracer%prepare(backward%harmonic(size(backward%harmonic)), backward%harmonic)
       call tracer%corrector%correct(backward, success)
       if (.not. success) then
          branch%ended = 'forwards from '//where_from//': '//branch%ended//'; backwards: Newton does not converge'

@@ -50,6 +50,7 @@ module geartrain_continuation_corrector
    contains
       procedure :: setup
       procedure :: solve_at
+      procedure :: solve_beside
       procedure :: correct
       procedure :: orient
       procedure :: advance
@@ -85,6 +86,26 @@ contains
       call self%newton(solution, row, 1.0_dp, huge(1.0_dp), success)
    end subroutine solve_at
 
+   !> Solves for Lambda too: in the hyperplane through the guess normal to the branches that pass it. At a fold of the exact motion
+   !> the balance may have no solution at its Lambda.
+   subroutine solve_beside(self, solution, success)
+      class(corrector_type), intent(inout) :: self
+      !> A guess with Lambda; then the solution, with its tangent.
+      type(solution_point_type), intent(inout) :: solution
+      !> Newton's method has converged.
+      logical, intent(out) :: success
+
+      call self%balance%evaluate(solution%u, solution%frequency_ratio)
+      self%evaluations = self%evaluations + 1
+      call self%matrix%linearize(self%balance)
+      self%matrix%row = 0
+      self%matrix%corner = 1
+      call self%matrix%factor(self%balance, success)
+      if (.not. success) return
+      call self%orient(solution, 1)
+      call self%correct(solution, success)
+   end subroutine solve_beside
+
    !> Solves in the hyperplane through `solution` normal to its tangent.
    subroutine correct(self, solution, success)
       class(corrector_type), intent(inout) :: self
@@ -99,10 +120,10 @@ contains
       if (success) call self%find_tangent(solution)
    end subroutine correct
 
-   !> Finds the tangent after `solve_at`.
+   !> Finds the tangent of a point at which the matrix was factored with Lambda prescribed.
    subroutine orient(self, solution, direction)
       class(corrector_type), intent(inout) :: self
-      !> The point that `solve_at` gave; gets its tangent.
+      !> The point, as `solve_at` gives it; gets its tangent.
       type(solution_point_type), intent(inout) :: solution
       !> Lambda grows along the tangent, +1, or falls, -1.
       integer, intent(in) :: direction

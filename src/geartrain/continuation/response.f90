@@ -29,6 +29,8 @@ module geartrain_continuation_response
    integer, parameter :: known_start = -1
    !> Relative difference of Lambda up to which a seed has the constant Lambda of a branch over a parameter.
    real(dp), parameter :: same_frequency = 1e-9_dp
+   !> Part of Lambda in the tangent below which a seed is taken to be a fold, and how far from there the branch begins [units_type].
+   real(dp), parameter :: off_fold = 1e-3_dp
 
 contains
 
@@ -204,7 +206,7 @@ contains
       type(solution_point_type) :: solution, backward
       type(motion_type) :: own
       real(dp) :: low, high
-      logical :: success
+      logical :: success, at_its_lambda
 
       low = min(tracer%settings%start, tracer%settings%stop)
       high = max(tracer%settings%start, tracer%settings%stop)
@@ -233,15 +235,15 @@ contains
          branch%ended = 'the seed at Lambda = '//text(own%frequency_ratio)//' lies outside '//text(low)//' to '//text(high)
          return
       end if
-      solution = solution_of(tracer, own)
-      call tracer%corrector%solve_at(solution, success)
+      call solve_seed(tracer, own, low, high, solution, at_its_lambda, success)
       if (.not. success) then
          branch%ended = 'Newton does not converge from the seed at Lambda = '//text(own%frequency_ratio)
          call drop_step(tracer, branch)
          return
       end if
-      call tracer%corrector%orient(solution, merge(1, -1, tracer%settings%stop > tracer%settings%start))
-      call tracer%adapt(solution, success, fixed=.true.)
+      if (at_its_lambda) call tracer%corrector%orient(solution, merge(1, -1, tracer%settings%stop > tracer%settings%start))
+      call tracer%adapt(solution, success, fixed=at_its_lambda)
+      call leave_fold(tracer, low, high, solution)
       call tracer%record(solution, branch)
       backward = solution
       backward%tangent = -solution%tangent
@@ -249,5 +251,45 @@ contains
       call trace_both_ways(tracer, solution, backward, branch, 'the seed', observer)
       call drop_step(tracer, branch)
    end subroutine trace_from_seed
+
+   !> Goes a little along the branch from a seed at a fold, so that the fold lies on one of the two ways and is found there.
+   subroutine leave_fold(tracer, low, high, solution)
+      type(tracer_type), intent(inout) :: tracer
+      !> The range, which the solution does not leave.
+      real(dp), intent(in) :: low, high
+      !> Solution with tangent; moved where the tangent has hardly a part in Lambda.
+      type(solution_point_type), intent(inout) :: solution
+      type(solution_point_type) :: beside
+      logical :: success
+
+      if (abs(solution%tangent_frequency) > off_fold*tracer%corrector%units%frequency_ratio) return
+      call tracer%corrector%advance(solution, off_fold, beside, success)
+      if (success .and. beside%frequency_ratio >= low .and. beside%frequency_ratio <= high) solution = beside
+   end subroutine leave_fold
+
+   !> Solves the balance next to a seed: at its Lambda or, where that fails as at a fold, beside it; with the first number of
+   !> harmonics or, where the program chooses it, with twice or four times as many.
+   subroutine solve_seed(tracer, seed, low, high, solution, at_its_lambda, success)
+      type(tracer_type), intent(inout) :: tracer
+      type(motion_type), intent(in) :: seed
+      !> The range, which the solution does not leave.
+      real(dp), intent(in) :: low, high
+      type(solution_point_type), intent(out) :: solution
+      !> The solution has the Lambda of the seed, and no tangent yet.
+      logical, intent(out) :: at_its_lambda, success
+      integer :: i
+
+      do i = 0, merge(2, 0, tracer%settings%harmonics == 0 .and. .not. tracer%chooses_sets)
+         if (i > 0) call tracer%prepare(2*tracer%corrector%balance%highest)
+         solution = solution_of(tracer, seed)
+         call tracer%corrector%solve_at(solution, success)
+         at_its_lambda = success
+         if (success) return
+         solution = solution_of(tracer, seed)
+         call tracer%corrector%solve_beside(solution, success)
+         if (success) success = solution%frequency_ratio >= low .and. solution%frequency_ratio <= high
+         if (success) return
+      end do
+   end subroutine solve_seed
 
 end module geartrain_continuation_response

@@ -18,13 +18,15 @@ contains
       integer, intent(in) :: n
       !> The matrix, (row, column), then its factors as LAPACK has them.
       real(dp), intent(inout) :: a(n, n)
-      !> Row k was exchanged with row pivot(k), (row); 0: regular, k: pivot k is 0.
+      !> Row k was exchanged with row pivot(k), (row); 0: regular, k: pivot k is 0 or not finite.
       integer, intent(out) :: pivot(n), info
       real(dp) :: held, largest
       integer :: i, j, k, p
 
       if (n > most_rows) then
          call dgetrf(n, n, a, n, pivot, info)
+         ! LAPACK does not look for NaN, of which some libraries make pivots that are no rows.
+         if (info == 0) info = findloc([(abs(a(k, k)) <= huge(held), k=1, n)], .false., 1)
          return
       end if
       info = 0
