@@ -33,7 +33,7 @@ _DECADES, _MEANS = (-2.0, 0.3), (-0.5, 2.0)  # its size over the box, as a power
 _WAVEFORMS = 4  # random waveforms for a random state: the balance takes a fifth of the time of shooting
 _PUSH = 1e-3  # relative, by which a flow begins beside an unstable motion
 _SETTLING = (3, 10, 30)  # periods of the fundamental that a random state is integrated for before it is tried
-_PATIENCE = 4  # times as many random states are tried where the indices do not add up
+_PATIENCE = 4  # times as many random states are tried where the indices do not add up, or the last ones found something new
 _ROUND = (0.7, 1.4)  # of the speed, between which branches are followed: those that pass it give their other motions there
 _POINTS = 3000  # after which such a branch is given up
 _ROUGH, _EXACT, _NEARBY = 1e-2, 1e-5, 1.001  # tolerance of such a branch; that of a point from which shooting leads away, and how
@@ -125,11 +125,12 @@ def find_motions(
         elif not motion.unbounded:
             others.append(motion)
     moments = np.random.default_rng(random_seed)
-    tried, spread = 0, _SPREAD
+    tried, spread, before = 0, _SPREAD, -1
     pushed: set[int] = set()
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        while tried < seeds or (tried < _PATIENCE * seeds and not known.adds_up()):
-            spread *= 1.0 if tried < seeds else _WIDER
+        while tried < seeds or (tried < _PATIENCE * seeds and not (known.adds_up() and len(known.found) == before)):
+            spread *= 1.0 if tried < seeds or known.adds_up() else _WIDER
+            before = len(known.found)
             states = list(_random_states(train, frequency, known, others, spread, moments, min(seeds, _BATCH)))
             tried += len(states)
             tries = [(state, n, how) for state, how in states for n in range(1, period + 1)]
@@ -251,11 +252,13 @@ def _random_states(
 def _random_waveforms(
     known: _Known, others: Sequence[Motion], spread: float, moments: np.random.Generator, number: int
 ) -> Iterator[Motion]:
-    """Waveforms about as large as what is known, for each period, whose harmonics fall as those behind a natural frequency do.
+    """For each period waveforms about as large as what is known, and in turn motions known with as much added to them.
 
-    Newton's method on the balance finds from them what random states hardly find, motions that a flow leaves at once.
+    Their harmonics fall as those behind a natural frequency do. Newton's method on the balance finds from them what random states
+    hardly find, motions that a flow leaves at once.
     """
-    motions = [*(motion for motion, _ in known.found), *others]
+    found = [motion for motion, _ in known.found]
+    motions = [*found, *others]
     if not motions:
         return
     try:
@@ -265,16 +268,22 @@ def _random_waveforms(
     scale = np.max([np.maximum(np.abs(motion.mean), motion.rms) for motion in motions], axis=0)
     scale = np.maximum(scale, 1e-3 * scale.max())[:, None]
     ratio = known.frequency / _frequency_of_meshes(known.train)
-    for _ in range(number):
+    for i in range(number):
         for period in range(1, known.period + 1):
             order = np.arange(1, _HARMONICS * period + 1) / period
             sizes = spread * scale * 10 ** moments.uniform(*_DECADES, scale.shape) / (order * (1 + (order * ratio) ** 2))
-            mean = moments.choice(len(motions))
             coefficients = np.zeros((len(scale), 1 + 2 * len(order)))
-            coefficients[:, 0] = motions[mean].mean * moments.uniform(*_MEANS, len(scale))
             coefficients[:, 1::2] = sizes * moments.normal(size=sizes.shape)
             coefficients[:, 2::2] = sizes * moments.normal(size=sizes.shape)
-            yield replace(motions[mean], period=period, coefficients=coefficients, state=None, multipliers=None)
+            of_this_period = [motion for motion in found if period % motion.period == 0]
+            if i % 2 and of_this_period:
+                near = replace_period(of_this_period[moments.choice(len(of_this_period))], period).coefficients
+                kept = min(near.shape[1], coefficients.shape[1])
+                coefficients[:, :kept] += near[:, :kept]
+                coefficients[:, 0] += scale[:, 0] * 10 ** moments.uniform(*_DECADES, len(scale)) * moments.normal(size=len(scale))
+            else:
+                coefficients[:, 0] = motions[moments.choice(len(motions))].mean * moments.uniform(*_MEANS, len(scale))
+            yield replace(motions[0], period=period, coefficients=coefficients, state=None, multipliers=None)
 
 
 def _frequency_of_meshes(train: Any) -> float:

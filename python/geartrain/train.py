@@ -558,8 +558,9 @@ class Train(Description):
 
         Looked for on the response and its period-doubled and crossing branches, by random starts of time integration, by shooting
         for every period from random states and from what these become after some periods of time integration, and by the balance
-        from random waveforms; further ones are tried where the sum of indices shows that motions are missing (`Motions`). Islands
-        whose motions at this speed are all unstable are found by the random states and waveforms alone.
+        from random waveforms; further ones are tried where the sum of indices shows that motions are missing (`Motions`), and as
+        long as they find something new. Islands whose motions at this speed are all unstable are found by the random states and
+        waveforms alone.
 
         Parameters
         ----------
@@ -572,7 +573,7 @@ class Train(Description):
             Random starts of time integration.
         seeds : int
             Random states to begin shooting from; four times as many random waveforms for the balance; of both up to four times as
-            many where motions are missing.
+            many where motions are missing or the last ones found something new.
         random_seed : int
         response : Branch, optional
             A response that reaches this speed; one is followed round about it unless told.

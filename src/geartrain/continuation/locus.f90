@@ -8,12 +8,11 @@ module geartrain_continuation_locus
    use geartrain_base_observer, only: observer_type
    use geartrain_continuation_augmented_point, only: augmented_point_type, reverse
    use geartrain_continuation_augmented_system, only: augmented_system_type
-   use geartrain_continuation_locus_result, only: double_point_type, locus_type
-   use geartrain_continuation_locus_tests, only: find_tests, grazing_name, is_symmetric, most_tests, name_of, &
-      tests_type, touches
+   use geartrain_continuation_locus_result, only: locus_type
+   use geartrain_continuation_locus_side, only: side_type, trace_side
+   use geartrain_continuation_locus_tests, only: is_symmetric
    use geartrain_flow_multiple_shooting, only: most_parts, section_states
    use geartrain_flow_sections, only: sections_type
-   use geartrain_linalg_bracket, only: between, shrink
    use geartrain_model_check, only: check_train
    use geartrain_model_parameter_path, only: parameter_path_type
    use geartrain_model_system, only: build_system, system_type
@@ -21,34 +20,6 @@ module geartrain_continuation_locus
    implicit none (type, external)
    private
    public :: trace_locus
-
-   !> First, shortest and longest step in the metric of the curve: the way from `start` to `stop` of the parameter has length 1.
-   real(dp), parameter :: first_step = 5e-3_dp, shortest = 1e-8_dp, longest = 0.04_dp
-   !> Cosine of the angle between the tangents at the ends of a step that is wanted, and the least.
-   real(dp), parameter :: wanted_cosine = 0.995_dp, least_cosine = 0.95_dp
-   !> Most points on either side of the first; most steps towards a point where two conditions meet, and its error.
-   integer, parameter :: most_points = 1000, most_steps = 60
-   real(dp), parameter :: located = 1e-10_dp
-   !> Value of a test function over the one before it from which on its sign is doubtful.
-   real(dp), parameter :: doubtful = 0.2_dp
-   !> Distance within which the first point is found again on its other side.
-   real(dp), parameter :: found_again = 1e-7_dp
-   !> Step below which a curve whose motion touches a wall is at a corner; most such steps before it ends there.
-   real(dp), parameter :: crawling = 1e-5_dp
-   integer, parameter :: most_crawls = 20
-   !> Steps that are tried across a corner of the curve.
-   real(dp), parameter :: leaps(*) = [1e-4_dp, 1e-3_dp, 3e-3_dp, 1e-2_dp]
-   !> Largest Lambda over the one at the beginning, and its inverse the least: the integration of slow motions takes ever longer.
-   real(dp), parameter :: widest = 20
-
-   !> A side of the curve as it is traced.
-   type :: side_type
-      type(augmented_point_type), allocatable :: point(:)
-      type(double_point_type), allocatable :: special(:)
-      integer :: points = 0, specials = 0
-      character(80) :: ended = ''
-      logical :: at_end = .false., closed = .false.
-   end type side_type
 
 contains
 
@@ -74,14 +45,14 @@ contains
       !> Told of each point of 'locus'; may end it.
       class(observer_type), intent(inout), optional :: observer
       type(parameter_path_type) :: path
-      type(augmented_system_type) :: augmented
-      type(augmented_point_type) :: first
+      type(augmented_system_type) :: augmented, own(2)
+      type(augmented_point_type) :: first, begin(2)
       type(side_type) :: side(2)
       type(system_type) :: system
       type(sections_type) :: sections
       type(motion_type) :: guess
       real(dp) :: origin
-      integer :: info
+      integer :: info, k, done
       logical :: success, keep_going
 
       call check_train(train, error)
@@ -118,15 +89,21 @@ contains
          return
       end if
       if ((first%tangent_parameter < 0) .neqv. (stop < start)) call reverse(first)
+      ! Each side on a thread of its own.
+      begin = first
+      call reverse(begin(1))
+      own = augmented
       keep_going = .true.
-      call trace_side(augmented, first, start, stop, side(2), keep_going, observer)
+      done = 0
+      !$omp parallel do schedule(static, 1)
+      do k = 2, 1, -1
+         call trace_side(own(k), begin(k), start, stop, side(k), keep_going, done, observer)
+      end do
+      !$omp end parallel do
       if (side(2)%closed) then
-         allocate (side(1)%point(0), side(1)%special(0))
+         side(1)%points = 0
+         side(1)%specials = 0
          side(1)%ended = side(2)%ended
-      else
-         call reverse(first)
-         call trace_side(augmented, first, start, stop, side(1), keep_going, observer)
-         call reverse(first)
       end if
       call gather(augmented, first, side, locus)
       locus%kind = kind
@@ -139,258 +116,6 @@ contains
       locus%ended = trim(side(1)%ended)
       if (side(1)%ended /= side(2)%ended) locus%ended = locus%ended//'; '//trim(side(2)%ended)
    end subroutine trace_locus
-
-   !> Follows the curve from its first point along the tangent.
-   subroutine trace_side(augmented, first, start, stop, side, keep_going, observer)
-      type(augmented_system_type), intent(inout) :: augmented
-      type(augmented_point_type), intent(in) :: first
-      real(dp), intent(in) :: start, stop
-      type(side_type), intent(inout) :: side
-      logical, intent(inout) :: keep_going
-      class(observer_type), intent(inout), optional :: observer
-      type(augmented_point_type) :: here, next
-      type(tests_type) :: before, after
-      real(dp) :: h, ends(2), cosine
-      integer :: k, leapt, crawls
-      logical :: success, ends_here, at_wall
-
-      allocate (side%point(most_points), side%special(most_points))
-      ends = ([min(start, stop), max(start, stop)] - augmented%origin)/augmented%scale
-      here = first
-      ! The null vectors of the first point again, where the other side has left its own.
-      call augmented%solve(here, .true., success)
-      if (success) success = augmented%metric%distance(here, first) < found_again
-      if (.not. success) then
-         side%ended = 'Newton''s method does not converge at Lambda = '//text(first%frequency_ratio)
-         return
-      end if
-      call find_tests(augmented, here, before)
-      h = first_step
-      leapt = -10
-      crawls = 0
-      do while (side%points < most_points)
-         if (here%parameter <= ends(1) .and. here%tangent_parameter < 0 .or. here%parameter >= ends(2) &
-             .and. here%tangent_parameter > 0) then
-            side%ended = 'the end of the range of the parameter'
-            side%at_end = .true.
-            return
-         end if
-         call augmented%advance(here, h, next, success, roughly=.true.)
-         if (augmented%moving%interrupted()) keep_going = .false.
-         if (augmented%open) then
-            side%ended = 'the parameter breaks the symmetry, at Lambda = '//text(here%frequency_ratio)
-            return
-         end if
-         if (.not. keep_going) then
-            side%ended = 'cancelled'
-            return
-         end if
-         if (success) then
-            cosine = augmented%metric%product_of(next%tangent, next%tangent_frequency, next%tangent_parameter, here)
-            success = cosine > least_cosine
-         end if
-         if (.not. success) then
-            h = h/3
-            if (h > crawling) cycle
-            crawls = crawls + 1
-            at_wall = touches(augmented, here)
-            if (at_wall) call leap(success)
-            ! Where it does not get across, the curve may still get along in short steps.
-            if (.not. success .and. h > shortest .and. crawls < most_crawls) cycle
-            if (.not. success .and. at_wall) then
-               call put(grazing_name(augmented%kind), here)
-               side%ended = 'a grazing at Lambda = '//text(here%frequency_ratio)
-               return
-            end if
-            if (.not. success .and. h > shortest) cycle
-            if (.not. success) then
-               side%ended = 'Newton''s method does not converge at Lambda = '//text(here%frequency_ratio)
-               return
-            end if
-         end if
-         if (next%parameter < ends(1) .or. next%parameter > ends(2)) then
-            call land(merge(ends(1), ends(2), next%parameter < ends(1)), success)
-            if (.not. success) then
-               h = h/3
-               if (h > shortest) cycle
-               side%ended = 'Newton''s method does not converge at the end of the range'
-               return
-            end if
-         end if
-         call find_tests(augmented, next, after)
-         ! Near a zero the signs of values that rest on derivatives of before are not sure.
-         if (any(after%value*before%value < 0 .or. abs(after%value) < doubtful*abs(before%value))) then
-            call augmented%solve(next, .true., success)
-            if (.not. success) then
-               h = h/3
-               if (h > shortest) cycle
-               side%ended = 'Newton''s method does not converge at Lambda = '//text(here%frequency_ratio)
-               return
-            end if
-            call find_tests(augmented, next, after)
-         end if
-         ends_here = .false.
-         do k = 1, most_tests
-            if (name_of(augmented%kind, k) == '') exit
-            if (before%value(k)*after%value(k) < 0) call locate(k, ends_here)
-            if (ends_here) exit
-         end do
-         if (ends_here) return
-         if (before%events /= after%events .and. augmented%mesh == 0) call locate_grazing()
-         side%points = side%points + 1
-         side%point(side%points) = next
-         if (present(observer)) call observer%on_step('locus', side%points, next%frequency_ratio, keep_going)
-         if (side%points > 3 .and. passes(augmented, here, next, first)) then
-            side%ended = 'closed'
-            side%closed = .true.
-            return
-         end if
-         if (.not. abs(log(next%frequency_ratio/first%frequency_ratio)) < log(widest)) then
-            side%ended = 'far from where it began, at Lambda = '//text(next%frequency_ratio)
-            return
-         end if
-         if (cosine > least_cosine) then
-            call augmented%metric%find_bend(here, next)
-         else if (allocated(next%bend)) then
-            deallocate (next%bend)
-         end if
-         here = next
-         before = after
-         if (cosine > wanted_cosine) h = min(longest, 1.5_dp*h)
-      end do
-      side%ended = 'has the most points'
-
-   contains
-
-      !> Goes on beyond a grazing, where the curve has a corner at which Newton's method fails.
-      subroutine leap(success)
-         logical, intent(out) :: success
-         integer :: i
-
-         success = .false.
-         if (side%points - leapt < 4) return
-         leapt = side%points
-         do i = 1, size(leaps)
-            next = here
-            next%states = here%states + leaps(i)*here%tangent
-            next%frequency_ratio = here%frequency_ratio + leaps(i)*here%tangent_frequency
-            next%parameter = here%parameter + leaps(i)*here%tangent_parameter
-            call augmented%solve(next, .false., success)
-            if (success) success = next%events /= here%events .and. augmented%metric%distance(here, next) < 10*leaps(i)
-            if (.not. success) cycle
-            call put(grazing_name(augmented%kind), here)
-            crawls = 0
-            if (augmented%metric%product_of(next%states - here%states, next%frequency_ratio - here%frequency_ratio, &
-                                     next%parameter - here%parameter, next) < 0) call reverse(next)
-            before%events = next%events
-            h = first_step
-            cosine = 0
-            return
-         end do
-      end subroutine leap
-
-      !> Makes `next` the point at an end of the range.
-      subroutine land(end_value, success)
-         real(dp), intent(in) :: end_value
-         logical, intent(out) :: success
-         type(augmented_point_type) :: at_end
-         real(dp) :: share
-
-         share = (end_value - here%parameter)/(next%parameter - here%parameter)
-         at_end = next
-         at_end%states = here%states + share*(next%states - here%states)
-         at_end%frequency_ratio = here%frequency_ratio + share*(next%frequency_ratio - here%frequency_ratio)
-         at_end%parameter = end_value
-         call augmented%solve(at_end, .false., success)
-         if (success) success = augmented%metric%distance(at_end, here) < 1.5_dp*augmented%metric%distance(next, here)
-         if (success) next = at_end
-      end subroutine land
-
-      !> Locates where test k is 0 between `here` and `next`; the curve ends where a pair of multipliers becomes real.
-      subroutine locate(k, ends_here)
-         integer, intent(in) :: k
-         logical, intent(out) :: ends_here
-         type(augmented_point_type) :: middle
-         type(tests_type) :: at
-         real(dp) :: a, b, fa, fb, s
-         integer :: i, kept
-         logical :: success
-
-         a = 0
-         b = augmented%metric%product_of(next%states - here%states, next%frequency_ratio - here%frequency_ratio, &
-                                  next%parameter - here%parameter, here)
-         fa = before%value(k)
-         fb = after%value(k)
-         kept = 0
-         ends_here = augmented%kind == 'neimark-sacker' .and. k <= 2
-         do i = 1, most_steps
-            s = between(a, b, fa, fb)
-            call augmented%advance(here, s, middle, success)
-            if (.not. success) exit
-            call find_tests(augmented, middle, at)
-            call shrink(a, b, fa, fb, s, at%value(k), kept)
-            if (b - a < located .or. .not. abs(at%value(k)) > 0) exit
-         end do
-         ! A test function that jumps has no zero.
-         if (success .and. abs(at%value(k)) > 1e-3_dp*max(abs(before%value(k)), abs(after%value(k)))) success = .false.
-         if (success) call put(name_of(augmented%kind, k), middle)
-         if (ends_here .and. success) then
-            side%points = side%points + 1
-            side%point(side%points) = middle
-            side%ended = 'a '//trim(name_of(augmented%kind, k))
-         else if (ends_here) then
-            side%ended = 'the pair of multipliers becomes real at Lambda = '//text(next%frequency_ratio)
-         end if
-      end subroutine locate
-
-      !> Locates where the number of contact events changes between `here` and `next`.
-      subroutine locate_grazing()
-         type(augmented_point_type) :: middle
-         real(dp) :: a, b
-         integer :: i
-         logical :: success
-
-         a = 0
-         b = augmented%metric%product_of(next%states - here%states, next%frequency_ratio - here%frequency_ratio, &
-                                  next%parameter - here%parameter, here)
-         do i = 1, most_steps
-            call augmented%advance(here, (a + b)/2, middle, success)
-            if (.not. success) return
-            if (middle%events == here%events) then
-               a = (a + b)/2
-            else
-               b = (a + b)/2
-            end if
-            if (b - a < located) exit
-         end do
-         call put(grazing_name(augmented%kind), middle)
-      end subroutine locate_grazing
-
-      subroutine put(kind, point)
-         character(*), intent(in) :: kind
-         type(augmented_point_type), intent(in) :: point
-
-         side%specials = side%specials + 1
-         side%special(side%specials) = double_point_type(kind, point%frequency_ratio, &
-                                                         augmented%origin + augmented%scale*point%parameter, side%points)
-      end subroutine put
-
-   end subroutine trace_side
-
-   !> Whether the step from a point to the next one passes the first point of the curve.
-   pure logical function passes(augmented, here, next, first)
-      type(augmented_system_type), intent(in) :: augmented
-      type(augmented_point_type), intent(in) :: here, next, first
-      real(dp) :: way, before
-
-      way = augmented%metric%distance(here, next)
-      passes = augmented%metric%distance(here, first) < way .and. augmented%metric%distance(next, first) < way
-      if (.not. passes) return
-      before = augmented%metric%product_of(first%states - here%states, first%frequency_ratio - here%frequency_ratio, &
-                                    first%parameter - here%parameter, here)
-      passes = before > 0 .and. before <= way .and. &
-               augmented%metric%product_of(here%tangent, here%tangent_frequency, here%tangent_parameter, first) > least_cosine
-   end function passes
 
    !> Puts both sides together.
    subroutine gather(augmented, first, side, locus)
