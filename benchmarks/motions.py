@@ -1,9 +1,10 @@
 """Whether train.motions misses what brute force finds: python benchmarks/motions.py [--quick] [TRAIN ...] [SPEED ...]
 
-At five speeds of the trains of figures 3, 7 (kappa 0.42) and 9 (0.01) and of ten random trains of one to three meshes: 1,000 random
-starts of time integration; 2,000 shootings from random states of another seed, for periods 1 to 4 from each of 500; and 2,000 solutions
-of the balance from random waveforms, of 500 for each period. Each orbit found must be among those of train.motions with its defaults. Prints a line a place and ends with how many were missing; --quick
-takes a tenth of it. Names of trains ("fig07_042", "random 3") and speeds (2.4) choose among the places.
+At five speeds of the trains of figures 3, 7 (kappa 0.42) and 9 (0.01) and of ten random trains of one to three meshes: 1,000
+random starts of time integration; 2,000 shootings from random states of another seed, for periods 1 to 4 from each of 500; 2,000
+balances from random waveforms, 500 for each period. Each orbit found must be among those of train.motions with its defaults.
+Prints a line a place and ends with how many were missing; --quick takes a tenth of it. Names of trains ("fig07_042", "random 3")
+and speeds (2.4) choose among the places.
 """
 
 import sys

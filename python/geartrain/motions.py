@@ -176,10 +176,12 @@ class _Known:
     def balance(self, guess: Motion) -> list[Motion]:
         """The motions of the truncated balance near a waveform, one or none."""
         try:
-            return self.train.response(start=self.frequency, stop=_NEARBY * self.frequency, subharmonic=guess.period, seed=guess,
-                                       harmonics=_HARMONICS * guess.period, max_points=2, stability=False).at(self.frequency)
+            branch: Branch = self.train.response(
+                start=self.frequency, stop=_NEARBY * self.frequency, subharmonic=guess.period, seed=guess,
+                harmonics=_HARMONICS * guess.period, max_points=2, stability=False)
         except SolverError:
             return []
+        return branch.at(self.frequency)
 
     def add_near(self, motion: Motion, how: str) -> None:
         """Add the exact orbit near a motion, where there is one."""

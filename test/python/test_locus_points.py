@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import ROOT, equal_wheels, paper_train, unlike_pairs
+from conftest import ROOT, equal_stages, equal_wheels, paper_train, unlike_pairs
 from test_lyapunov import soft_train
 
 import geartrain as gt
@@ -138,6 +138,59 @@ def test_a_neimark_sacker_curve_ends_where_its_pair_becomes_real():
     for multipliers in torus.multipliers[1:-1]:
         pair = multipliers[multipliers.imag > 0]
         assert np.abs(np.abs(pair) - 1).min() < 1e-6
+
+
+def test_a_fold_goes_on_beyond_grazings():
+    """Where mesh 2 comes to the wall at the less deep of its minima: the curve has a corner, and goes on with two events more."""
+    train = paper_train()
+
+    def fold_at(value, expected):
+        other = train.with_values({"stiffness_variation": value})
+        return other, nearest(other.response(start=0.36, stop=0.5, harmonics=24), "fold", expected)
+
+    _, fold = fold_at(0.3, 0.462118423)
+    locus = train.locus(fold, parameter="stiffness_variation", start=0.2, stop=0.48)
+    kinds = ["cusp", "grazing on a fold", "grazing on a fold"]
+    assert locus.complete and sorted(point.kind for point in locus.special_points) == kinds
+    first, second = sorted((point for point in locus.special_points if point.kind != "cusp"), key=lambda point: point.parameter)
+    # The parameter at which the minimum of the exact motion at the fold is the half backlash, by a parabola through three trains.
+    for grazing, beside in ((first, (0.325, 0.326, 0.327)), (second, (0.4738, 0.4741, 0.4743))):
+        over_the_wall, frequencies = [], []
+        for value in beside:
+            _, exact = fold_at(value, grazing.frequency)
+            wave = exact.motion.waveform(1 << 14)[1][:, 1]
+            least = np.flatnonzero((wave < np.roll(wave, 1)) & (wave < np.roll(wave, -1)))
+            one = least[np.argmin(abs(wave[least] - 1))]
+            before, at, after = wave[one - 1], wave[one], wave[(one + 1) % len(wave)]
+            over_the_wall.append(at - (before - after) ** 2 / (8 * (before - 2 * at + after)) - 1)
+            frequencies.append(exact.frequency)
+        assert np.polyval(np.polyfit(over_the_wall, beside, 2), 0) == pytest.approx(grazing.parameter, abs=1e-7)
+        assert np.polyval(np.polyfit(over_the_wall, frequencies, 2), 0) == pytest.approx(grazing.frequency, abs=1e-7)
+    # Beyond the first: folds of other trains, whose curves are the same one.
+    cusp = next(point for point in locus.special_points if point.kind == "cusp")
+    beyond = slice(first.point + 2, None) if cusp.point < first.point else slice(first.point - 1, None, -1)
+    for value in (0.34, 0.4, 0.45):
+        expected = np.interp(value, locus.parameter[beyond], locus.frequency[beyond])
+        other, found = fold_at(value, expected)
+        assert found.frequency == pytest.approx(expected, abs=2e-4)
+        again = other.locus(found, parameter="stiffness_variation", start=0.2, stop=0.48)
+        assert again.frequency[[0, -1]].min() == pytest.approx(locus.frequency[[0, -1]].min(), abs=1e-9)
+        # From the side with the more events the curve winds before the corner, and may end there.
+        if not again.complete:
+            assert "a grazing at Lambda = 0.448" in again.ended
+        else:
+            assert again.frequency[[0, -1]].max() == pytest.approx(locus.frequency[[0, -1]].max(), abs=1e-9)
+
+
+def test_a_branch_points_curve_ends_where_the_symmetry_does():
+    """Over the torque both of two equal stages stay equal; over the damping of one of them they do not."""
+    train = equal_stages(0.3)
+    branch_point = nearest(train.response(start=0.7, stop=1.1, harmonics=12), "branch point", 0.914328)
+    torque = train.locus(branch_point, parameter="input_torque", start=60.0, stop=140.0)
+    assert torque.complete and len(torque) > 10
+    damping = train.locus(branch_point, parameter="mesh 1 damping_ratio", start=0.04, stop=0.06)
+    assert len(damping) == 1 and not damping.complete
+    assert damping.ended == "the parameter breaks the symmetry, at Lambda = 0.914328"
 
 
 def test_what_a_curve_cannot_begin_with():

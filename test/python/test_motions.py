@@ -7,7 +7,16 @@ import pytest
 from conftest import ROOT, paper_train, single_pair
 
 import geartrain as gt
-from geartrain.motions import _follow, _Known, _multipliers_at_infinity, _random_waveforms, index_sum, least_period, replace_period, same_orbit
+from geartrain.motions import (
+    _follow,
+    _Known,
+    _multipliers_at_infinity,
+    _random_waveforms,
+    index_sum,
+    least_period,
+    replace_period,
+    same_orbit,
+)
 
 
 def test_figure_3_where_two_motions_of_period_2_coexist():

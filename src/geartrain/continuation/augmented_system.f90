@@ -76,7 +76,6 @@ module geartrain_continuation_augmented_system
       procedure :: solve
       procedure :: advance
       procedure :: find_borders
-      procedure, private :: multipliers
       procedure, private :: stand_at
       procedure, private :: test_value
    end type augmented_system_type
@@ -235,7 +234,7 @@ contains
       point%slowest_event = self%moving%slowest_event
       call take_borders(self, info)
       if (info /= 0) success = .false.
-      point%multipliers = self%multipliers()
+      point%multipliers = multipliers_of(self%moving%monodromy)
       point%pair_sum = self%pair_sum
       point%product_plus = self%plus%product
       point%product_minus = self%minus%product
@@ -313,15 +312,14 @@ contains
       call self%minus%renew()
    end subroutine take_borders
 
-   !> Multipliers of the latest flight, (state).
-   function multipliers(self)
-      class(augmented_system_type), intent(in) :: self
-      complex(dp) :: multipliers(self%system%states)
-      real(dp) :: matrix(self%system%states, self%system%states)
+   function multipliers_of(monodromy) result(multipliers)
+      real(dp), intent(in) :: monodromy(:, :)
+      complex(dp) :: multipliers(size(monodromy, 1))
+      real(dp) :: matrix(size(monodromy, 1), size(monodromy, 1))
 
-      matrix = self%moving%monodromy
+      matrix = monodromy
       call eigenvalues(matrix, multipliers)
-   end function multipliers
+   end function multipliers_of
 
    !> Changes of the first state, and of h, in the four directions.
    subroutine close_orbit(self, y, h, info)
@@ -358,8 +356,8 @@ contains
       logical, intent(in) :: on_orbit
       real(dp), intent(out) :: value
       integer, intent(out) :: info
-      real(dp) :: smallest, largest, matrix(size(monodromy, 1), size(monodromy, 1))
-      complex(dp) :: multipliers(size(monodromy, 1)), pair(2)
+      real(dp) :: smallest, largest
+      complex(dp) :: pair(2)
 
       info = 0
       value = 0
@@ -371,9 +369,7 @@ contains
          call self%minus%find(monodromy, 1.0_dp, info)
          value = self%minus%value
       case ('neimark-sacker')
-         matrix = monodromy
-         call eigenvalues(matrix, multipliers)
-         pair = pair_of(multipliers, self%pair_sum)
+         pair = pair_of(multipliers_of(monodromy), self%pair_sum)
          value = real(product(pair), dp) - 1
          if (on_orbit) self%pair_sum = real(sum(pair), dp)
       case default
@@ -397,7 +393,7 @@ contains
       type(sections_type) :: other
       type(system_type) :: system
       real(dp) :: vectors(size(point%states, 1), 1), reference(size(point%states, 1), 1), norm, h, next
-      integer :: d, info
+      integer :: d, info, side
       logical :: quick
 
       g(rest) = 0
@@ -422,24 +418,28 @@ contains
          if (d == along_parameter) norm = max(norm, 1.0_dp)
          ! Of the remaining error the second order is left to the next step.
          if (d == rest .and. norm < negligible) cycle
-         h = small/norm
-         moved%states = point%states + h*step(:, :, d)
-         moved%frequency_ratio = point%frequency_ratio
-         if (d == along_lambda) moved%frequency_ratio = moved%frequency_ratio + h
-         if (d == along_parameter) then
-            other = self%probe
-            call self%path%system_at(self%origin + self%scale*(point%parameter + h), system)
-            call self%probe%setup(system, self%period, self%probe%sections/self%period, moves=.false.)
-         end if
-         if (quick) then
-            vectors(:, 1) = border%right
-            call self%probe%carry_vectors(moved%frequency_ratio, moved%states, vectors)
-            g(d) = -dot_product(border%left, vectors(:, 1) - reference(:, 1))/h
-         else
-            if (.not. is_onset(self%kind)) call self%probe%fly(moved%frequency_ratio, moved%states)
-            call self%test_value(moved, self%probe%monodromy, system%half_backlash, .false., next, info)
-            g(d) = (next - value)/h
-         end if
+         if (d == along_parameter) other = self%probe
+         do side = 1, -1, -2
+            h = side*small/norm
+            moved%states = point%states + h*step(:, :, d)
+            moved%frequency_ratio = point%frequency_ratio
+            if (d == along_lambda) moved%frequency_ratio = moved%frequency_ratio + h
+            if (d == along_parameter) then
+               call self%path%system_at(self%origin + self%scale*(point%parameter + h), system)
+               call self%probe%setup(system, self%period, other%sections/self%period, moves=.false.)
+            end if
+            if (quick) then
+               vectors(:, 1) = border%right
+               call self%probe%carry_vectors(moved%frequency_ratio, moved%states, vectors)
+               g(d) = -dot_product(border%left, vectors(:, 1) - reference(:, 1))/h
+            else
+               if (.not. is_onset(self%kind)) call self%probe%fly(moved%frequency_ratio, moved%states)
+               call self%test_value(moved, self%probe%monodromy, system%half_backlash, .false., next, info)
+               g(d) = (next - value)/h
+            end if
+            ! Beyond a grazing M changes as a square root does: there the difference is taken to the other side.
+            if (is_onset(self%kind) .or. self%probe%events == self%moving%events) exit
+         end do
          if (d == along_parameter) then
             self%probe = other
             system = self%system

@@ -140,7 +140,7 @@ contains
          associate (special => locus%special_points(side(1)%specials + 1 - i))
             special = side(1)%special(i)
             ! A special point is in the step after its point; of the first side in the step that now comes before it.
-            special%point = side(1)%points - special%point
+            special%point = max(1, side(1)%points - special%point)
          end associate
       end do
       do i = 1, side(2)%specials

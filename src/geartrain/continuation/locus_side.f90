@@ -7,7 +7,7 @@ module geartrain_continuation_locus_side
    use geartrain_continuation_augmented_point, only: augmented_point_type, reverse
    use geartrain_continuation_augmented_system, only: augmented_system_type
    use geartrain_continuation_locus_result, only: double_point_type
-   use geartrain_continuation_locus_tests, only: find_tests, grazing_name, most_tests, name_of, tests_type, touches
+   use geartrain_continuation_locus_tests, only: find_tests, from_wall, grazing_name, most_tests, name_of, tests_type, touches
    use geartrain_linalg_bracket, only: between, shrink
    implicit none (type, external)
    private
@@ -18,8 +18,10 @@ module geartrain_continuation_locus_side
    !> Cosine of the angle between the tangents at the ends of a step that is wanted, and the least.
    real(dp), parameter :: wanted_cosine = 0.995_dp, least_cosine = 0.95_dp
    !> Most points on either side of the first; most steps towards a point where two conditions meet, and its error.
-   integer, parameter :: most_points = 1000, most_steps = 60
+   integer, parameter :: most_points = 4000, most_steps = 60
    real(dp), parameter :: located = 1e-10_dp
+   !> Length of the piece of the curve before a grazing by which is extrapolated to it.
+   real(dp), parameter :: extrapolated = 1e-4_dp
    !> Value of a test function over the one before it from which on its sign is doubtful.
    real(dp), parameter :: doubtful = 0.2_dp
    !> Step below which a curve whose motion touches a wall is at a corner; most such steps before it ends there.
@@ -51,8 +53,9 @@ contains
       real(dp), intent(in) :: start, stop
       !> The points after the first.
       type(side_type), intent(inout) :: side
-      !> False once the observer or an interrupt has ended the analysis, and points found so far: of both sides.
+      !> False once the observer or an interrupt has ended the analysis, of both sides.
       logical, intent(inout) :: keep_going
+      !> Points found so far, of both sides.
       integer, intent(inout) :: done
       !> Told of each point; may end it.
       class(observer_type), intent(inout), optional :: observer
@@ -170,23 +173,28 @@ contains
 
    contains
 
-      !> Goes on beyond a grazing, where the curve has a corner at which Newton's method fails.
+      !> Goes on beyond a grazing, where the curve has a corner at which Newton's method fails: from the side with the fewer events
+      !> alone. On the other one the curve winds before it gets there, and may be led back along itself.
       subroutine leap(success)
          logical, intent(out) :: success
+         type(augmented_point_type) :: at
          integer :: i
 
          success = .false.
          if (side%points - leapt < 4) return
          leapt = side%points
+         at = here
+         call extrapolate(here, 0.0_dp, extrapolated, at, success)
+         if (.not. success) return
          do i = 1, size(leaps)
             next = here
             next%states = here%states + leaps(i)*here%tangent
             next%frequency_ratio = here%frequency_ratio + leaps(i)*here%tangent_frequency
             next%parameter = here%parameter + leaps(i)*here%tangent_parameter
             call augmented%solve(next, .false., success)
-            if (success) success = next%events /= here%events .and. augmented%metric%distance(here, next) < 10*leaps(i)
+            if (success) success = next%events > here%events .and. augmented%metric%distance(here, next) < 10*leaps(i)
             if (.not. success) cycle
-            call put(grazing_name(augmented%kind), here)
+            call put(grazing_name(augmented%kind), at)
             crawls = 0
             if (augmented%metric%product_of(next%states - here%states, next%frequency_ratio - here%frequency_ratio, &
                                      next%parameter - here%parameter, next) < 0) call reverse(next)
@@ -251,28 +259,65 @@ contains
          end if
       end subroutine locate
 
-      !> Locates where the number of contact events changes between `here` and `next`.
+      !> Locates where the number of contact events changes between `here` and `next`, from the side with the fewer: on the other
+      !> one the motion leaves the wall by the square of the way, and its first events are lost in rounding.
       subroutine locate_grazing()
-         type(augmented_point_type) :: middle
+         type(augmented_point_type) :: base, middle, last
          real(dp) :: a, b
-         integer :: i
+         integer :: i, sense
          logical :: success
 
+         sense = merge(1, -1, here%events < next%events)
+         if (sense > 0) then
+            base = here
+         else
+            base = next
+            if (allocated(base%bend)) deallocate (base%bend)
+         end if
          a = 0
-         b = augmented%metric%product_of(next%states - here%states, next%frequency_ratio - here%frequency_ratio, &
-                                  next%parameter - here%parameter, here)
+         b = abs(augmented%metric%product_of(next%states - here%states, next%frequency_ratio - here%frequency_ratio, &
+                                             next%parameter - here%parameter, base))
+         last = base
          do i = 1, most_steps
-            call augmented%advance(here, (a + b)/2, middle, success)
-            if (.not. success) return
-            if (middle%events == here%events) then
+            call augmented%advance(base, sense*(a + b)/2, middle, success)
+            if (success) success = middle%events == base%events
+            if (success) then
                a = (a + b)/2
+               last = middle
             else
                b = (a + b)/2
             end if
             if (b - a < located) exit
          end do
-         call put(grazing_name(augmented%kind), middle)
+         call extrapolate(base, sense*a, sense*extrapolated, last, success)
+         call put(grazing_name(augmented%kind), last)
       end subroutine locate_grazing
+
+      !> Lambda and parameter of a grazing, a way from a point with the fewer events, by points before it, each a step from the
+      !> other, as polynomials in their distance from the wall. Unchanged where these do not lead to the wall.
+      subroutine extrapolate(base, way, step, point, success)
+         type(augmented_point_type), intent(in) :: base
+         real(dp), intent(in) :: way, step
+         type(augmented_point_type), intent(inout) :: point
+         logical, intent(out) :: success
+         type(augmented_point_type) :: before(3)
+         real(dp) :: gap(3), weight(3)
+         integer :: i
+
+         do i = 1, 3
+            call augmented%advance(base, way - i*step, before(i), success)
+            if (success) success = before(i)%events == base%events
+            if (.not. success) return
+            gap(i) = from_wall(augmented, before(i))
+         end do
+         success = gap(1) < gap(2) .and. gap(2) < gap(3)
+         if (.not. success) return
+         do i = 1, 3
+            weight(i) = product(pack(gap, [1, 2, 3] /= i)/(pack(gap, [1, 2, 3] /= i) - gap(i)))
+         end do
+         point%frequency_ratio = dot_product(weight, before%frequency_ratio)
+         point%parameter = dot_product(weight, before%parameter)
+      end subroutine extrapolate
 
       subroutine put(kind, point)
          character(*), intent(in) :: kind

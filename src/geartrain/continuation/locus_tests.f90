@@ -7,10 +7,10 @@ module geartrain_continuation_locus_tests
    use geartrain_floquet_critical_pair, only: pair_of
    implicit none (type, external)
    private
-   public :: find_tests, grazing_name, is_symmetric, most_tests, name_of, tests_type, touches
+   public :: find_tests, from_wall, grazing_name, is_symmetric, most_tests, name_of, tests_type, touches
 
    integer, parameter :: most_tests = 6
-   !> Distance of an extreme displacement from a wall that counts as touching, over half the backlash.
+   !> Distance of an extreme of the displacement from a wall that counts as touching, over half the backlash.
    real(dp), parameter :: touching = 1e-3_dp
    !> Share of the left null vector in a symmetric state [1].
    real(dp), parameter :: symmetric = 1e-6_dp
@@ -108,20 +108,31 @@ contains
       type(augmented_system_type), intent(inout) :: augmented
       !> A special point.
       type(augmented_point_type), intent(in) :: point
-      real(dp) :: smallest, largest
-      integer :: j
 
       associate (units => augmented%metric%units)
          touches = point%slowest_event < sqrt(touching)*units%length*units%frequency_ratio
       end associate
+      if (.not. touches) touches = from_wall(augmented, point) < touching
+   end function touches
+
+   !> Least distance of an extreme of the displacement of any mesh from a wall of its gap, over half the backlash.
+   real(dp) function from_wall(augmented, point)
+      !> The system, with the train of the point.
+      type(augmented_system_type), intent(inout) :: augmented
+      !> A special point.
+      type(augmented_point_type), intent(in) :: point
+      real(dp) :: smallest, largest, nearest
+      integer :: j
+
+      from_wall = huge(1.0_dp)
       do j = 1, augmented%system%meshes
          associate (b => augmented%system%half_backlash(j))
             if (.not. b > 0) cycle
-            call augmented%probe%extremes(point%frequency_ratio, point%states, j, smallest, largest)
-            touches = touches .or. minval(abs([smallest, smallest, largest, largest] + [b, -b, b, -b])) < touching*b
+            call augmented%probe%extremes(point%frequency_ratio, point%states, j, smallest, largest, b, nearest)
+            from_wall = min(from_wall, nearest/b)
          end associate
       end do
-   end function touches
+   end function from_wall
 
    !> The multipliers but for two of them.
    pure function without(multipliers, pair) result(others)

@@ -218,15 +218,17 @@ contains
 
       call few%setup(self%single%system, 1 + size(vectors, 2), flow_order, flow_tolerance)
       few%x(2:, :) = transpose(vectors)
+      self%events = 0
       do k = 1, self%sections
          few%x(1, :) = states(:, k)
          call fly_section(few, k, self%sections/self%period, frequency_ratio)
+         self%events = self%events + few%events
       end do
       vectors = transpose(few%x(2:, :))
    end subroutine carry_vectors
 
    !> Extremes of the displacement of a mesh over the period.
-   subroutine extremes(self, frequency_ratio, states, mesh, smallest, largest)
+   subroutine extremes(self, frequency_ratio, states, mesh, smallest, largest, wall, nearest)
       class(sections_type), intent(inout) :: self
       !> Lambda [1]; states at the beginnings of the sections [1], (state, section).
       real(dp), intent(in) :: frequency_ratio, states(:, :)
@@ -234,11 +236,18 @@ contains
       integer, intent(in) :: mesh
       !> Smallest and largest displacement over b_c [1].
       real(dp), intent(out) :: smallest, largest
-      real(dp) :: end_time
+      !> Displacement of a wall [1].
+      real(dp), intent(in), optional :: wall
+      !> Least distance of any extreme, of a part of the period too, from the wall or its mirror image [1].
+      real(dp), intent(out), optional :: nearest
+      real(dp) :: end_time, at, closest
       integer :: k, part, parts
 
       smallest = huge(1.0_dp)
       largest = -smallest
+      closest = smallest
+      at = 0
+      if (present(wall)) at = wall
       parts = self%sections/self%period
       do k = 1, self%sections
          part = mod(k - 1, parts)
@@ -248,16 +257,18 @@ contains
          do while (self%single%time < end_time)
             if (self%interrupted()) return
             call self%single%step(end_time)
-            call extremes_of_step(self%single, mesh, smallest, largest)
+            call extremes_of_step(self%single, mesh, at, smallest, largest, closest)
          end do
       end do
+      if (present(nearest)) nearest = closest
    end subroutine extremes
 
-   !> Takes the displacement of a mesh over the latest step into its extremes.
-   subroutine extremes_of_step(flow, mesh, smallest, largest)
+   !> Takes the displacement of a mesh over the latest step into its extremes, and into their least distance from +-wall.
+   subroutine extremes_of_step(flow, mesh, wall, smallest, largest, nearest)
       type(flow_type), intent(in) :: flow
       integer, intent(in) :: mesh
-      real(dp), intent(inout) :: smallest, largest
+      real(dp), intent(in) :: wall
+      real(dp), intent(inout) :: smallest, largest, nearest
       real(dp) :: a, b, fa, fb, f, t, before, v
       integer :: i, k, kept
 
@@ -279,6 +290,7 @@ contains
                if (b - a < 1e-9_dp*flow%length .or. abs(f) < 1e-10_dp*abs(before - v)) exit
             end do
             call take(t)
+            nearest = min(nearest, abs(abs(flow%displacement(mesh, t)) - wall))
          end if
          before = v
       end do
