@@ -18,6 +18,11 @@ import geartrain as gt
 ROOT = Path(__file__).resolve().parents[2]
 
 
+def texts(ax):
+    """What is written in axes."""
+    return [text.get_text() for text in ax.texts]
+
+
 def paper_train(half_backlash=30e-6, **changes):
     shafts = [gt.Shaft(stiffness=stiffness, damping_ratio=0.01) for stiffness in (1e3, 1e8, 1e3)]
     meshes = [
@@ -126,6 +131,54 @@ def train():
 @pytest.fixture(scope="session")
 def branch(train):
     return train.response(start=0.2, stop=2.6)
+
+
+@pytest.fixture(scope="session")
+def page_results(tmp_path_factory):
+    """Every kind of thing that a page shows, of the train of figure 3."""
+    case = tmp_path_factory.mktemp("page") / "case.nml"
+    case.write_text((ROOT / "namelists" / "fig03.nml").read_text().split("&modes")[0] + """
+        &modes /
+        &response from = 1.5, to = 2.3, period_doublings = 1 /
+        &integration from = 1.6, to = 2.2, points = 7, direction = 'both', stability = .true. /
+        &attractors frequency = 1.6, starts = 4 /
+        &stability_map from = 1.6, to = 2.2, points = 13, parameter_from = 0.0, parameter_to = 0.4, parameter_points = 5 /
+        &locus kind = 'period_doubling', near = 1.75, parameter = 'stiffness_variation', from = 0.2, to = 0.4 /
+    """)
+    return gt.read_case(case).run()
+
+
+@pytest.fixture(scope="session")
+def over_backlash(train):
+    """A branch over a parameter of the train."""
+    return train.continuation(parameter="mesh 2 half_backlash", start=10e-6, stop=40e-6, frequency=0.7)
+
+
+@pytest.fixture(scope="session")
+def page_path(page_results, tmp_path_factory):
+    path = tmp_path_factory.mktemp("page") / "page.html"
+    page_results.page(path)
+    return path
+
+
+@pytest.fixture(scope="session")
+def drawn():
+    """A train given by its drawing."""
+    return reducer()
+
+
+@pytest.fixture(scope="session")
+def split():
+    """A train with branches."""
+    return gt.read_case(ROOT / "namelists" / "branched.nml").train
+
+
+@pytest.fixture
+def closed_figures():
+    from matplotlib import pyplot as plt
+
+    yield
+    plt.close("all")
 
 
 @pytest.fixture(scope="session")

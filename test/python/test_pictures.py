@@ -6,34 +6,14 @@ from dataclasses import replace
 import matplotlib as mpl
 import numpy as np
 import pytest
-from conftest import ROOT, paper_train, reducer, single_pair
+from conftest import single_pair
 from matplotlib import pyplot as plt
-from matplotlib.patches import Circle
 
 import geartrain as gt
 from geartrain._draw import COLORS
 
 mpl.use("Agg")
-
-
-@pytest.fixture(autouse=True)
-def _closed():
-    yield
-    plt.close("all")
-
-
-@pytest.fixture(scope="module")
-def drawn():
-    return reducer()
-
-
-@pytest.fixture(scope="module")
-def split():
-    return gt.read_case(ROOT / "namelists" / "branched.nml").train
-
-
-def texts(ax):
-    return [text.get_text() for text in ax.texts]
+pytestmark = pytest.mark.usefixtures("closed_figures")
 
 
 # ---------------------------------------------------------------------------------------------- over speed
@@ -274,155 +254,6 @@ def test_a_motion_of_the_reducer_in_ms_and_orders(drawn):
     assert np.hypot(*np.diff(points, axis=0).T).max() < 0.006
     (point,) = motion.poincare_section(2).lines
     assert len(point.get_xdata()) == 1
-
-
-# -------------------------------------------------------------------------------------------------- trains
-
-
-@pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
-def test_a_campbell_diagram_of_engine_and_meshes():
-    """Order 2 of the engine and three harmonics of each mesh: all that meet a natural frequency in the range."""
-    rattle = gt.read_case(ROOT / "namelists" / "rattle.nml").train
-    diagram = rattle.campbell(start=500.0, stop=6000.0, unit="rpm")
-    orders = sorted([2, *(teeth * harmonic for teeth in (18, 11, 36 * 18 / 35) for harmonic in (1, 2, 3))])
-    assert [order.per_revolution for order in diagram.orders] == pytest.approx(orders)
-    speeds = [60 * hertz / order for hertz in rattle.modes().natural_frequency_hertz for order in orders]
-    within = sorted(speed for speed in speeds if 500 <= speed <= 6000)
-    np.testing.assert_allclose([crossing.speed for crossing in diagram.crossings], within)
-    assert "2 x revolution of engine" in str(diagram)
-
-
-def test_a_campbell_diagram_of_the_reducer(drawn):
-    diagram = drawn.campbell(start=200.0, stop=4000.0)
-    hertz = drawn.natural_frequencies() / 60 / (71 / 23)
-    np.testing.assert_allclose(diagram.natural_frequency, hertz)
-    assert [(order.order, order.name) for order in diagram.orders] == [
-        (19, "mesh 2"), (38, "2 x mesh 2"), (57, "3 x mesh 2"), (71, "mesh 1"), (142, "2 x mesh 1"), (213, "3 x mesh 1")]
-    assert [order.per_revolution for order in diagram.orders[2:4]] == pytest.approx([3 * 19 * 23 / 71, 23])
-    expected = sorted(
-        60 * natural * 71 / 23 / order for natural in hertz for order in (19, 38, 57, 71, 142, 213)
-        if 200 <= 60 * natural * 71 / 23 / order <= 4000)
-    np.testing.assert_allclose([crossing.speed for crossing in diagram.crossings], expected)
-    for crossing in diagram.crossings:
-        assert crossing.natural_frequency == pytest.approx(crossing.order.order * crossing.fundamental_frequency)
-        assert crossing.natural_frequency == pytest.approx(hertz[crossing.mode - 1])
-    assert len(str(diagram).splitlines()) == 1 + len(expected) and "excited by" in str(diagram)
-    assert "Lambda" not in str(diagram)  # it is the speed
-    ax = diagram.plot()
-    assert ax.get_xlabel() == "speed of motor  [rpm]" and ax.get_ylabel() == "frequency  [Hz]" and ax.get_xlim() == (200.0, 4000.0)
-    (marks,) = (line for line in ax.lines if line.get_marker() == "o")
-    np.testing.assert_allclose(marks.get_data(), [expected, [crossing.natural_frequency for crossing in diagram.crossings]])
-
-
-def test_only_orders_with_an_amplitude_excite(drawn):
-    """Those of stiffness, transmission error and torques, the latter of Lambda and of a body's own revolutions."""
-    meshes = [gt.Mesh(**{name: getattr(mesh, name) for name in mesh.variables} | {"stiffness_cos": [0.0, 0.1], "error_cos": None})
-              for mesh in drawn.meshes]
-    bodies = [gt.Body(name="motor", inertia=0.02, torque=90.0, revolution_torque_cos=[0.0, 3.0]), *drawn.bodies[1:]]
-    whole = reducer(meshes=meshes, bodies=bodies, characteristic_frequency=1.0)
-    diagram = whole.campbell(start=200.0, stop=4000.0, unit="rpm")
-    # The period of the fundamental is 71 turns of the motor now.
-    assert [(order.name, round(order.per_revolution, 9)) for order in diagram.orders] == [
-        ("2 x revolution of motor", 2.0), ("2 x mesh 2", round(2 * 19 * 23 / 71, 9)), ("2 x mesh 1", 46.0)]
-    chain = paper_train(torque_sin=[0.0, 0.0, 5.0])
-    assert [(order.order, order.name) for order in chain.campbell(start=0.2, stop=1.0).orders] == [
-        (1, "mesh 1, mesh 2"), (3, "3 x input torque")]
-    for wrong, told in (({"start": -1.0, "stop": 1.0}, "start = -1"), ({"start": 0.2, "stop": 1.0, "unit": "rpm"}, "unit = 'rpm'")):
-        with pytest.raises(gt.InputError, match=told):
-            chain.campbell(**wrong)
-
-
-def test_the_picture_of_a_campbell_diagram(drawn):
-    """Orders have names of their own, near the ends of their lines; a limit leaves out high modes."""
-    diagram = drawn.campbell(start=200.0, stop=4000.0)
-    ax = diagram.plot()
-    assert ax.get_legend().get_title().get_text() == "orders per revolution of motor"
-    names = [(text.get_text(), text.xy) for text in ax.texts if not text.get_text().startswith("mode")]
-    assert [name for name, _ in names] == [f"{order.per_revolution:.4g}" for order in diagram.orders]
-    for (name, (speed, hertz)), order in zip(names, diagram.orders, strict=True):
-        assert hertz == pytest.approx(order.per_revolution * speed / 60), name
-    assert diagram.plot(highest=1600.0).get_ylim() == (0, 1600)
-    with pytest.raises(gt.InputError, match="highest = -1: must be a number > 0"):
-        diagram.plot(highest=-1)
-
-
-@pytest.mark.parametrize("make", [reducer, paper_train, lambda: gt.read_case(ROOT / "namelists" / "branched.nml").train])
-def test_rotations_of_modes_are_those_of_the_whole_train(make):
-    """K phi = omega^2 M phi, set up from the numbers that explain() tells, without the library's coordinates."""
-    from geartrain.schematic import joints_of
-
-    train = make()
-    modes, numbers = train.modes(), train.explain()
-    number = len(train.body_labels)
-    if train.bodies:
-        inertia = np.array([numbers[name]["inertia"] for name in train.body_labels])
-    else:
-        gears = [value for mesh in train.meshes for value in (mesh.driving_inertia, mesh.driven_inertia)]
-        inertia = np.array([train.prime_mover_inertia, *gears, train.load_inertia])
-    stiffness = np.zeros((number, number))
-    for joint in joints_of(train):
-        told, row = numbers[joint.element], np.zeros(number)
-        row[list(joint.ends)] = np.array(told["base_radius"] if joint.is_mesh else (1.0, 1.0)) * [1, -1]
-        stiffness += told["stiffness"] * np.outer(row, row)
-    scale = 1 / np.sqrt(inertia)
-    squares = np.linalg.eigvalsh(scale[:, None] * stiffness * scale)[1:]
-    np.testing.assert_allclose(modes.natural_frequency_hertz, np.sqrt(squares) / (2 * np.pi), rtol=1e-6)
-    for mode, rotation in enumerate(modes.rotation):
-        square = (2 * np.pi * modes.natural_frequency_hertz[mode]) ** 2
-        residual = stiffness @ rotation - square * inertia * rotation
-        assert abs(residual).max() < 1e-7 * abs(stiffness @ rotation).max()
-        assert abs(rotation).max() == pytest.approx(1)
-        shares = modes.energy_shares(mode + 1)
-        assert tuple(shares) == modes.element and sum(shares.values()) == pytest.approx(1)
-
-
-def test_a_mode_on_the_train(split):
-    modes = split.modes()
-    ax = modes.plot(2)
-    assert ax.get_title().startswith(f"mode 2:  {modes.natural_frequency_hertz[1]:.5g} Hz")
-    discs = [patch for patch in ax.patches if isinstance(patch, Circle)]
-    colours = mpl.colormaps["coolwarm"]((1 + modes.rotation[1]) / 2)
-    np.testing.assert_allclose([disc.get_facecolor() for disc in discs], colours)
-    assert any("98.4 %" in text for text in texts(ax))
-    with pytest.raises(gt.InputError, match="mode = 9: must be 1 to 6"):
-        modes.plot(9)
-
-
-def test_the_train_as_a_picture(drawn, split):
-    ax = drawn.plot()
-    assert [text for text in texts(ax) if "turn" in text] == [
-        "motor\n1 turn", "pinion 1\n1 turn", "wheel 1\n0.3239 turns", "pinion 2\n0.3239 turns", "wheel 2\n0.07694 turns",
-        "load\n0.07694 turns"]
-    assert "mesh 1\n23 : 71" in texts(ax) and "shaft 1\n42.4 kN m/rad" in texts(ax)
-    assert f"wheel 2\n{1500 * 23 / 71 * 19 / 80:.4g} rpm" in texts(drawn.plot(speed=1500.0))
-    assert "mesh 3\n1 : 1.667" in texts(split.plot()) and "driven gear 2" in texts(paper_train().plot())
-
-
-def test_a_long_train_goes_there_and_back():
-    mesh = paper_train().meshes[0]
-    train = paper_train(shafts=[gt.Shaft(stiffness=1e5, damping_ratio=0.01)] * 8, meshes=[mesh] * 7)
-    discs = [patch.center for patch in train.plot().patches if isinstance(patch, Circle)]
-    heights = [y for _, y in discs]
-    assert heights == sorted(heights, reverse=True) and len(set(heights)) == 2
-    assert discs[9][0] == discs[10][0] and discs[8][0] == discs[11][0]
-
-
-def test_the_layout_of_a_train_keeps_bodies_apart(split):
-    from geartrain.schematic import Joint, joints_of, places_of
-
-    places = places_of(7, joints_of(split))
-    assert places[:, 0].tolist() == [0, 1, 2, 2, 3, 2, 4]  # the pinion drives both wheels and the pump
-    assert places[[2, 3, 5], 1].tolist() == [1, 0, -1] and places[4, 1] == 0.5
-    random = np.random.default_rng(1)
-    for bodies in (2, 5, 20, 60):
-        tree = [Joint(f"mesh {body}", (int(random.integers(body)), body)) for body in range(1, bodies)]
-        places = places_of(bodies, tree)
-        for column in range(int(places[:, 0].max()) + 1):
-            heights = np.sort(places[places[:, 0] == column, 1])
-            assert (np.diff(heights) > 1 - 1e-9).all()
-        for joint in tree:
-            one, other = places[list(joint.ends)]
-            assert other[0] == one[0] + 1
 
 
 # ---------------------------------------------------------------------------------------------- the style
