@@ -759,7 +759,7 @@ class Train(Description):
         >>> fold = branch.special_points[0]
         >>> locus = train.locus(fold, parameter="stiffness_variation", start=0.25, stop=0.35)
         >>> locus.complete, locus.parameter[[0, -1]], [(point.kind, round(point.parameter, 4)) for point in locus.special_points]
-        (True, array([0.35, 0.35]), [('cusp', 0.2681)])
+        (True, array([0.35, 0.35]), [('grazing on a fold', 0.3274), ('cusp', 0.2681)])
         """
         if not isinstance(special, (SpecialPoint, ExactPoint)):
             raise InputError(f"special = {shown(special)}: must be a special point, one of a branch's special_points or onsets")
