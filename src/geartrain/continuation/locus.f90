@@ -100,18 +100,21 @@ contains
          call trace_side(own(k), begin(k), start, stop, side(k), keep_going, done, observer)
       end do
       !$omp end parallel do
-      if (side(2)%closed) then
-         side(1)%points = 0
-         side(1)%specials = 0
-         side(1)%ended = side(2)%ended
-      end if
+      ! A side that closes is the whole curve.
+      do k = 1, 2
+         if (.not. side(k)%closed) cycle
+         side(3 - k)%points = 0
+         side(3 - k)%specials = 0
+         side(3 - k)%closed = .false.
+         side(3 - k)%ended = side(k)%ended
+      end do
       call gather(augmented, first, side, locus)
       locus%kind = kind
       locus%mesh = mesh
       locus%name = trim(adjustl(name))
       locus%unit = path%unit
       locus%period = motion%period
-      locus%closed = side(2)%closed
+      locus%closed = any(side%closed)
       locus%complete = locus%closed .or. side(1)%at_end .and. side(2)%at_end
       locus%ended = trim(side(1)%ended)
       if (side(1)%ended /= side(2)%ended) locus%ended = locus%ended//'; '//trim(side(2)%ended)

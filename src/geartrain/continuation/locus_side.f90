@@ -294,14 +294,15 @@ contains
       end subroutine locate_grazing
 
       !> Lambda and parameter of a grazing, a way from a point with the fewer events, by points before it, each a step from the
-      !> other, as polynomials in their distance from the wall. Unchanged where these do not lead to the wall.
+      !> other, as polynomials in their distance from the wall. Unchanged where these do not lead to the wall, or to one far away:
+      !> then another extreme is nearer to a wall than the one that grazes.
       subroutine extrapolate(base, way, step, point, success)
          type(augmented_point_type), intent(in) :: base
          real(dp), intent(in) :: way, step
          type(augmented_point_type), intent(inout) :: point
          logical, intent(out) :: success
          type(augmented_point_type) :: before(3)
-         real(dp) :: gap(3), weight(3)
+         real(dp) :: gap(3), weight(3), frequency_ratio, parameter
          integer :: i
 
          do i = 1, 3
@@ -315,8 +316,13 @@ contains
          do i = 1, 3
             weight(i) = product(pack(gap, [1, 2, 3] /= i)/(pack(gap, [1, 2, 3] /= i) - gap(i)))
          end do
-         point%frequency_ratio = dot_product(weight, before%frequency_ratio)
-         point%parameter = dot_product(weight, before%parameter)
+         frequency_ratio = dot_product(weight, before%frequency_ratio)
+         parameter = dot_product(weight, before%parameter)
+         success = abs(parameter - point%parameter) < abs(step) .and. &
+                   abs(frequency_ratio - point%frequency_ratio) < abs(step)*augmented%metric%units%frequency_ratio
+         if (.not. success) return
+         point%frequency_ratio = frequency_ratio
+         point%parameter = parameter
       end subroutine extrapolate
 
       subroutine put(kind, point)
