@@ -5,7 +5,7 @@ module geartrain_continuation_augmented_point
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: augmented_point_type, metric_type, reverse
+   public :: augmented_point_type, metric_type, scale_tangent
 
    !> A special point.
    type :: augmented_point_type
@@ -47,15 +47,16 @@ module geartrain_continuation_augmented_point
 
 contains
 
-   !> Turns the tangent round.
-   pure subroutine reverse(point)
+   !> Multiplies the tangent by a factor; -1 turns it round.
+   pure subroutine scale_tangent(point, factor)
       !> A point with a tangent.
       type(augmented_point_type), intent(inout) :: point
+      real(dp), intent(in) :: factor
 
-      point%tangent = -point%tangent
-      point%tangent_frequency = -point%tangent_frequency
-      point%tangent_parameter = -point%tangent_parameter
-   end subroutine reverse
+      point%tangent = factor*point%tangent
+      point%tangent_frequency = factor*point%tangent_frequency
+      point%tangent_parameter = factor*point%tangent_parameter
+   end subroutine scale_tangent
 
    !> Prepares for orbits of a train.
    subroutine setup(self, system, sections)

@@ -12,8 +12,8 @@
 !> has no share of the first point's left null vector, which the symmetry turns round.
 module geartrain_continuation_augmented_system
    use geartrain_base_kinds, only: dp
-   use geartrain_continuation_augmented_point, only: augmented_point_type, metric_type
-   use geartrain_continuation_contact_ranges, only: depth_below
+   use geartrain_continuation_augmented_point, only: augmented_point_type, metric_type, scale_tangent
+   use geartrain_continuation_orbit_corrector, only: depth_of
    use geartrain_continuation_orbit_tests, only: back_contact, is_onset
    use geartrain_floquet_critical_pair, only: pair_of
    use geartrain_floquet_multipliers, only: eigenvalues
@@ -62,6 +62,8 @@ module geartrain_continuation_augmented_system
       real(dp), private :: varied = huge(1.0_dp)
       !> Flights with and without derivatives with respect to Lambda and the parameter.
       type(sections_type) :: moving, probe
+      !> Flight of the train with another value of the parameter.
+      type(sections_type), private :: aside
       !> Of M - I, and of M + I; whether their borders are null vectors of a nearby orbit.
       type(border_type) :: plus, minus
       logical, private :: has_borders = .false.
@@ -119,7 +121,7 @@ contains
       class(augmented_system_type), intent(inout) :: self
       real(dp), intent(in) :: parameter
       logical, intent(in) :: again
-      type(system_type) :: below, above
+      type(system_type) :: above
       integer :: parts
 
       if (abs(parameter - self%latest) <= 0 .and. (again .or. abs(parameter - self%varied) <= 0)) return
@@ -128,9 +130,8 @@ contains
       if (allocated(self%path)) call self%path%system_at(self%origin + self%scale*parameter, self%system)
       if (.not. again) self%varied = parameter
       if (allocated(self%path) .and. .not. again) then
-         call self%path%system_at(self%origin + self%scale*(parameter - small_parameter), below)
          call self%path%system_at(self%origin + self%scale*(parameter + small_parameter), above)
-         call self%moving%vary(below, above, 2*small_parameter)
+         call self%moving%vary(above, small_parameter)
       end if
       call self%moving%setup(self%system, self%period, parts, moves=.true.)
       call self%probe%setup(self%system, self%period, parts, moves=.false.)
@@ -188,7 +189,7 @@ contains
             if (allocated(self%path)) point%h = matmul(self%turned, step(:, 1, :)) &
                                                 + [dot_product(self%turned, point%states(:, 1)), 0.0_dp, 0.0_dp, 0.0_dp]
          end if
-         call self%test_value(point, self%moving%monodromy, self%system%half_backlash, .true., value, info)
+         call self%test_value(point, value, info)
          if (info /= 0) return
          call differentiate(self, point, step, value, again, rough, point%g)
          matrix(1, :) = point%h(2:)
@@ -250,9 +251,7 @@ contains
       if (.not. along .and. allocated(guess%tangent)) then
          if (self%metric%product_of(point%tangent, point%tangent_frequency, point%tangent_parameter, guess) < 0) norm = -norm
       end if
-      point%tangent = point%tangent/norm
-      point%tangent_frequency = point%tangent_frequency/norm
-      point%tangent_parameter = point%tangent_parameter/norm
+      call scale_tangent(point, 1/norm)
    end subroutine solve
 
    !> Step along the curve: predictor and Newton's method.
@@ -344,37 +343,29 @@ contains
       h = right(n + 1, :)
    end subroutine close_orbit
 
-   !> Value of the test function at an orbit.
-   subroutine test_value(self, point, monodromy, half_backlash, on_orbit, value, info)
+   !> Value of the test function at the orbit of the latest flight.
+   subroutine test_value(self, point, value, info)
       class(augmented_system_type), intent(inout) :: self
       type(augmented_point_type), intent(in) :: point
-      !> Of a contact onset not used.
-      real(dp), intent(in) :: monodromy(:, :)
-      !> Over characteristic length [1], (mesh).
-      real(dp), intent(in) :: half_backlash(:)
-      !> Whether null vectors and the pair are those of this orbit from here on.
-      logical, intent(in) :: on_orbit
       real(dp), intent(out) :: value
       integer, intent(out) :: info
-      real(dp) :: smallest, largest
       complex(dp) :: pair(2)
 
       info = 0
-      value = 0
       select case (self%kind)
       case ('fold', branch_point)
-         call self%plus%find(monodromy, -1.0_dp, info)
+         call self%plus%find(self%moving%monodromy, -1.0_dp, info)
          value = self%plus%value
       case ('period doubling')
-         call self%minus%find(monodromy, 1.0_dp, info)
+         call self%minus%find(self%moving%monodromy, 1.0_dp, info)
          value = self%minus%value
       case ('neimark-sacker')
-         pair = pair_of(multipliers_of(monodromy), self%pair_sum)
+         pair = pair_of(multipliers_of(self%moving%monodromy), self%pair_sum)
          value = real(product(pair), dp) - 1
-         if (on_orbit) self%pair_sum = real(sum(pair), dp)
+         self%pair_sum = real(sum(pair), dp)
       case default
-         call self%probe%extremes(point%frequency_ratio, point%states, self%mesh, smallest, largest)
-         value = depth_below(smallest, largest, half_backlash(self%mesh), self%kind == back_contact)
+         value = depth_of(self%probe, point%frequency_ratio, point%states, self%mesh, self%system%half_backlash(self%mesh), &
+                          self%kind == back_contact)
       end select
    end subroutine test_value
 
@@ -390,10 +381,9 @@ contains
       real(dp), intent(inout) :: g(4)
       type(augmented_point_type) :: moved
       type(border_type) :: border
-      type(sections_type) :: other
       type(system_type) :: system
-      real(dp) :: vectors(size(point%states, 1), 1), reference(size(point%states, 1), 1), norm, h, next
-      integer :: d, info, side
+      real(dp) :: vectors(size(point%states, 1), 1), reference(size(point%states, 1), 1), norm, h
+      integer :: d, side, events
       logical :: quick
 
       g(rest) = 0
@@ -401,7 +391,6 @@ contains
       quick = self%kind == 'fold' .or. self%kind == branch_point .or. self%kind == 'period doubling'
       if (quick) border = self%plus
       if (self%kind == 'period doubling') border = self%minus
-      system = self%system
       if (quick) then
          reference(:, 1) = border%right
          if (roughly) then
@@ -418,7 +407,6 @@ contains
          if (d == along_parameter) norm = max(norm, 1.0_dp)
          ! Of the remaining error the second order is left to the next step.
          if (d == rest .and. norm < negligible) cycle
-         if (d == along_parameter) other = self%probe
          do side = 1, -1, -2
             h = side*small/norm
             moved%states = point%states + h*step(:, :, d)
@@ -426,25 +414,37 @@ contains
             if (d == along_lambda) moved%frequency_ratio = moved%frequency_ratio + h
             if (d == along_parameter) then
                call self%path%system_at(self%origin + self%scale*(point%parameter + h), system)
-               call self%probe%setup(system, self%period, other%sections/self%period, moves=.false.)
-            end if
-            if (quick) then
-               vectors(:, 1) = border%right
-               call self%probe%carry_vectors(moved%frequency_ratio, moved%states, vectors)
-               g(d) = -dot_product(border%left, vectors(:, 1) - reference(:, 1))/h
+               call self%aside%setup(system, self%period, self%probe%sections/self%period, moves=.false.)
+               call take(self%aside, system%half_backlash)
             else
-               if (.not. is_onset(self%kind)) call self%probe%fly(moved%frequency_ratio, moved%states)
-               call self%test_value(moved, self%probe%monodromy, system%half_backlash, .false., next, info)
-               g(d) = (next - value)/h
+               call take(self%probe, self%system%half_backlash)
             end if
             ! Beyond a grazing M changes as a square root does: there the difference is taken to the other side.
-            if (is_onset(self%kind) .or. self%probe%events == self%moving%events) exit
+            if (is_onset(self%kind) .or. events == self%moving%events) exit
          end do
-         if (d == along_parameter) then
-            self%probe = other
-            system = self%system
-         end if
       end do
+
+   contains
+
+      !> Takes the difference by a flight of this or another train.
+      subroutine take(flight, half_backlash)
+         type(sections_type), intent(inout) :: flight
+         real(dp), intent(in) :: half_backlash(:)
+
+         if (quick) then
+            vectors(:, 1) = border%right
+            call flight%carry_vectors(moved%frequency_ratio, moved%states, vectors)
+            g(d) = -dot_product(border%left, vectors(:, 1) - reference(:, 1))/h
+         else if (is_onset(self%kind)) then
+            g(d) = (depth_of(flight, moved%frequency_ratio, moved%states, self%mesh, half_backlash(self%mesh), &
+                             self%kind == back_contact) - value)/h
+         else
+            call flight%fly(moved%frequency_ratio, moved%states)
+            g(d) = (real(product(pair_of(multipliers_of(flight%monodromy), self%pair_sum)), dp) - 1 - value)/h
+         end if
+         events = flight%events
+      end subroutine take
+
    end subroutine differentiate
 
 end module geartrain_continuation_augmented_system

@@ -6,7 +6,7 @@ module geartrain_continuation_locus
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: real_text, text
    use geartrain_base_observer, only: observer_type
-   use geartrain_continuation_augmented_point, only: augmented_point_type, reverse
+   use geartrain_continuation_augmented_point, only: augmented_point_type, scale_tangent
    use geartrain_continuation_augmented_system, only: augmented_system_type
    use geartrain_continuation_locus_result, only: locus_type
    use geartrain_continuation_locus_side, only: side_type, trace_side
@@ -88,10 +88,10 @@ contains
                     status_ended_early)
          return
       end if
-      if ((first%tangent_parameter < 0) .neqv. (stop < start)) call reverse(first)
+      if ((first%tangent_parameter < 0) .neqv. (stop < start)) call scale_tangent(first, -1.0_dp)
       ! Each side on a thread of its own.
       begin = first
-      call reverse(begin(1))
+      call scale_tangent(begin(1), -1.0_dp)
       own = augmented
       keep_going = .true.
       done = 0

@@ -4,7 +4,7 @@ module geartrain_continuation_locus_side
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
-   use geartrain_continuation_augmented_point, only: augmented_point_type, reverse
+   use geartrain_continuation_augmented_point, only: augmented_point_type, scale_tangent
    use geartrain_continuation_augmented_system, only: augmented_system_type
    use geartrain_continuation_locus_result, only: double_point_type
    use geartrain_continuation_locus_tests, only: find_tests, from_wall, grazing_name, most_tests, name_of, tests_type, touches
@@ -22,6 +22,8 @@ module geartrain_continuation_locus_side
    real(dp), parameter :: located = 1e-10_dp
    !> Length of the piece of the curve before a grazing by which is extrapolated to it.
    real(dp), parameter :: extrapolated = 1e-4_dp
+   !> Half the length of the bracket of a grazing from which on is extrapolated to it.
+   real(dp), parameter :: beside_grazing = extrapolated/20
    !> Value of a test function over the one before it from which on its sign is doubtful.
    real(dp), parameter :: doubtful = 0.2_dp
    !> Step below which a curve whose motion touches a wall is at a corner; most such steps before it ends there.
@@ -197,7 +199,7 @@ contains
             call put(grazing_name(augmented%kind), at)
             crawls = 0
             if (augmented%metric%product_of(next%states - here%states, next%frequency_ratio - here%frequency_ratio, &
-                                     next%parameter - here%parameter, next) < 0) call reverse(next)
+                                     next%parameter - here%parameter, next) < 0) call scale_tangent(next, -1.0_dp)
             before%events = next%events
             h = first_step
             cosine = 0
@@ -262,9 +264,9 @@ contains
       !> Locates where the number of contact events changes between `here` and `next`, from the side with the fewer: on the other
       !> one the motion leaves the wall by the square of the way, and its first events are lost in rounding.
       subroutine locate_grazing()
-         type(augmented_point_type) :: base, middle, last
+         type(augmented_point_type) :: base, last
          real(dp) :: a, b
-         integer :: i, sense
+         integer :: sense
          logical :: success
 
          sense = merge(1, -1, here%events < next%events)
@@ -278,20 +280,50 @@ contains
          b = abs(augmented%metric%product_of(next%states - here%states, next%frequency_ratio - here%frequency_ratio, &
                                              next%parameter - here%parameter, base))
          last = base
-         do i = 1, most_steps
-            call augmented%advance(base, sense*(a + b)/2, middle, success)
-            if (success) success = middle%events == base%events
-            if (success) then
-               a = (a + b)/2
-               last = middle
-            else
-               b = (a + b)/2
-            end if
-            if (b - a < located) exit
-         end do
+         call narrow(base, sense, beside_grazing, a, b, last)
          call extrapolate(base, sense*a, sense*extrapolated, last, success)
+         if (.not. success) call narrow(base, sense, located, a, b, last)
          call put(grazing_name(augmented%kind), last)
       end subroutine locate_grazing
+
+      !> Narrows the bracket of a grazing: by the way at which the distance from the wall would be 0, else and every third time by
+      !> half, as another extreme may be the nearest.
+      subroutine narrow(base, sense, width, a, b, last)
+         !> Point with the fewer events, with its tangent; sense in which the grazing is.
+         type(augmented_point_type), intent(in) :: base
+         integer, intent(in) :: sense
+         !> Half the length of the bracket that is wanted.
+         real(dp), intent(in) :: width
+         !> The bracket, ways from the base; the point at a.
+         real(dp), intent(inout) :: a, b
+         type(augmented_point_type), intent(inout) :: last
+         type(augmented_point_type) :: middle
+         real(dp) :: way(2), gap(2), s, aim
+         integer :: i
+         logical :: success
+
+         way = 0
+         gap = 0
+         do i = 1, most_steps
+            if (b - a <= 2*width) exit
+            s = (a + b)/2
+            if (gap(1) > gap(2) .and. mod(i, 3) > 0) then
+               aim = way(2) + gap(2)*(way(2) - way(1))/(gap(1) - gap(2))
+               aim = aim + merge(width, -width, aim - a < width)
+               if (aim > a .and. aim < b) s = aim
+            end if
+            call augmented%advance(base, sense*s, middle, success, roughly=.true.)
+            if (success) success = middle%events == base%events
+            if (.not. success) then
+               b = s
+               cycle
+            end if
+            a = s
+            last = middle
+            way = [way(2), a]
+            gap = [gap(2), from_wall(augmented, middle)]
+         end do
+      end subroutine narrow
 
       !> Lambda and parameter of a grazing, a way from a point with the fewer events, by points before it, each a step from the
       !> other, as polynomials in their distance from the wall. Unchanged where these do not lead to the wall, or to one far away:
@@ -306,7 +338,7 @@ contains
          integer :: i
 
          do i = 1, 3
-            call augmented%advance(base, way - i*step, before(i), success)
+            call augmented%advance(base, way - i*step, before(i), success, roughly=.true.)
             if (success) success = before(i)%events == base%events
             if (.not. success) return
             gap(i) = from_wall(augmented, before(i))

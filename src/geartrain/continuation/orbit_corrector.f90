@@ -12,7 +12,7 @@ module geartrain_continuation_orbit_corrector
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: orbit_type, orbit_corrector_type, orbit_test_type, resolution
+   public :: depth_of, orbit_type, orbit_corrector_type, orbit_test_type, resolution
 
    !> Cosine of the largest angle between the tangents at the ends of a step [1].
    real(dp), parameter :: least_cosine = 0.8_dp
@@ -173,7 +173,6 @@ contains
       !> Newton's method has converged.
       logical, intent(out) :: success
       real(dp) :: tangent(size(orbit%states, 1), size(orbit%states, 2)), tangent_frequency, length, last
-      real(dp) :: smallest, largest
 
       call find_orbit_in_sections(self%moving, orbit%frequency_ratio, orbit%states, last, success, self%weight*orbit%tangent, &
                       orbit%tangent_frequency/self%units%frequency_ratio**2, tangent, tangent_frequency)
@@ -183,9 +182,28 @@ contains
       orbit%tangent_frequency = tangent_frequency/length
       call self%find_multipliers(self%moving, orbit)
       if (self%watched_mesh == 0) return
-      call self%moving%extremes(orbit%frequency_ratio, orbit%states, self%watched_mesh, smallest, largest)
-      orbit%depth = depth_below(smallest, largest, self%system%half_backlash(self%watched_mesh), self%watches_back)
+      orbit%depth = depth_of(self%moving, orbit%frequency_ratio, orbit%states, self%watched_mesh, &
+                             self%system%half_backlash(self%watched_mesh), self%watches_back)
    end subroutine correct
+
+   !> Least distance of the displacement of a mesh from separation, or from a contact of its back flanks, over characteristic length
+   !> [1]; see depth_below.
+   real(dp) function depth_of(flight, frequency_ratio, states, mesh, half_backlash, back)
+      !> Flights of the train.
+      type(sections_type), intent(inout) :: flight
+      !> Lambda [1]; states at the beginnings of the sections [1], (state, section).
+      real(dp), intent(in) :: frequency_ratio, states(:, :)
+      !> Number of the mesh.
+      integer, intent(in) :: mesh
+      !> Half of its backlash over characteristic length [1].
+      real(dp), intent(in) :: half_backlash
+      !> Contact of the back flanks; else separation.
+      logical, intent(in) :: back
+      real(dp) :: smallest, largest
+
+      call flight%extremes(frequency_ratio, states, mesh, smallest, largest)
+      depth_of = depth_below(smallest, largest, half_backlash, back)
+   end function depth_of
 
    subroutine find_multipliers(self, sections, orbit)
       class(orbit_corrector_type), intent(in) :: self

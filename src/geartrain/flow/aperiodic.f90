@@ -2,7 +2,8 @@
 !> are on one attractor.
 !>
 !> Flows on one chaotic attractor never meet, but their sections have the same moments: mean and spread of every coordinate of the
-!> state. The uncertainty of a moment comes from six blocks of the sections.
+!> state. The uncertainty of a moment comes from six blocks of the sections; as so few of them may lie close together by chance, it
+!> is at least the largest of all coordinates, over their spread.
 module geartrain_flow_aperiodic
    use geartrain_base_kinds, only: dp
    use geartrain_flow_lyapunov, only: kind_of
@@ -65,9 +66,14 @@ contains
       end do
       self%moment = sum(part, 3)/blocks
       allocate (self%uncertainty(size(state), 2))
-      do i = 1, 2
-         self%uncertainty(:, i) = sqrt(sum((part(:, i, :) - spread(self%moment(:, i), 2, blocks))**2, 2)/(blocks*(blocks - 1)))
-      end do
+      associate (width => max(self%moment(:, 2), tiny(1.0_dp)))
+         do i = 1, 2
+            associate (uncertainty => self%uncertainty(:, i))
+               uncertainty = sqrt(sum((part(:, i, :) - spread(self%moment(:, i), 2, blocks))**2, 2)/(blocks*(blocks - 1)))
+               uncertainty = max(uncertainty, width*maxval(uncertainty/width))
+            end associate
+         end do
+      end associate
    end subroutine find
 
    !> Mean and standard deviation of each coordinate.

@@ -15,7 +15,7 @@ module geartrain_flow_orbit
    public :: begin_tangents, measure, stored_harmonics, sample_orbit, propagate, flow_order, flow_tolerance
 
    !> Order of the Taylor series and relative error of a step, for states and shooting.
-   integer, parameter :: flow_order = 20
+   integer, parameter :: flow_order = 28
    real(dp), parameter :: flow_tolerance = 1e-15_dp
    !> Least samples of a period of the fundamental, of a period of the fastest mesh, of a period of the highest stored harmonic. The
    !> coefficients of a motion with contact events fall as k^-4, so aliasing is near 1e-12.

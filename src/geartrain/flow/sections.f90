@@ -14,8 +14,8 @@ module geartrain_flow_sections
    private
    public :: sections_type
 
-   !> Relative change of Lambda in the central difference for the drift. Rounding makes a relative error of 1e-6, small enough for
-   !> Newton steps.
+   !> Relative change of Lambda in the difference for the drift. Rounding makes a relative error of 1e-6, small enough for Newton
+   !> steps.
    real(dp), parameter :: difference = 1e-7_dp
    !> Pieces of a step in each of which a mesh velocity has at most one zero; most steps towards it.
    integer, parameter :: pieces = 8, max_steps = 60
@@ -38,9 +38,12 @@ module geartrain_flow_sections
       !> Contact events of the latest flight; smallest mesh speed at one of them [1].
       integer :: events = 0
       real(dp) :: slowest_event = huge(1.0_dp)
-      !> Flow with tangents; flow of a state alone; of the trains with a smaller and a larger value of the parameter.
-      type(flow_type), private :: flow, single, below, above
-      !> Difference of the parameter between these two trains [unit of the parameter].
+      !> Columns of the flow with all tangents.
+      integer, private :: columns = 0
+      !> Flow with all tangents and with few, both set up when first flown; flow of a state alone; that of the train with
+      !> a larger value of the parameter.
+      type(flow_type), private :: flow, few, single, above
+      !> By how much the parameter is larger there [unit of the parameter].
       real(dp), private :: apart = 0
    contains
       procedure :: setup
@@ -64,34 +67,29 @@ contains
       integer, intent(in) :: period, parts
       !> Whether Lambda is variable: `drift` is computed.
       logical, intent(in) :: moves
-      integer :: columns
 
       self%period = period
       self%sections = period*parts
       self%moves = moves
-      columns = system%states + 1
       ! The state and its tangents; for several sections the accumulated gap; for variable Lambda the drift.
-      if (self%sections > 1) columns = columns + 1
-      if (moves) columns = columns + 1
-      if (self%apart > 0) columns = columns + 1
-      associate (n => system%states, m => self%sections)
-         if (allocated(self%transfer)) deallocate (self%transfer, self%drift, self%missed, self%monodromy)
-         allocate (self%transfer(n, n, 2:m), self%drift(n, 2:m + 1), self%missed(n, 2:m + 1), self%monodromy(n, n))
-         call self%flow%setup(system, columns, flow_order, flow_tolerance)
-      end associate
+      self%columns = system%states + 1
+      if (self%sections > 1) self%columns = self%columns + 1
+      if (moves) self%columns = self%columns + 1
+      if (self%apart > 0) self%columns = self%columns + 1
+      self%flow%columns = 0
+      self%few%columns = 0
       call self%single%setup(system, 1, flow_order, flow_tolerance)
    end subroutine setup
 
    !> Makes a parameter of the train variable; before `setup`.
-   subroutine vary(self, below, above, apart)
+   subroutine vary(self, above, apart)
       class(sections_type), intent(inout) :: self
-      !> The trains with a smaller and a larger value of the parameter.
-      type(system_type), intent(in) :: below, above
-      !> Difference of these values [unit of the parameter].
+      !> The train with a larger value of the parameter.
+      type(system_type), intent(in) :: above
+      !> By how much it is larger [unit of the parameter].
       real(dp), intent(in) :: apart
 
       self%apart = apart
-      call self%below%setup(below, 1, flow_order, flow_tolerance)
       call self%above%setup(above, 1, flow_order, flow_tolerance)
    end subroutine vary
 
@@ -117,11 +115,18 @@ contains
       real(dp), intent(in) :: frequency_ratio, states(:, :)
       !> Whether the latest flight was so near that what it found of the drifts will do; default no.
       logical, intent(in), optional :: nearby
-      real(dp) :: ahead(size(states, 1)), behind(size(states, 1)), gap(size(states, 1))
+      real(dp) :: ahead(size(states, 1)), gap(size(states, 1))
       integer :: k, n, parts
       logical :: anew
 
       n = size(states, 1)
+      if (self%flow%columns == 0) then
+         call self%flow%setup(self%single%system, self%columns, flow_order, flow_tolerance)
+         associate (m => self%sections)
+            if (allocated(self%transfer)) deallocate (self%transfer, self%drift, self%missed, self%monodromy)
+            allocate (self%transfer(n, n, 2:m), self%drift(n, 2:m + 1), self%missed(n, 2:m + 1), self%monodromy(n, n))
+         end associate
+      end if
       anew = .true.
       if (present(nearby)) anew = .not. nearby
       if (anew) then
@@ -158,9 +163,7 @@ contains
                if (anew) then
                   ahead = states(:, k)
                   call carry(self%above, k, parts, frequency_ratio, ahead)
-                  behind = states(:, k)
-                  call carry(self%below, k, parts, frequency_ratio, behind)
-                  self%own_parameter_drift(:, k) = (ahead - behind)/self%apart
+                  self%own_parameter_drift(:, k) = (ahead - self%flow%x(1, :))/self%apart
                end if
                associate (column => self%flow%x(self%flow%columns, :))
                   column = column + self%own_parameter_drift(:, k)
@@ -171,9 +174,7 @@ contains
             if (anew) then
                ahead = states(:, k)
                call carry(self%single, k, parts, (1 + difference)*frequency_ratio, ahead)
-               behind = states(:, k)
-               call carry(self%single, k, parts, (1 - difference)*frequency_ratio, behind)
-               self%own_drift(:, k) = (ahead - behind)/(2*difference*frequency_ratio)
+               self%own_drift(:, k) = (ahead - self%flow%x(1, :))/(difference*frequency_ratio)
             end if
             self%flow%x(last, :) = self%flow%x(last, :) + self%own_drift(:, k)
             self%drift(:, k + 1) = self%flow%x(last, :)
@@ -186,7 +187,7 @@ contains
    logical function interrupted(self)
       class(sections_type), intent(in) :: self
 
-      interrupted = self%flow%system%interrupt%raised()
+      interrupted = self%single%system%interrupt%raised()
    end function interrupted
 
    !> Change of state k [1], (state), without the gap missed(k).
@@ -213,18 +214,18 @@ contains
       real(dp), intent(in) :: frequency_ratio, states(:, :)
       !> Tangents at the beginning, then at the end of the period [1], (state, vector).
       real(dp), intent(inout) :: vectors(:, :)
-      type(flow_type) :: few
       integer :: k
 
-      call few%setup(self%single%system, 1 + size(vectors, 2), flow_order, flow_tolerance)
-      few%x(2:, :) = transpose(vectors)
+      if (self%few%columns /= 1 + size(vectors, 2)) &
+         call self%few%setup(self%single%system, 1 + size(vectors, 2), flow_order, flow_tolerance)
+      self%few%x(2:, :) = transpose(vectors)
       self%events = 0
       do k = 1, self%sections
-         few%x(1, :) = states(:, k)
-         call fly_section(few, k, self%sections/self%period, frequency_ratio)
-         self%events = self%events + few%events
+         self%few%x(1, :) = states(:, k)
+         call fly_section(self%few, k, self%sections/self%period, frequency_ratio)
+         self%events = self%events + self%few%events
       end do
-      vectors = transpose(few%x(2:, :))
+      vectors = transpose(self%few%x(2:, :))
    end subroutine carry_vectors
 
    !> Extremes of the displacement of a mesh over the period.

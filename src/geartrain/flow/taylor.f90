@@ -28,6 +28,29 @@ contains
       type(system_type), intent(in) :: system
       !> Work space; Taylor coefficients of displacement and velocity [1], of which coefficient 0 of the coordinates is given.
       real(dp), intent(inout) :: phi(columns*elements), p(columns*elements, 0:order), v(columns*elements, 0:order)
+
+      ! Each constant makes the compiler a procedure of its own, whose loops over the columns of an element are no loops.
+      select case (columns)
+      case (1)
+         call recur_columns(1, elements, meshes, order, spring, damping, terms, kappa, system, origin, excitation, loop, phi, p, v)
+      case (2)
+         call recur_columns(2, elements, meshes, order, spring, damping, terms, kappa, system, origin, excitation, loop, phi, p, v)
+      case default
+         call recur_columns(columns, elements, meshes, order, spring, damping, terms, kappa, system, origin, excitation, loop, &
+                            phi, p, v)
+      end select
+   end subroutine recur
+
+   !> The recurrence of `recur`, whose arguments it has.
+   pure subroutine recur_columns(columns, elements, meshes, order, spring, damping, terms, kappa, system, origin, excitation, &
+                                 loop, phi, p, v)
+      integer, intent(in) :: columns, elements, meshes, order
+      integer, intent(in) :: terms(meshes)
+      real(dp), intent(in) :: spring(elements), damping(elements)
+      real(dp), intent(in) :: kappa(0:order, meshes), origin(meshes)
+      real(dp), intent(in) :: excitation(0:order, elements), loop(0:, :)
+      type(system_type), intent(in) :: system
+      real(dp), intent(inout) :: phi(columns*elements), p(columns*elements, 0:order), v(columns*elements, 0:order)
       real(dp), dimension(columns*elements) :: own, gamma, k_spring
       real(dp) :: inverse
       integer :: first, last, n, i, j, k, l, all_
@@ -74,7 +97,7 @@ contains
          v(:all_, k + 1) = inverse*v(:all_, k + 1)
          call close_loops(columns, system, loop, k + 1, p(:, k + 1), v(:, k + 1))
       end do
-   end subroutine recur
+   end subroutine recur_columns
 
    !> Sets coefficient k of the elements that close loops from coefficient k of the coordinates.
    pure subroutine close_loops(columns, system, loop, k, p, v)

@@ -19,13 +19,19 @@ contains
       real(dp), intent(out) :: root
       !> Whether there is a root.
       logical, intent(out) :: hit
-      real(dp) :: a, b, fa, da, fb, db, t, ft, dt, span
+      real(dp) :: a, b, fa, da, fb, db, t, ft, dt, span, most
       integer :: i
 
       root = 0
       hit = .true.
       if (f(0) < 0) return
       hit = .false.
+      ! What all other terms together come to at most.
+      most = abs(f(ubound(f, 1)))
+      do i = ubound(f, 1) - 1, 1, -1
+         most = most*h + abs(f(i))
+      end do
+      if (f(0) > most*h) return
       span = h/subdivisions
       a = 0
       fa = f(0)
