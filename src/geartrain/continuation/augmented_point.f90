@@ -51,6 +51,7 @@ contains
    pure subroutine scale_tangent(point, factor)
       !> A point with a tangent.
       type(augmented_point_type), intent(inout) :: point
+      !> 1 leaves it as it is.
       real(dp), intent(in) :: factor
 
       point%tangent = factor*point%tangent
