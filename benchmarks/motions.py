@@ -2,7 +2,7 @@
 
 At five speeds of the trains of figures 3, 7 (kappa 0.42) and 9 (0.01) and of ten random trains of one to three meshes: 1,000
 random starts of time integration; 2,000 shootings from random states of another seed, for periods 1 to 4 from each of 500; 2,000
-balances from random waveforms, 500 for each period. Each orbit found must be among those of train.motions with its defaults.
+balances from random waveforms for periods 1 to 4. Each orbit found must be among those of train.motions with its defaults.
 Prints a line a place and ends with how many were missing; --quick takes a tenth of it. Names of trains ("fig07_042", "random 3")
 and speeds (2.4) choose among the places.
 """
@@ -57,7 +57,7 @@ def brute_force(train, frequency, starts, seeds, found):
                 known.add(orbit, "shooting")
     given = _Known(train, frequency, dict.fromkeys(range(1, 5)))
     given.found = [(motion, "") for motion in found]
-    for guess in _random_waveforms(given, [], 2.0, moments, seeds):
+    for guess in _random_waveforms(given, [], 2.0, moments, 4 * seeds):
         for balanced in known.balance(guess):
             known.add_near(balanced, "balance")
     return [motion for motion, _ in known.found]
