@@ -30,8 +30,8 @@ _SPREAD, _WIDER = 2.0, 1.5  # box of the random states over the largest state kn
 _BATCH = 100  # random states between two looks at the indices
 _HARMONICS = 12  # of the fundamental in a random waveform
 _DECADES, _MEANS = (-2.0, 0.3), (-0.5, 2.0)  # its size over the box, as a power of 10; its mean over that of a motion known
-# Share of those beside motions known, and as powers of 10 how far beside, the same for all meshes but for a little. Of 1,300 of period 4
-# beside those of figure 9 (0.01) at Lambda = 2.4, 395 led to other motions from 10**-2.0 to 10**-1.5, and 12 from 10**-0.5 to 1.
+# Share of those beside motions known, and as powers of 10 how far beside, the same for all meshes but for a little. Of 1,300 of
+# period 4 beside those of figure 9 (0.01) at Lambda = 2.4, 395 led to other motions from 10**-2.0 to 10**-1.5, 12 from 10**-0.5.
 _NEAR, _NEARER, _UNEVEN = 3 / 4, (-3.0, -1.0), 0.3
 _WAVEFORMS = 24  # random waveforms for a random state: they take a fifth of the time of shooting, and find more
 _PUSH = 1e-3  # relative, by which a flow begins beside an unstable motion

@@ -74,14 +74,17 @@ def equal_stages(stiffness_variation):
                     characteristic_frequency=2e4, shafts=shafts, meshes=[mesh, mesh])
 
 
-def equal_wheels():
-    """A pinion between two equal wheels: motions of period 2 may be symmetric with a shift by one period."""
+def equal_wheels(stiffness_variation=0.3, phase=0.0):
+    """A pinion between two equal wheels, whose motions may be symmetric with a shift by half their period.
+
+    So are motions of period 2 of meshes in phase, and those of period 1 of meshes in opposite phase (pi).
+    """
     mesh = dict(driving_radius=0.05, driven_radius=0.06, stiffness=2.5e8, damping_ratio=0.04, half_backlash=30e-6,
-                stiffness_cos=[0.3])
+                stiffness_cos=[stiffness_variation])
     bodies = [gt.Body(name="pinion", inertia=0.004, torque=200.0), gt.Body(name="one", inertia=0.0052, torque=-120.0),
               gt.Body(name="other", inertia=0.0052, balances=True)]
     return gt.Train(characteristic_length=30e-6, characteristic_frequency=9870.0, bodies=bodies,
-                    meshes=[gt.Mesh(between=("pinion", name), **mesh) for name in ("one", "other")])
+                    meshes=[gt.Mesh(between=("pinion", "one"), **mesh), gt.Mesh(between=("pinion", "other"), phase=phase, **mesh)])
 
 
 def unlike_pairs():

@@ -193,6 +193,39 @@ def test_a_branch_points_curve_ends_where_the_symmetry_does():
     assert damping.ended == "the parameter breaks the symmetry, at Lambda = 0.914328"
 
 
+def branch_point_of_period_2(stiffness_variation):
+    branch = equal_wheels(stiffness_variation).response(start=1.2, stop=2.4, harmonics=20, period_doublings=1).branches[0]
+    return nearest(branch, "branch point", 2.1)
+
+
+def branch_point_in_opposite_phase(stiffness_variation):
+    return nearest(equal_wheels(stiffness_variation, phase=np.pi).response(start=0.3, stop=1.3, harmonics=20), "branch point", 0.75)
+
+
+def branch_point_beside_a_fold(stiffness_variation):
+    """A fold is 5e-7 below it at 0.5."""
+    return nearest(equal_wheels(stiffness_variation, phase=np.pi).response(start=0.6, stop=1.0, harmonics=20), "branch point", 0.693)
+
+
+@pytest.mark.parametrize(
+    ("find", "first", "stop", "symmetric"),
+    [(branch_point_of_period_2, 0.3, 0.36, 1e-9), (branch_point_in_opposite_phase, 0.5, 0.6, 1e-9),
+     (branch_point_beside_a_fold, 0.5, 0.51, 1e-7)])
+def test_curves_of_branch_points_whose_symmetry_comes_with_a_shift(find, first, stop, symmetric):
+    """Each wheel does what the other does half a period later; at the other end is the branch point of the train there."""
+    begin, end = find(first), find(stop)
+    for exact in (begin, end):
+        one, other = exact.motion.waveform(512)[1].T
+        np.testing.assert_allclose(np.roll(one, 256), other, atol=symmetric)
+        assert distance(exact.multipliers, 1)[0] < 1e-9
+    train = begin.motion.train
+    locus = train.locus(begin, parameter="stiffness_variation", start=first, stop=stop)
+    assert locus.complete and len(locus) > 5
+    assert locus.frequency[-1] == pytest.approx(end.frequency, abs=1e-10)
+    broken = train.locus(begin, parameter="mesh 1 damping_ratio", start=0.035, stop=0.045)
+    assert len(broken) == 1 and broken.ended.startswith("the parameter breaks the symmetry")
+
+
 def test_what_a_curve_cannot_begin_with():
     train = unlike_pairs()
     fold = nearest(train.response(start=0.8, stop=1.3, harmonics=20), "fold", 1.03883)
@@ -202,8 +235,3 @@ def test_what_a_curve_cannot_begin_with():
         train.with_values({"one torque": 119.5}).locus(fold, parameter="one torque", start=100.0, stop=140.0)
     with pytest.raises(gt.InputError, match="must differ from the other end"):
         train.locus(fold, parameter="one torque", start=120.0, stop=120.0)
-    # Of period 2, symmetric with a shift by one period.
-    train = equal_wheels()
-    doubled = train.response(start=1.2, stop=2.4, harmonics=20, period_doublings=1).branches[0]
-    with pytest.raises(gt.SolverError, match="symmetric with a shift in time alone"):
-        train.locus(nearest(doubled, "branch point", 2.15), parameter="stiffness_variation", start=0.29, stop=0.36)

@@ -8,15 +8,16 @@
 !> of the pair of multipliers less 1; of a contact onset the distance of an extreme displacement from the wall. Derivatives of g
 !> are differences along the four directions, whose errors slow Newton's method, and do not move its result.
 !> A branch point has the test function of a fold. There h and its derivatives are 0 by the symmetry of the train, as the null
-!> vector breaks the symmetry and the orbit does not. In place of the first equation stands s = 0 or, along a curve, that the state
-!> has no share of the first point's left null vector, which the symmetry turns round.
+!> vector breaks the symmetry and the orbit does not. In place of the first equation stands that the orbit has no share of the
+!> symmetry that breaks at the first point (broken_symmetry.f90), or s = 0 where there is no such symmetry.
 module geartrain_continuation_augmented_system
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_augmented_point, only: augmented_point_type, metric_type, scale_tangent
+   use geartrain_continuation_broken_symmetry, only: broken_symmetry_type
    use geartrain_continuation_orbit_corrector, only: depth_of
    use geartrain_continuation_orbit_tests, only: back_contact, is_onset
    use geartrain_floquet_critical_pair, only: pair_of
-   use geartrain_floquet_multipliers, only: eigenvalues
+   use geartrain_floquet_multipliers, only: multipliers_of
    use geartrain_flow_multiple_shooting, only: has_converged, most_parts
    use geartrain_flow_sections, only: sections_type
    use geartrain_linalg_border, only: border_type
@@ -69,8 +70,9 @@ module geartrain_continuation_augmented_system
       logical, private :: has_borders = .false.
       !> Whether the latest solution is no orbit: at a branch point where the parameter breaks the symmetry.
       logical :: open = .false.
-      !> Left null vector of M - I at the point that the borders were found at first, (state).
-      real(dp), allocatable :: turned(:)
+      !> At a branch point the symmetry that breaks there; whether the first point is symmetric.
+      type(broken_symmetry_type), private :: symmetry
+      logical :: is_symmetric = .false.
       !> Sum of the pair of multipliers of the latest flight, by which the pair is known.
       real(dp), private :: pair_sum = huge(1.0_dp)
    contains
@@ -186,8 +188,12 @@ contains
          missed = point%h(1)
          if (self%kind == branch_point) then
             point%h = [0, 0, 0, 1]
-            if (allocated(self%path)) point%h = matmul(self%turned, step(:, 1, :)) &
-                                                + [dot_product(self%turned, point%states(:, 1)), 0.0_dp, 0.0_dp, 0.0_dp]
+            if (self%is_symmetric) then
+               do d = 1, 4
+                  point%h(d) = self%symmetry%share_of(step(:, :, d))
+               end do
+               point%h(1) = point%h(1) + self%symmetry%share_of(point%states)
+            end if
          end if
          call self%test_value(point, value, info)
          if (info /= 0) return
@@ -228,7 +234,7 @@ contains
          before = length
       end do
       ! The equation that the symmetry has taken the place of.
-      self%open = success .and. self%kind == branch_point .and. allocated(self%path) .and. abs(missed) > closed*scale
+      self%open = success .and. self%kind == branch_point .and. self%is_symmetric .and. abs(missed) > closed*scale
       success = success .and. .not. self%open
       if (.not. success) return
       point%events = self%moving%events
@@ -285,8 +291,8 @@ contains
    !> Finds the borders at a point.
    subroutine find_borders(self, point, info)
       class(augmented_system_type), intent(inout) :: self
-      !> A point at or near a special point.
-      type(augmented_point_type), intent(in) :: point
+      !> A point at or near a special point; a branch point becomes symmetric if it can.
+      type(augmented_point_type), intent(inout) :: point
       !> 0: they are found.
       integer, intent(out) :: info
 
@@ -295,7 +301,8 @@ contains
       call take_borders(self, info)
       if (info == 0) call take_borders(self, info)
       self%has_borders = info == 0
-      self%turned = self%plus%left
+      if (info == 0 .and. self%kind == branch_point) &
+         call self%symmetry%find(self%plus, self%moving, point%frequency_ratio, point%states, self%is_symmetric)
    end subroutine find_borders
 
    !> Takes the null vectors of M - I and M + I of the latest flight as the next borders.
@@ -310,15 +317,6 @@ contains
       call self%plus%renew()
       call self%minus%renew()
    end subroutine take_borders
-
-   function multipliers_of(monodromy) result(multipliers)
-      real(dp), intent(in) :: monodromy(:, :)
-      complex(dp) :: multipliers(size(monodromy, 1))
-      real(dp) :: matrix(size(monodromy, 1), size(monodromy, 1))
-
-      matrix = monodromy
-      call eigenvalues(matrix, multipliers)
-   end function multipliers_of
 
    !> Changes of the first state, and of h, in the four directions.
    subroutine close_orbit(self, y, h, info)

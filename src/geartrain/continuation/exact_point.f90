@@ -245,6 +245,7 @@ contains
       type(augmented_point_type) :: point
       type(sections_type) :: sections
       real(dp) :: coefficient
+      integer :: i, info
 
       associate (motion => exact%motion)
          call augmented%setup(system, motion%period, exact%kind, exact%mesh)
@@ -252,6 +253,12 @@ contains
          call section_states(system, motion, sections, point%states)
          point%frequency_ratio = motion%frequency_ratio
          call augmented%solve(point, .false., success)
+         ! The form that stands for the symmetry is exact only at the branch point itself.
+         do i = 1, 2
+            if (.not. (success .and. augmented%is_symmetric)) exit
+            call augmented%find_borders(point, info)
+            if (info == 0) call augmented%solve(point, .false., success)
+         end do
          if (success) success = abs(point%frequency_ratio - motion%frequency_ratio) &
                                 < merge(beside, near, exact%kind == 'branch point')*augmented%metric%units%frequency_ratio
          if (.not. success) return

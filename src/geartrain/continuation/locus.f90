@@ -10,7 +10,6 @@ module geartrain_continuation_locus
    use geartrain_continuation_augmented_system, only: augmented_system_type
    use geartrain_continuation_locus_result, only: locus_type
    use geartrain_continuation_locus_side, only: side_type, trace_side
-   use geartrain_continuation_locus_tests, only: is_symmetric
    use geartrain_flow_multiple_shooting, only: most_parts, section_states
    use geartrain_flow_sections, only: sections_type
    use geartrain_model_check, only: check_train
@@ -77,9 +76,9 @@ contains
       call section_states(system, guess, sections, first%states)
       first%frequency_ratio = motion%frequency_ratio
       call augmented%find_borders(first, info)
-      if (kind == 'branch point' .and. .not. is_symmetric(augmented, first)) then
-         call fatal(error, 'locus: the motions at Lambda = '//text(motion%frequency_ratio)//' are symmetric with a shift in time &
-                    &alone: curves of their branch points are not followed', status_ended_early)
+      if (info == 0 .and. kind == 'branch point' .and. .not. augmented%is_symmetric) then
+         call fatal(error, 'locus: the motions at Lambda = '//text(motion%frequency_ratio)//' are symmetric neither at every &
+                    &instant nor with a shift by half a period: curves of their branch points are not followed', status_ended_early)
          return
       end if
       call augmented%solve(first, .false., success)

@@ -7,13 +7,11 @@ module geartrain_continuation_locus_tests
    use geartrain_floquet_critical_pair, only: pair_of
    implicit none (type, external)
    private
-   public :: find_tests, from_wall, grazing_name, is_symmetric, most_tests, name_of, tests_type, touches
+   public :: find_tests, from_wall, grazing_name, most_tests, name_of, tests_type, touches
 
    integer, parameter :: most_tests = 6
    !> Distance of an extreme of the displacement from a wall that counts as touching, over half the backlash.
    real(dp), parameter :: touching = 1e-3_dp
-   !> Share of the left null vector in a symmetric state [1].
-   real(dp), parameter :: symmetric = 1e-6_dp
    character(*), parameter :: of_fold(*) = [character(24) :: 'cusp', 'isola centre', '1:1 resonance', 'fold-flip']
    character(*), parameter :: of_doubling(*) = [character(24) :: 'generalized doubling', '1:2 resonance', 'fold-flip']
    character(*), parameter :: of_torus(*) = [character(24) :: '1:1 resonance', '1:2 resonance', '1:3 resonance', '1:4 resonance', &
@@ -58,19 +56,6 @@ contains
       if (kind == 'fold') grazing_name = of_onset(1)
       if (kind == 'period doubling') grazing_name = of_onset(2)
    end function grazing_name
-
-   !> Whether the motion at a branch point is symmetric at every instant, and not with a shift in time alone: then its state has no
-   !> share of the left null vector of M - I, which the symmetry turns round. The augmented system takes it for granted.
-   pure logical function is_symmetric(augmented, point)
-      !> The system with the borders at the motion.
-      type(augmented_system_type), intent(in) :: augmented
-      !> The motion.
-      type(augmented_point_type), intent(in) :: point
-
-      associate (w => augmented%turned, x => point%states(:, 1))
-         is_symmetric = abs(dot_product(w, x)) < symmetric*norm2(w)*norm2(x)
-      end associate
-   end function is_symmetric
 
    !> Evaluates the test functions.
    subroutine find_tests(augmented, point, tests)

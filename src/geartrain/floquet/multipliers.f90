@@ -6,7 +6,7 @@ module geartrain_floquet_multipliers
    use geartrain_linalg_eigenvalues, only: find_eigenvalues
    implicit none (type, external)
    private
-   public :: are_numbers, eigenvalues, is_neutral, is_stable, neutral, power
+   public :: are_numbers, eigenvalues, is_neutral, is_stable, multipliers_of, neutral, power
 
    !> A multiplier as near as this to the unit circle counts as neutral, which is not stable.
    real(dp), parameter :: neutral = 1e-9_dp
@@ -28,6 +28,17 @@ contains
       end if
       values = values(ascending(-abs(values)))
    end subroutine eigenvalues
+
+   !> Eigenvalues of a monodromy matrix, largest magnitude first.
+   function multipliers_of(monodromy) result(multipliers)
+      !> Square matrix.
+      real(dp), intent(in) :: monodromy(:, :)
+      complex(dp) :: multipliers(size(monodromy, 1))
+      real(dp) :: matrix(size(monodromy, 1), size(monodromy, 1))
+
+      matrix = monodromy
+      call eigenvalues(matrix, multipliers)
+   end function multipliers_of
 
    !> The largest multiplier, that is the first, is on the unit circle as far as rounding tells; or it is not a number.
    pure logical function is_neutral(multipliers)

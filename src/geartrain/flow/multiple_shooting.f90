@@ -35,14 +35,15 @@ contains
       has_converged = length < converged .or. (length > 0.5_dp*before .and. (length < 100*converged .or. gap < closed))
    end function has_converged
 
-   !> Number of sections of a period of the fundamental, which the memory for their matrices limits.
+   !> Number of sections of a period of the fundamental, which the memory for their matrices limits; even unless it is 1, so that a
+   !> section begins after half the period.
    pure integer function most_parts(system, period)
       !> The train.
       type(system_type), intent(in) :: system
       !> Period of the orbit [periods of the fundamental].
       integer, intent(in) :: period
 
-      most_parts = max(1, min(usual_parts, int(largest/(real(system%states, dp)**2*period))))
+      most_parts = max(1, 2*(min(usual_parts, int(largest/(real(system%states, dp)**2*period)))/2))
    end function most_parts
 
    !> States of a motion at the beginnings of the sections.

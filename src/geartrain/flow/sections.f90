@@ -208,19 +208,23 @@ contains
    end function step_at
 
    !> Carries tangents over the period of an orbit: the product of the monodromy matrix with vectors, quicker than the matrix.
-   subroutine carry_vectors(self, frequency_ratio, states, vectors)
+   subroutine carry_vectors(self, frequency_ratio, states, vectors, from)
       class(sections_type), intent(inout) :: self
       !> Lambda [1]; states at the beginnings of the sections [1], (state, section).
       real(dp), intent(in) :: frequency_ratio, states(:, :)
       !> Tangents at the beginning, then at the end of the period [1], (state, vector).
       real(dp), intent(inout) :: vectors(:, :)
-      integer :: k
+      !> Number of the section at whose beginning the tangents are given; default 1.
+      integer, intent(in), optional :: from
+      integer :: k, first
 
       if (self%few%columns /= 1 + size(vectors, 2)) &
          call self%few%setup(self%single%system, 1 + size(vectors, 2), flow_order, flow_tolerance)
       self%few%x(2:, :) = transpose(vectors)
       self%events = 0
-      do k = 1, self%sections
+      first = 1
+      if (present(from)) first = from
+      do k = first, self%sections
          self%few%x(1, :) = states(:, k)
          call fly_section(self%few, k, self%sections/self%period, frequency_ratio)
          self%events = self%events + self%few%events
