@@ -94,7 +94,12 @@ def test_fold_over_torque(pair, branch):
     assert locus.frequency[before] == pytest.approx(second.frequency, abs=1e-10)
     grazing = [point for point in locus.special_points if point.kind == "grazing on a fold"]
     assert [point.parameter for point in grazing] == pytest.approx([0.4 * 2 / (1 - second.motion.minimum[0])], abs=1e-6)
-    assert "grazing" in locus.ended
+    # Beyond it the curve goes on with back contact, to the fold of another response.
+    assert locus.complete
+    other = pair.with_values({"input_torque": 0.8}).response(start=0.6, stop=1.0)
+    found = [special.exact() for special in of_kind(other, "fold")]
+    met = min(found, key=lambda special: abs(special.frequency - locus.frequency[-1]))
+    assert met.frequency == pytest.approx(locus.frequency[-1], abs=1e-10) and met.motion.minimum[0] < -1
 
 
 def test_fold_when_gap_and_torque_scale(branch):

@@ -175,11 +175,8 @@ def test_a_fold_goes_on_beyond_grazings():
         assert found.frequency == pytest.approx(expected, abs=2e-4)
         again = other.locus(found, parameter="stiffness_variation", start=0.2, stop=0.48)
         assert again.frequency[[0, -1]].min() == pytest.approx(locus.frequency[[0, -1]].min(), abs=1e-9)
-        # From the side with the more events the curve winds before the corner, and may end there.
-        if not again.complete:
-            assert "a grazing at Lambda = 0.448" in again.ended
-        else:
-            assert again.frequency[[0, -1]].max() == pytest.approx(locus.frequency[[0, -1]].max(), abs=1e-9)
+        assert again.complete
+        assert again.frequency[[0, -1]].max() == pytest.approx(locus.frequency[[0, -1]].max(), abs=1e-9)
 
 
 def test_a_branch_points_curve_ends_where_the_symmetry_does():
@@ -199,12 +196,14 @@ def branch_point_of_period_2(stiffness_variation):
 
 
 def branch_point_in_opposite_phase(stiffness_variation):
-    return nearest(equal_wheels(stiffness_variation, phase=np.pi).response(start=0.3, stop=1.3, harmonics=20), "branch point", 0.75)
+    branch = equal_wheels(stiffness_variation, phase=np.pi).response(start=0.3, stop=1.3, harmonics=20)
+    return nearest(branch, "branch point", 0.75)
 
 
 def branch_point_beside_a_fold(stiffness_variation):
     """A fold is 5e-7 below it at 0.5."""
-    return nearest(equal_wheels(stiffness_variation, phase=np.pi).response(start=0.6, stop=1.0, harmonics=20), "branch point", 0.693)
+    branch = equal_wheels(stiffness_variation, phase=np.pi).response(start=0.6, stop=1.0, harmonics=20)
+    return nearest(branch, "branch point", 0.693)
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ module geartrain_continuation_augmented_point
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: augmented_point_type, metric_type, scale_tangent
+   public :: add_tangent, augmented_point_type, metric_type, scale_tangent
 
    !> A special point.
    type :: augmented_point_type
@@ -58,6 +58,20 @@ contains
       point%tangent_frequency = factor*point%tangent_frequency
       point%tangent_parameter = factor*point%tangent_parameter
    end subroutine scale_tangent
+
+   !> Adds a multiple of the tangent of another point to the tangent.
+   pure subroutine add_tangent(point, factor, other)
+      !> A point with a tangent.
+      type(augmented_point_type), intent(inout) :: point
+      !> Of the other tangent.
+      real(dp), intent(in) :: factor
+      !> The other point.
+      type(augmented_point_type), intent(in) :: other
+
+      point%tangent = point%tangent + factor*other%tangent
+      point%tangent_frequency = point%tangent_frequency + factor*other%tangent_frequency
+      point%tangent_parameter = point%tangent_parameter + factor*other%tangent_parameter
+   end subroutine add_tangent
 
    !> Prepares for orbits of a train.
    subroutine setup(self, system, sections)

@@ -1,8 +1,8 @@
 !> The augmented system of a special point of the exact motion: an orbit, by shooting in sections, at which a test function is 0.
 !> Its unknowns are the states, Lambda and, along a curve in two parameters, the value of a parameter of the train.
 !>
-!> Newton's method is reduced to three unknowns. Bordered by fixed vectors, M - I is regular even where an orbit folds; so all
-!> states follow from the changes l of Lambda, m of the parameter and s along the null vector, and what remains is
+!> Newton's method is reduced to three unknowns (orbit_directions.f90). All states follow from the changes l of Lambda, m of the
+!> parameter and s along the null vector of M - I, and what remains is
 !>    h + h_l l + h_m m + h_s s = 0, the orbit closes; g + g_l l + g_m m + g_s s = 0, the test function; the step along the curve.
 !> Test functions g: of a fold and a doubling the last unknown of M - I and M + I, bordered; of a Neimark-Sacker point the product
 !> of the pair of multipliers less 1; of a contact onset the distance of an extreme displacement from the wall. Derivatives of g
@@ -15,6 +15,7 @@ module geartrain_continuation_augmented_system
    use geartrain_continuation_augmented_point, only: augmented_point_type, metric_type, scale_tangent
    use geartrain_continuation_broken_symmetry, only: broken_symmetry_type
    use geartrain_continuation_orbit_corrector, only: depth_of
+   use geartrain_continuation_orbit_directions, only: along_lambda, along_null, along_parameter, find_directions, rest
    use geartrain_continuation_orbit_tests, only: back_contact, is_onset
    use geartrain_floquet_critical_pair, only: pair_of
    use geartrain_floquet_multipliers, only: multipliers_of
@@ -31,19 +32,21 @@ module geartrain_continuation_augmented_system
    integer, parameter :: max_iterations = 12
    !> Length of a displacement for differences of the test function, and for those over the parameter, in the units of the metric.
    real(dp), parameter :: small = 1e-6_dp, small_parameter = 1e-6_dp
+   !> The least such length, next to a grazing.
+   real(dp), parameter :: smallest = 1e-9_dp
    !> Length of a Newton step, over the largest state, below which the derivatives of the point before it do for those after it.
    real(dp), parameter :: nearby = 1e-3_dp
    !> Gap of a branch point, over the largest state, that may be left.
    real(dp), parameter :: closed = 1e-9_dp
    !> Length of the step, over the largest state, that may be left along a curve.
    real(dp), parameter :: left_over = 1e-12_dp
+   !> Length of the last step, over the largest state, or else value of the test function that may be left.
+   real(dp), parameter :: left_over_test = 1e-9_dp
    !> Largest change of Lambda and of the parameter by one solution, in the units of the metric.
    real(dp), parameter :: farthest = 0.5_dp
    !> Gap of an orbit, in the units of the metric, whose effect on the test function is left to the next iteration.
    real(dp), parameter :: negligible = 1e-10_dp
-   !> Directions: what remains of the equations, Lambda, the parameter, the null vector of M - I.
    character(*), parameter :: branch_point = 'branch point'
-   integer, parameter :: rest = 1, along_lambda = 2, along_parameter = 3, along_null = 4
 
    type :: augmented_system_type
       !> Kind of the special point; of a contact onset the number of the mesh.
@@ -80,7 +83,7 @@ module geartrain_continuation_augmented_system
       procedure :: solve
       procedure :: advance
       procedure :: find_borders
-      procedure, private :: stand_at
+      procedure :: stand_at
       procedure, private :: test_value
    end type augmented_system_type
 
@@ -118,10 +121,12 @@ contains
       call self%minus%begin(system%states)
    end subroutine setup
 
-   !> Takes the train with a value of the parameter, and varies the parameter there unless the derivatives of before will do.
+   !> Takes the train with a value of the parameter, and varies the parameter there.
    subroutine stand_at(self, parameter, again)
       class(augmented_system_type), intent(inout) :: self
+      !> The value [1].
       real(dp), intent(in) :: parameter
+      !> Whether the derivatives of before will do.
       logical, intent(in) :: again
       type(system_type) :: above
       integer :: parts
@@ -153,13 +158,11 @@ contains
       !> no.
       logical, intent(in), optional :: roughly
       type(augmented_point_type) :: guess
-      real(dp) :: y(size(point%states, 1), 4), matrix(3, 3), right(3, 2), value, length, before, gap, scale, norm, missed
+      real(dp) :: matrix(3, 3), right(3, 2), value, length, before, gap, scale, norm, missed
       real(dp) :: step(size(point%states, 1), size(point%states, 2), 4)
-      integer :: pivot(3), d, i, k, n, m, info
+      integer :: pivot(3), d, i, info
       logical :: again, rough
 
-      n = size(point%states, 1)
-      m = size(point%states, 2)
       guess = point
       self%pair_sum = point%pair_sum
       success = .false.
@@ -176,15 +179,8 @@ contains
          call self%stand_at(point%parameter, again)
          call self%moving%fly(point%frequency_ratio, point%states, again)
          if (self%moving%interrupted()) return
-         call close_orbit(self, y, point%h, info)
+         call find_directions(self%moving, self%plus, allocated(self%path), step, point%h, info)
          if (info /= 0) return
-         do d = 1, 4
-            do k = 1, m
-               step(:, k, d) = self%moving%step_at(k, y(:, d), merge(1.0_dp, 0.0_dp, d == along_lambda), &
-                                                   merge(1.0_dp, 0.0_dp, d == along_parameter))
-               if (d == rest .and. k > 1) step(:, k, d) = step(:, k, d) + self%moving%missed(:, k)
-            end do
-         end do
          missed = point%h(1)
          if (self%kind == branch_point) then
             point%h = [0, 0, 0, 1]
@@ -225,8 +221,9 @@ contains
          if (.not. point%frequency_ratio > 0) return
          if (abs(point%frequency_ratio - guess%frequency_ratio) > farthest*self%metric%units%frequency_ratio) return
          if (abs(point%parameter - guess%parameter) > farthest) return
-         ! With derivatives of before the steps shrink by a constant factor: what is left is the next step.
-         success = has_converged(length, before, gap) .or. &
+         ! With derivatives of before the steps shrink by a constant factor: what is left is the next step. Steps that stay long
+         ! although the orbit is closed are rounding only where the test function is 0 as well.
+         success = has_converged(length, before, gap) .and. (length < left_over_test .or. abs(value) < left_over_test) .or. &
                    again .and. self%kind /= branch_point .and. length**2 < left_over*before
          if (success) exit
          ! Where the steps do not become much shorter the derivatives are not those here.
@@ -318,29 +315,6 @@ contains
       call self%minus%renew()
    end subroutine take_borders
 
-   !> Changes of the first state, and of h, in the four directions.
-   subroutine close_orbit(self, y, h, info)
-      class(augmented_system_type), intent(inout) :: self
-      real(dp), intent(out) :: y(:, :), h(4)
-      integer, intent(out) :: info
-      real(dp) :: matrix(size(y, 1) + 1, size(y, 1) + 1), right(size(y, 1) + 1, 4)
-      integer :: pivot(size(y, 1) + 1), n, last
-
-      n = size(y, 1)
-      last = self%moving%sections + 1
-      call self%plus%fill(self%moving%monodromy, -1.0_dp, matrix)
-      right = 0
-      right(:n, rest) = -self%moving%missed(:, last)
-      right(:n, along_lambda) = -self%moving%drift(:, last)
-      if (allocated(self%path)) right(:n, along_parameter) = -self%moving%parameter_drift(:, last)
-      right(n + 1, along_null) = 1
-      call factor_matrix(n + 1, matrix, pivot, info)
-      if (info /= 0) return
-      call solve_factored(n + 1, 4, matrix, pivot, right)
-      y = right(:n, :)
-      h = right(n + 1, :)
-   end subroutine close_orbit
-
    !> Value of the test function at the orbit of the latest flight.
    subroutine test_value(self, point, value, info)
       class(augmented_system_type), intent(inout) :: self
@@ -380,7 +354,7 @@ contains
       type(augmented_point_type) :: moved
       type(border_type) :: border
       type(system_type) :: system
-      real(dp) :: vectors(size(point%states, 1), 1), reference(size(point%states, 1), 1), norm, h
+      real(dp) :: vectors(size(point%states, 1), 1), reference(size(point%states, 1), 1), norm, h, length
       integer :: d, side, events
       logical :: quick
 
@@ -398,6 +372,10 @@ contains
          end if
       end if
       if (.not. again) g = 0
+      ! Where an event has hardly any speed the mesh is hardly beyond the wall, by the square of the speed.
+      associate (units => self%metric%units)
+         length = max(smallest, min(small, 0.05_dp*(self%moving%slowest_event/(units%length*units%frequency_ratio))**2))
+      end associate
       do d = 1, merge(1, 4, again)
          if (d == along_parameter .and. .not. allocated(self%path)) cycle
          norm = maxval(abs(step(:, :, d)))/self%metric%units%length
@@ -406,7 +384,7 @@ contains
          ! Of the remaining error the second order is left to the next step.
          if (d == rest .and. norm < negligible) cycle
          do side = 1, -1, -2
-            h = side*small/norm
+            h = side*length/norm
             moved%states = point%states + h*step(:, :, d)
             moved%frequency_ratio = point%frequency_ratio
             if (d == along_lambda) moved%frequency_ratio = moved%frequency_ratio + h

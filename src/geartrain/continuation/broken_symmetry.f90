@@ -39,8 +39,9 @@ contains
       type(border_type), intent(inout) :: border
       !> Set up for the period of the orbit.
       type(sections_type), intent(inout) :: sections
-      !> Lambda [1]; states at the beginnings of the sections [1], (state, section).
+      !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
+      !> States at the beginnings of the sections [1], (state, section).
       real(dp), intent(inout) :: states(:, :)
       !> Whether the orbit is symmetric now.
       logical, intent(out) :: symmetric

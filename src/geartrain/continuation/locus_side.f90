@@ -4,8 +4,9 @@ module geartrain_continuation_locus_side
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
-   use geartrain_continuation_augmented_point, only: augmented_point_type, scale_tangent
+   use geartrain_continuation_augmented_point, only: augmented_point_type
    use geartrain_continuation_augmented_system, only: augmented_system_type
+   use geartrain_continuation_locus_corner, only: cross_corner
    use geartrain_continuation_locus_result, only: double_point_type
    use geartrain_continuation_locus_tests, only: find_tests, from_wall, grazing_name, most_tests, name_of, tests_type, touches
    use geartrain_linalg_bracket, only: between, shrink
@@ -29,8 +30,8 @@ module geartrain_continuation_locus_side
    !> Step below which a curve whose motion touches a wall is at a corner; most such steps before it ends there.
    real(dp), parameter :: crawling = 1e-5_dp
    integer, parameter :: most_crawls = 20
-   !> Steps that are tried across a corner of the curve.
-   real(dp), parameter :: leaps(*) = [1e-4_dp, 1e-3_dp, 3e-3_dp, 1e-2_dp]
+   !> Most failures to get across one.
+   integer, parameter :: most_failures = 3
    !> Largest Lambda over the one at the beginning, and its inverse the least: the integration of slow motions takes ever longer.
    real(dp), parameter :: widest = 20
 
@@ -61,10 +62,11 @@ contains
       integer, intent(inout) :: done
       !> Told of each point; may end it.
       class(observer_type), intent(inout), optional :: observer
-      type(augmented_point_type) :: here, next
+      !> The points at both ends of a step; the one before the latest corner.
+      type(augmented_point_type) :: here, next, corner
       type(tests_type) :: before, after
       real(dp) :: h, ends(2), cosine
-      integer :: k, leapt, crawls
+      integer :: k, leapt, crawls, failures
       logical :: success, ends_here, at_wall, go
 
       allocate (side%point(most_points), side%special(most_points))
@@ -74,6 +76,7 @@ contains
       h = first_step
       leapt = -10
       crawls = 0
+      failures = 0
       do while (side%points < most_points)
          if (here%parameter <= ends(1) .and. here%tangent_parameter < 0 .or. here%parameter >= ends(2) &
              .and. here%tangent_parameter > 0) then
@@ -175,36 +178,23 @@ contains
 
    contains
 
-      !> Goes on beyond a grazing, where the curve has a corner at which Newton's method fails: from the side with the fewer events
-      !> alone. On the other one the curve winds before it gets there, and may be led back along itself.
+      !> Goes on beyond a grazing, where the curve has a corner at which Newton's method fails.
       subroutine leap(success)
          logical, intent(out) :: success
-         type(augmented_point_type) :: at
-         integer :: i
 
          success = .false.
-         if (side%points - leapt < 4) return
+         if (side%points - leapt < 4 .or. failures == most_failures) return
          leapt = side%points
-         at = here
-         call extrapolate(here, 0.0_dp, extrapolated, at, success)
-         if (.not. success) return
-         do i = 1, size(leaps)
-            next = here
-            next%states = here%states + leaps(i)*here%tangent
-            next%frequency_ratio = here%frequency_ratio + leaps(i)*here%tangent_frequency
-            next%parameter = here%parameter + leaps(i)*here%tangent_parameter
-            call augmented%solve(next, .false., success)
-            if (success) success = next%events > here%events .and. augmented%metric%distance(here, next) < 10*leaps(i)
-            if (.not. success) cycle
-            call put(grazing_name(augmented%kind), at)
-            crawls = 0
-            if (augmented%metric%product_of(next%states - here%states, next%frequency_ratio - here%frequency_ratio, &
-                                     next%parameter - here%parameter, next) < 0) call scale_tangent(next, -1.0_dp)
-            before%events = next%events
-            h = first_step
-            cosine = 0
+         call cross_corner(augmented, here, corner, next, success)
+         if (.not. success) then
+            failures = failures + 1
             return
-         end do
+         end if
+         corner = here
+         failures = 0
+         crawls = 0
+         h = first_step
+         cosine = 0
       end subroutine leap
 
       !> Makes `next` the point at an end of the range.
@@ -277,8 +267,7 @@ contains
             if (allocated(base%bend)) deallocate (base%bend)
          end if
          a = 0
-         b = abs(augmented%metric%product_of(next%states - here%states, next%frequency_ratio - here%frequency_ratio, &
-                                             next%parameter - here%parameter, base))
+         b = augmented%metric%distance(here, next)
          last = base
          call narrow(base, sense, beside_grazing, a, b, last)
          call extrapolate(base, sense*a, sense*extrapolated, last, success)
