@@ -18,6 +18,7 @@ from ._units import length_unit
 from .branch import Branch
 from .errors import InputError, SolverError
 from .motion import Motion, from_state
+from .parameter import value_in
 
 __all__ = ["Motions", "find_motions"]
 
@@ -36,9 +37,11 @@ _NEAR, _NEARER, _UNEVEN = 3 / 4, (-3.0, -1.0), 0.3
 _WAVEFORMS = 24  # random waveforms for a random state: they take a fifth of the time of shooting, and find more
 _PUSH = 1e-3  # relative, by which a flow begins beside an unstable motion
 _SETTLING = (3, 10, 30)  # periods of the fundamental that a random state is integrated for before it is tried
-_PATIENCE = 4  # times as many random states are tried where the indices do not add up, or the last ones found something new
+_PATIENCE = 4  # times as many random states are tried at most where the indices do not add up, or lately something new was found
 _ROUND = (0.7, 1.4)  # of the speed, between which branches are followed: those that pass it give their other motions there
+_WIDTH = (0.3, 3.0)  # of the gap of one mesh, between which they are followed at constant speed. From 0.7 to 1.4 it finds less
 _POINTS = 3000  # after which such a branch is given up
+_SPEED, _DEEP = "speed", "speed, with bifurcations"  # what the branches of motions are followed over, besides the gaps
 _ROUGH, _EXACT, _NEARBY = 1e-2, 1e-5, 1.001  # tolerance of such a branch; that of a point from which shooting leads away, and how
 # far its branch goes, over the speed
 
@@ -118,7 +121,7 @@ def find_motions(
     branches = _round_about(train, frequency, period.bit_length() - 1) if response is None else [response, *response.branches]
     for branch in branches:
         for motion in branch.at(frequency):
-            known.add_balanced(motion, branch.origin or "response", range(2) if response is None else ())
+            known.add_balanced(motion, branch.origin or "response", (_SPEED, _DEEP) if response is None else ())
     _follow(train, frequency, known)
     attractors = train.attractors(frequency, starts=starts, random_seed=random_seed)
     others = []
@@ -128,10 +131,10 @@ def find_motions(
         elif not motion.unbounded:
             others.append(motion)
     moments = np.random.default_rng(random_seed)
-    tried, spread, before = 0, _SPREAD, -1
+    tried, spread, rich, poor = 0, _SPREAD, 0, 0
     pushed: set[int] = set()
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        while tried < seeds or (tried < _PATIENCE * seeds and not (known.adds_up() and len(known.found) == before)):
+        while tried < seeds or (tried < _PATIENCE * seeds and not (known.adds_up() and poor > rich)):
             spread *= 1.0 if tried < seeds or known.adds_up() else _WIDER
             before = len(known.found)
             states = list(_random_states(train, frequency, known, others, spread, moments, min(seeds, _BATCH)))
@@ -145,6 +148,7 @@ def find_motions(
                 known.add_balanced(balanced, f"the balance for period {balanced.period} from a random waveform", ())
             _leave_unstable(train, frequency, known, pushed)
             _follow(train, frequency, known)
+            rich, poor = (rich + 1, 0) if len(known.found) > before else (rich, poor + 1)
             if not states:
                 break
     return Motions(known.found, frequency, known.expected_sum, others, tried)
@@ -159,7 +163,8 @@ class _Known:
         self.period = max(expected_sum)
         self.expected_sum = expected_sum
         self.found: list[Find] = []
-        self.followed: tuple[list[Motion], list[Motion]] = [], []  # those whose branches were; with what bifurcates from them
+        # Those whose branches were: over speed; with what bifurcates from these; over the gap of each mesh, by its name.
+        self.followed: dict[str, list[Motion]] = {name: [] for name in (_SPEED, _DEEP, *_gaps(train))}
 
     def shoot(self, state: Array, period: int) -> Motion | None:
         """The orbit of a period near a state; None where shooting finds none."""
@@ -192,7 +197,7 @@ class _Known:
         if orbit is not None:
             self.add(orbit, how)
 
-    def add_balanced(self, motion: Motion, how: str, followed: Iterable[int]) -> None:
+    def add_balanced(self, motion: Motion, how: str, followed: Iterable[str]) -> None:
         """Add the exact orbit near a motion of a branch; where shooting leads away it is balanced more exactly first."""
         orbit = self._nearest(motion)
         if orbit is None or not _agree(orbit, motion):
@@ -210,7 +215,7 @@ class _Known:
             put_motions(box, motion)
             return self._orbit(box)
 
-    def add(self, motion: Motion, how: str, *, followed: Iterable[int] = ()) -> None:
+    def add(self, motion: Motion, how: str, *, followed: Iterable[str] = ()) -> None:
         """Add an orbit, with its least period, unless it is known or its period is too long.
 
         ``followed`` are the lists of those followed that its branch is in.
@@ -226,8 +231,8 @@ class _Known:
         same = next((other for other, _ in self.found if same_orbit(motion, other)), None)
         if same is None:
             self.found.append((motion, how))
-        for level in followed:
-            self.followed[level].append(same or motion)
+        for name in followed:
+            self.followed[name].append(same or motion)
 
     def adds_up(self) -> bool:
         motions = [motion for motion, _ in self.found]
@@ -331,17 +336,24 @@ def _round_about(train: Any, frequency: float, doublings: int, **settings: Any) 
 def _follow(train: Any, frequency: float, known: _Known) -> None:
     """The other motions at this speed on the branches of those known: each has its other half behind a fold.
 
-    What bifurcates from these branches costs ten times as much. It is followed where the indices show that motions are missing.
+    Over the gap of a mesh an island may hang together with another one. What bifurcates from the branches over speed costs ten
+    times as much. It is followed where the indices show that motions are missing.
     """
-    for deep in (False, True):
+    for name, followed in known.followed.items():
         for motion, _ in known.found:  # which grows meanwhile
-            if motion in known.followed[deep] or (deep and known.adds_up()):
+            if motion in followed or (name == _DEEP and known.adds_up()):
                 continue
-            known.followed[deep].append(motion)
-            _follow_one(train, frequency, known, motion, f"the branch of the motion of period {motion.period}", deep=deep)
+            followed.append(motion)
+            how = f"the branch of the motion of period {motion.period}"
+            if name in (_SPEED, _DEEP):
+                _follow_over_speed(train, frequency, known, motion, how, deep=name == _DEEP)
+            else:
+                _follow_over_gap(train, frequency, known, motion, name, f"{how} over {name}")
+    if any(motion not in known.followed[_SPEED] for motion, _ in known.found):
+        _follow(train, frequency, known)
 
 
-def _follow_one(train: Any, frequency: float, known: _Known, motion: Motion, how: str, *, deep: bool) -> None:
+def _follow_over_speed(train: Any, frequency: float, known: _Known, motion: Motion, how: str, *, deep: bool) -> None:
     """The motions at this speed on the branch of a motion, and when deep on what bifurcates from it."""
     doublings = (known.period // motion.period).bit_length() - 1 if deep else 0
     try:
@@ -351,7 +363,27 @@ def _follow_one(train: Any, frequency: float, known: _Known, motion: Motion, how
     for branch in branches:
         origin = f"{branch.origin}, of " if branch.origin else ""
         for other in branch.at(frequency):
-            known.add_balanced(other, f"{origin}{how}", range(deep + 1))
+            known.add_balanced(other, f"{origin}{how}", (_SPEED, _DEEP) if deep else (_SPEED,))
+
+
+def _follow_over_gap(train: Any, frequency: float, known: _Known, motion: Motion, gap: str, how: str) -> None:
+    """The motions of the train on the branch of one of them over the gap of a mesh."""
+    own = value_in(train, gap)
+    assert own is not None  # as `_gaps` gives it
+    low, high = _WIDTH
+    try:
+        branch = train.continuation(parameter=gap, start=low * own, stop=high * own, frequency=frequency, seed=motion,
+                                    subharmonic=motion.period, harmonics=0, tolerance=_ROUGH, max_points=_POINTS, stability=False)
+    except (SolverError, InputError):  # there are gaps with which the train is out of order
+        return
+    for other in branch.at(own):
+        known.add_balanced(other, how, (gap,))
+
+
+def _gaps(train: Any) -> list[str]:
+    """Names of the gaps of the meshes that have one."""
+    names = [f"mesh {mesh} {name}" for mesh in range(1, len(train.meshes) + 1) for name in ("half_backlash", "backlash")]
+    return [name for name in names if value_in(train, name)]
 
 
 def _leave_unstable(train: Any, frequency: float, known: _Known, pushed: set[int]) -> None:

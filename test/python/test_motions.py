@@ -39,14 +39,21 @@ def test_a_parametric_resonance_turns_the_sum():
 
 
 def test_the_branch_of_every_motion_is_followed():
-    """One of four unstable motions of period 4 on a branch that the response does not lead to: its folds lead to the others."""
+    """One of four unstable motions of period 4 on a branch that the response does not lead to: its folds lead to the others.
+
+    And over the gap of mesh 1 to those of another such branch.
+    """
     known = _Known(gt.read_case(ROOT / "namelists" / "fig07_042.nml").train, 2.4, dict.fromkeys(range(1, 5)))
     state = [-0.018260979, 0.67695533, -0.0062071734, -0.48918234, -0.00060837274,
              0.1575611, -1.8351707, 0.0072783731, -0.51642438, -0.00055055801]
     known.add(known.shoot(np.array(state), 4), "told")
     _follow(known.train, 2.4, known)
     rms = sorted(motion.rms.tolist() for motion, _ in known.found)
-    assert np.round(rms, 3).tolist() == [[1.615, 1.940], [1.627, 1.867], [1.963, 2.052], [1.974, 1.805]]
+    assert np.round(rms[:4], 3).tolist() == [[1.615, 1.940], [1.627, 1.867], [1.963, 2.052], [1.974, 1.805]]
+    assert np.round(rms[4:], 3).tolist() == [[2.341, 2.047], [2.353, 1.866], [2.382, 1.882], [2.414, 1.982]]
+    assert [how.endswith("over mesh 1 half_backlash") for _, how in known.found] == 4 * [False] + 4 * [True]
+    one = known.train.response(start=1.5, stop=4.0, subharmonic=4, seed=known.found[0][0], harmonics=0, tolerance=1e-2)
+    assert len(one.at(2.4)) == 4
 
 
 def test_an_island_that_is_unstable_at_this_speed():
