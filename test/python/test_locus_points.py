@@ -179,6 +179,29 @@ def test_a_fold_goes_on_beyond_grazings():
         assert again.frequency[[0, -1]].max() == pytest.approx(locus.frequency[[0, -1]].max(), abs=1e-9)
 
 
+def test_a_fold_of_period_2_ends_where_its_motions_become_those_of_period_1():
+    """At the generalized doubling of the period doubling's own curve; beyond are the same motions half a period later."""
+    response = gt.read_case(ROOT / "namelists" / "fig07_042.nml").train.response(
+        start=0.3, stop=1.0, harmonics=12, period_doublings=1)
+    doubling = nearest(response, "period doubling", 0.846318)
+    locus = response.train.locus(doubling, parameter="stiffness_variation", start=0.3, stop=0.5)
+    point = of_name(locus, "generalized doubling", 0.854313)
+    branch = next(branch for branch in response.branches if branch.subharmonic == 2 and any(
+        special.kind == "fold" and abs(special.frequency - 0.75247) < 1e-4 for special in branch.special_points))
+    locus = response.train.locus(nearest(branch, "fold", 0.75247), parameter="stiffness_variation", start=0.3, stop=0.5)
+    assert "a generalized doubling" in locus.ended
+    met = of_name(locus, "generalized doubling", 0.854313)
+    assert (met.frequency, met.parameter) == pytest.approx((point.frequency, point.parameter), abs=1e-7)
+
+    def change_after_half(point):
+        train = response.train.with_values({"stiffness_variation": locus.parameter[point]})
+        half = train.integrate(locus.frequency[point], start=locus.initial_state[point], max_periods=1, stability=False)
+        return abs(locus.initial_state[point] - half.state).max()
+
+    last = abs(locus.parameter - met.parameter).argmin()
+    assert change_after_half(last) < 0.1 * change_after_half(len(locus) // 2)
+
+
 def test_a_branch_points_curve_ends_where_the_symmetry_does():
     """Over the torque both of two equal stages stay equal; over the damping of one of them they do not."""
     train = equal_stages(0.3)

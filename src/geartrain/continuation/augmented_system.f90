@@ -39,11 +39,13 @@ module geartrain_continuation_augmented_system
    !> Gap of a branch point, over the largest state, that may be left.
    real(dp), parameter :: closed = 1e-9_dp
    !> Length of the step, over the largest state, that may be left along a curve.
-   real(dp), parameter :: left_over = 1e-12_dp
+   real(dp), parameter :: left_over = 1e-11_dp
    !> Length of the last step, over the largest state, or else value of the test function that may be left.
    real(dp), parameter :: left_over_test = 1e-9_dp
    !> Largest change of Lambda and of the parameter by one solution, in the units of the metric.
    real(dp), parameter :: farthest = 0.5_dp
+   !> Distance between the ends of a step over its length beyond which Newton's method has gone to another curve.
+   real(dp), parameter :: aside = 1.5_dp
    !> Gap of an orbit, in the units of the metric, whose effect on the test function is left to the next iteration.
    real(dp), parameter :: negligible = 1e-10_dp
    character(*), parameter :: branch_point = 'branch point'
@@ -266,7 +268,7 @@ contains
       real(dp), intent(in) :: h
       !> The next special point.
       type(augmented_point_type), intent(inout) :: to
-      !> Whether Newton's method has converged, and to a point with a tangent of nearly the same direction.
+      !> Whether Newton's method has converged, and to a point of the same curve: nearby, with a tangent of nearly the same direction.
       logical, intent(out) :: success
       !> As of `solve`.
       logical, intent(in), optional :: roughly
@@ -282,7 +284,8 @@ contains
       end if
       success = to%frequency_ratio > 0
       if (success) call self%solve(to, .true., success, roughly)
-      if (success) success = self%metric%product_of(to%tangent, to%tangent_frequency, to%tangent_parameter, from) > 0.8_dp
+      if (success) success = self%metric%distance(to, from) < aside*abs(h) .and. &
+                             self%metric%product_of(to%tangent, to%tangent_frequency, to%tangent_parameter, from) > 0.8_dp
    end subroutine advance
 
    !> Finds the borders at a point.

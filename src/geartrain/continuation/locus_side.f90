@@ -7,6 +7,7 @@ module geartrain_continuation_locus_side
    use geartrain_continuation_augmented_point, only: augmented_point_type
    use geartrain_continuation_augmented_system, only: augmented_system_type
    use geartrain_continuation_locus_corner, only: cross_corner
+   use geartrain_continuation_locus_half_period, only: change_after_half, is_of_half, passes_half, way_to_half
    use geartrain_continuation_locus_result, only: double_point_type
    use geartrain_continuation_locus_tests, only: find_tests, from_wall, grazing_name, most_tests, name_of, tests_type, touches
    use geartrain_linalg_bracket, only: between, shrink
@@ -15,7 +16,7 @@ module geartrain_continuation_locus_side
    public :: side_type, trace_side
 
    !> First, shortest and longest step in the metric of the curve: the way from `start` to `stop` of the parameter has length 1.
-   real(dp), parameter :: first_step = 5e-3_dp, shortest = 1e-8_dp, longest = 0.04_dp
+   real(dp), parameter :: first_step = 5e-3_dp, shortest = 1e-8_dp, longest = 0.025_dp
    !> Cosine of the angle between the tangents at the ends of a step that is wanted, and the least.
    real(dp), parameter :: wanted_cosine = 0.995_dp, least_cosine = 0.95_dp
    !> Most points on either side of the first; most steps towards a point where two conditions meet, and its error.
@@ -27,6 +28,12 @@ module geartrain_continuation_locus_side
    real(dp), parameter :: beside_grazing = extrapolated/20
    !> Value of a test function over the one before it from which on its sign is doubtful.
    real(dp), parameter :: doubtful = 0.2_dp
+   !> Likewise before motions of half the period, and the least.
+   real(dp), parameter :: beside_half = 0.016_dp, nearest_half = 1e-4_dp
+   !> Difference of two such extrapolations that is small enough, in Lambda and in the parameter over the way of the curve.
+   real(dp), parameter :: agreed = 1e-6_dp
+   !> Error of the squares of a change that is taken as an even function of the way, over their value.
+   real(dp), parameter :: even = 0.05_dp
    !> Step below which a curve whose motion touches a wall is at a corner; most such steps before it ends there.
    real(dp), parameter :: crawling = 1e-5_dp
    integer, parameter :: most_crawls = 20
@@ -34,6 +41,9 @@ module geartrain_continuation_locus_side
    integer, parameter :: most_failures = 3
    !> Largest Lambda over the one at the beginning, and its inverse the least: the integration of slow motions takes ever longer.
    real(dp), parameter :: widest = 20
+   !> Largest displacement, over the larger of half the backlash and the static deflection: there are curves without an end along
+   !> which the motion grows towards a parametric resonance of the linear train.
+   real(dp), parameter :: largest = 30
 
    !> A side of the curve as it is traced.
    type :: side_type
@@ -104,6 +114,11 @@ contains
             if (h > crawling) cycle
             crawls = crawls + 1
             at_wall = touches(augmented, here)
+            if (at_wall .and. augmented%kind == 'fold' .and. is_of_half(augmented, here)) then
+               call put(grazing_name('period doubling'), here)
+               side%ended = 'meets a grazing doubling of motions of half the period at Lambda = '//text(here%frequency_ratio)
+               return
+            end if
             if (at_wall) call leap(success)
             ! Where it does not get across, the curve may still get along in short steps.
             if (.not. success .and. h > shortest .and. crawls < most_crawls) cycle
@@ -124,6 +139,17 @@ contains
                h = h/3
                if (h > shortest) cycle
                side%ended = 'Newton''s method does not converge at the end of the range'
+               return
+            end if
+         end if
+         if (passes_half(augmented, here, next)) then
+            ends_here = abs(way_to_half(here)) < 2*augmented%metric%distance(here, next)
+            if (ends_here) call meet_half(success)
+            if (ends_here .and. success) return
+            h = h/3
+            if (h > nearest_half) cycle
+            if (ends_here) then
+               side%ended = 'meets the doubling of motions of half the period near Lambda = '//text(here%frequency_ratio)
                return
             end if
          end if
@@ -159,6 +185,10 @@ contains
          if (side%points > 3 .and. passes(augmented, here, next, first)) then
             side%ended = 'closed'
             side%closed = .true.
+            return
+         end if
+         if (maxval(abs(next%states(:augmented%system%displacements, :))) > largest*augmented%metric%units%length) then
+            side%ended = 'beyond the amplitude limit '//text(largest)//' at Lambda = '//text(next%frequency_ratio)
             return
          end if
          if (.not. abs(log(next%frequency_ratio/first%frequency_ratio)) < log(widest)) then
@@ -213,6 +243,37 @@ contains
          if (success) success = augmented%metric%distance(at_end, here) < 1.5_dp*augmented%metric%distance(next, here)
          if (success) next = at_end
       end subroutine land
+
+      !> Ends a curve of folds of an even period where the motions become those of half the period, at a doubling of these. Both
+      !> curves meet there, and Newton's method fails. Beyond it are the same motions half a period later, so that Lambda and the
+      !> parameter are even functions of the way, unless the motion grazes a wall there.
+      subroutine meet_half(success)
+         logical, intent(out) :: success
+         type(augmented_point_type) :: beside, met, best
+         real(dp) :: step, before(2), change, least
+
+         beside = here
+         step = beside_half
+         before = huge(1.0_dp)
+         least = agreed
+         ! From afar the way is no parabola, next to it Newton's method is not exact: where it changes least from step to step.
+         do while (step > nearest_half)
+            call augmented%advance(beside, way_to_half(beside) - step, beside, success)
+            if (.not. success) exit
+            call extrapolate(beside, way_to_half(beside), step, met, success, by_half=.true.)
+            if (success) then
+               change = maxval(abs([met%frequency_ratio, met%parameter] - before))
+               if (change < least) best = met
+               least = min(least, change)
+               before = [met%frequency_ratio, met%parameter]
+            end if
+            step = step/2
+         end do
+         success = least < agreed
+         if (.not. success) return
+         call put('generalized doubling', best)
+         side%ended = 'a generalized doubling'
+      end subroutine meet_half
 
       !> Locates where test k is 0 between `here` and `next`; the curve ends where a pair of multipliers becomes real.
       subroutine locate(k, ends_here)
@@ -270,7 +331,7 @@ contains
          b = augmented%metric%distance(here, next)
          last = base
          call narrow(base, sense, beside_grazing, a, b, last)
-         call extrapolate(base, sense*a, sense*extrapolated, last, success)
+         call extrapolate(base, sense*a, sense*extrapolated, last, success, by_half=.false.)
          if (.not. success) call narrow(base, sense, located, a, b, last)
          call put(grazing_name(augmented%kind), last)
       end subroutine locate_grazing
@@ -316,32 +377,40 @@ contains
 
       !> Lambda and parameter of a grazing, a way from a point with the fewer events, by points before it, each a step from the
       !> other, as polynomials in their distance from the wall. Unchanged where these do not lead to the wall, or to one far away:
-      !> then another extreme is nearer to a wall than the one that grazes.
-      subroutine extrapolate(base, way, step, point, success)
+      !> then another extreme is nearer to a wall than the one that grazes. Or those of a doubling of half the period, as
+      !> polynomials in the square of the change after half the period.
+      subroutine extrapolate(base, way, step, point, success, by_half)
          type(augmented_point_type), intent(in) :: base
          real(dp), intent(in) :: way, step
          type(augmented_point_type), intent(inout) :: point
          logical, intent(out) :: success
+         logical, intent(in) :: by_half
          type(augmented_point_type) :: before(3)
-         real(dp) :: gap(3), weight(3), frequency_ratio, parameter
+         real(dp) :: aside(3), weight(3), frequency_ratio, parameter
          integer :: i
 
          do i = 1, 3
-            call augmented%advance(base, way - i*step, before(i), success, roughly=.true.)
+            call augmented%advance(base, way - i*step, before(i), success, roughly=.not. by_half)
             if (success) success = before(i)%events == base%events
             if (.not. success) return
-            gap(i) = from_wall(augmented, before(i))
+            if (by_half) then
+               aside(i) = sum(change_after_half(before(i)%states)**2)
+            else
+               aside(i) = from_wall(augmented, before(i))
+            end if
          end do
-         success = gap(1) < gap(2) .and. gap(2) < gap(3)
+         success = aside(1) < aside(2) .and. aside(2) < aside(3)
+         if (by_half) success = all(abs(aside(2:)/aside(1) - [4, 9]) < even*[4, 9])
          if (.not. success) return
          do i = 1, 3
-            weight(i) = product(pack(gap, [1, 2, 3] /= i)/(pack(gap, [1, 2, 3] /= i) - gap(i)))
+            weight(i) = product(pack(aside, [1, 2, 3] /= i)/(pack(aside, [1, 2, 3] /= i) - aside(i)))
          end do
          frequency_ratio = dot_product(weight, before%frequency_ratio)
          parameter = dot_product(weight, before%parameter)
-         success = abs(parameter - point%parameter) < abs(step) .and. &
-                   abs(frequency_ratio - point%frequency_ratio) < abs(step)*augmented%metric%units%frequency_ratio
+         success = abs(parameter - before(1)%parameter) < 2*abs(step) .and. &
+                   abs(frequency_ratio - before(1)%frequency_ratio) < 2*abs(step)*augmented%metric%units%frequency_ratio
          if (.not. success) return
+         if (by_half) point = before(1)
          point%frequency_ratio = frequency_ratio
          point%parameter = parameter
       end subroutine extrapolate

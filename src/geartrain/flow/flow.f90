@@ -47,9 +47,12 @@ module geartrain_flow_flow
       real(dp) :: tolerance = 1e-15_dp
       !> Taylor coefficients of kappa over the latest step where kappa varies in the contact of the mesh [1], (0:order, mesh).
       real(dp), allocatable :: kappa(:, :)
-      !> Work space of `recur`: forces, (column, element); Taylor coefficients of the acceleration by excitation, (0:order,
-      !> element).
-      real(dp), allocatable, private :: phi(:, :), excitation(:, :)
+      !> Work space of `recur`, (column and element, 4); Taylor coefficients of the acceleration by excitation, (0:order, element).
+      real(dp), allocatable, private :: work(:, :), excitation(:, :)
+      !> In the present contacts: constant stiffness over mean stiffness, 0 where kappa varies, and damping, (element); displacement
+      !> at which the elastic force is 0 [1], (mesh); last Taylor coefficient of kappa that counts, negative: constant, (mesh).
+      real(dp), allocatable, private :: spring(:), damping(:), origin(:)
+      integer, allocatable, private :: terms(:)
       !> Taylor coefficients of the displacements of the elements that close loops where the coordinates are 0 [1], (0:order + 1,
       !> loop).
       real(dp), allocatable, private :: loop(:, :)
@@ -93,12 +96,13 @@ contains
       self%columns = columns
       self%order = order
       self%tolerance = tolerance
-      if (allocated(self%x)) deallocate (self%x, self%p, self%v, self%phi, self%kappa, self%excitation, self%contact, &
-                                         self%loop)
+      if (allocated(self%x)) deallocate (self%x, self%p, self%v, self%work, self%kappa, self%excitation, self%contact, &
+                                         self%loop, self%spring, self%damping, self%origin, self%terms)
       associate (n => system%elements)
          allocate (self%x(columns, system%states), self%p(columns, n, 0:order), self%v(columns, n, 0:order), &
-                   self%phi(columns, n), self%kappa(0:order, system%meshes), self%excitation(0:order, n), &
-                   self%contact(system%meshes), self%loop(0:order + 1, n - system%coordinates))
+                   self%work(columns*n, 4), self%kappa(0:order, system%meshes), self%excitation(0:order, n), &
+                   self%contact(system%meshes), self%loop(0:order + 1, n - system%coordinates), self%spring(n), self%damping(n), &
+                   self%origin(system%meshes), self%terms(system%meshes))
       end associate
       self%contact = 1
       self%lost = .false.
@@ -183,13 +187,12 @@ contains
       call sum_series(self%columns*d, self%columns*self%system%elements, self%order, self%p, h, self%x(:, :d))
       call sum_series(self%columns*n, self%columns*self%system%elements, self%order, self%v, h, self%x(:, d + 1:))
       self%length = h
+      self%time = self%time + h
       if (self%event) then
-         self%time = self%time + h
          call enter(self, mesh, wall, h)
       else
          self%event_mesh = 0
          self%stuck = 0
-         self%time = self%time + h
          if (reaches_end) self%time = end_time
       end if
    end subroutine step
@@ -225,8 +228,8 @@ contains
    !> Computes the Taylor coefficients of all columns at the present time.
    subroutine expand(self)
       class(flow_type), intent(inout) :: self
-      real(dp) :: spring(self%system%elements), damping(self%system%elements), origin(self%system%meshes), reach
-      integer :: j, n, terms(self%system%meshes)
+      real(dp) :: reach
+      integer :: j, n
 
       associate (system => self%system)
          n = system%coordinates
@@ -236,28 +239,28 @@ contains
             self%v(:, :n, 0) = self%x(:, d + 1:)
          end associate
          if (system%elements > n) call self%expand_loops(self%order + 1, self%loop)
-         spring = system%spring
-         damping = system%damping
-         terms = -1
+         self%spring(:) = system%spring
+         self%damping(:) = system%damping
+         self%terms = -1
          reach = huge(1.0_dp)
          if (self%reach > 0) reach = self%reach
          do j = 1, system%meshes
             n = system%mesh_element(j)
             associate (law => system%law(j), s => self%contact(j))
-               spring(n) = law%stiffness(s)
-               damping(n) = law%damping(s)
-               origin(j) = law%origin(s)
+               self%spring(n) = law%stiffness(s)
+               self%damping(n) = law%damping(s)
+               self%origin(j) = law%origin(s)
                if (.not. law%varies(s)) cycle
-               spring(n) = 0
+               self%spring(n) = 0
                self%kappa(:, j) = 0
                self%kappa(0, j) = law%stiffness(s)
                call add_series(self, law%order, law%amplitude(:, s), self%kappa(:, j))
             end associate
-            terms(j) = last_term(self%kappa(:, j), reach, 0.01_dp*self%tolerance)
+            self%terms(j) = last_term(self%kappa(:, j), reach, 0.01_dp*self%tolerance)
          end do
          call expand_excitation(self)
-         call recur(self%columns, system%elements, system%meshes, self%order, spring, damping, terms, self%kappa, system, &
-                    origin, self%excitation, self%loop, self%phi, self%p, self%v)
+         call recur(self%columns, system%elements, system%meshes, self%order, self%spring, self%damping, self%terms, &
+                    self%kappa, system, self%origin, self%excitation, self%loop, self%work, self%p, self%v)
       end associate
    end subroutine expand
 

@@ -1,13 +1,13 @@
 !> A linearized flight over the period of an orbit, for shooting in sections of the period: the states at the beginnings of the
 !> sections, and how the gaps between the sections depend on the first state and on Lambda.
 !>
-!> The tangents go on from section to section, so several sections cost no more than a single section. Newton's method changes the
-!> state at time 0 by y and Lambda by l; the states at the other beginnings follow, so that all gaps but the last close:
+!> Newton's method changes the state at time 0 by y and Lambda by l; the states at the other beginnings follow, so that all gaps but
+!> the last close:
 !>    change of state k = transfer(k) y + drift(k) l + missed(k);   the orbit is closed where state sections + 1 changes as state 1.
 module geartrain_flow_sections
    use geartrain_base_kinds, only: dp, pi
    use geartrain_flow_flow, only: flow_type
-   use geartrain_flow_orbit, only: flow_order, flow_tolerance
+   use geartrain_flow_orbit, only: begin_tangents, flow_order, flow_tolerance
    use geartrain_linalg_bracket, only: between, shrink
    use geartrain_model_system, only: system_type
    implicit none (type, external)
@@ -38,8 +38,6 @@ module geartrain_flow_sections
       !> Contact events of the latest flight; smallest mesh speed at one of them [1].
       integer :: events = 0
       real(dp) :: slowest_event = huge(1.0_dp)
-      !> Columns of the flow with all tangents.
-      integer, private :: columns = 0
       !> Flow with all tangents and with few, both set up when first flown; flow of a state alone; that of the train with
       !> a larger value of the parameter.
       type(flow_type), private :: flow, few, single, above
@@ -71,11 +69,6 @@ contains
       self%period = period
       self%sections = period*parts
       self%moves = moves
-      ! The state and its tangents; for several sections the accumulated gap; for variable Lambda the drift.
-      self%columns = system%states + 1
-      if (self%sections > 1) self%columns = self%columns + 1
-      if (moves) self%columns = self%columns + 1
-      if (self%apart > 0) self%columns = self%columns + 1
       self%flow%columns = 0
       self%few%columns = 0
       call self%single%setup(system, 1, flow_order, flow_tolerance)
@@ -115,13 +108,13 @@ contains
       real(dp), intent(in) :: frequency_ratio, states(:, :)
       !> Whether the latest flight was so near that what it found of the drifts will do; default no.
       logical, intent(in), optional :: nearby
-      real(dp) :: ahead(size(states, 1)), gap(size(states, 1))
+      real(dp) :: ahead(size(states, 1)), own(size(states, 1), size(states, 1))
       integer :: k, n, parts
       logical :: anew
 
       n = size(states, 1)
       if (self%flow%columns == 0) then
-         call self%flow%setup(self%single%system, self%columns, flow_order, flow_tolerance)
+         call self%flow%setup(self%single%system, n + 1, flow_order, flow_tolerance)
          associate (m => self%sections)
             if (allocated(self%transfer)) deallocate (self%transfer, self%drift, self%missed, self%monodromy)
             allocate (self%transfer(n, n, 2:m), self%drift(n, 2:m + 1), self%missed(n, 2:m + 1), self%monodromy(n, n))
@@ -132,55 +125,44 @@ contains
       if (anew) then
          if (allocated(self%own_drift)) deallocate (self%own_drift, self%own_parameter_drift)
          allocate (self%own_drift(n, self%sections), self%own_parameter_drift(n, self%sections))
+         if (.not. self%moves) self%own_drift = 0
       end if
       parts = self%sections/self%period
-      self%flow%x = 0
-      do k = 1, n
-         self%flow%x(k + 1, k) = 1
-      end do
-      self%drift = 0
-      self%missed = 0
       self%events = 0
       self%slowest_event = huge(1.0_dp)
       if (self%apart > 0) then
          if (allocated(self%parameter_drift)) deallocate (self%parameter_drift)
          allocate (self%parameter_drift(n, 2:self%sections + 1))
       end if
-      associate (last => self%flow%columns - merge(1, 0, self%apart > 0))
-         do k = 1, self%sections
-            if (k > 1) self%transfer(:, :, k) = transpose(self%flow%x(2:n + 1, :))
-            self%flow%x(1, :) = states(:, k)
-            call fly_section(self%flow, k, parts, frequency_ratio)
-            gap = self%flow%x(1, :) - states(:, mod(k, self%sections) + 1)
-            if (self%sections > 1) then
-               self%flow%x(n + 2, :) = self%flow%x(n + 2, :) + gap
-               gap = self%flow%x(n + 2, :)
-            end if
-            self%missed(:, k + 1) = gap
-            self%events = self%events + self%flow%events
-            self%slowest_event = min(self%slowest_event, self%flow%slowest_event)
-            if (self%apart > 0) then
-               if (anew) then
-                  ahead = states(:, k)
-                  call carry(self%above, k, parts, frequency_ratio, ahead)
-                  self%own_parameter_drift(:, k) = (ahead - self%flow%x(1, :))/self%apart
-               end if
-               associate (column => self%flow%x(self%flow%columns, :))
-                  column = column + self%own_parameter_drift(:, k)
-                  self%parameter_drift(:, k + 1) = column
-               end associate
-            end if
-            if (.not. self%moves) cycle
-            if (anew) then
-               ahead = states(:, k)
-               call carry(self%single, k, parts, (1 + difference)*frequency_ratio, ahead)
-               self%own_drift(:, k) = (ahead - self%flow%x(1, :))/(difference*frequency_ratio)
-            end if
-            self%flow%x(last, :) = self%flow%x(last, :) + self%own_drift(:, k)
-            self%drift(:, k + 1) = self%flow%x(last, :)
-         end do
-      end associate
-      self%monodromy = transpose(self%flow%x(2:n + 1, :))
+      do k = 1, self%sections
+         call begin_tangents(self%flow, states(:, k))
+         call fly_section(self%flow, k, parts, frequency_ratio)
+         self%events = self%events + self%flow%events
+         self%slowest_event = min(self%slowest_event, self%flow%slowest_event)
+         own = transpose(self%flow%x(2:, :))
+         self%missed(:, k + 1) = self%flow%x(1, :) - states(:, mod(k, self%sections) + 1)
+         if (self%moves .and. anew) then
+            ahead = states(:, k)
+            call carry(self%single, k, parts, (1 + difference)*frequency_ratio, ahead)
+            self%own_drift(:, k) = (ahead - self%flow%x(1, :))/(difference*frequency_ratio)
+         end if
+         if (self%apart > 0 .and. anew) then
+            ahead = states(:, k)
+            call carry(self%above, k, parts, frequency_ratio, ahead)
+            self%own_parameter_drift(:, k) = (ahead - self%flow%x(1, :))/self%apart
+         end if
+         self%drift(:, k + 1) = self%own_drift(:, k)
+         if (self%apart > 0) self%parameter_drift(:, k + 1) = self%own_parameter_drift(:, k)
+         self%monodromy = own
+         if (k > 1) then
+            self%monodromy = matmul(own, self%transfer(:, :, k))
+            self%missed(:, k + 1) = self%missed(:, k + 1) + matmul(own, self%missed(:, k))
+            self%drift(:, k + 1) = self%drift(:, k + 1) + matmul(own, self%drift(:, k))
+            if (self%apart > 0) &
+               self%parameter_drift(:, k + 1) = self%parameter_drift(:, k + 1) + matmul(own, self%parameter_drift(:, k))
+         end if
+         if (k < self%sections) self%transfer(:, :, k + 1) = self%monodromy
+      end do
    end subroutine fly
 
    !> Whether an interrupt may have ended the flight early.

@@ -12,7 +12,7 @@ contains
    !> s(k))/(k+1) with phi = kappa (p - origin) + damping v. The columns of element n are the numbers (n-1)*columns + 1 ..
    !> n*columns, so that most lines are long loops over all elements.
    pure subroutine recur(columns, elements, meshes, order, spring, damping, terms, kappa, system, origin, excitation, &
-                         loop, phi, p, v)
+                         loop, work, p, v)
       !> Number of columns (state and tangents), elements and meshes; order of the series.
       integer, intent(in) :: columns, elements, meshes, order
       !> Last Taylor coefficient of kappa that counts, (mesh); negative: kappa is constant and part of `spring`.
@@ -27,76 +27,85 @@ contains
       !> The train.
       type(system_type), intent(in) :: system
       !> Work space; Taylor coefficients of displacement and velocity [1], of which coefficient 0 of the coordinates is given.
-      real(dp), intent(inout) :: phi(columns*elements), p(columns*elements, 0:order), v(columns*elements, 0:order)
+      real(dp), intent(inout) :: work(columns*elements, 4), p(columns*elements, 0:order), v(columns*elements, 0:order)
 
       ! Each constant makes the compiler a procedure of its own, whose loops over the columns of an element are no loops.
       select case (columns)
       case (1)
-         call recur_columns(1, elements, meshes, order, spring, damping, terms, kappa, system, origin, excitation, loop, phi, p, v)
+         call recur_columns(1, elements, meshes, order, spring, damping, terms, kappa, system, origin, excitation, loop, work, p, v)
       case (2)
-         call recur_columns(2, elements, meshes, order, spring, damping, terms, kappa, system, origin, excitation, loop, phi, p, v)
+         call recur_columns(2, elements, meshes, order, spring, damping, terms, kappa, system, origin, excitation, loop, work, p, v)
       case default
          call recur_columns(columns, elements, meshes, order, spring, damping, terms, kappa, system, origin, excitation, loop, &
-                            phi, p, v)
+                            work, p, v)
       end select
    end subroutine recur
 
    !> The recurrence of `recur`, whose arguments it has.
    pure subroutine recur_columns(columns, elements, meshes, order, spring, damping, terms, kappa, system, origin, excitation, &
-                                 loop, phi, p, v)
+                                 loop, work, p, v)
       integer, intent(in) :: columns, elements, meshes, order
       integer, intent(in) :: terms(meshes)
       real(dp), intent(in) :: spring(elements), damping(elements)
       real(dp), intent(in) :: kappa(0:order, meshes), origin(meshes)
       real(dp), intent(in) :: excitation(0:order, elements), loop(0:, :)
       type(system_type), intent(in) :: system
-      real(dp), intent(inout) :: phi(columns*elements), p(columns*elements, 0:order), v(columns*elements, 0:order)
-      real(dp), dimension(columns*elements) :: own, gamma, k_spring
+      real(dp), intent(inout) :: work(columns*elements, 4), p(columns*elements, 0:order), v(columns*elements, 0:order)
       real(dp) :: inverse
-      integer :: first, last, n, i, j, k, l, all_
+      integer :: first, last, n, i, j, k, l, count, all_
 
-      do n = 1, elements
-         first = (n - 1)*columns + 1
-         last = n*columns
-         own(first:last) = -system%own(n)
-         gamma(first:last) = damping(n)
-         k_spring(first:last) = spring(n)
-      end do
-      all_ = columns*system%coordinates
-      call close_loops(columns, system, loop, 0, p(:, 0), v(:, 0))
-      do k = 0, order - 1
-         phi = gamma*v(:, k) + k_spring*p(:, k)
-         do j = 1, meshes
-            n = system%mesh_element(j)
+      associate (phi => work(:, 1), own => work(:, 2), gamma => work(:, 3), k_spring => work(:, 4))
+         do n = 1, elements
             first = (n - 1)*columns + 1
             last = n*columns
-            do l = 0, min(k, terms(j))
-               phi(first:last) = phi(first:last) + kappa(l, j)*p(first:last, k - l)
-            end do
-            if (terms(j) >= 0) then
-               phi(first) = phi(first) - origin(j)*kappa(k, j)
-            else if (k == 0) then
-               phi(first) = phi(first) - origin(j)*spring(n)
-            end if
-            if (k == 0) phi(first) = phi(first) - system%static_force(n)
+            own(first:last) = -system%own(n)
+            gamma(first:last) = damping(n)
+            k_spring(first:last) = spring(n)
          end do
-         inverse = 1.0_dp/(k + 1)
-         p(:all_, k + 1) = inverse*v(:all_, k)
-         v(:all_, k + 1) = own(:all_)*phi(:all_)
-         do n = 1, system%coordinates
-            do i = system%first(n), system%first(n + 1) - 1
-               associate (other => (system%neighbour(i) - 1)*columns, here => (n - 1)*columns)
-                  do l = 1, columns
-                     v(here + l, k + 1) = v(here + l, k + 1) - system%coupling(i)*phi(other + l)
-                  end do
-               end associate
+         all_ = columns*system%coordinates
+         call close_loops(columns, system, loop, 0, p(:, 0), v(:, 0))
+         do k = 0, order - 1
+            phi = gamma*v(:, k) + k_spring*p(:, k)
+            do j = 1, meshes
+               n = system%mesh_element(j)
+               first = (n - 1)*columns + 1
+               last = n*columns
+               count = min(k, terms(j)) + 1
+               ! Four terms at a time: each passes over phi once.
+               do l = 0, count - 4, 4
+                  phi(first:last) = phi(first:last) + (kappa(l, j)*p(first:last, k - l) &
+                                                       + kappa(l + 1, j)*p(first:last, k - l - 1) &
+                                                       + kappa(l + 2, j)*p(first:last, k - l - 2) &
+                                                       + kappa(l + 3, j)*p(first:last, k - l - 3))
+               end do
+               do l = count - mod(max(count, 0), 4), count - 1
+                  phi(first:last) = phi(first:last) + kappa(l, j)*p(first:last, k - l)
+               end do
+               if (terms(j) >= 0) then
+                  phi(first) = phi(first) - origin(j)*kappa(k, j)
+               else if (k == 0) then
+                  phi(first) = phi(first) - origin(j)*spring(n)
+               end if
+               if (k == 0) phi(first) = phi(first) - system%static_force(n)
             end do
-            first = (n - 1)*columns + 1
-            v(first, k + 1) = v(first, k + 1) + excitation(k, n)
+            inverse = 1.0_dp/(k + 1)
+            p(:all_, k + 1) = inverse*v(:all_, k)
+            v(:all_, k + 1) = own(:all_)*phi(:all_)
+            do n = 1, system%coordinates
+               do i = system%first(n), system%first(n + 1) - 1
+                  associate (other => (system%neighbour(i) - 1)*columns, here => (n - 1)*columns)
+                     do l = 1, columns
+                        v(here + l, k + 1) = v(here + l, k + 1) - system%coupling(i)*phi(other + l)
+                     end do
+                  end associate
+               end do
+               first = (n - 1)*columns + 1
+               v(first, k + 1) = v(first, k + 1) + excitation(k, n)
+            end do
+            v(:all_, k + 1) = inverse*v(:all_, k + 1)
+            call close_loops(columns, system, loop, k + 1, p(:, k + 1), v(:, k + 1))
          end do
-         v(:all_, k + 1) = inverse*v(:all_, k + 1)
-         call close_loops(columns, system, loop, k + 1, p(:, k + 1), v(:, k + 1))
-      end do
+      end associate
    end subroutine recur_columns
 
    !> Sets coefficient k of the elements that close loops from coefficient k of the coordinates.
