@@ -268,7 +268,7 @@ contains
       real(dp), intent(in) :: h
       !> The next special point.
       type(augmented_point_type), intent(inout) :: to
-      !> Whether Newton's method has converged, and to a point of the same curve: nearby, with a tangent of nearly the same direction.
+      !> Whether Newton's method has converged, and to a point of this curve: nearby, with a tangent of nearly the same direction.
       logical, intent(out) :: success
       !> As of `solve`.
       logical, intent(in), optional :: roughly
