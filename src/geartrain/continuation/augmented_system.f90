@@ -266,7 +266,7 @@ contains
       type(augmented_point_type), intent(in) :: from
       !> Length of the step in the metric.
       real(dp), intent(in) :: h
-      !> The next special point.
+      !> The next special point, another variable than `from`; its bend is not known.
       type(augmented_point_type), intent(inout) :: to
       !> Whether Newton's method has converged, and to a point of this curve: nearby, with a tangent of nearly the same direction.
       logical, intent(out) :: success
@@ -281,6 +281,7 @@ contains
          to%states = to%states + h**2*(from%bend(:, :, 1) + h*from%bend(:, :, 2))
          to%frequency_ratio = to%frequency_ratio + h**2*(from%bend_frequency(1) + h*from%bend_frequency(2))
          to%parameter = to%parameter + h**2*(from%bend_parameter(1) + h*from%bend_parameter(2))
+         deallocate (to%bend)
       end if
       success = to%frequency_ratio > 0
       if (success) call self%solve(to, .true., success, roughly)

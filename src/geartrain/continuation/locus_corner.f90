@@ -38,7 +38,7 @@ contains
       type(augmented_point_type), intent(in) :: here
       !> The point before the latest corner, if there was one: the curve that led to it is not taken.
       type(augmented_point_type), intent(in) :: before
-      !> The point beyond the corner, with its tangent.
+      !> The point beyond the corner, with its tangent; its bend is not known.
       type(augmented_point_type), intent(inout) :: next
       !> Whether there is one.
       logical, intent(out) :: success
@@ -85,6 +85,7 @@ contains
                if (success .and. next%events > here%events) success = from_wall(augmented, next) > deep
                if (.not. success) cycle
                if (way < 0) call scale_tangent(next, -1.0_dp)
+               if (allocated(next%bend)) deallocate (next%bend)
                return
             end do
          end do

@@ -7,9 +7,10 @@ module geartrain_continuation_locus_side
    use geartrain_continuation_augmented_point, only: augmented_point_type
    use geartrain_continuation_augmented_system, only: augmented_system_type
    use geartrain_continuation_locus_corner, only: cross_corner
-   use geartrain_continuation_locus_half_period, only: change_after_half, is_of_half, passes_half, way_to_half
+   use geartrain_continuation_locus_half_period, only: is_of_half, passes_half, way_to_half
+   use geartrain_continuation_locus_location, only: locate_grazing, locate_half, located, most_steps, nearest_half
    use geartrain_continuation_locus_result, only: double_point_type
-   use geartrain_continuation_locus_tests, only: find_tests, from_wall, grazing_name, most_tests, name_of, tests_type, touches
+   use geartrain_continuation_locus_tests, only: find_tests, grazing_name, most_tests, name_of, tests_type, touches
    use geartrain_linalg_bracket, only: between, shrink
    implicit none (type, external)
    private
@@ -19,21 +20,10 @@ module geartrain_continuation_locus_side
    real(dp), parameter :: first_step = 5e-3_dp, shortest = 1e-8_dp, longest = 0.025_dp
    !> Cosine of the angle between the tangents at the ends of a step that is wanted, and the least.
    real(dp), parameter :: wanted_cosine = 0.995_dp, least_cosine = 0.95_dp
-   !> Most points on either side of the first; most steps towards a point where two conditions meet, and its error.
-   integer, parameter :: most_points = 4000, most_steps = 60
-   real(dp), parameter :: located = 1e-10_dp
-   !> Length of the piece of the curve before a grazing by which is extrapolated to it.
-   real(dp), parameter :: extrapolated = 1e-4_dp
-   !> Half the length of the bracket of a grazing from which on is extrapolated to it.
-   real(dp), parameter :: beside_grazing = extrapolated/20
+   !> Most points on either side of the first.
+   integer, parameter :: most_points = 4000
    !> Value of a test function over the one before it from which on its sign is doubtful.
    real(dp), parameter :: doubtful = 0.2_dp
-   !> Likewise before motions of half the period, and the least.
-   real(dp), parameter :: beside_half = 0.016_dp, nearest_half = 1e-4_dp
-   !> Difference of two such extrapolations that is small enough, in Lambda and in the parameter over the way of the curve.
-   real(dp), parameter :: agreed = 1e-6_dp
-   !> Error of the squares of a change that is taken as an even function of the way, over their value.
-   real(dp), parameter :: even = 0.05_dp
    !> Step below which a curve whose motion touches a wall is at a corner; most such steps before it ends there.
    real(dp), parameter :: crawling = 1e-5_dp
    integer, parameter :: most_crawls = 20
@@ -72,8 +62,8 @@ contains
       integer, intent(inout) :: done
       !> Told of each point; may end it.
       class(observer_type), intent(inout), optional :: observer
-      !> The points at both ends of a step; the one before the latest corner.
-      type(augmented_point_type) :: here, next, corner
+      !> The points at both ends of a step; the one before the latest corner; a place between points.
+      type(augmented_point_type) :: here, next, corner, place
       type(tests_type) :: before, after
       real(dp) :: h, ends(2), cosine
       integer :: k, leapt, crawls, failures
@@ -144,8 +134,12 @@ contains
          end if
          if (passes_half(augmented, here, next)) then
             ends_here = abs(way_to_half(here)) < 2*augmented%metric%distance(here, next)
-            if (ends_here) call meet_half(success)
-            if (ends_here .and. success) return
+            if (ends_here) call locate_half(augmented, here, place, success)
+            if (ends_here .and. success) then
+               call put('generalized doubling', place)
+               side%ended = 'a generalized doubling'
+               return
+            end if
             h = h/3
             if (h > nearest_half) cycle
             if (ends_here) then
@@ -172,7 +166,10 @@ contains
             if (ends_here) exit
          end do
          if (ends_here) return
-         if (before%events /= after%events .and. augmented%mesh == 0) call locate_grazing()
+         if (before%events /= after%events .and. augmented%mesh == 0) then
+            call locate_grazing(augmented, here, next, place)
+            call put(grazing_name(augmented%kind), place)
+         end if
          side%points = side%points + 1
          side%point(side%points) = next
          !$omp critical (geartrain_locus)
@@ -195,11 +192,7 @@ contains
             side%ended = 'far from where it began, at Lambda = '//text(next%frequency_ratio)
             return
          end if
-         if (cosine > least_cosine) then
-            call augmented%metric%find_bend(here, next)
-         else if (allocated(next%bend)) then
-            deallocate (next%bend)
-         end if
+         if (cosine > least_cosine) call augmented%metric%find_bend(here, next)
          here = next
          before = after
          if (cosine > wanted_cosine) h = min(longest, 1.5_dp*h)
@@ -244,37 +237,6 @@ contains
          if (success) next = at_end
       end subroutine land
 
-      !> Ends a curve of folds of an even period where the motions become those of half the period, at a doubling of these. Both
-      !> curves meet there, and Newton's method fails. Beyond it are the same motions half a period later, so that Lambda and the
-      !> parameter are even functions of the way, unless the motion grazes a wall there.
-      subroutine meet_half(success)
-         logical, intent(out) :: success
-         type(augmented_point_type) :: beside, met, best
-         real(dp) :: step, before(2), change, least
-
-         beside = here
-         step = beside_half
-         before = huge(1.0_dp)
-         least = agreed
-         ! From afar the way is no parabola, next to it Newton's method is not exact: where it changes least from step to step.
-         do while (step > nearest_half)
-            call augmented%advance(beside, way_to_half(beside) - step, beside, success)
-            if (.not. success) exit
-            call extrapolate(beside, way_to_half(beside), step, met, success, by_half=.true.)
-            if (success) then
-               change = maxval(abs([met%frequency_ratio, met%parameter] - before))
-               if (change < least) best = met
-               least = min(least, change)
-               before = [met%frequency_ratio, met%parameter]
-            end if
-            step = step/2
-         end do
-         success = least < agreed
-         if (.not. success) return
-         call put('generalized doubling', best)
-         side%ended = 'a generalized doubling'
-      end subroutine meet_half
-
       !> Locates where test k is 0 between `here` and `next`; the curve ends where a pair of multipliers becomes real.
       subroutine locate(k, ends_here)
          integer, intent(in) :: k
@@ -311,109 +273,6 @@ contains
             side%ended = 'the pair of multipliers becomes real at Lambda = '//text(next%frequency_ratio)
          end if
       end subroutine locate
-
-      !> Locates where the number of contact events changes between `here` and `next`, from the side with the fewer: on the other
-      !> one the motion leaves the wall by the square of the way, and its first events are lost in rounding.
-      subroutine locate_grazing()
-         type(augmented_point_type) :: base, last
-         real(dp) :: a, b
-         integer :: sense
-         logical :: success
-
-         sense = merge(1, -1, here%events < next%events)
-         if (sense > 0) then
-            base = here
-         else
-            base = next
-            if (allocated(base%bend)) deallocate (base%bend)
-         end if
-         a = 0
-         b = augmented%metric%distance(here, next)
-         last = base
-         call narrow(base, sense, beside_grazing, a, b, last)
-         call extrapolate(base, sense*a, sense*extrapolated, last, success, by_half=.false.)
-         if (.not. success) call narrow(base, sense, located, a, b, last)
-         call put(grazing_name(augmented%kind), last)
-      end subroutine locate_grazing
-
-      !> Narrows the bracket of a grazing: by the way at which the distance from the wall would be 0, else and every third time by
-      !> half, as another extreme may be the nearest.
-      subroutine narrow(base, sense, width, a, b, last)
-         !> Point with the fewer events, with its tangent; sense in which the grazing is.
-         type(augmented_point_type), intent(in) :: base
-         integer, intent(in) :: sense
-         !> Half the length of the bracket that is wanted.
-         real(dp), intent(in) :: width
-         !> The bracket, ways from the base; the point at a.
-         real(dp), intent(inout) :: a, b
-         type(augmented_point_type), intent(inout) :: last
-         type(augmented_point_type) :: middle
-         real(dp) :: way(2), gap(2), s, aim
-         integer :: i
-         logical :: success
-
-         way = 0
-         gap = 0
-         do i = 1, most_steps
-            if (b - a <= 2*width) exit
-            s = (a + b)/2
-            if (gap(1) > gap(2) .and. mod(i, 3) > 0) then
-               aim = way(2) + gap(2)*(way(2) - way(1))/(gap(1) - gap(2))
-               aim = aim + merge(width, -width, aim - a < width)
-               if (aim > a .and. aim < b) s = aim
-            end if
-            call augmented%advance(base, sense*s, middle, success, roughly=.true.)
-            if (success) success = middle%events == base%events
-            if (.not. success) then
-               b = s
-               cycle
-            end if
-            a = s
-            last = middle
-            way = [way(2), a]
-            gap = [gap(2), from_wall(augmented, middle)]
-         end do
-      end subroutine narrow
-
-      !> Lambda and parameter of a grazing, a way from a point with the fewer events, by points before it, each a step from the
-      !> other, as polynomials in their distance from the wall. Unchanged where these do not lead to the wall, or to one far away:
-      !> then another extreme is nearer to a wall than the one that grazes. Or those of a doubling of half the period, as
-      !> polynomials in the square of the change after half the period.
-      subroutine extrapolate(base, way, step, point, success, by_half)
-         type(augmented_point_type), intent(in) :: base
-         real(dp), intent(in) :: way, step
-         type(augmented_point_type), intent(inout) :: point
-         logical, intent(out) :: success
-         logical, intent(in) :: by_half
-         type(augmented_point_type) :: before(3)
-         real(dp) :: aside(3), weight(3), frequency_ratio, parameter
-         integer :: i
-
-         do i = 1, 3
-            call augmented%advance(base, way - i*step, before(i), success, roughly=.not. by_half)
-            if (success) success = before(i)%events == base%events
-            if (.not. success) return
-            if (by_half) then
-               aside(i) = sum(change_after_half(before(i)%states)**2)
-            else
-               aside(i) = from_wall(augmented, before(i))
-            end if
-         end do
-         success = aside(1) < aside(2) .and. aside(2) < aside(3)
-         if (by_half) success = all(abs(aside(2:)/aside(1) - [4, 9]) < even*[4, 9])
-         if (.not. success) return
-         do i = 1, 3
-            weight(i) = product(pack(aside, [1, 2, 3] /= i)/(pack(aside, [1, 2, 3] /= i) - aside(i)))
-         end do
-         frequency_ratio = dot_product(weight, before%frequency_ratio)
-         parameter = dot_product(weight, before%parameter)
-         success = abs(parameter - before(1)%parameter) < 2*abs(step) .and. &
-                   abs(frequency_ratio - before(1)%frequency_ratio) < 2*abs(step)*augmented%metric%units%frequency_ratio
-         if (.not. success) return
-         if (by_half) point = before(1)
-         point%frequency_ratio = frequency_ratio
-         point%parameter = parameter
-      end subroutine extrapolate
 
       subroutine put(kind, point)
          character(*), intent(in) :: kind
