@@ -112,7 +112,8 @@ contains
             if (at_wall) call leap(success)
             ! Where it does not get across, the curve may still get along in short steps.
             if (.not. success .and. h > shortest .and. crawls < most_crawls) cycle
-            if (.not. success .and. at_wall) then
+            ! On the curve of an onset every motion touches a wall.
+            if (.not. success .and. at_wall .and. augmented%mesh == 0) then
                call put(grazing_name(augmented%kind), here)
                side%ended = 'a grazing at Lambda = '//text(here%frequency_ratio)
                return
