@@ -128,7 +128,7 @@ def _targets(name: str, train: Description, analysis: str, settings: Mapping[str
 
 
 def _variation(train: Description, relative: bool) -> list[Target]:
-    """All harmonics of kappa, scaled alike so that the largest of any mesh is the value."""
+    """All harmonics of kappa, scaled alike so that the largest amplitude of any mesh is the value, as over it elsewhere."""
     rows = [
         (Target(f"mesh {number}", variable, element if len(values) > 1 else 0), float(value))
         for number, mesh in enumerate(train.meshes, 1)
@@ -136,7 +136,11 @@ def _variation(train: Description, relative: bool) -> list[Target]:
         for values in [getattr(mesh, variable) or ()]
         for element, value in enumerate(values, 1)
     ]
-    largest = max((abs(value) for _, value in rows), default=0.0)
+    squares: dict[tuple[str, int], float] = {}
+    for target, value in rows:
+        harmonic = target.place, max(target.element, 1)
+        squares[harmonic] = squares.get(harmonic, 0.0) + value**2
+    largest = max(squares.values(), default=0.0) ** 0.5
     if not largest:
         raise InputError(f"parameter {_VARIATION!r}: no mesh is given a stiffness_cos or stiffness_sin to scale")
     return [target._replace(factor=value if relative else value / largest) for target, value in rows]

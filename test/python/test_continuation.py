@@ -4,6 +4,7 @@ import pickle
 
 import numpy as np
 import pytest
+from conftest import single_pair
 
 import geartrain as gt
 
@@ -154,3 +155,16 @@ def test_what_needs_a_branch_over_frequency(pair, over_torque):
             call()
     with pytest.raises(gt.InputError, match="unit of the parameter"):
         over_torque.at(0.1, unit="Hz")
+
+
+def test_the_stiffness_variation_is_an_amplitude_everywhere():
+    """Of cosine and sine together: the motions of a branch over it are those of the train with that value."""
+    train = single_pair(0.4, stiffness_cos=[0.3], stiffness_sin=[0.2])
+    mesh = train.with_values({"stiffness_variation": 0.4}).meshes[0]
+    assert np.hypot(mesh.stiffness_cos[0], mesh.stiffness_sin[0]) == pytest.approx(0.4, rel=1e-14)
+    assert mesh.stiffness_sin[0] / mesh.stiffness_cos[0] == pytest.approx(2 / 3, rel=1e-14)
+    branch = train.continuation(parameter="stiffness_variation", start=0.1, stop=0.4, frequency=0.3, harmonics=24)
+    motion = branch.at(0.4)[0]
+    assert motion.refine().rms == pytest.approx(motion.rms, rel=1e-4)
+    other = train.with_values({"stiffness_variation": 0.4}).response(start=0.3, stop=0.31, harmonics=24).at(0.3)[0]
+    assert other.rms == pytest.approx(motion.rms, rel=1e-6)

@@ -109,7 +109,8 @@ def test_one_value_of_a_list():
     meshes = [replace(mesh, stiffness_cos=[0.3, 0.1], stiffness_sin=[0.2]) for mesh in paper_train().meshes]
     train = paper_train(meshes=meshes)
     assert train_at(train, {"mesh 1 stiffness_cos 2": 0.05}).meshes[0].stiffness_cos == (0.3, 0.05)
-    scaled = train_at(train, {"stiffness_variation": 0.15}).meshes[1]
+    # The amplitude of the first harmonic is that of its cosine and sine together.
+    scaled = train_at(train, {"stiffness_variation": np.hypot(0.3, 0.2) / 2}).meshes[1]
     np.testing.assert_allclose([*scaled.stiffness_cos, *scaled.stiffness_sin], [0.15, 0.05, 0.1])
     assert train_at(train, {"mesh 1 stiffness_cos": 2.0}, relative=True).meshes[0].stiffness_cos == (0.6, 0.2)
     with pytest.raises(gt.InputError, match="has 2 values: say which"):
