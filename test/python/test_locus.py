@@ -37,12 +37,46 @@ def test_boundary_of_mathieu(pair, branch):
     assert list(locus.parameter[[0, -1]]) == [0.5, 0.5]
     # Both edges of the band, which meet at its tip at the least kappa.
     assert locus.frequency.min() < 1.8 and locus.frequency.max() > 2.1
-    off = []
-    for frequency, kappa in zip(locus.frequency, locus.parameter):
-        here, above, below = (hill(frequency, kappa + change, 0.05) for change in (0, 1e-6, -1e-6))
-        off.append(abs(here / (above - below)) * 2e-6)
-    # The distance in kappa, whose derivative vanishes nowhere on the boundary.
+    off = [distance_from_boundary(*point, 0.05) for point in zip(locus.frequency, locus.parameter)]
     assert max(off) < 1e-10
+
+
+def distance_from_boundary(frequency, kappa, zeta):
+    """Distance in kappa from the boundary of Mathieu's equation: the derivative over it vanishes nowhere there."""
+    here, above, below = (hill(frequency, kappa + change, zeta) for change in (0, 1e-6, -1e-6))
+    return abs(here / (above - below)) * 2e-6
+
+
+def test_ends_where_motions_are_linear(pair):
+    # Beyond its last grazing the motion of period 2 loses no contact; on the boundary of Mathieu's equation it has any amplitude.
+    branch = pair.response(start=0.5, stop=2.4, period_doublings=1)
+    (fold,) = [special for twice in branch.branches for special in of_kind(twice, "fold")]
+    locus = pair.locus(fold, parameter="stiffness_variation", start=0.03, stop=0.5)
+    assert not locus.complete and "linear motions, of any amplitude, near Lambda = 2.01" in locus.ended
+    end = max((0, -1), key=lambda point: locus.frequency[point])
+    assert distance_from_boundary(locus.frequency[end], locus.parameter[end], 0.05) < 1e-7
+    last = locus.special_points[end]
+    assert last.kind == "grazing on a fold" and abs(last.frequency - locus.frequency[end]) < 1e-9
+    # It zigzags nowhere.
+    steps = np.diff(locus.frequency)
+    assert np.count_nonzero(steps[1:] * steps[:-1] < 0) <= 3
+
+
+@pytest.mark.parametrize("start, complete", [(-0.4, False), (0.0, True)])
+def test_torque_to_nothing(pair, branch, start, complete):
+    # Without errors all motions scale with the torque, so that the fold stays; at 0 the mesh floats in its gap.
+    fold = of_kind(branch, "fold")[0]
+    locus = pair.locus(fold, parameter="input_torque", start=start, stop=0.8)
+    assert locus.complete == complete and "vanishes" in locus.ended
+    assert 0 < locus.parameter.min() < 1e-3 and locus.parameter.max() == 0.8
+    assert np.abs(locus.frequency - locus.frequency[0]).max() < 1e-10
+    assert not locus.special_points
+
+
+def test_damping_from_nothing(pair, branch):
+    for special in of_kind(branch, "fold"):
+        locus = pair.locus(special, parameter="mesh 1 damping_ratio", start=0.0, stop=0.1)
+        assert locus.complete and locus.parameter.min() == 0.0
 
 
 def square_wave(kappa, terms):

@@ -20,6 +20,9 @@ module geartrain_continuation_locus
    private
    public :: trace_locus
 
+   !> Distance of the parameter from an end of its range that is rounding, over the length of the range.
+   real(dp), parameter :: rounding = 1e-13_dp
+
 contains
 
    !> Traces the curve of a special point both ways, as long as the parameter is between two values.
@@ -107,7 +110,7 @@ contains
          side(3 - k)%closed = .false.
          side(3 - k)%ended = side(k)%ended
       end do
-      call gather(augmented, first, side, locus)
+      call gather(augmented, first, [min(start, stop), max(start, stop)], side, locus)
       locus%kind = kind
       locus%mesh = mesh
       locus%name = trim(adjustl(name))
@@ -120,9 +123,11 @@ contains
    end subroutine trace_locus
 
    !> Puts both sides together.
-   subroutine gather(augmented, first, side, locus)
+   subroutine gather(augmented, first, range, side, locus)
       type(augmented_system_type), intent(in) :: augmented
       type(augmented_point_type), intent(in) :: first
+      !> Ends of the range of the parameter [its unit]: a point at one is exactly there.
+      real(dp), intent(in) :: range(2)
       type(side_type), intent(in) :: side(2)
       type(locus_type), intent(inout) :: locus
       integer :: i, n
@@ -160,6 +165,8 @@ contains
 
          locus%frequency_ratio(k) = point%frequency_ratio
          locus%parameter(k) = augmented%origin + augmented%scale*point%parameter
+         if (minval(abs(locus%parameter(k) - range)) < rounding*augmented%scale) &
+            locus%parameter(k) = range(minloc(abs(locus%parameter(k) - range), 1))
          locus%state(:, k) = point%states(:, 1)
          locus%multipliers(:, k) = point%multipliers
       end subroutine put

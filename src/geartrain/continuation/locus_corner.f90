@@ -4,7 +4,7 @@ module geartrain_continuation_locus_corner
    use geartrain_base_kinds, only: dp, pi
    use geartrain_continuation_augmented_point, only: add_tangent, augmented_point_type, scale_tangent
    use geartrain_continuation_augmented_system, only: augmented_system_type
-   use geartrain_continuation_locus_tests, only: from_wall
+   use geartrain_continuation_locus_walls, only: from_wall
    use geartrain_continuation_orbit_directions, only: along_lambda, along_null, along_parameter, find_directions
    use geartrain_linalg_border, only: border_type
    implicit none (type, external)
@@ -18,7 +18,7 @@ module geartrain_continuation_locus_corner
    real(dp), parameter :: short = 2e-3_dp
    !> Angles to the wall at which they are tried, each half the one before.
    integer, parameter :: angles = 18
-   !> Depth at which a step ends that leads beyond the wall, over half the backlash: nearer to it the curve is hard to follow.
+   !> Depth at which a step ends that leads beyond the wall, over the size of the motion: nearer to it the curve is hard to follow.
    real(dp), parameter :: deep = 1e-6_dp
    !> Distance of a point from the tangent of another one, over its distance from that point, below which it is on its curve.
    real(dp), parameter :: aside_share = 0.2_dp

@@ -5,7 +5,7 @@ module geartrain_continuation_locus_location
    use geartrain_continuation_augmented_point, only: augmented_point_type
    use geartrain_continuation_augmented_system, only: augmented_system_type
    use geartrain_continuation_locus_half_period, only: change_after_half, way_to_half
-   use geartrain_continuation_locus_tests, only: from_wall
+   use geartrain_continuation_locus_walls, only: from_wall
    implicit none (type, external)
    private
    public :: locate_grazing, locate_half, located, most_steps, nearest_half

@@ -8,9 +8,11 @@ module geartrain_continuation_locus_side
    use geartrain_continuation_augmented_system, only: augmented_system_type
    use geartrain_continuation_locus_corner, only: cross_corner
    use geartrain_continuation_locus_half_period, only: is_of_half, passes_half, way_to_half
+   use geartrain_continuation_locus_limits, only: limits_type
    use geartrain_continuation_locus_location, only: locate_grazing, locate_half, located, most_steps, nearest_half
    use geartrain_continuation_locus_result, only: double_point_type
-   use geartrain_continuation_locus_tests, only: find_tests, grazing_name, most_tests, name_of, tests_type, touches
+   use geartrain_continuation_locus_tests, only: find_tests, grazing_name, most_tests, name_of, tests_type
+   use geartrain_continuation_locus_walls, only: touches
    use geartrain_linalg_bracket, only: between, shrink
    implicit none (type, external)
    private
@@ -27,14 +29,10 @@ module geartrain_continuation_locus_side
    !> Step below which a curve whose motion touches a wall is at a corner; most such steps before it ends there.
    real(dp), parameter :: crawling = 1e-5_dp
    integer, parameter :: most_crawls = 20
+   !> Distance of the last point of a curve whose motion vanishes from the end of the range at which it would.
+   real(dp), parameter :: at_end = 1e-3_dp
    !> Most failures to get across one.
    integer, parameter :: most_failures = 3
-   !> Largest Lambda over the one at the beginning, and its inverse the least: the integration of slow motions takes ever longer.
-   real(dp), parameter :: widest = 20
-   !> Largest displacement, over the larger of half the backlash and the static deflection: there are curves without an end along
-   !> which the motion grows towards a parametric resonance of the linear train.
-   real(dp), parameter :: largest = 30
-
    !> A side of the curve as it is traced.
    type :: side_type
       type(augmented_point_type), allocatable :: point(:)
@@ -65,14 +63,17 @@ contains
       !> The points at both ends of a step; the one before the latest corner; a place between points.
       type(augmented_point_type) :: here, next, corner, place
       type(tests_type) :: before, after
+      type(limits_type) :: limits
+      character(80) :: why
       real(dp) :: h, ends(2), cosine
       integer :: k, leapt, crawls, failures
-      logical :: success, ends_here, at_wall, go
+      logical :: success, ends_here, at_wall, landed, go
 
       allocate (side%point(most_points), side%special(most_points))
       ends = ([min(start, stop), max(start, stop)] - augmented%origin)/augmented%scale
       here = first
       call find_tests(augmented, here, before)
+      call limits%begin(augmented, first)
       h = first_step
       leapt = -10
       crawls = 0
@@ -99,6 +100,13 @@ contains
             cosine = augmented%metric%product_of(next%tangent, next%tangent_frequency, next%tangent_parameter, here)
             success = cosine > least_cosine
          end if
+         if (success) then
+            call limits%forbids(augmented, next, why)
+            if (why /= '') then
+               call approach(why)
+               return
+            end if
+         end if
          if (.not. success) then
             h = h/3
             if (h > crawling) cycle
@@ -124,7 +132,8 @@ contains
                return
             end if
          end if
-         if (next%parameter < ends(1) .or. next%parameter > ends(2)) then
+         landed = next%parameter < ends(1) .or. next%parameter > ends(2)
+         if (landed) then
             call land(merge(ends(1), ends(2), next%parameter < ends(1)), success)
             if (.not. success) then
                h = h/3
@@ -150,7 +159,7 @@ contains
          end if
          call find_tests(augmented, next, after)
          ! Near a zero the signs of values that rest on derivatives of before are not sure.
-         if (any(after%value*before%value < 0 .or. abs(after%value) < doubtful*abs(before%value))) then
+         if (.not. landed .and. any(after%value*before%value < 0 .or. abs(after%value) < doubtful*abs(before%value))) then
             call augmented%solve(next, .true., success)
             if (.not. success) then
                h = h/3
@@ -185,12 +194,10 @@ contains
             side%closed = .true.
             return
          end if
-         if (maxval(abs(next%states(:augmented%system%displacements, :))) > largest*augmented%metric%units%length) then
-            side%ended = 'beyond the amplitude limit '//text(largest)//' at Lambda = '//text(next%frequency_ratio)
-            return
-         end if
-         if (.not. abs(log(next%frequency_ratio/first%frequency_ratio)) < log(widest)) then
-            side%ended = 'far from where it began, at Lambda = '//text(next%frequency_ratio)
+         call limits%ends_at(augmented, next, side%ended)
+         if (side%ended /= '') then
+            ! A curve over the torque from 0 on is whole where the motion vanishes.
+            side%at_end = limits%vanishes(augmented) .and. minval(abs(next%parameter - ends)) < at_end
             return
          end if
          if (cosine > least_cosine) call augmented%metric%find_bend(here, next)
@@ -210,6 +217,10 @@ contains
          if (side%points - leapt < 4 .or. failures == most_failures) return
          leapt = side%points
          call cross_corner(augmented, here, corner, next, success)
+         if (success) then
+            call limits%forbids(augmented, next, why)
+            success = why == ''
+         end if
          if (.not. success) then
             failures = failures + 1
             return
@@ -220,6 +231,38 @@ contains
          h = first_step
          cosine = 0
       end subroutine leap
+
+      !> Ends the curve at its last point before the one at the end of the step, which is no special point.
+      subroutine approach(why)
+         !> Why it is none.
+         character(*), intent(in) :: why
+         type(augmented_point_type) :: middle
+         character(len(why)) :: found
+         real(dp) :: a, b
+         logical :: success
+
+         a = 0
+         b = h
+         next = here
+         do while (b - a > shortest)
+            call augmented%advance(here, (a + b)/2, middle, success, roughly=.true.)
+            if (success) call limits%forbids(augmented, middle, found)
+            if (success) success = found == ''
+            if (success) then
+               a = (a + b)/2
+               next = middle
+            else
+               b = (a + b)/2
+            end if
+         end do
+         if (a > 0) then
+            side%points = side%points + 1
+            side%point(side%points) = next
+         end if
+         ! Between motions with contact events and those without is a grazing.
+         if (next%events > 0) call put(grazing_name(augmented%kind), next)
+         side%ended = trim(why)//' near Lambda = '//text(next%frequency_ratio)
+      end subroutine approach
 
       !> Makes `next` the point at an end of the range.
       subroutine land(end_value, success)
@@ -234,6 +277,8 @@ contains
          at_end%frequency_ratio = here%frequency_ratio + share*(next%frequency_ratio - here%frequency_ratio)
          at_end%parameter = end_value
          call augmented%solve(at_end, .false., success)
+         ! Not but for rounding.
+         at_end%parameter = end_value
          if (success) success = augmented%metric%distance(at_end, here) < 1.5_dp*augmented%metric%distance(next, here)
          if (success) next = at_end
       end subroutine land

@@ -7,11 +7,9 @@ module geartrain_continuation_locus_tests
    use geartrain_floquet_critical_pair, only: pair_of
    implicit none (type, external)
    private
-   public :: find_tests, from_wall, grazing_name, most_tests, name_of, tests_type, touches
+   public :: find_tests, grazing_name, most_tests, name_of, tests_type
 
    integer, parameter :: most_tests = 6
-   !> Distance of an extreme of the displacement from a wall that counts as touching, over half the backlash.
-   real(dp), parameter :: touching = 1e-3_dp
    character(*), parameter :: of_fold(*) = [character(24) :: 'cusp', 'isola centre', '1:1 resonance', 'fold-flip']
    character(*), parameter :: of_doubling(*) = [character(24) :: 'generalized doubling', '1:2 resonance', 'fold-flip']
    character(*), parameter :: of_torus(*) = [character(24) :: '1:1 resonance', '1:2 resonance', '1:3 resonance', '1:4 resonance', &
@@ -86,38 +84,6 @@ contains
          tests%value(:2) = [beside(point, 1), beside(point, -1)]
       end select
    end subroutine find_tests
-
-   !> Whether a mesh just touches a wall of its gap, at an extreme of its displacement, or comes to one with hardly any speed.
-   logical function touches(augmented, point)
-      !> The system, with the train of the point.
-      type(augmented_system_type), intent(inout) :: augmented
-      !> A special point.
-      type(augmented_point_type), intent(in) :: point
-
-      associate (units => augmented%metric%units)
-         touches = point%slowest_event < sqrt(touching)*units%length*units%frequency_ratio
-      end associate
-      if (.not. touches) touches = from_wall(augmented, point) < touching
-   end function touches
-
-   !> Least distance of an extreme of the displacement of any mesh from a wall of its gap, over half the backlash.
-   real(dp) function from_wall(augmented, point)
-      !> The system, with the train of the point.
-      type(augmented_system_type), intent(inout) :: augmented
-      !> A special point.
-      type(augmented_point_type), intent(in) :: point
-      real(dp) :: smallest, largest, nearest
-      integer :: j
-
-      from_wall = huge(1.0_dp)
-      do j = 1, augmented%system%meshes
-         associate (b => augmented%system%half_backlash(j))
-            if (.not. b > 0) cycle
-            call augmented%probe%extremes(point%frequency_ratio, point%states, j, smallest, largest, b, nearest)
-            from_wall = min(from_wall, nearest/b)
-         end associate
-      end do
-   end function from_wall
 
    !> The multipliers but for two of them.
    pure function without(multipliers, pair) result(others)

@@ -6,7 +6,7 @@ module geartrain_continuation_units
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: units_type, units_of, largest_unit, length_unit_of
+   public :: largest_drive, largest_load, largest_unit, length_unit_of, units_of, units_type
 
    !> Displacement of a train that rattles under a small load, over its deflection [1]: it does not reach the other flank.
    real(dp), parameter :: rattle = 5
@@ -54,10 +54,24 @@ contains
 
    !> Largest deflection of a mesh under the mean load, over characteristic length [1].
    pure real(dp) function largest_load(system)
+      !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
 
       largest_load = maxval(abs(system%static_force(system%mesh_element)))
    end function largest_load
+
+   !> Largest displacement that a mean load, a transmission error or a fluctuating torque would cause at rest, or by its
+   !> acceleration at Lambda = 1, over characteristic length [1]; 0: nothing excites the train.
+   pure real(dp) function largest_drive(system)
+      !> Dimensionless system of the train.
+      type(system_type), intent(in) :: system
+      integer :: i
+
+      largest_drive = max(largest_load(system), largest_error(system))
+      do i = 1, size(system%torque)
+         largest_drive = max(largest_drive, sum(abs(system%torque(i)%amplitude))*maxval(abs(system%torque_gain(:, i))))
+      end do
+   end function largest_drive
 
    !> Bound of all transmission errors over characteristic length [1].
    pure real(dp) function largest_error(system)

@@ -8,7 +8,7 @@ module geartrain_flow_lyapunov
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: exponent_of, find_exponent, kind_of, largest_exponent
+   public :: exponent_of, find_exponent, kind_of, largest_exponent, settled_exponent_of
 
    !> Share of the periods that is not averaged: the tangent turns to the direction that grows fastest.
    real(dp), parameter :: turning = 0.2_dp
@@ -18,6 +18,8 @@ module geartrain_flow_lyapunov
    !> Uncertainty times period of the fundamental [1]: largest that tells a quasi-periodic motion; smallest that is worth a longer
    !> average.
    real(dp), parameter :: largest_neutral = 2e-3_dp, precise = 1e-4_dp
+   !> Fewest periods of a half of an average that is looked at alone.
+   integer, parameter :: shortest_half = 60
    !> Blocks whose averages give the uncertainty; Student's t at 95 % for blocks - 1 degrees of freedom.
    integer, parameter :: blocks = 6
    real(dp), parameter :: student = 2.57_dp
@@ -115,7 +117,7 @@ contains
          growth(k) = log(length)*frequency_ratio/(2*pi)
          flow%x(2, :) = flow%x(2, :)/length
          if (k >= next) then
-            call exponent_of(growth(int(turning*k) + 1:k), value, error)
+            call settled_exponent_of(growth(int(turning*k) + 1:k), frequency_ratio, value, error)
             if (k == most .or. abs(value) > error .or. error < precise*frequency_ratio/(2*pi)) exit
             next = min(2*next, most)
             growth = [growth, spread(0.0_dp, 1, next - k)]
@@ -127,6 +129,28 @@ contains
       end do
       exponent = value
    end subroutine average
+
+   !> Mean rate of growth, of the last part whose halves agree: the motion may come to its attractor long after the average begins.
+   pure subroutine settled_exponent_of(growth, frequency_ratio, exponent, error)
+      !> Rate of growth over each period of the fundamental [1]; Lambda [1].
+      real(dp), intent(in) :: growth(:), frequency_ratio
+      !> The mean and its uncertainty at 95 % [1].
+      real(dp), intent(out) :: exponent, error
+      real(dp) :: early, late, error_early, error_late
+      integer :: first, middle
+
+      first = 1
+      do
+         call exponent_of(growth(first:), exponent, error)
+         middle = (first + size(growth))/2 + 1
+         if (size(growth) - middle < shortest_half) return
+         call exponent_of(growth(first:middle - 1), early, error_early)
+         call exponent_of(growth(middle:), late, error_late)
+         ! The uncertainty of the early half may be that of its approach.
+         if (abs(early - late) <= max(sqrt(2.0_dp)*error_late, precise*frequency_ratio/(2*pi))) return
+         first = middle
+      end do
+   end subroutine settled_exponent_of
 
    !> Mean rate of growth and its uncertainty at 95 %, from the means of six blocks. The weights of the means, with all derivatives,
    !> are 0 at the ends, so that oscillations average out.

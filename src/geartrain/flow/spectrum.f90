@@ -2,7 +2,7 @@
 module geartrain_flow_spectrum
    use geartrain_base_kinds, only: dp, pi
    use geartrain_flow_energy, only: energy_type
-   use geartrain_flow_lyapunov, only: exponent_of
+   use geartrain_flow_lyapunov, only: exponent_of, settled_exponent_of
    use geartrain_flow_section_map, only: section_map_type
    use geartrain_model_system, only: system_type
    implicit none (type, external)
@@ -63,7 +63,7 @@ contains
          if (present(sections)) sections(:, k) = state
       end do
       do i = 1, size(exponents)
-         call exponent_of(growth(:, i), exponents(i), errors(i))
+         call settled_exponent_of(growth(:, i), map%frequency_ratio, exponents(i), errors(i))
       end do
       ! They come out in order but for their uncertainty.
       do i = 1, size(exponents)

@@ -169,7 +169,7 @@ contains
       call table%take(plain)
       do i = 1, size(self%parameter)
          has = value_of(table, self%parameter(i))
-         if (self%parameter(i)%direct .and. abs(has - value) > 1e-12_dp*abs(value)) then
+         if (self%parameter(i)%direct .and. abs(has - value) > 1e-12_dp*max(abs(value), abs(self%own_value))) then
             call refuse('there the train takes '//real_text(has)//' from its drawing instead')
             return
          end if
