@@ -506,7 +506,7 @@ class Train(Description):
 
     def lyapunov_spectrum(
         self, frequency: float, *, unit: Unit = "Lambda", start: Motion | ArrayLike | None = None, transient: int = 500,
-        periods: int = 2000,
+        periods: int = 4000,
     ) -> LyapunovSpectrum:
         """All Lyapunov exponents of what the flow does in the long run, and its sections.
 
@@ -517,9 +517,10 @@ class Train(Description):
         unit : {'Lambda', 'rpm', 'Hz'}
         start : Motion or array_like, optional
             Where to start: a motion, or a state as ``Motion.state``; at rest unless told.
-        transient, periods : int, default 500 and 2000
-            Periods of the fundamental before the average, and those averaged over. Where the kind is ``'undecided'`` more of them
-            decide, unless the flow is a chaotic transient.
+        transient, periods : int, default 500 and 4000
+            Periods of the fundamental before the average, and those averaged over; where the average drifts, the last part of them
+            whose halves agree. Where the kind is ``'undecided'`` more of them decide. A chaotic transient that lasts longer than
+            both is taken for the attractor.
 
         Returns
         -------

@@ -50,6 +50,16 @@ def test_a_periodic_motion_has_those_of_its_multipliers(frequency, period):
     assert found.exponents == pytest.approx(exponents_of(motion), rel=1e-4)
 
 
+def test_a_transient_within_the_average_is_left_out():
+    """From rest the flow stays with a chaotic saddle, of exponent 0.037, until period 2800."""
+    train = soft_train()
+    through, after = train.lyapunov_spectrum(2.49), train.lyapunov_spectrum(2.49, transient=4000)
+    assert through.kind == after.kind == "chaotic"
+    assert after.errors[0] < 2e-3 and through.errors[0] < 2e-3
+    assert abs(through.exponents[0] - after.exponents[0]) < np.hypot(through.errors[0], after.errors[0])
+    assert through.exponents.sum() == pytest.approx(after.exponents.sum(), rel=1e-9)
+
+
 def test_chaos():
     """The sum is the mean of the divergence (Liouville), that of the linear train; the largest is `Train.integrate`'s."""
     train = soft_train()

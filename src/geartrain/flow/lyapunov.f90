@@ -8,14 +8,15 @@ module geartrain_flow_lyapunov
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: exponent_of, find_exponent, kind_of, largest_exponent, settled_exponent_of
+   public :: exponent_of, find_exponent, kind_of, largest_exponent, settled_part
 
    !> Share of the periods that is not averaged: the tangent turns to the direction that grows fastest.
    real(dp), parameter :: turning = 0.2_dp
    !> Length of the first average: time [1], and fewest periods of the fundamental.
    real(dp), parameter :: average_over = 3000
    integer, parameter :: fewest = 200
-   !> Uncertainty times period of the fundamental [1]: largest that tells a quasi-periodic motion; smallest that is worth a longer
+   !> Uncertainty times period of the fundamental [1]: largest that tells a quasi-periodic motion, and change of the exponent over
+   !> an average that is small; smallest that is worth a longer
    !> average.
    real(dp), parameter :: largest_neutral = 2e-3_dp, precise = 1e-4_dp
    !> Fewest periods of a half of an average that is looked at alone.
@@ -98,7 +99,7 @@ contains
       type(energy_type) :: energy
       real(dp), allocatable :: growth(:)
       real(dp) :: length, value
-      integer :: k, next
+      integer :: first, k, next
       logical :: keep_going
 
       error = 0
@@ -117,7 +118,9 @@ contains
          growth(k) = log(length)*frequency_ratio/(2*pi)
          flow%x(2, :) = flow%x(2, :)/length
          if (k >= next) then
-            call settled_exponent_of(growth(int(turning*k) + 1:k), frequency_ratio, value, error)
+            first = int(turning*k) + 1
+            first = first + settled_part(growth(first:k), frequency_ratio) - 1
+            call exponent_of(growth(first:k), value, error)
             if (k == most .or. abs(value) > error .or. error < precise*frequency_ratio/(2*pi)) exit
             next = min(2*next, most)
             growth = [growth, spread(0.0_dp, 1, next - k)]
@@ -130,27 +133,24 @@ contains
       exponent = value
    end subroutine average
 
-   !> Mean rate of growth, of the last part whose halves agree: the motion may come to its attractor long after the average begins.
-   pure subroutine settled_exponent_of(growth, frequency_ratio, exponent, error)
+   !> First period of the last part whose halves agree: the motion may come to its attractor long after the average begins.
+   pure integer function settled_part(growth, frequency_ratio) result(first)
       !> Rate of growth over each period of the fundamental [1]; Lambda [1].
       real(dp), intent(in) :: growth(:), frequency_ratio
-      !> The mean and its uncertainty at 95 % [1].
-      real(dp), intent(out) :: exponent, error
       real(dp) :: early, late, error_early, error_late
-      integer :: first, middle
+      integer :: middle
 
       first = 1
       do
-         call exponent_of(growth(first:), exponent, error)
          middle = (first + size(growth))/2 + 1
          if (size(growth) - middle < shortest_half) return
          call exponent_of(growth(first:middle - 1), early, error_early)
          call exponent_of(growth(middle:), late, error_late)
          ! The uncertainty of the early half may be that of its approach.
-         if (abs(early - late) <= max(sqrt(2.0_dp)*error_late, precise*frequency_ratio/(2*pi))) return
+         if (abs(early - late) <= max(sqrt(2.0_dp)*error_late, largest_neutral*frequency_ratio/(2*pi))) return
          first = middle
       end do
-   end subroutine settled_exponent_of
+   end function settled_part
 
    !> Mean rate of growth and its uncertainty at 95 %, from the means of six blocks. The weights of the means, with all derivatives,
    !> are 0 at the ends, so that oscillations average out.

@@ -2,7 +2,7 @@
 module geartrain_flow_spectrum
    use geartrain_base_kinds, only: dp, pi
    use geartrain_flow_energy, only: energy_type
-   use geartrain_flow_lyapunov, only: exponent_of, settled_exponent_of
+   use geartrain_flow_lyapunov, only: exponent_of, settled_part
    use geartrain_flow_section_map, only: section_map_type
    use geartrain_model_system, only: system_type
    implicit none (type, external)
@@ -38,7 +38,7 @@ contains
       real(dp), intent(out), optional :: sections(:, :)
       type(energy_type) :: energy
       real(dp) :: tangents(size(state), size(exponents)), growth(periods, size(exponents)), length(size(exponents))
-      integer :: i, k, largest
+      integer :: first, i, k, largest
 
       call energy%setup(system)
       tangents = 0
@@ -62,8 +62,10 @@ contains
          growth(k, :) = log(max(length, tiny(1.0_dp)))*map%frequency_ratio/(2*pi)
          if (present(sections)) sections(:, k) = state
       end do
+      ! The same part for all, so that their sum stays the mean of the divergence.
+      first = settled_part(growth(:, 1), map%frequency_ratio)
       do i = 1, size(exponents)
-         call settled_exponent_of(growth(:, i), map%frequency_ratio, exponents(i), errors(i))
+         call exponent_of(growth(first:, i), exponents(i), errors(i))
       end do
       ! They come out in order but for their uncertainty.
       do i = 1, size(exponents)
