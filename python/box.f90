@@ -22,6 +22,7 @@ module geartrain_python_box
    use geartrain_model_explain, only: explain_train, explanation_text
    use geartrain_model_frequency_unit, only: hertz_per_lambda, speed_per_lambda
    use geartrain_model_labels, only: body_labels, mesh_labels, shaft_labels
+   use geartrain_model_parameter_path, only: give_variation
    use geartrain_model_train, only: train_type
    use geartrain_python_taker, only: taker_type
    use geartrain_run_reference, only: list_results
@@ -103,6 +104,7 @@ contains
       type(box_type), intent(in) :: box
       character(*), intent(in) :: name
       character(:), allocatable, intent(out) :: text
+      type(case_type) :: case
 
       text = ''
       select case (name)
@@ -112,6 +114,10 @@ contains
          if (allocated(box%message)) text = box%message
       case ('case')
          call case_text(box%case, text)
+      case ('case with variation')
+         case = box%case
+         call give_variation(case%train)
+         call case_text(case, text)
       case ('explanation')
          call explanation_text(box%case%train, text)
       case ('warnings')

@@ -185,6 +185,7 @@ contains
 
    subroutine agreement(tests)
       class(tests_type), intent(inout) :: tests
+      character(*), parameter :: locus = '&locus parameter=''input_torque'', near=3.0, from=50, to=200 /'
       character(*), parameter :: rigid = '&shaft rigid=.true. /'//n
 
       call refused(tests, train//'&shaft damping_ratio=0.01 /'//n//mesh//shaft, &
@@ -208,6 +209,11 @@ contains
                    &needs &response: its range and settings are those of the branches')
       call refused(tests, good//response//'&attractors frequency=3.0, follow=.true. /', 'x.nml:8:23: error: &attractors: &
                    &frequency = 3.0: must lie in the range of &response, 0.2 to 2.6, where follow = .true.')
+      call refused(tests, good//locus, 'x.nml:7:39: error: &locus: near = 3.0: needs &response, which has the special point')
+      call refused(tests, good//response//locus, &
+                   'x.nml:8:39: error: &locus: near = 3.0: must lie in the range of &response, 0.2 to 2.6')
+      call refused(tests, good//'&response parameter=''input_torque'', frequency=1.0, from=50, to=200 /'//n//locus, &
+                   'x.nml:8:39: error: &locus: near = 3.0: needs a &response over frequency, not over a parameter')
       ! Everything at once, in the order of the file.
       call refused(tests, train//'&shaft stiffness=-1.0 /'//n//mesh//shaft//'&response from=0.2 harmonics=x /', &
                    'x.nml:3:18: error: &shaft 1: stiffness = -1.0: must be > 0 N m/rad'//n// &

@@ -84,6 +84,8 @@ class Locus(Table):
         Of a contact onset the number of the mesh, else 0.
     period : int
         Of the motions, in periods of the fundamental.
+    start_frequency : float
+        Lambda of the special point with which it began, at the train's own value.
     ended : str
         Why it ended on either side, in words.
     complete, closed : bool
@@ -101,6 +103,7 @@ class Locus(Table):
     parameter_name: str
     mesh: int
     period: int
+    start_frequency: float
     ended: str
     complete: bool
     closed: bool

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ._box import Box
 from ._gradient import refuse_without_effect
+from ._namelist import parse
 from ._variable import Part, Variable
 from .description import Description
 from .errors import InputError, shown
@@ -129,6 +130,9 @@ def _targets(name: str, train: Description, analysis: str, settings: Mapping[str
 
 def _variation(train: Description, relative: bool) -> list[Target]:
     """All harmonics of kappa, scaled alike so that the largest amplitude of any mesh is the value, as over it elsewhere."""
+    for number in _derived(train):
+        raise InputError(f"parameter {_VARIATION!r}: the harmonics of mesh {number} follow from its drawing, contact ratio or "
+                         "table: give them, or take the train that with_values gives for a value")
     rows = [
         (Target(f"mesh {number}", variable, element if len(values) > 1 else 0), float(value))
         for number, mesh in enumerate(train.meshes, 1)
@@ -144,6 +148,25 @@ def _variation(train: Description, relative: bool) -> list[Target]:
     if not largest:
         raise InputError(f"parameter {_VARIATION!r}: no mesh is given a stiffness_cos or stiffness_sin to scale")
     return [target._replace(factor=value if relative else value / largest) for target, value in rows]
+
+
+def _derived(train: Description) -> list[int]:
+    """Numbers of the meshes whose harmonics follow from a drawing, a contact ratio or a table."""
+    free = [number for number, mesh in enumerate(train.meshes, 1) if not (mesh.stiffness_cos or mesh.stiffness_sin)]
+    if not free:
+        return free
+    explained = train.explain()
+    return [number for number in free if {"stiffness_cos", "stiffness_sin"} & explained[f"mesh {number}"].keys()]
+
+
+def _with_harmonics_given(train: AnyTrain) -> AnyTrain:
+    """The same train with all harmonics of its mesh stiffnesses given, as continuation over them has it."""
+    if not _derived(train):
+        return train
+    with Box(copy=train._kept) as box:
+        groups = parse(box.text("case with variation"))
+    _, kind = PARTS["mesh"]
+    return replace(train, meshes=[kind(**values) for name, values in groups if name == "mesh"])
 
 
 def _places(train: Description, analysis: str) -> dict[str, list[str]]:
@@ -295,6 +318,8 @@ def with_values(train: AnyTrain, values: Mapping[str, Any]) -> AnyTrain:
         if not isinstance(value, (str, bool, Real, np.generic)) and getattr(value, "shape", None) != ():
             raise InputError(f"parameter {shown(name)}: {shown(value)}: must be one value; those of a list are set one by one, "
                              "as in 'mesh 1 stiffness_cos 2'")
+        if _VARIATION in name.replace(" ", "").split(","):
+            train = _with_harmonics_given(train)
         found = targets_of(name, train, "train", {})
         add_targets(name, found, targets)
         numbers += [checked_column(target, np.asarray([value]))[0].item() for target in found]

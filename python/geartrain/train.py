@@ -101,8 +101,9 @@ class Train(Description):
         values : mapping
             A value each, in the unit of its variable in the case: SI, but for angles of the drawing, ``'mesh 1 helix_angle'``,
             in degrees. The names are those of `Space` and `Motion.gradient`: ``'input_torque'``, ``'mesh 2 half_backlash'``,
-            ``'mesh * damping_ratio'`` of all meshes, ``'mesh 1 stiffness_cos 2'`` of a list, ``'stiffness_variation'``; a tuple of
-            names for several with the same value.
+            ``'mesh * damping_ratio'`` of all meshes, ``'mesh 1 stiffness_cos 2'`` of a list, ``'stiffness_variation'``, the largest
+            amplitude of all harmonics of the mesh stiffnesses, which the train then gives in place of what they follow from; a
+            tuple of names for several with the same value.
 
         Raises
         ------
@@ -569,7 +570,7 @@ class Train(Description):
             Lambda, or in ``unit``.
         unit : {'Lambda', 'rpm', 'Hz'}
         period : int
-            Longest period, in periods of the fundamental.
+            Longest period, in periods of the fundamental, 64 at most.
         starts : int
             Random starts of time integration.
         seeds : int
@@ -596,10 +597,12 @@ class Train(Description):
         >>> [(motion.period, bool(motion.stable)) for motion in found], found.index_sum
         ([(1, True), (1, True), (1, True), (1, False), (1, False)], {1: 1, 2: 1})
         """
-        numbers = {"period": (period, 1), "starts": (starts, 1), "seeds": (seeds, 0), "random_seed": (random_seed, 0)}
-        for name, (value, least) in numbers.items():
-            if isinstance(value, bool) or not isinstance(value, Integral) or not least <= value < 2**31:
-                raise InputError(f"{name} = {shown(value)}: must be a whole number >= {least}")
+        numbers = {"period": (period, 1, 64), "starts": (starts, 1, None), "seeds": (seeds, 0, None),
+                   "random_seed": (random_seed, 0, None)}
+        for name, (value, least, most) in numbers.items():
+            if isinstance(value, bool) or not isinstance(value, Integral) or not least <= value <= (most or 2**31 - 1):
+                allowed = f"from {least} to {most}" if most else f">= {least}"
+                raise InputError(f"{name} = {shown(value)}: must be a whole number {allowed}")
         if response is not None and not isinstance(response, Branch):
             raise InputError(f"response = {shown(response)}: must be a gt.Branch")
         if response is not None and response.parameter_name:

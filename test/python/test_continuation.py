@@ -1,6 +1,7 @@
 """Branches over a parameter of the train at constant speed: what the calls, the file and the pictures make of them."""
 
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -155,6 +156,24 @@ def test_what_needs_a_branch_over_frequency(pair, over_torque):
             call()
     with pytest.raises(gt.InputError, match="unit of the parameter"):
         over_torque.at(0.1, unit="Hz")
+
+
+def test_the_variation_of_harmonics_that_follow():
+    """From a contact ratio and a phase: the train of a value gives them, all scaled alike, and the phase with them."""
+    given = single_pair(0.4, stiffness_cos=[0.3])
+    pair = replace(given, meshes=[replace(given.meshes[0], stiffness_cos=None, contact_ratio=1.4, stiffness_harmonics=3, phase=0.2,
+                                          error_cos=[0.1])])
+    explained = pair.explain()["mesh 1"]
+    own = np.hypot(explained["stiffness_cos"], explained["stiffness_sin"]).max()
+    same = pair.with_values({"stiffness_variation": own})
+    assert same.integrate(0.7).rms == pytest.approx(pair.integrate(0.7).rms, rel=1e-9)
+    branch = pair.continuation(parameter="stiffness_variation", start=0.05, stop=0.5, frequency=0.7)
+    for value in (0.1, 0.3):
+        motion = branch.at(value)[0]
+        assert np.hypot(motion.train.meshes[0].stiffness_cos, motion.train.meshes[0].stiffness_sin).max() == pytest.approx(value)
+        assert motion.train.response(start=0.7, stop=0.71).at(0.7)[0].rms == pytest.approx(motion.rms, rel=1e-9)
+    with pytest.raises(gt.InputError, match="mesh 1 follow from its drawing, contact ratio or table"):
+        gt.Study(pair, gt.Space({"stiffness_variation": [0.1, 0.2]}), modes={}, keep=["natural_frequency"])
 
 
 def test_the_stiffness_variation_is_an_amplitude_everywhere():

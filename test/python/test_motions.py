@@ -122,7 +122,8 @@ def test_least_period_of_a_motion_solved_as_a_longer_one():
     assert least_period(replace_period(doubled, 4)) == 2
 
 
-@pytest.mark.parametrize("wrong", [{"period": 0}, {"starts": 0}, {"seeds": -1}, {"random_seed": 0.5}, {"response": 3}])
+@pytest.mark.parametrize("wrong", [{"period": 0}, {"period": 65}, {"starts": 0}, {"seeds": -1}, {"random_seed": 0.5},
+                                   {"response": 3}])
 def test_bad_arguments(wrong):
     with pytest.raises(gt.InputError, match=next(iter(wrong))):
         paper_train().motions(0.7, **wrong)

@@ -32,30 +32,51 @@ contains
       logical, intent(in) :: seeded
       !> Collects the problems.
       class(checker_type), intent(inout) :: checker
-      real(dp) :: low, high, at, factor
 
-      if (allocated(case%locus) .and. .not. (seeded .or. allocated(case%response))) then
+      if (checker%problems%in_group('response')) return
+      if (allocated(case%locus) .and. .not. seeded) then
          call checker%enter('locus', 1)
-         call checker%complain('near', real_text(case%locus%near), 'needs &response, which has the special point')
+         call need_response('near', real_text(case%locus%near), ', which has the special point', 'near', case%locus%near, &
+                            case%locus%unit, '')
          call checker%leave()
       end if
       if (.not. allocated(case%attractors)) return
-      if (.not. case%attractors%follow .or. checker%problems%in_group('response')) return
+      if (.not. case%attractors%follow) return
       call checker%enter('attractors', 1)
-      if (.not. allocated(case%response)) then
-         call checker%complain('follow', '.true.', 'needs &response: its range and settings are those of the branches')
-      else if (case%response%parameter /= '') then
-         call checker%complain('follow', '.true.', 'needs a &response over frequency, not over a parameter')
-      else
-         low = min(case%response%start, case%response%stop)
-         high = max(case%response%start, case%response%stop)
-         at = case%attractors%frequency*lambda_per(case%train, case%attractors%unit)
-         factor = lambda_per(case%train, case%response%unit)
-         if (at < low*factor .or. at > high*factor) &
-            call checker%complain('frequency', real_text(case%attractors%frequency), 'must lie in the range of &response, '// &
-                                  real_text(low)//' to '//real_text(high)//', where follow = .true.')
-      end if
+      call need_response('follow', '.true.', ': its range and settings are those of the branches', 'frequency', &
+                         case%attractors%frequency, case%attractors%unit, ', where follow = .true.')
       call checker%leave()
+
+   contains
+
+      !> Complains where there is no response over frequency, or a frequency lies outside its range.
+      subroutine need_response(asks, value, why, name, frequency, unit, where_)
+         !> Variable that asks for it, its value, and what it is needed for, with a mark before it.
+         character(*), intent(in) :: asks, value, why
+         !> Name of the frequency.
+         character(*), intent(in) :: name
+         !> The frequency, in its unit.
+         real(dp), intent(in) :: frequency
+         character(*), intent(in) :: unit
+         !> Words at the end of what is said of the frequency.
+         character(*), intent(in) :: where_
+         real(dp) :: low, high, at, factor
+
+         if (.not. allocated(case%response)) then
+            call checker%complain(asks, value, 'needs &response'//why)
+         else if (case%response%parameter /= '') then
+            call checker%complain(asks, value, 'needs a &response over frequency, not over a parameter')
+         else
+            low = min(case%response%start, case%response%stop)
+            high = max(case%response%start, case%response%stop)
+            at = frequency*lambda_per(case%train, unit)
+            factor = lambda_per(case%train, case%response%unit)
+            if (at < low*factor .or. at > high*factor) &
+               call checker%complain(name, real_text(frequency), 'must lie in the range of &response, '//real_text(low)//' to '// &
+                                     real_text(high)//where_)
+         end if
+      end subroutine need_response
+
    end subroutine check_agreement
 
    !> Leaves out of a case every analysis that no branch comes from.

@@ -217,6 +217,8 @@ contains
          call carry(fields, field('mesh', '', '', 'number of the mesh of a contact onset, else 0', least=0, &
                                   most=size(train%meshes)), locus%mesh)
          call carry(fields, field('period', '', '', 'period of the motions in periods of the fundamental', least=1), locus%period)
+         call carry(fields, field('start_frequency', '', '1', 'Lambda of the special point with which it began, at the value of &
+                                  &the train'), locus%start_frequency)
          call carry_text(fields, field('parameter_name', '', '', 'name of the parameter', optional=.true.), locus%name)
          n = 0
          if (allocated(locus%frequency_ratio)) n = size(locus%frequency_ratio)
@@ -276,8 +278,8 @@ contains
 
       associate (locus => self%result)
          if (.not. allocated(locus%ended)) return
-         write (unit, '(3a, i0, 3a)') 'Locus: ', trim(locus%kind), ', ', size(locus%frequency_ratio), ' points in ', &
-            fixed(seconds, 2), ' s'
+         write (unit, '(5a, i0, 3a)') 'Locus: ', trim(locus%kind), ' at Lambda = ', text(locus%start_frequency), ', ', &
+            size(locus%frequency_ratio), ' points in ', fixed(seconds, 2), ' s'
          do i = 1, size(locus%special_points)
             associate (special => locus%special_points(i))
                write (unit, '(6a)') '    ', trim(special%kind), ' at Lambda = ', text(special%frequency_ratio), &

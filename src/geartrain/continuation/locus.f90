@@ -116,6 +116,7 @@ contains
       locus%name = trim(adjustl(name))
       locus%unit = path%unit
       locus%period = motion%period
+      locus%start_frequency = first%frequency_ratio
       locus%closed = any(side%closed)
       locus%complete = locus%closed .or. side(1)%at_end .and. side(2)%at_end
       locus%ended = trim(side(1)%ended)

@@ -22,6 +22,8 @@ module geartrain_continuation_locus_result
       character(:), allocatable :: name, unit
       !> Period of the motions [periods of the fundamental].
       integer :: period = 1
+      !> Lambda of the special point with which it began [1].
+      real(dp) :: start_frequency = 0
       !> Lambda [1], parameter [its unit], (point); state of the motion [1], (state, point); its multipliers, (state, point).
       real(dp), allocatable :: frequency_ratio(:), parameter(:), state(:, :)
       complex(dp), allocatable :: multipliers(:, :)

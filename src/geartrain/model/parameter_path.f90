@@ -16,7 +16,7 @@ module geartrain_model_parameter_path
    use geartrain_model_train_rate, only: has_effect
    implicit none (type, external)
    private
-   public :: parameter_path_type
+   public :: give_variation, parameter_path_type
 
    !> The path goes on beyond its ends by this share of its length, where the train allows it: Newton's method and differences look
    !> there.
@@ -90,7 +90,7 @@ contains
       if (self%unit == '') self%unit = '1'
       self%train = train
       if (any(self%parameter(1)%variable == [character(24) :: variation, 'stiffness_cos', 'stiffness_sin'])) &
-         call give_variation(plain, self%train)
+         call give_variation(self%train)
       ! The units of displacement and time stay when the parameter is one that they would follow from.
       self%train%characteristic_length = plain%characteristic_length
       self%train%characteristic_frequency = plain%characteristic_frequency
@@ -113,16 +113,14 @@ contains
    end subroutine setup
 
    !> Gives the train the harmonics of its mesh stiffnesses that follow from a drawing, a contact ratio or a table.
-   subroutine give_variation(plain, train)
-      !> Its plain train.
-      type(train_type), intent(in) :: plain
+   subroutine give_variation(train)
       !> The train as described.
       type(train_type), intent(inout) :: train
       type(train_type) :: loaded
       integer :: j
 
       ! The loads stay as they are when the harmonics change, and so do the mean stiffnesses.
-      loaded = plain
+      call plain_train(train, loaded)
       call reduce_light_loads(loaded)
       do j = 1, size(train%meshes)
          associate (mesh => train%meshes(j), own => loaded%meshes(j))
