@@ -34,7 +34,7 @@ contains
       type(response_settings_type) :: settings
       integer :: seed, trains, points, found, wrong_verdicts, wrong_estimates, undecided, doublings, wrong_doublings
 
-      trains = merge(8, 60, tests%slow_build)
+      trains = merge(4, 60, tests%slow_build)
       points = 0
       found = 0
       undecided = 0

@@ -15,7 +15,7 @@ contains
       class(tests_type), intent(inout) :: tests
 
       if (tests%runs('in_contact')) call in_contact(tests)
-      if (tests%runs('apart')) call apart(tests)
+      if (tests%runs('apart') .and. .not. tests%slow_build) call apart(tests)
       if (tests%runs('both_apart')) call both_apart(tests)
    end subroutine hunting_tests
 

@@ -21,10 +21,10 @@ from geartrain.motions import (
 
 def test_figure_3_where_two_motions_of_period_2_coexist():
     """At 1.2 a second period-2 motion, unstable, lies between the two stable ones: neither a sweep nor a random start finds it."""
-    found = paper_train().motions(1.2, period=2, starts=20, seeds=40)
+    found = paper_train().motions(1.2, period=2, starts=20, seeds=20)
     assert [(motion.period, motion.stable) for motion in found] == [(1, True), (2, True), (2, False)]
     assert found.index_sum == found.expected_sum == {1: 1, 2: 1} and found.complete
-    assert "shooting" in found.how[2] or "flow" in found.how[2]
+    assert found.how[2].endswith((" from a random state", " from a random waveform"))
     assert str(found).endswith("the indices add up")
 
 
@@ -33,7 +33,7 @@ def test_a_parametric_resonance_turns_the_sum():
     train = paper_train()
     linear = replace(train, meshes=[replace(mesh, half_backlash=0.0) for mesh in train.meshes])
     assert np.min(linear.response(start=1.92, stop=1.93, harmonics=1).multipliers[0].real) < -1
-    found = train.motions(1.92, period=2, starts=20, seeds=60)
+    found = train.motions(1.92, period=2, starts=20, seeds=20)
     assert found.expected_sum == {1: 1, 2: -1} and found.complete
     assert [(motion.period, motion.stable) for motion in found] == [(2, True), (1, False), (2, False)]
 
@@ -64,7 +64,7 @@ def test_an_island_that_is_unstable_at_this_speed():
         "mesh 2 driving_inertia": 0.0034953484, "mesh 2 driven_inertia": 0.023563942, "mesh 2 stiffness": 418491593.6,
         "mesh 2 damping_ratio": 0.053140467, "mesh 2 half_backlash": 5.2393675e-05, "mesh 2 stiffness_cos": 0.24220609,
         "shaft 2 stiffness": 9081437.3})
-    found = train.motions(2.4, period=2, starts=20)
+    found = train.motions(2.4, period=2, starts=20, seeds=40)
     assert found.complete and len(found) == 7
     island = [motion for motion in found if 1.2 < motion.rms[0] < 1.4]
     assert [motion.rms.round(4).tolist() for motion in island] == [[1.2415, 1.0727], [1.3753, 0.6302]]
