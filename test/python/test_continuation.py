@@ -158,6 +158,19 @@ def test_what_needs_a_branch_over_frequency(pair, over_torque):
         over_torque.at(0.1, unit="Hz")
 
 
+def test_a_torque_to_nothing():
+    """Without errors the motion scales with the torque; at 0 it has neither multipliers nor a position in the gap."""
+    pair = single_pair(0.4, stiffness_cos=[0.3])
+    through = pair.continuation(parameter="input_torque", start=-0.4, stop=0.8, frequency=0.6)
+    assert through.ended.count("the motion vanishes there with all that excites it") == 2
+    assert (np.diff(np.unique(through.segment)) == 1).all() and not through.special_points
+    to_nothing = pair.continuation(parameter="input_torque", start=0.0, stop=0.8, frequency=0.8)
+    assert "reached input_torque = 0.0" in to_nothing.ended and not to_nothing.special_points
+    loaded = to_nothing.parameter > 1e-6
+    scaled = to_nothing.rms[loaded, 0] / to_nothing.parameter[loaded]
+    assert scaled == pytest.approx(scaled[0], rel=1e-6)
+
+
 def test_the_variation_of_harmonics_that_follow():
     """From a contact ratio and a phase: the train of a value gives them, all scaled alike, and the phase with them."""
     given = single_pair(0.4, stiffness_cos=[0.3])

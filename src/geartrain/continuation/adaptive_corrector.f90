@@ -6,8 +6,10 @@ module geartrain_continuation_adaptive_corrector
    use geartrain_balance_error_estimate, only: error_estimate_type, find_error_estimate, harmonics_for, resonance_ratio
    use geartrain_balance_harmonic_set, only: next_set
    use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: text
    use geartrain_continuation_branch, only: response_settings_type
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
+   use geartrain_continuation_units, only: largest_drive
    use geartrain_linalg_trigonometric, only: transform_length
    use geartrain_model_modes, only: natural_frequency_ranges
    use geartrain_model_system, only: system_type
@@ -19,6 +21,8 @@ module geartrain_continuation_adaptive_corrector
    real(dp), parameter :: tolerance_share = 0.3_dp, set_share = 0.6_dp
    !> Ratio of new to present number of harmonics above which the number is not lowered: each change plans the balance anew.
    real(dp), parameter :: worth_lowering = 0.75_dp
+   !> Largest drive of a train that is as good as none, over the displacements of the branch.
+   real(dp), parameter :: vanishing = 1e-6_dp
    !> Most harmonics of a set.
    integer, parameter :: largest_set = 2000
 
@@ -39,7 +43,7 @@ module geartrain_continuation_adaptive_corrector
       !> Evaluations of the balance at the latest error estimate; -1: none yet.
       integer, private :: estimated = -1
    contains
-      procedure :: prepare, estimate_error, adapt, relax
+      procedure :: prepare, estimate_error, adapt, relax, trouble, vanishes
       procedure, private :: solve_again
    end type adaptive_corrector_type
 
@@ -206,5 +210,28 @@ contains
       here = before(1)
       origin = before(2)
    end subroutine relax
+
+   !> What keeps the next point of the branch from being found, in words after 'the motion '.
+   function trouble(self) result(words)
+      class(adaptive_corrector_type), intent(in) :: self
+      character(:), allocatable :: words
+
+      if (self%vanishes()) then
+         words = 'vanishes there with all that excites it'
+         return
+      end if
+      words = 'is not smooth there or needs more than '//text(self%corrector%balance%highest)//' harmonics: '
+      if (self%settings%harmonics == 0) words = words//'lower tolerance, or see &integration'
+      if (self%settings%harmonics > 0) words = words//'raise harmonics, or see &integration'
+   end function trouble
+
+   !> Whether hardly anything excites the train of the latest solution, which has gaps: it is at rest at a wall, or floats.
+   pure logical function vanishes(self)
+      class(adaptive_corrector_type), intent(in) :: self
+
+      associate (system => self%corrector%balance%system)
+         vanishes = any(system%half_backlash > 0) .and. largest_drive(system) < vanishing*self%corrector%units%length
+      end associate
+   end function vanishes
 
 end module geartrain_continuation_adaptive_corrector

@@ -133,10 +133,8 @@ contains
             h = h/3
             if (h >= smallest_step) cycle
             outcome = stuck
-            reason = 'step below '//text(smallest_step)//' at Lambda = '//text(here%frequency_ratio)//': the motion &
-               &is not smooth there or needs more than '//text(self%corrector%balance%highest)//' harmonics: '
-            if (self%settings%harmonics == 0) reason = reason//'lower tolerance, or see &integration'
-            if (self%settings%harmonics > 0) reason = reason//'raise harmonics, or see &integration'
+            reason = 'step below '//text(smallest_step)//' at Lambda = '//text(here%frequency_ratio)//': the motion '// &
+                     self%trouble()
             return
          end if
 
@@ -410,7 +408,8 @@ contains
       integer, intent(in) :: before
       type(branch_type), intent(inout), target :: branch
 
-      if (.not. self%recorder%stability) return
+      ! A train at rest at a wall of its gaps has no multipliers.
+      if (.not. self%recorder%stability .or. self%vanishes()) return
       associate (corrector => self%corrector, monodromy => self%recorder%monodromy, n => branch%points)
          if (fold_at > 0) then
             call add_stability_changes(corrector, monodromy, here, fold, fold_at, before, n - 1, branch)
