@@ -43,7 +43,7 @@ module geartrain_continuation_adaptive_corrector
       !> Evaluations of the balance at the latest error estimate; -1: none yet.
       integer, private :: estimated = -1
    contains
-      procedure :: prepare, estimate_error, adapt, relax, trouble, vanishes
+      procedure :: prepare, estimate_error, adapt, relax, tell_trouble, vanishes
       procedure, private :: solve_again
    end type adaptive_corrector_type
 
@@ -211,19 +211,19 @@ contains
       origin = before(2)
    end subroutine relax
 
-   !> What keeps the next point of the branch from being found, in words after 'the motion '.
-   function trouble(self) result(words)
+   !> Tells what keeps the next point of the branch from being found.
+   subroutine tell_trouble(self, words)
       class(adaptive_corrector_type), intent(in) :: self
-      character(:), allocatable :: words
+      character(:), allocatable, intent(out) :: words
 
       if (self%vanishes()) then
-         words = 'vanishes there with all that excites it'
+         words = 'the motion vanishes there with all that excites it'
          return
       end if
-      words = 'is not smooth there or needs more than '//text(self%corrector%balance%highest)//' harmonics: '
+      words = 'the motion is not smooth there or needs more than '//text(self%corrector%balance%highest)//' harmonics: '
       if (self%settings%harmonics == 0) words = words//'lower tolerance, or see &integration'
       if (self%settings%harmonics > 0) words = words//'raise harmonics, or see &integration'
-   end function trouble
+   end subroutine tell_trouble
 
    !> Whether hardly anything excites the train of the latest solution, which has gaps: it is at rest at a wall, or floats.
    pure logical function vanishes(self)

@@ -133,8 +133,8 @@ contains
             h = h/3
             if (h >= smallest_step) cycle
             outcome = stuck
-            reason = 'step below '//text(smallest_step)//' at Lambda = '//text(here%frequency_ratio)//': the motion '// &
-                     self%trouble()
+            call self%tell_trouble(reason)
+            reason = 'step below '//text(smallest_step)//' at Lambda = '//text(here%frequency_ratio)//': '//reason
             return
          end if
 
