@@ -214,6 +214,7 @@ contains
    !> Tells what keeps the next point of the branch from being found.
    subroutine tell_trouble(self, words)
       class(adaptive_corrector_type), intent(in) :: self
+      !> The words.
       character(:), allocatable, intent(out) :: words
 
       if (self%vanishes()) then
