@@ -30,7 +30,7 @@ module geartrain_continuation_locus_side
    real(dp), parameter :: crawling = 1e-5_dp
    integer, parameter :: most_crawls = 20
    !> Distance of the last point of a curve whose motion vanishes from the end of the range at which it would.
-   real(dp), parameter :: at_end = 1e-3_dp
+   real(dp), parameter :: near_end = 1e-3_dp
    !> Most failures to get across one.
    integer, parameter :: most_failures = 3
    !> A side of the curve as it is traced.
@@ -100,13 +100,6 @@ contains
             cosine = augmented%metric%product_of(next%tangent, next%tangent_frequency, next%tangent_parameter, here)
             success = cosine > least_cosine
          end if
-         if (success) then
-            call limits%forbids(augmented, next, why)
-            if (why /= '') then
-               call approach(why)
-               return
-            end if
-         end if
          if (.not. success) then
             h = h/3
             if (h > crawling) cycle
@@ -141,6 +134,11 @@ contains
                side%ended = 'Newton''s method does not converge at the end of the range'
                return
             end if
+         end if
+         call limits%forbids(augmented, next, why)
+         if (why /= '') then
+            call approach(why)
+            return
          end if
          if (passes_half(augmented, here, next)) then
             ends_here = abs(way_to_half(here)) < 2*augmented%metric%distance(here, next)
@@ -197,7 +195,7 @@ contains
          call limits%ends_at(augmented, next, side%ended)
          if (side%ended /= '') then
             ! A curve over the torque from 0 on is whole where the motion vanishes.
-            side%at_end = limits%vanishes(augmented) .and. minval(abs(next%parameter - ends)) < at_end
+            side%at_end = limits%vanishes(augmented) .and. minval(abs(next%parameter - ends)) < near_end
             return
          end if
          if (cosine > least_cosine) call augmented%metric%find_bend(here, next)
@@ -246,6 +244,7 @@ contains
          next = here
          do while (b - a > shortest)
             call augmented%advance(here, (a + b)/2, middle, success, roughly=.true.)
+            if (success) success = middle%parameter >= ends(1) .and. middle%parameter <= ends(2)
             if (success) call limits%forbids(augmented, middle, found)
             if (success) success = found == ''
             if (success) then
