@@ -214,6 +214,12 @@ contains
                    'x.nml:8:39: error: &locus: near = 3.0: must lie in the range of &response, 0.2 to 2.6')
       call refused(tests, good//'&response parameter=''input_torque'', frequency=1.0, from=50, to=200 /'//n//locus, &
                    'x.nml:8:39: error: &locus: near = 3.0: needs a &response over frequency, not over a parameter')
+      call refused(tests, good//response//'&locus parameter=''input_torqe'', near=1.0, from=50, to=200 /', 'x.nml:8:18: error: &
+                   &&locus: parameter = ''input_torqe'': parameter "input_torqe": no variable of &train (did you mean &
+                   &"input_torque"?)')
+      call refused(tests, good//response//'&locus parameter=''input_torque'', near=1.0, from=50, to=100 /', 'x.nml:8:18: error: &
+                   &&locus: parameter = ''input_torque'': locus: from 50.0 to 100.0: the value of "input_torque" in the train, &
+                   &150.0, must lie between them')
       ! Everything at once, in the order of the file.
       call refused(tests, train//'&shaft stiffness=-1.0 /'//n//mesh//shaft//'&response from=0.2 harmonics=x /', &
                    'x.nml:3:18: error: &shaft 1: stiffness = -1.0: must be > 0 N m/rad'//n// &

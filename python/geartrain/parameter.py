@@ -103,6 +103,8 @@ def _targets(name: str, train: Description, analysis: str, settings: Mapping[str
     places = _places(train, analysis)
     parsed = re.fullmatch(r"(?:(.+) )??([a-z]\w*)(?: (\d+))?", name)
     place, variable, element = (parsed[1] or "train", parsed[2], int(parsed[3] or 0)) if parsed else ("", "", 0)
+    if parsed and parsed[3] and not element:
+        raise InputError(f"parameter {shown(name)}: the values of a list are numbered from 1")
     words = places.get(place, ())
     if not words and (counted := _beyond(place, train)):
         raise InputError(f"parameter {shown(name)}: {counted}")

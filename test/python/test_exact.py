@@ -140,3 +140,56 @@ def test_rms_of_special_points_is_that_there():
 def test_an_onset_is_a_motion_like_any_other(branch):
     onset = only(branch.onsets, "separation", 1.128).exact()
     assert onset.motion.stable and not onset.motion.undecided
+
+
+def chain(torque, shafts, *stages, **more):
+    """A chain in units of 1 between rigid ends: radii, inertias, stiffness, damping ratio and harmonics of each stage."""
+    names = ("driving_radius", "driven_radius", "driving_inertia", "driven_inertia", "stiffness", "damping_ratio")
+    meshes = [gt.Mesh(half_backlash=1.0, **dict(zip(names, stage[:6])), **stage[6]) for stage in stages]
+    elastic = [gt.Shaft(stiffness=stiffness, damping_ratio=ratio) for stiffness, ratio in shafts]
+    return gt.Train(input_torque=torque, prime_mover_inertia=0.0, load_inertia=0.0, characteristic_length=1.0,
+                    characteristic_frequency=1.0, shafts=[gt.Shaft(rigid=True), *elastic, gt.Shaft(rigid=True)], meshes=meshes, **more)
+
+
+def test_a_pair_that_becomes_real_is_no_neimark_sacker_point():
+    """The product of the pair jumps by what it was with another multiplier; no multiplier is on the unit circle.
+
+    The multipliers next to it by an integrator with fixed steps and events of its own: 1.45952, 1.45955, 0.867 in magnitude.
+    """
+    train = chain(
+        0.24047971368849816, [(1.3787263233786535, 0.02505068859120331), (2.224306851498627, 0.0352357301382403)],
+        (1.1122586737511968, 0.9430618517322054, 2.7208013569340777, 1.9874528269017717, 1.2986687826063896, 0.043107630465136264,
+         {"stiffness_cos": 0.18300050587228298, "error_cos": 0.07995899956266511}),
+        (1.0930422615672606, 0.9240245220800313, 1.657556226217975, 2.2828179472795753, 1.5038710775535833, 0.03949344684323212,
+         {"stiffness_cos": 0.22718630392628553, "stiffness_sin": [-0.07214134640462676, 0.06891517321213689],
+          "error_cos": 0.07649596778394568}),
+        (1.0431315384275248, 1.1165586789485205, 1.4907655727771474, 2.607210431336666, 0.9724102526343334, 0.033643546081675066,
+         {"stiffness_cos": 0.3844745927565174, "stiffness_sin": [-0.025947535844472944, -0.015234028751107603],
+          "error_cos": 0.1551406145917018}))
+    response = train.response(start=0.35, stop=2.6, harmonics=10, period_doublings=1)
+    found = [special for twice in response.branches for special in twice.special_points if special.kind == "neimark-sacker"]
+    exact = 0
+    for special in found:
+        try:
+            multipliers = special.exact().multipliers
+        except gt.SolverError:
+            continue
+        exact += 1
+        assert np.abs(np.abs(multipliers[multipliers.imag > 0]) - 1).min() < 1e-7
+    assert 0 < exact < len(found)
+
+
+def test_no_criticality_where_the_motion_is_linear():
+    """At both Neimark-Sacker points all meshes stay in contact: the equation is linear, and circles have any size."""
+    train = chain(
+        0.3246627293838012, [(1.198296484747053, 0.014074700118003047)],
+        (0.839408451540966, 1.0362369615948168, 1.7644517317279524, 2.1144915380984877, 1.2606330312961405, 0.049996790217178164,
+         {"stiffness_cos": 0.3850572993951389}),
+        (0.8747114216970953, 1.1540162299344148, 1.8121880710420262, 1.2938245051795334, 1.2852537829320352, 0.028854248069792178,
+         {"stiffness_cos": 0.18343006144462545}),
+        torque_cos=0.07683833703301068)
+    points = [special.exact() for special in train.response(start=1.72, stop=2.12, harmonics=10).special_points
+              if special.kind == "neimark-sacker"]
+    assert [point.frequency for point in points] == pytest.approx([1.818366663742, 1.920833177765], abs=1e-9)
+    for point in points:
+        assert point.motion.minimum.min() > 1.2 and point.criticality == "" and point.crossing == 2

@@ -202,6 +202,27 @@ def test_a_fold_of_period_2_ends_where_its_motions_become_those_of_period_1():
     assert change_after_half(last) < 0.1 * change_after_half(len(locus) // 2)
 
 
+def test_a_curve_of_branch_points_goes_on_where_newton_goes_astray():
+    """In a long step to what is no orbit: of stages that are mirror images neither torque nor shaft breaks the symmetry.
+
+    Without errors a branch point stays where it is over the torque.
+    """
+    mesh = dict(driving_radius=1.0, driven_radius=1.0, stiffness=1.3933760886091309, damping_ratio=0.01861234792942396,
+                half_backlash=1.0, stiffness_cos=0.20607421185024558)
+    inertias = (2.585323838427506, 2.244358458882325)
+    meshes = [gt.Mesh(driving_inertia=one, driven_inertia=other, **mesh) for one, other in (inertias, inertias[::-1])]
+    train = gt.Train(input_torque=0.21757680318455336, prime_mover_inertia=0.0, load_inertia=0.0, characteristic_length=1.0,
+                     characteristic_frequency=1.0, meshes=meshes,
+                     shafts=[gt.Shaft(rigid=True), gt.Shaft(stiffness=0.3963367526887096, damping=0.0), gt.Shaft(rigid=True)])
+    branch = train.response(start=0.3, stop=0.45, harmonics=11)
+    (point,) = [special for special in branch.special_points
+                if special.kind == "branch point" and abs(special.frequency - 0.36336) < 2e-4]
+    for start in (0.05, 0.1, 0.12):
+        locus = train.locus(point, parameter="input_torque", start=start, stop=1.0)
+        assert locus.complete and np.abs(locus.frequency - 0.363362903542).max() < 1e-10
+    assert train.locus(point, parameter="shaft 2 stiffness", start=0.2, stop=4.0).closed
+
+
 def test_a_branch_points_curve_ends_where_the_symmetry_does():
     """Over the torque both of two equal stages stay equal; over the damping of one of them they do not."""
     train = equal_stages(0.3)

@@ -14,10 +14,12 @@ module geartrain_analyses_locus
    use geartrain_continuation_branch, only: branch_type, response_settings_type, special_point_type
    use geartrain_continuation_contact_edges, only: locate_contact_edges
    use geartrain_continuation_exact_point, only: exact_point_type, find_exact_point, onsets_of
-   use geartrain_continuation_locus, only: trace_locus
+   use geartrain_continuation_locus, only: find_path, trace_locus
    use geartrain_continuation_locus_result, only: double_point_type, locus_type
    use geartrain_flow_fields, only: about_frequency, about_multipliers
+   use geartrain_model_check, only: check_train
    use geartrain_model_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
+   use geartrain_model_parameter_path, only: parameter_path_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -114,8 +116,25 @@ contains
          end if
          if (.not. abs(settings%stop - settings%start) > 0) call checker%complain('to', text(settings%stop), &
                                                                                     'must differ from the other end')
+         if (.not. checker%problems%in_group('locus')) call check_path()
          call checker%leave()
       end associate
+
+   contains
+
+      !> Checks the parameter and its range.
+      subroutine check_path()
+         type(parameter_path_type) :: path
+         type(error_type), allocatable :: wrong
+
+         ! What is wrong with the train is told elsewhere.
+         call check_train(train, wrong)
+         if (allocated(wrong) .or. seeded) return
+         call find_path(train, self%settings%parameter, self%settings%near*lambda_per(train, self%settings%unit), &
+                        self%settings%start, self%settings%stop, path, wrong)
+         if (allocated(wrong)) call checker%complain('parameter', "'"//trim(self%settings%parameter)//"'", wrong%message)
+      end subroutine check_path
+
    end subroutine check
 
    subroutine give_example(self)

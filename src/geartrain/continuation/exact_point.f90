@@ -27,6 +27,10 @@ module geartrain_continuation_exact_point
 
    !> Distance from a special point to the orbits on either side whose multipliers are counted, in the units of units_type.
    real(dp), parameter :: beside = 1e-4_dp
+   !> Tenths to which this distance is reduced at most, where another special point is as near.
+   integer, parameter :: most_tenths = 4
+   !> Distance of the pair of multipliers of a Neimark-Sacker point from the unit circle that is the error of its place.
+   real(dp), parameter :: on_circle = 1e-5_dp
    !> Change of Lambda up to which the solution of the augmented system is the special point that was found, in its unit.
    real(dp), parameter :: near = 1e-6_dp
 
@@ -209,10 +213,10 @@ contains
       type(orbit_corrector_type), intent(inout) :: corrector
       type(orbit_type), intent(in) :: orbit
       type(exact_point_type), intent(inout) :: exact
-      !> Of a branch point, of which the search only has a guess, whether it was solved for.
+      !> Of a branch point, of which the search only has a guess, whether it was solved for; of a Neimark-Sacker point whether a pair
+      !> crosses the unit circle there: the product of a pair jumps where it becomes real.
       logical, intent(out) :: found
-      type(orbit_type) :: side
-      logical :: polished, beside_it
+      logical :: polished
 
       associate (motion => exact%motion)
          motion%frequency_ratio = orbit%frequency_ratio/corrector%times
@@ -229,11 +233,38 @@ contains
          motion%error_estimate = 0
          exact%frequency_ratio = motion%frequency_ratio
       end associate
-      call corrector%advance(orbit, -beside, side, beside_it)
-      if (beside_it) exact%before = outside(side%multipliers)
-      call corrector%advance(orbit, beside, side, beside_it)
-      if (beside_it) exact%after = outside(side%multipliers)
+      call count_beside(corrector, orbit, exact)
+      associate (multipliers => exact%motion%multipliers)
+         if (exact%kind == 'neimark-sacker') found = exact%before /= exact%after .or. &
+            any(multipliers%im > 0 .and. abs(abs(multipliers) - 1) < on_circle)
+      end associate
    end subroutine take_orbit
+
+   !> Counts the multipliers outside the unit circle on either side, as near as it takes for those alone to cross that must.
+   subroutine count_beside(corrector, orbit, exact)
+      type(orbit_corrector_type), intent(inout) :: corrector
+      type(orbit_type), intent(in) :: orbit
+      type(exact_point_type), intent(inout) :: exact
+      type(orbit_type) :: side
+      integer :: counted(2), i, k, crossing
+      logical :: success
+
+      crossing = 0
+      if (exact%kind == 'fold' .or. exact%kind == 'period doubling') crossing = 1
+      if (exact%kind == 'neimark-sacker') crossing = 2
+      do k = 0, most_tenths
+         counted = -1
+         do i = 1, 2
+            call corrector%advance(orbit, merge(-1, 1, i == 1)*beside/10**k, side, success)
+            if (success) counted(i) = outside(side%multipliers)
+         end do
+         if (k == 0 .or. all(counted >= 0) .and. abs(counted(2) - counted(1)) == crossing) then
+            exact%before = counted(1)
+            exact%after = counted(2)
+         end if
+         if (crossing == 0 .or. any(counted < 0) .or. abs(counted(2) - counted(1)) == crossing) return
+      end do
+   end subroutine count_beside
 
    !> Solves the augmented system, from the special point of the search, whose error is that of a bracket. Where the system is
    !> singular, as where multipliers coincide by symmetry, the point stays as it is.
@@ -268,6 +299,8 @@ contains
          exact%slowest_event = point%slowest_event
       end associate
       coefficient = 0
+      ! Without contact events the equation of motion is linear.
+      if (point%events == 0) return
       if (exact%kind == 'period doubling') coefficient = doubling_coefficient(augmented, point)
       if (exact%kind == 'neimark-sacker') coefficient = -neimark_sacker_coefficient(augmented, point)
       if (coefficient > degenerate) exact%criticality = 'supercritical'

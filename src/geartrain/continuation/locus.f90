@@ -18,7 +18,7 @@ module geartrain_continuation_locus
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: trace_locus
+   public :: find_path, trace_locus
 
    !> Distance of the parameter from an end of its range that is rounding, over the length of the range.
    real(dp), parameter :: rounding = 1e-13_dp
@@ -53,27 +53,15 @@ contains
       type(system_type) :: system
       type(sections_type) :: sections
       type(motion_type) :: guess
-      real(dp) :: origin
       integer :: info, k, done
       logical :: success, keep_going
 
       call check_train(train, error)
       if (allocated(error)) return
-      call path%setup(train, name, motion%frequency_ratio, start, stop, error)
+      call find_path(train, name, motion%frequency_ratio, start, stop, path, error)
       if (allocated(error)) return
-      if (.not. path%holds_train) then
-         call fatal(error, 'locus: "'//trim(name)//'" has more than one value in the train: name one of them, or give the &
-                    &train one value first, for the curve to begin at')
-         return
-      end if
-      origin = path%own_value
-      if (.not. (min(start, stop) <= origin .and. origin <= max(start, stop) .and. path%length > 0)) then
-         call fatal(error, 'locus: from '//real_text(start)//' to '//real_text(stop)//': the value of "'//trim(name)// &
-                    '" in the train, '//real_text(origin)//', must lie between them')
-         return
-      end if
       call build_system(train, system)
-      call augmented%setup(system, motion%period, kind, mesh, path, origin)
+      call augmented%setup(system, motion%period, kind, mesh, path, path%own_value)
       call sections%setup(system, motion%period, most_parts(system, motion%period), moves=.false.)
       guess = motion
       call section_states(system, guess, sections, first%states)
@@ -122,6 +110,32 @@ contains
       locus%ended = trim(side(1)%ended)
       if (side(1)%ended /= side(2)%ended) locus%ended = locus%ended//'; '//trim(side(2)%ended)
    end subroutine trace_locus
+
+   !> The path of the train over the parameter, on which the train itself lies.
+   subroutine find_path(train, name, frequency_ratio, start, stop, path, error)
+      !> A train that has passed `check_train`.
+      type(train_type), intent(in) :: train
+      !> Name of the parameter.
+      character(*), intent(in) :: name
+      !> Lambda at the beginning of the curve [1]; ends of the range of the parameter [unit of the parameter].
+      real(dp), intent(in) :: frequency_ratio, start, stop
+      !> The path.
+      type(parameter_path_type), intent(out) :: path
+      !> There is no such parameter, or the curve would not begin on the path.
+      type(error_type), allocatable, intent(inout) :: error
+
+      call path%setup(train, name, frequency_ratio, start, stop, error)
+      if (allocated(error)) return
+      associate (origin => path%own_value)
+         if (.not. path%holds_train) then
+            call fatal(error, 'locus: "'//trim(name)//'" has more than one value in the train: name one of them, or give the &
+                       &train one value first, for the curve to begin at')
+         else if (.not. (min(start, stop) <= origin .and. origin <= max(start, stop) .and. path%length > 0)) then
+            call fatal(error, 'locus: from '//real_text(start)//' to '//real_text(stop)//': the value of "'//trim(name)// &
+                       '" in the train, '//real_text(origin)//', must lie between them')
+         end if
+      end associate
+   end subroutine find_path
 
    !> Puts both sides together.
    subroutine gather(augmented, first, range, side, locus)

@@ -88,7 +88,8 @@ contains
          call augmented%advance(here, h, next, success, roughly=.true.)
          !$omp atomic read
          go = keep_going
-         if (augmented%open) then
+         ! Newton's method may go astray in a long step to where the symmetry is that of some coordinates alone.
+         if (augmented%open .and. h < crawling) then
             side%ended = 'the parameter breaks the symmetry, at Lambda = '//text(here%frequency_ratio)
             return
          end if

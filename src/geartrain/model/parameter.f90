@@ -23,6 +23,8 @@ module geartrain_model_parameter
    character(*), parameter :: turned_variables(*) = [character(24) :: 'stiffness_cos', 'stiffness_sin', 'error_cos', 'error_sin']
    !> Name of the parameter that scales all mesh stiffness variations.
    character(*), parameter :: variation = 'stiffness_variation'
+   !> Number of a value that no list has.
+   integer, parameter :: beyond_any = 10**8
 
 contains
 
@@ -103,6 +105,8 @@ contains
       at = index(rest, ' ', back=.true.)
       if (at > 0 .and. whole_number(rest(at + 1:)) >= 0) then
          parameter%item = whole_number(rest(at + 1:))
+         ! They are numbered from 1; 0 tells that no number is given.
+         if (parameter%item == 0) parameter%item = beyond_any
          rest = trim(rest(:at))
          at = index(rest, ' ', back=.true.)
       end if
