@@ -148,7 +148,8 @@ def chain(torque, shafts, *stages, **more):
     meshes = [gt.Mesh(half_backlash=1.0, **dict(zip(names, stage[:6])), **stage[6]) for stage in stages]
     elastic = [gt.Shaft(stiffness=stiffness, damping_ratio=ratio) for stiffness, ratio in shafts]
     return gt.Train(input_torque=torque, prime_mover_inertia=0.0, load_inertia=0.0, characteristic_length=1.0,
-                    characteristic_frequency=1.0, shafts=[gt.Shaft(rigid=True), *elastic, gt.Shaft(rigid=True)], meshes=meshes, **more)
+                    characteristic_frequency=1.0, meshes=meshes,
+                    shafts=[gt.Shaft(rigid=True), *elastic, gt.Shaft(rigid=True)], **more)
 
 
 def test_a_pair_that_becomes_real_is_no_neimark_sacker_point():

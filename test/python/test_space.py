@@ -117,6 +117,10 @@ def test_one_value_of_a_list():
         train_at(train, {"mesh 1 stiffness_cos": 0.1})
     with pytest.raises(gt.InputError, match="has 2 values"):
         train_at(train, {"mesh 1 stiffness_cos 3": 0.1})
+    with pytest.raises(gt.InputError, match="numbered from 1"):
+        train_at(train, {"mesh 1 stiffness_cos 0": 0.1})
+    with pytest.raises(gt.InputError, match="its values are named by their numbers, 1 to 2"):
+        train.continuation(parameter="mesh 1 stiffness_cos 0", start=0.1, stop=0.3, frequency=0.8)
 
 
 def test_bodies_go_by_their_names():

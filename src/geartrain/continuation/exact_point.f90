@@ -213,8 +213,8 @@ contains
       type(orbit_corrector_type), intent(inout) :: corrector
       type(orbit_type), intent(in) :: orbit
       type(exact_point_type), intent(inout) :: exact
-      !> Of a branch point, of which the search only has a guess, whether it was solved for; of a Neimark-Sacker point whether a pair
-      !> crosses the unit circle there: the product of a pair jumps where it becomes real.
+      !> Of a branch point, of which the search only has a guess, whether it was solved for; of a Neimark-Sacker point whether a
+      !> pair crosses the unit circle there: the product of a pair jumps where it becomes real.
       logical, intent(out) :: found
       logical :: polished
 
