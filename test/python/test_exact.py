@@ -194,3 +194,17 @@ def test_no_criticality_where_the_motion_is_linear():
     assert [point.frequency for point in points] == pytest.approx([1.818366663742, 1.920833177765], abs=1e-9)
     for point in points:
         assert point.motion.minimum.min() > 1.2 and point.criticality == "" and point.crossing == 2
+
+
+def test_a_branch_point_at_which_lambda_turns():
+    """A response that goes over to the branch that leaves there as its own mirror image: the same point as from the symmetric one."""
+    pair = chain(0.0, [], (1.0, 1.0, 2.9009273926518704, 1.2883192254392675, 1.3691896682823463, 0.022473258080419417,
+                           {"error_cos": [0.8793918156743092, 0.0, 0.05]}), torque_cos=0.1873984219182649)
+    pair = pair.with_values({"mesh 1 half_backlash": 0.2269979346917727})
+    found = []
+    for start, stop in ((0.55, 0.65), (0.5, 0.7)):
+        branch = pair.response(start=start, stop=stop, harmonics=41)
+        found += [special.exact() for special in branch.special_points if special.kind == "branch point"]
+    assert [point.frequency for point in found] == pytest.approx(2 * [0.59520486013586], abs=1e-12)
+    for point in found:
+        assert np.abs(point.multipliers - 1).min() < 1e-7

@@ -39,7 +39,13 @@ contains
       if (is_onset(special%kind)) corrector%watched_mesh = special%mesh
       corrector%watches_back = special%kind == back_contact
       if (found) call corrector%correct(start, found)
-      if (found) call search(corrector, start, special%kind, sense_of(branch, special, change), exact, found)
+      if (.not. found) return
+      call search(corrector, start, special%kind, sense_of(branch, special, change), exact, found)
+      if (found .or. special%kind /= 'branch point') return
+      ! On a branch that begins and ends there, as its own mirror image, Lambda turns and no test function tells it from a fold: the
+      ! branch point is solved for from beside it.
+      exact = start
+      found = .true.
    end subroutine find_exact
 
    !> Indices of the points of the branch on both sides of a special point.
