@@ -197,7 +197,7 @@ def test_no_criticality_where_the_motion_is_linear():
 
 
 def test_a_branch_point_at_which_lambda_turns():
-    """A response that goes over to the branch that leaves there as its own mirror image: the same point as from the symmetric one."""
+    """A response that goes over to the branch that leaves there: the same point as from the symmetric one."""
     pair = chain(0.0, [], (1.0, 1.0, 2.9009273926518704, 1.2883192254392675, 1.3691896682823463, 0.022473258080419417,
                            {"error_cos": [0.8793918156743092, 0.0, 0.05]}), torque_cos=0.1873984219182649)
     pair = pair.with_values({"mesh 1 half_backlash": 0.2269979346917727})
