@@ -132,8 +132,8 @@ def _targets(name: str, train: Description, analysis: str, settings: Mapping[str
 
 def _variation(train: Description, relative: bool) -> list[Target]:
     """All harmonics of kappa, scaled alike so that the largest amplitude of any mesh is the value, as over it elsewhere."""
-    for number in _derived(train):
-        raise InputError(f"parameter {_VARIATION!r}: the harmonics of mesh {number} follow from its drawing, contact ratio or "
+    if derived := _derived(train):
+        raise InputError(f"parameter {_VARIATION!r}: the harmonics of mesh {derived[0]} follow from its drawing, contact ratio or "
                          "table: give them, or take the train that with_values gives for a value")
     rows = [
         (Target(f"mesh {number}", variable, element if len(values) > 1 else 0), float(value))
@@ -155,9 +155,7 @@ def _variation(train: Description, relative: bool) -> list[Target]:
 def _derived(train: Description) -> list[int]:
     """Numbers of the meshes whose harmonics follow from a drawing, a contact ratio or a table."""
     free = [number for number, mesh in enumerate(train.meshes, 1) if not (mesh.stiffness_cos or mesh.stiffness_sin)]
-    if not free:
-        return free
-    explained = train.explain()
+    explained = train.explain() if free else {}
     return [number for number in free if {"stiffness_cos", "stiffness_sin"} & explained[f"mesh {number}"].keys()]
 
 

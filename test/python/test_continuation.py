@@ -171,6 +171,21 @@ def test_a_torque_to_nothing():
     assert scaled == pytest.approx(scaled[0], rel=1e-6)
 
 
+@pytest.mark.parametrize("unit", [1.0, 1e6, 1e-6])
+def test_special_points_under_a_torque_that_fluctuates_alone(unit):
+    """Whatever the unit of frequency, in which the acceleration may be tiny: they are not taken for those of a train at rest."""
+    pair = replace(single_pair(0.0, stiffness_cos=[0.6]), torque_cos=[0.9], characteristic_frequency=unit)
+    branch = pair.response(start=0.3 / unit, stop=0.5 / unit, harmonics=12)
+    doublings = [special.frequency * unit for special in branch.special_points if special.kind == "period doubling"]
+    assert doublings[:2] == pytest.approx([0.310018, 0.402416], abs=2e-6)
+    over = pair.continuation(parameter="torque_cos 1", start=0.4, stop=1.0, frequency=0.35 / unit, harmonics=12)
+    plain = replace(pair, characteristic_frequency=1.0)
+    same = plain.continuation(parameter="torque_cos 1", start=0.4, stop=1.0, frequency=0.35, harmonics=12)
+    told = [[(special.kind, special.parameter) for special in one.special_points] for one in (over, same)]
+    assert [kind for kind, _ in told[0]] == [kind for kind, _ in told[1]] and told[1]
+    assert [value for _, value in told[0]] == pytest.approx([value for _, value in told[1]], abs=1e-6)
+
+
 def test_the_variation_of_harmonics_that_follow():
     """From a contact ratio and a phase: the train of a value gives them, all scaled alike, and the phase with them."""
     given = single_pair(0.4, stiffness_cos=[0.3])

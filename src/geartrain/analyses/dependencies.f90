@@ -71,6 +71,8 @@ contains
             high = max(case%response%start, case%response%stop)
             at = frequency*lambda_per(case%train, unit)
             factor = lambda_per(case%train, case%response%unit)
+            ! That it lacks, or has a unit that the train does not tell, is told elsewhere.
+            if (.not. (at > 0 .and. factor > 0)) return
             if (at < low*factor .or. at > high*factor) &
                call checker%complain(name, real_text(frequency), 'must lie in the range of &response, '//real_text(low)//' to '// &
                                      real_text(high)//where_)

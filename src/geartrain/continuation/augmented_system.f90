@@ -36,9 +36,8 @@ module geartrain_continuation_augmented_system
    real(dp), parameter :: smallest = 1e-9_dp
    !> Length of a Newton step, over the largest state, below which the derivatives of the point before it do for those after it.
    real(dp), parameter :: nearby = 1e-3_dp
-   !> Gap of a branch point, over the largest state, that may be left; length of a step, over it, after which it is not that of the
-   !> step.
-   real(dp), parameter :: closed = 1e-9_dp, settled = 1e-13_dp
+   !> Gap of a branch point, over the largest state, that may be left.
+   real(dp), parameter :: closed = 1e-9_dp
    !> Length of the step, over the largest state, that may be left along a curve.
    real(dp), parameter :: left_over = 1e-11_dp
    !> Length of the last step, over the largest state, or else value of the test function that may be left.
@@ -228,9 +227,6 @@ contains
          ! although the orbit is closed are rounding only where the test function is 0 as well.
          success = has_converged(length, before, gap) .and. (length < left_over_test .or. abs(value) < left_over_test) .or. &
                    again .and. self%kind /= branch_point .and. length**2 < left_over*before
-         ! What is missed is that before the step.
-         if (success .and. self%kind == branch_point .and. self%is_symmetric .and. i < max_iterations) &
-            success = abs(missed) <= closed*scale .or. length < settled
          if (success) exit
          ! Where the steps do not become much shorter the derivatives are not those here.
          again = rough .and. length < nearby .and. length < 0.1_dp*before

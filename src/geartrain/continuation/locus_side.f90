@@ -88,7 +88,7 @@ contains
          call augmented%advance(here, h, next, success, roughly=.true.)
          !$omp atomic read
          go = keep_going
-         ! Newton's method may go astray in a long step to where the symmetry is that of some coordinates alone.
+         ! A long step may lead to what is no orbit although the parameter keeps the symmetry.
          if (augmented%open .and. h < crawling) then
             side%ended = 'the parameter breaks the symmetry, at Lambda = '//text(here%frequency_ratio)
             return
@@ -262,6 +262,7 @@ contains
          ! Between motions with contact events and those without is a grazing.
          if (next%events > 0) call put(grazing_name(augmented%kind), next)
          side%ended = trim(why)//' near Lambda = '//text(next%frequency_ratio)
+         if (augmented%moving%interrupted()) side%ended = 'cancelled'
       end subroutine approach
 
       !> Makes `next` the point at an end of the range.
@@ -277,7 +278,7 @@ contains
          at_end%frequency_ratio = here%frequency_ratio + share*(next%frequency_ratio - here%frequency_ratio)
          at_end%parameter = end_value
          call augmented%solve(at_end, .false., success)
-         ! Not but for rounding.
+         ! The solution may leave it by rounding.
          at_end%parameter = end_value
          if (success) success = augmented%metric%distance(at_end, here) < 1.5_dp*augmented%metric%distance(next, here)
          if (success) next = at_end

@@ -60,16 +60,19 @@ contains
       largest_load = maxval(abs(system%static_force(system%mesh_element)))
    end function largest_load
 
-   !> Largest displacement that a mean load, a transmission error or a fluctuating torque would cause at rest, or by its
-   !> acceleration at Lambda = 1, over characteristic length [1]; 0: nothing excites the train.
+   !> Largest displacement that a mean load, a transmission error or, in time with the meshes, a fluctuating torque would cause, over
+   !> characteristic length [1]; 0: nothing excites the train.
    pure real(dp) function largest_drive(system)
       !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
+      type(units_type) :: units
       integer :: i
 
+      units = units_of(system)
       largest_drive = max(largest_load(system), largest_error(system))
       do i = 1, size(system%torque)
-         largest_drive = max(largest_drive, sum(abs(system%torque(i)%amplitude))*maxval(abs(system%torque_gain(:, i))))
+         largest_drive = max(largest_drive, sum(abs(system%torque(i)%amplitude))*maxval(abs(system%torque_gain(:, i))) &
+                                            /units%frequency_ratio**2)
       end do
    end function largest_drive
 
