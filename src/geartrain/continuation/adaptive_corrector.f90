@@ -226,8 +226,8 @@ contains
       if (self%settings%harmonics > 0) words = words//'raise harmonics, or see &integration'
    end subroutine tell_trouble
 
-   !> Whether on a branch over a parameter hardly anything excites the train of the latest solution, which has gaps: it is at rest at
-   !> a wall, or floats.
+   !> Whether on a branch over a parameter hardly anything excites the train of the latest solution, which has gaps: it is at
+   !> rest at a wall, or floats.
    pure logical function vanishes(self)
       class(adaptive_corrector_type), intent(in) :: self
 

@@ -60,8 +60,8 @@ contains
       largest_load = maxval(abs(system%static_force(system%mesh_element)))
    end function largest_load
 
-   !> Largest displacement that a mean load, a transmission error or, in time with the meshes, a fluctuating torque would cause, over
-   !> characteristic length [1]; 0: nothing excites the train.
+   !> Largest displacement that a mean load, a transmission error or, in time with the meshes, a fluctuating torque would cause,
+   !> over characteristic length [1]; 0: nothing excites the train.
    pure real(dp) function largest_drive(system)
       !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
