@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 
 import geartrain as gt
+from geartrain._motion_search import _Known, _random_waveforms
 from geartrain.errors import SolverError
-from geartrain.motions import _Known, _random_waveforms
 
 ROOT = Path(__file__).resolve().parents[1]
 SPEEDS = (0.4, 0.7, 1.2, 1.92, 2.4)

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from ._box import Box
 from ._draw import new_axes
 from ._gradient import gradient_of
+from ._motion_search import find_motions
 from ._motion_table import motions_of, put_motions
 from ._namelist import in_words_of_the_call
 from ._units import Unit, lambda_of, units_of
@@ -29,7 +30,7 @@ from .locus import Locus
 from .lyapunov import LyapunovSpectrum
 from .modes import Modes
 from .motion import Motion, from_state
-from .motions import Motions, find_motions
+from .motions import Motions
 from .parameter import value_in, with_values
 from .run_up import RunUp
 from .schematic import draw_schematic, figure_size
@@ -597,20 +598,7 @@ class Train(Description):
         >>> [(motion.period, bool(motion.stable)) for motion in found], found.index_sum
         ([(1, True), (1, True), (1, True), (1, False), (1, False)], {1: 1, 2: 1})
         """
-        numbers = {"period": (period, 1, 64), "starts": (starts, 1, None), "seeds": (seeds, 0, None),
-                   "random_seed": (random_seed, 0, None)}
-        for name, (value, least, most) in numbers.items():
-            if isinstance(value, bool) or not isinstance(value, Integral) or not least <= value <= (most or 2**31 - 1):
-                allowed = f"from {least} to {most}" if most else f">= {least}"
-                raise InputError(f"{name} = {shown(value)}: must be a whole number {allowed}")
-        if response is not None and not isinstance(response, Branch):
-            raise InputError(f"response = {shown(response)}: must be a gt.Branch")
-        if response is not None and response.parameter_name:
-            raise InputError(f"response: a branch over {response.parameter_name}: must be one over frequency")
-        if isinstance(frequency, bool) or not isinstance(frequency, Real) or not 0 < frequency < float("inf"):
-            raise InputError(f"frequency = {shown(frequency)}: must be a number > 0")
-        at = lambda_of(self, float(frequency), unit)
-        return find_motions(self, at, int(period), int(starts), int(seeds), int(random_seed), response)
+        return find_motions(self, frequency, unit, period, starts, seeds, random_seed, response)
 
     @takes(VARIABLES["stability_map"], StabilityMapKeywords)
     def stability_map(self, **settings: Unpack[StabilityMapKeywords]) -> StabilityMap:

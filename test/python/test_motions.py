@@ -7,16 +7,9 @@ import pytest
 from conftest import ROOT, paper_train, single_pair
 
 import geartrain as gt
-from geartrain.motions import (
-    _follow,
-    _Known,
-    _multipliers_at_infinity,
-    _random_waveforms,
-    index_sum,
-    least_period,
-    replace_period,
-    same_orbit,
-)
+from geartrain._motion_search import _follow, _Known, _multipliers_at_infinity, _random_waveforms
+from geartrain._orbit import least_period, replace_period, same_orbit
+from geartrain.motions import index_sum
 
 
 def test_figure_3_where_two_motions_of_period_2_coexist():
