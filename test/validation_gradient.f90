@@ -18,6 +18,7 @@ module validation_gradient
    use networks, only: draw_laws, random_network
    use parameters_of_trains, only: all_parameters, change, name_length, parameter_of
    use testing, only: tests_type
+   use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
    public :: gradient_tests
@@ -207,13 +208,14 @@ contains
       type(motion_type), intent(in) :: motion
       real(dp), allocatable, intent(out) :: value(:, :)
       logical, intent(out) :: ok
+      type(system_type), target :: system
       type(tracer_type) :: tracer
       type(solution_point_type) :: solution
       type(branch_type) :: found
       real(dp) :: largest
       integer :: i, side
 
-      call begin_trace(train, settings, tracer)
+      call begin_trace(train, settings, system, tracer)
       solution = solution_of(tracer, motion)
       ! Torques are made of forces that lag the coefficients by a Newton step: by 5e-13 after the second solution, which differences
       ! see, by rounding alone after the third.

@@ -190,7 +190,7 @@ contains
       class(observer_type), intent(inout), optional :: observer
       type(attractors_type) :: empty
       type(integration_settings_type) :: integration
-      type(system_type) :: system
+      type(system_type), target :: system
       type(motion_type) :: settled(batch)
       type(section_map_type) :: map
       type(aperiodic_type) :: wandering(batch)

@@ -38,7 +38,7 @@ contains
       !> Told of each row of 'audit', by one thread at a time; may end it.
       class(observer_type), intent(inout), optional :: observer
       type(orbit_corrector_type) :: corrector
-      type(system_type) :: system
+      type(system_type), target :: system
       type(orbit_type), allocatable :: exact(:)
       integer, allocatable :: chosen(:)
       logical, allocatable :: is_done(:)
@@ -72,8 +72,7 @@ contains
       call sum_up(audit)
    end subroutine audit_branch
 
-   !> What a thread of the team does. A procedure of its own, since a private copy of a corrector takes the compiler three times as
-   !> long as a local one.
+   !> What a thread of the team does.
    subroutine audit_share(train, branch, system, chosen, rows, exact, is_done, keep_going, observer)
       type(train_type), intent(in) :: train
       type(branch_type), intent(in) :: branch
@@ -84,12 +83,14 @@ contains
       logical, intent(inout) :: is_done(:), keep_going
       class(observer_type), intent(inout), optional :: observer
       type(orbit_corrector_type) :: corrector
+      type(system_type), target :: own
       type(audit_row_type) :: row
       type(orbit_type) :: orbit
       integer :: i
       logical :: go
 
-      call corrector%setup(system, branch%subharmonic)
+      own = system
+      call corrector%setup(own, branch%subharmonic)
       !$omp do schedule(dynamic)
       do i = 1, size(rows)
          !$omp atomic read

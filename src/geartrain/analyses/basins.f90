@@ -115,7 +115,7 @@ contains
       type(motion_type), intent(in), optional :: start
       type(basins_settings_type), target :: copy
       type(basins_analysis_type) :: analysis
-      type(system_type) :: system
+      type(system_type), target :: system
       type(section_map_type) :: map
       type(recognition_type), allocatable :: known(:)
       type(aperiodic_type), allocatable :: wandering(:)

@@ -288,7 +288,7 @@ contains
 
    !> Finds what one row has.
    subroutine settle_row(system, settings, state, i, found)
-      type(system_type), intent(in) :: system
+      type(system_type), target, intent(in) :: system
       type(bifurcation_diagram_settings_type), intent(in) :: settings
       !> State to begin with, then the last one [1], (state).
       real(dp), intent(inout) :: state(:)

@@ -271,7 +271,7 @@ contains
       type(train_type), intent(in) :: train
       real(dp), intent(in) :: frequency_ratio(:)
       type(map_row_type), intent(inout) :: row
-      type(system_type) :: system
+      type(system_type), target :: system
       type(balance_type) :: balance
       type(monodromy_type) :: monodromy
       complex(dp), allocatable :: multipliers(:)
@@ -281,7 +281,7 @@ contains
       call monodromy%setup(system)
       allocate (multipliers(monodromy%given))
       ! A balance without unknowns: no mesh ever separates.
-      balance%system = system
+      balance%system => system
       balance%eta = 1
       balance%unknowns = 0
       row%motions = 1
@@ -303,6 +303,7 @@ contains
       type(map_row_type), intent(inout) :: row
       type(response_settings_type) :: branch_settings
       type(branch_type) :: branch, found
+      type(system_type), target :: system
       type(tracer_type) :: tracer
       type(error_type), allocatable :: error
       integer :: k, i, first
@@ -315,7 +316,7 @@ contains
       call response(train, branch_settings, branch, error)
       row%whole = branch%complete .and. .not. allocated(error)
       if (allocated(error)) return
-      call begin_trace(train, branch_settings, tracer)
+      call begin_trace(train, branch_settings, system, tracer)
       call tracer%recorder%setup(tracer%corrector%balance, .true., found)
       do k = 1, size(frequency_ratio)
          if (train%interrupt%raised()) return

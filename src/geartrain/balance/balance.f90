@@ -48,7 +48,7 @@ contains
    subroutine setup(self, system, highest, eta, samples, chosen)
       class(balance_type), intent(inout) :: self
       !> Dimensionless system of the train.
-      type(system_type), intent(in) :: system
+      type(system_type), pointer, intent(in) :: system
       !> Highest harmonic of Lambda/eta to carry; sub-harmonic index; samples a period by which coefficients are found, 0: exact.
       integer, intent(in) :: highest, eta, samples
       !> Harmonics to carry, ascending, up to `highest`; absent: those that the excitation reaches.

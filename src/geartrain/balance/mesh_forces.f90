@@ -62,14 +62,14 @@ contains
    subroutine setup(self, system, highest, eta, samples, chosen)
       class(mesh_forces_type), intent(inout) :: self
       !> Dimensionless system of the train.
-      type(system_type), intent(in) :: system
+      type(system_type), pointer, intent(in) :: system
       !> Highest harmonic of Lambda/eta to carry; sub-harmonic index; samples a period by which coefficients are found, 0: exact.
       integer, intent(in) :: highest, eta, samples
       !> Harmonics to carry, ascending, up to `highest`; absent: those that the excitation reaches.
       integer, intent(in), optional :: chosen(:)
       integer :: i, r
 
-      self%system = system
+      self%system => system
       self%eta = eta
       self%highest = highest
       self%samples = samples

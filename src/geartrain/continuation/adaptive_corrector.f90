@@ -30,7 +30,7 @@ module geartrain_continuation_adaptive_corrector
       !> Settings that the branch is traced with.
       type(response_settings_type) :: settings
       !> Dimensionless system of the train.
-      type(system_type) :: system
+      type(system_type), pointer :: system => null()
       type(corrector_type) :: corrector
       !> Error estimate of the solution point of the latest `estimate_error`.
       type(error_estimate_type) :: estimate

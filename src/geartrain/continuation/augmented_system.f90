@@ -27,7 +27,7 @@ module geartrain_continuation_augmented_system
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: augmented_system_type
+   public :: augmented_system_type, trains_type
 
    integer, parameter :: max_iterations = 12
    !> Length of a displacement for differences of the test function, and for those over the parameter, in the units of the metric.
@@ -50,6 +50,12 @@ module geartrain_continuation_augmented_system
    real(dp), parameter :: negligible = 1e-10_dp
    character(*), parameter :: branch_point = 'branch point'
 
+   !> The trains that an augmented system works on. They are the caller's, since flights point to them.
+   type :: trains_type
+      !> The train of the latest value of the parameter; those of a slightly larger value and of a displaced one.
+      type(system_type) :: here, above, beside
+   end type trains_type
+
    type :: augmented_system_type
       !> Kind of the special point; of a contact onset the number of the mesh.
       character(16) :: kind = ''
@@ -61,8 +67,9 @@ module geartrain_continuation_augmented_system
       real(dp) :: scale = 1, origin = 0
       !> The train with variable parameter; not allocated: the train is as it is.
       type(parameter_path_type), allocatable :: path
-      !> The train of the latest value, and this value [1].
-      type(system_type) :: system
+      !> The train of the latest value, `here` of `trains`, and this value [1].
+      type(system_type), pointer :: system => null()
+      type(trains_type), pointer, private :: trains => null()
       real(dp), private :: latest = huge(1.0_dp)
       !> Value at which the parameter was last varied [1].
       real(dp), private :: varied = huge(1.0_dp)
@@ -82,6 +89,7 @@ module geartrain_continuation_augmented_system
       real(dp), private :: pair_sum = huge(1.0_dp)
    contains
       procedure :: setup
+      procedure :: continue_from
       procedure :: solve
       procedure :: advance
       procedure :: find_borders
@@ -92,8 +100,10 @@ module geartrain_continuation_augmented_system
 contains
 
    !> Prepares for special points of one kind.
-   subroutine setup(self, system, period, kind, mesh, path, origin)
+   subroutine setup(self, trains, system, period, kind, mesh, path, origin)
       class(augmented_system_type), intent(inout) :: self
+      !> Room for the trains of this augmented system.
+      type(trains_type), pointer, intent(in) :: trains
       !> The train.
       type(system_type), intent(in) :: system
       !> Period of the orbits [periods of the fundamental].
@@ -110,7 +120,9 @@ contains
       self%kind = kind
       self%mesh = mesh
       self%period = period
-      self%system = system
+      trains%here = system
+      self%trains => trains
+      self%system => trains%here
       self%latest = huge(1.0_dp)
       self%varied = huge(1.0_dp)
       if (present(path)) then
@@ -123,6 +135,20 @@ contains
       call self%minus%begin(system%states)
    end subroutine setup
 
+   !> Takes borders and symmetry of another augmented system that was solved for the same special point.
+   subroutine continue_from(self, other)
+      class(augmented_system_type), intent(inout) :: self
+      !> The other one.
+      type(augmented_system_type), intent(in) :: other
+
+      self%plus = other%plus
+      self%minus = other%minus
+      self%has_borders = other%has_borders
+      self%symmetry = other%symmetry
+      self%is_symmetric = other%is_symmetric
+      self%pair_sum = other%pair_sum
+   end subroutine continue_from
+
    !> Takes the train with a value of the parameter, and varies the parameter there.
    subroutine stand_at(self, parameter, again)
       class(augmented_system_type), intent(inout) :: self
@@ -130,7 +156,6 @@ contains
       real(dp), intent(in) :: parameter
       !> Whether the derivatives of before will do.
       logical, intent(in) :: again
-      type(system_type) :: above
       integer :: parts
 
       if (abs(parameter - self%latest) <= 0 .and. (again .or. abs(parameter - self%varied) <= 0)) return
@@ -139,8 +164,8 @@ contains
       if (allocated(self%path)) call self%path%system_at(self%origin + self%scale*parameter, self%system)
       if (.not. again) self%varied = parameter
       if (allocated(self%path) .and. .not. again) then
-         call self%path%system_at(self%origin + self%scale*(parameter + small_parameter), above)
-         call self%moving%vary(above, small_parameter)
+         call self%path%system_at(self%origin + self%scale*(parameter + small_parameter), self%trains%above)
+         call self%moving%vary(self%trains%above, small_parameter)
       end if
       call self%moving%setup(self%system, self%period, parts, moves=.true.)
       call self%probe%setup(self%system, self%period, parts, moves=.false.)
@@ -357,7 +382,7 @@ contains
       real(dp), intent(inout) :: g(4)
       type(augmented_point_type) :: moved
       type(border_type) :: border
-      type(system_type) :: system
+      type(system_type), pointer :: beside
       real(dp) :: vectors(size(point%states, 1), 1), reference(size(point%states, 1), 1), norm, h, length
       integer :: d, side, events
       logical :: quick
@@ -393,9 +418,10 @@ contains
             moved%frequency_ratio = point%frequency_ratio
             if (d == along_lambda) moved%frequency_ratio = moved%frequency_ratio + h
             if (d == along_parameter) then
-               call self%path%system_at(self%origin + self%scale*(point%parameter + h), system)
-               call self%aside%setup(system, self%period, self%probe%sections/self%period, moves=.false.)
-               call take(self%aside, system%half_backlash)
+               beside => self%trains%beside
+               call self%path%system_at(self%origin + self%scale*(point%parameter + h), beside)
+               call self%aside%setup(beside, self%period, self%probe%sections/self%period, moves=.false.)
+               call take(self%aside, beside%half_backlash)
             else
                call take(self%probe, self%system%half_backlash)
             end if

@@ -15,6 +15,7 @@ module geartrain_continuation_bifurcations
    use geartrain_continuation_units, only: units_type
    use geartrain_continuation_variables, only: settings_for
    use geartrain_model_check, only: check_train
+   use geartrain_model_system, only: system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -94,13 +95,14 @@ contains
       type(solution_point_type), allocatable :: taken(:)
       type(solution_point_type) :: solution
       type(meeting_type) :: here
+      type(system_type), target :: system
       type(tracer_type) :: tracer
       type(units_type) :: units
       logical :: found, met, doubles, again
       integer :: i, n, times
 
       if (.not. allocated(parent%special_points)) return
-      call begin_trace(train, settings, tracer)
+      call begin_trace(train, settings, system, tracer)
       units = tracer%corrector%units
       times = 2**settings%period_doublings
       allocate (taken(0))

@@ -13,6 +13,7 @@ module geartrain_continuation_contact_edges
    use geartrain_linalg_bracket, only: between, shrink
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: extremes, fine_samples
+   use geartrain_model_system, only: system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -50,6 +51,7 @@ contains
       type(branch_type), intent(inout), target :: branch
       !> Is told of each piece with an edge; if it cancels, the edges so far are kept.
       class(observer_type), intent(inout), optional :: observer
+      type(system_type), target :: system
       type(tracer_type) :: tracer
       type(transform_type) :: transform
       type(contact_edge_type), allocatable :: edges(:)
@@ -69,7 +71,7 @@ contains
       if (.not. any(gap > 0)) return
       allocate (edges(most_edges))
       n = 0
-      call begin_trace(train, settings, tracer)
+      call begin_trace(train, settings, system, tracer)
       do i = 1, branch%points - 1
          if (.not. joined(branch, i)) cycle
          ready = .false.

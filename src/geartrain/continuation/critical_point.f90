@@ -14,6 +14,7 @@ module geartrain_continuation_critical_point
    use geartrain_continuation_start, only: begin_trace, solution_of
    use geartrain_continuation_step_geometry, only: passes_half_period
    use geartrain_continuation_tracer, only: tracer_type
+   use geartrain_model_system, only: system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -46,14 +47,16 @@ contains
       type(solution_point_type), intent(in), optional :: taken(:)
       !> The search came to one of `taken`.
       logical, intent(out), optional :: again
+      type(system_type), target :: systems(2)
       type(singular_type) :: matrix
+      type(system_type), target :: system
       type(tracer_type) :: tracer
       type(solution_point_type) :: from
       real(dp) :: h
       integer :: highest
 
       if (present(again)) again = .false.
-      call begin_trace(train, settings, tracer)
+      call begin_trace(train, settings, system, tracer)
       highest = settings%harmonics
       if (highest == 0) then
          highest = harmonics_at(branch, special)
@@ -64,7 +67,7 @@ contains
       tracer%corrector%local_control = .false.
       call solve_next_to(tracer, branch, special, from, h, success)
       if (.not. success) return
-      call matrix%setup(tracer%corrector, branch%special_points(special)%kind == 'period doubling')
+      call matrix%setup(tracer%corrector, systems, branch%special_points(special)%kind == 'period doubling')
       call find_nearest(matrix, from, h, solution, success, taken, again)
    end subroutine find_critical
 
@@ -80,6 +83,7 @@ contains
       type(solution_point_type), intent(inout) :: solution
       !> The odd harmonics vanish between the last two points.
       logical, intent(out) :: met
+      type(system_type), target :: system
       type(tracer_type) :: tracer
       type(solution_point_type) :: here, next
       real(dp) :: chord
@@ -88,7 +92,7 @@ contains
 
       met = .false.
       if (branch%points < 2) return
-      call begin_trace(train, settings, tracer)
+      call begin_trace(train, settings, system, tracer)
       associate (n => branch%points - 1)
          ! An even number: the balance of half the period has half as many harmonics.
          if (settings%harmonics == 0) call tracer%prepare(2*((maxval(branch%point_harmonics(n:n + 1)) + 1)/2))

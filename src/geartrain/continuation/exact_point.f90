@@ -6,7 +6,7 @@ module geartrain_continuation_exact_point
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
    use geartrain_continuation_augmented_point, only: augmented_point_type
-   use geartrain_continuation_augmented_system, only: augmented_system_type
+   use geartrain_continuation_augmented_system, only: augmented_system_type, trains_type
    use geartrain_continuation_branch, only: branch_type, special_point_type
    use geartrain_continuation_decided, only: joined, nearest_decided
    use geartrain_continuation_exact_search, only: ends_of, find_exact
@@ -89,7 +89,7 @@ contains
       type(exact_point_type), intent(out) :: exact
       !> Bad input, or there is none near it (status_ended_early).
       type(error_type), allocatable, intent(out) :: error
-      type(system_type) :: system
+      type(system_type), target :: system, divided
       type(orbit_corrector_type) :: corrector
       type(orbit_type) :: orbit
       logical :: found
@@ -101,7 +101,8 @@ contains
          return
       end if
       call build_system(train, system)
-      call corrector%setup(system, branch%subharmonic)
+      divided = system
+      call corrector%setup(divided, branch%subharmonic)
       call find_exact(corrector, branch, special, change_at(branch, number, special), orbit, found)
       if (train%interrupt%raised()) found = .false.
       if (.not. found) then
@@ -269,9 +270,10 @@ contains
    !> Solves the augmented system, from the special point of the search, whose error is that of a bracket. Where the system is
    !> singular, as where multipliers coincide by symmetry, the point stays as it is.
    subroutine polish(system, exact, success)
-      type(system_type), intent(in) :: system
+      type(system_type), target, intent(in) :: system
       type(exact_point_type), intent(inout) :: exact
       logical, intent(out) :: success
+      type(trains_type), target :: trains
       type(augmented_system_type) :: augmented
       type(augmented_point_type) :: point
       type(sections_type) :: sections
@@ -279,7 +281,7 @@ contains
       integer :: i, info
 
       associate (motion => exact%motion)
-         call augmented%setup(system, motion%period, exact%kind, exact%mesh)
+         call augmented%setup(trains, system, motion%period, exact%kind, exact%mesh)
          call sections%setup(system, motion%period, most_parts(system, motion%period), moves=.false.)
          call section_states(system, motion, sections, point%states)
          point%frequency_ratio = motion%frequency_ratio

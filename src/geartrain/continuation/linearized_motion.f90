@@ -25,7 +25,7 @@ contains
       !> Gets the balance.
       type(corrector_type), intent(inout) :: corrector
       !> The train.
-      type(system_type), intent(in) :: system
+      type(system_type), pointer, intent(in) :: system
       !> A periodic motion with its coefficients.
       type(motion_type), intent(in) :: motion
       integer, allocatable :: carried(:)

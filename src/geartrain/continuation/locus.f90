@@ -7,7 +7,7 @@ module geartrain_continuation_locus
    use geartrain_base_numbers, only: real_text, text
    use geartrain_base_observer, only: observer_type
    use geartrain_continuation_augmented_point, only: augmented_point_type, scale_tangent
-   use geartrain_continuation_augmented_system, only: augmented_system_type
+   use geartrain_continuation_augmented_system, only: augmented_system_type, trains_type
    use geartrain_continuation_locus_result, only: locus_type
    use geartrain_continuation_locus_side, only: side_type, trace_side
    use geartrain_flow_multiple_shooting, only: most_parts, section_states
@@ -47,10 +47,11 @@ contains
       !> Told of each point of 'locus'; may end it.
       class(observer_type), intent(inout), optional :: observer
       type(parameter_path_type) :: path
+      type(trains_type), target :: trains, own_trains(2)
       type(augmented_system_type) :: augmented, own(2)
       type(augmented_point_type) :: first, begin(2)
       type(side_type) :: side(2)
-      type(system_type) :: system
+      type(system_type), target :: system
       type(sections_type) :: sections
       type(motion_type) :: guess
       integer :: info, k, done
@@ -61,7 +62,7 @@ contains
       call find_path(train, name, motion%frequency_ratio, start, stop, path, error)
       if (allocated(error)) return
       call build_system(train, system)
-      call augmented%setup(system, motion%period, kind, mesh, path, path%own_value)
+      call augmented%setup(trains, system, motion%period, kind, mesh, path, path%own_value)
       call sections%setup(system, motion%period, most_parts(system, motion%period), moves=.false.)
       guess = motion
       call section_states(system, guess, sections, first%states)
@@ -82,7 +83,10 @@ contains
       ! Each side on a thread of its own.
       begin = first
       call scale_tangent(begin(1), -1.0_dp)
-      own = augmented
+      do k = 1, 2
+         call own(k)%setup(own_trains(k), system, motion%period, kind, mesh, path, path%own_value)
+         call own(k)%continue_from(augmented)
+      end do
       keep_going = .true.
       done = 0
       !$omp parallel do schedule(static, 1)

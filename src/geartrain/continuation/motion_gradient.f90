@@ -39,7 +39,7 @@ contains
       !> The derivatives, (mesh or shaft, parameter).
       type(gradient_type), intent(out) :: gradient
       type(error_type), allocatable, intent(out) :: error
-      type(parameters_type) :: given
+      type(parameters_type), target :: given
       type(corrector_type) :: corrector
       type(solution_point_type) :: solution
       type(balance_rate_type) :: parts

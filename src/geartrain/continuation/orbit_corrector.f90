@@ -39,7 +39,7 @@ module geartrain_continuation_orbit_corrector
 
    type :: orbit_corrector_type
       !> The train, its orders divided by `times`.
-      type(system_type) :: system
+      type(system_type), pointer :: system => null()
       !> Period of the branch [periods of the fundamental].
       integer :: period = 1
       !> Number of repetitions of a motion within the period: an orbit is one repetition, at `times` the Lambda of the branch.
@@ -89,13 +89,13 @@ contains
    subroutine setup(self, system, period)
       ! A thread's private variable has garbage where its type has default values (gfortran 12): intent(out) sets them.
       class(orbit_corrector_type), intent(out) :: self
-      !> The train.
-      type(system_type), intent(in) :: system
+      !> The train, a copy for this corrector alone: its orders are divided by `times`.
+      type(system_type), pointer, intent(in) :: system
       !> Period of the branch [periods of the fundamental].
       integer, intent(in) :: period
       integer :: parts
 
-      self%system = system
+      self%system => system
       self%period = period
       self%times = 1
       if (period == 1) self%times = system%excitation_order

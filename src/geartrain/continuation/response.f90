@@ -20,6 +20,7 @@ module geartrain_continuation_response
    use geartrain_continuation_variables, only: check_response
    use geartrain_flow_floating, only: can_float, note_of
    use geartrain_model_check, only: check_train
+   use geartrain_model_system, only: system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -48,6 +49,7 @@ contains
       type(motion_type), intent(in), optional :: seed
       !> Told of each point of 'response', or of 'branch' with a seed; may end the trace.
       class(observer_type), intent(inout), optional :: observer
+      type(system_type), target :: system
       type(tracer_type) :: tracer
       type(branch_type) :: empty
       logical :: resumed
@@ -62,7 +64,7 @@ contains
       if (.not. allocated(error)) call check_response(train, settings, present(seed), error)
       if (.not. allocated(error) .and. present(seed)) call check_seed(train, seed, error)
       if (allocated(error)) return
-      call begin_trace(train, settings, tracer)
+      call begin_trace(train, settings, system, tracer)
       if (present(seed)) then
          call tracer%recorder%setup(tracer%corrector%balance, settings%stability, branch, settings%shaft_torque)
          tracer%analysis = 'branch'

@@ -13,6 +13,7 @@ module geartrain_continuation_singular
    use geartrain_continuation_special_points, only: generic_vector
    use geartrain_linalg_eigenvalues, only: find_eigenvalues
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
+   use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
    public :: singular_type
@@ -43,32 +44,36 @@ module geartrain_continuation_singular
 contains
 
    !> Plans the balances and correctors of the search.
-   subroutine setup(self, corrector, doubles)
+   subroutine setup(self, corrector, systems, doubles)
       class(singular_type), intent(inout) :: self
       !> Corrector of the branch.
       type(corrector_type), intent(in) :: corrector
+      !> Room for the systems that the two balances work on.
+      type(system_type), pointer, intent(in) :: systems(:)
       !> Searches for period doublings, else for branch points.
       logical, intent(in) :: doubles
 
       self%doubles = doubles
       associate (balance => corrector%balance)
-         call plan(self%single, balance%highest, balance%eta)
-         if (doubles) call plan(self%double, 2*balance%highest, 2*balance%eta)
+         call plan(self%single, systems(1), balance%highest, balance%eta)
+         if (doubles) call plan(self%double, systems(2), 2*balance%highest, 2*balance%eta)
       end associate
 
    contains
 
-      subroutine plan(own, highest, eta)
+      subroutine plan(own, system, highest, eta)
          type(corrector_type), intent(inout) :: own
+         type(system_type), target, intent(inout) :: system
          integer, intent(in) :: highest, eta
 
          own%units = corrector%units
          if (allocated(corrector%balance%path)) own%balance%path = corrector%balance%path
          associate (balance => corrector%balance)
+            system = balance%system
             if (balance%chosen .and. eta == balance%eta) then
-               call own%balance%setup(balance%system, highest, eta, balance%samples, balance%harmonic)
+               call own%balance%setup(system, highest, eta, balance%samples, balance%harmonic)
             else
-               call own%balance%setup(balance%system, highest, eta, balance%samples*eta/balance%eta)
+               call own%balance%setup(system, highest, eta, balance%samples*eta/balance%eta)
             end if
          end associate
          call own%setup()

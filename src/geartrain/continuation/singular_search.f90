@@ -7,6 +7,7 @@ module geartrain_continuation_singular_search
    use geartrain_continuation_special_points, only: go_along
    use geartrain_continuation_step_geometry, only: cosine, odd_share
    use geartrain_linalg_bracket, only: between, shrink
+   use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
    public :: find_nearest, find_crossing
@@ -33,10 +34,11 @@ contains
       real(dp), intent(out) :: frequency_ratio
       !> A branch point was found.
       logical, intent(out) :: success
+      type(system_type), target :: systems(2)
       type(singular_type) :: matrix
       type(solution_point_type) :: solution
 
-      call matrix%setup(corrector, .false.)
+      call matrix%setup(corrector, systems, .false.)
       call find_nearest(matrix, here, h, solution, success)
       if (success) frequency_ratio = solution%frequency_ratio
    end subroutine find_crossing

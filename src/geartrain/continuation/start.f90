@@ -25,20 +25,23 @@ module geartrain_continuation_start
 contains
 
    !> Prepares a tracer: system, units, amplitude limit, first number of harmonics.
-   subroutine begin_trace(train, settings, tracer)
+   subroutine begin_trace(train, settings, system, tracer)
       !> A checked train.
       type(train_type), intent(in) :: train
       !> Settings to trace with.
       type(response_settings_type), intent(in) :: settings
+      !> Becomes the system that the tracer works on, and changes on a branch over a parameter.
+      type(system_type), pointer, intent(in) :: system
       !> Becomes ready to solve, its settings in Lambda; its recorder is set up separately.
       type(tracer_type), intent(inout) :: tracer
       type(error_type), allocatable :: checked
-      type(system_type) :: system
+      type(system_type) :: at_end
       integer, allocatable :: set(:)
       real(dp) :: largest
       logical :: gaps
       integer :: i
 
+      tracer%system => system
       tracer%settings = settings
       tracer%settings%unit = 'Lambda'
       associate (factor => lambda_per(train, settings%unit), own => tracer%settings, units => tracer%corrector%units, &
@@ -46,24 +49,24 @@ contains
          if (settings%parameter == '') then
             own%start = settings%start*factor
             own%stop = settings%stop*factor
-            call build_system(train, tracer%system)
-            units = units_of(tracer%system)
-            largest = largest_unit(tracer%system)
-            gaps = any(tracer%system%half_backlash > 0)
+            call build_system(train, system)
+            units = units_of(system)
+            largest = largest_unit(system)
+            gaps = any(system%half_backlash > 0)
          else
             own%frequency = settings%frequency*factor
             allocate (balance%path)
             ! Errors were told by check_response.
             call balance%path%setup(train, settings%parameter, own%frequency, own%start, own%stop, checked)
             ! Amid the path no excitation is 0, unlike at its ends: this system tells which harmonics to carry.
-            call balance%path%system_at(balance%path%amid, tracer%system)
-            units = units_of(tracer%system)
-            largest = largest_unit(tracer%system)
-            gaps = any(tracer%system%half_backlash > 0)
+            call balance%path%system_at(balance%path%amid, system)
+            units = units_of(system)
+            largest = largest_unit(system)
+            gaps = any(system%half_backlash > 0)
             do i = 1, 2
-               call balance%path%system_at(merge(own%start, own%stop, i == 1), system)
-               units%length = max(units%length, length_unit_of(system))
-               largest = max(largest, largest_unit(system))
+               call balance%path%system_at(merge(own%start, own%stop, i == 1), at_end)
+               units%length = max(units%length, length_unit_of(at_end))
+               largest = max(largest, largest_unit(at_end))
             end do
             units%frequency_ratio = balance%path%length
          end if
@@ -75,13 +78,13 @@ contains
       else
          tracer%amplitude_limit = linear_amplitude_limit*largest
       end if
-      tracer%estimate%resonance = natural_frequency_ranges(tracer%system, resonance_ratio)
-      tracer%chooses_sets = settings%harmonics == 0 .and. has_sparse_motions(tracer%system, settings%subharmonic)
+      tracer%estimate%resonance = natural_frequency_ranges(system, resonance_ratio)
+      tracer%chooses_sets = settings%harmonics == 0 .and. has_sparse_motions(system, settings%subharmonic)
       if (tracer%chooses_sets) then
-         set = first_set(tracer%system)
+         set = first_set(system)
          call tracer%prepare(set(size(set)), set)
       else
-         call tracer%prepare(merge(settings%harmonics, first_harmonics(tracer%system, settings%subharmonic), &
+         call tracer%prepare(merge(settings%harmonics, first_harmonics(system, settings%subharmonic), &
                                    settings%harmonics > 0))
       end if
    end subroutine begin_trace

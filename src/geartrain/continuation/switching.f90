@@ -19,6 +19,7 @@ module geartrain_continuation_switching
    use geartrain_continuation_tracer, only: tracer_type
    use geartrain_continuation_variables, only: settings_for
    use geartrain_model_check, only: check_train
+   use geartrain_model_system, only: system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -83,6 +84,7 @@ contains
       type(branch_type), intent(inout), target :: switched
       !> Told of each step; may end the trace.
       class(observer_type), intent(inout), optional :: observer
+      type(system_type), target :: system
       type(tracer_type) :: tracer
       type(branch_type) :: empty
       type(solution_point_type) :: solution, other, began
@@ -94,7 +96,7 @@ contains
       switched = empty
       associate (kind => branch%special_points(special)%kind, at => branch%special_points(special)%frequency_ratio)
          times = merge(2, 1, kind == 'period doubling')
-         call begin_trace(train, settings_for(settings, times*settings%subharmonic), tracer)
+         call begin_trace(train, settings_for(settings, times*settings%subharmonic), system, tracer)
          tracer%analysis = 'branch'
          if (settings%harmonics == 0) call tracer%prepare(times*harmonics_at(branch, special))
          call tracer%recorder%setup(tracer%corrector%balance, settings%stability, switched, settings%shaft_torque)

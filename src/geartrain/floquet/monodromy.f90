@@ -79,7 +79,7 @@ contains
    subroutine setup(self, system, all_of_them)
       class(monodromy_type), intent(inout) :: self
       !> The train.
-      type(system_type), intent(in) :: system
+      type(system_type), pointer, intent(in) :: system
       !> All multipliers, however many states there are.
       logical, intent(in), optional :: all_of_them
       logical :: whole
@@ -98,7 +98,7 @@ contains
 
    subroutine prepare_matrix(self, system)
       class(monodromy_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
+      type(system_type), pointer, intent(in) :: system
 
       call self%propagator%setup(system)
       call self%reversal%setup(system)
@@ -110,7 +110,7 @@ contains
    !> Takes another train with as many coordinates.
    subroutine take_train(self, system)
       class(monodromy_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
+      type(system_type), pointer, intent(in) :: system
       type(propagator_type) :: propagator
       type(time_reversal_type) :: reversal
       type(leading_multipliers_type) :: search

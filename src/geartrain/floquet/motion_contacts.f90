@@ -7,7 +7,8 @@ module geartrain_floquet_motion_contacts
    public :: motion_contacts_type
 
    type :: motion_contacts_type
-      type(system_type) :: system
+      !> The train.
+      type(system_type), pointer :: system => null()
       !> The train is another one from motion to motion.
       logical :: varies = .false.
       !> Sub-harmonic index: theta = Lambda t/eta.

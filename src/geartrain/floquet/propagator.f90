@@ -63,7 +63,7 @@ contains
    subroutine setup(self, system)
       class(propagator_type), intent(inout) :: self
       !> The train.
-      type(system_type), intent(in) :: system
+      type(system_type), pointer, intent(in) :: system
       integer :: blocks, i, k, most
 
       call self%put_system(system)

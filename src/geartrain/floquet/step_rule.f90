@@ -26,7 +26,7 @@ module geartrain_floquet_step_rule
    real(dp), parameter :: longest_kappa = 2
 
    type :: step_rule_type
-      type(system_type) :: system
+      type(system_type), pointer :: system => null()
       !> Largest rate of decay of any motion [1].
       real(dp) :: fastest_decay = 0
       !> Largest rate of all modes, with all meshes in contact and stiffest [1].
@@ -50,11 +50,11 @@ contains
    subroutine put_system(self, system)
       class(step_rule_type), intent(inout) :: self
       !> The train.
-      type(system_type), intent(in) :: system
+      type(system_type), pointer, intent(in) :: system
       real(dp) :: stiffest(system%elements), damping(system%elements), aspect
       integer :: i, j
 
-      self%system = system
+      self%system => system
       stiffest = system%spring
       damping = system%damping
       self%highest_order = 0

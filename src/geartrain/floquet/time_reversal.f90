@@ -23,7 +23,7 @@ module geartrain_floquet_time_reversal
       real(dp), allocatable, private :: j(:, :), inverse(:, :)
       !> Whether damping changes with the contacts, on which J then depends.
       logical, private :: jumps = .false.
-      type(system_type), private :: system
+      type(system_type), pointer, private :: system => null()
    contains
       procedure :: setup
       procedure, private :: damp
@@ -37,7 +37,7 @@ contains
    subroutine setup(self, system)
       class(time_reversal_type), intent(inout) :: self
       !> The train.
-      type(system_type), intent(in) :: system
+      type(system_type), pointer, intent(in) :: system
       real(dp), dimension(system%coordinates, system%coordinates) :: coupling, inertia, symmetric
       real(dp) :: scale(system%coordinates), product(2*system%coordinates, 2*system%coordinates)
       integer :: pivot(system%coordinates), i, info, m, n
@@ -59,7 +59,7 @@ contains
       if (info == 0) call solve_factored(m, m, symmetric, pivot, inertia)
       if (allocated(self%j)) deallocate (self%j, self%inverse)
       allocate (self%j(2*m, 2*m), self%inverse(2*m, 2*m), source=0.0_dp)
-      self%system = system
+      self%system => system
       self%jumps = any(system%law%jumps)
       do n = 1, m
          self%j(n, m + 1:) = scale(n)*inertia(n, :)

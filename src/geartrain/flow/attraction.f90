@@ -67,7 +67,7 @@ contains
    subroutine setup(self, system, frequency_ratio, period, state, monodromy, accuracy)
       class(attraction_type), intent(out) :: self
       !> The train.
-      type(system_type), intent(in) :: system
+      type(system_type), pointer, intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
       !> Period of the orbit [periods of the fundamental].

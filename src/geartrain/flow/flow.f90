@@ -22,7 +22,7 @@ module geartrain_flow_flow
 
    type :: flow_type
       !> The train.
-      type(system_type) :: system
+      type(system_type), pointer :: system => null()
       !> Lambda at time 0 [1]; its rate of change [1], 0 at constant speed.
       real(dp) :: frequency_ratio = 1, acceleration = 0
       !> Number of columns of `x`: the state, then tangents to the flow.
@@ -84,7 +84,7 @@ contains
    subroutine setup(self, system, columns, order, tolerance)
       class(flow_type), intent(inout) :: self
       !> The train.
-      type(system_type), intent(in) :: system
+      type(system_type), pointer, intent(in) :: system
       !> Number of columns: the state and tangents.
       integer, intent(in) :: columns
       !> Order of the Taylor series.
@@ -92,7 +92,7 @@ contains
       !> Relative error of a step [1].
       real(dp), intent(in) :: tolerance
 
-      self%system = system
+      self%system => system
       self%columns = columns
       self%order = order
       self%tolerance = tolerance

@@ -88,7 +88,7 @@ contains
    !> Carries a tangent along with the flow and scales the tangent to unit energy after each period of the fundamental (Benettin's
    !> method).
    subroutine average(system, frequency_ratio, state, least, most, exponent, error, observer)
-      type(system_type), intent(in) :: system
+      type(system_type), target, intent(in) :: system
       real(dp), intent(in) :: frequency_ratio, state(:)
       !> Mesh periods after which the average may end; periods of the fundamental after which it ends.
       integer, intent(in) :: least, most

@@ -28,7 +28,7 @@ contains
    !> Carries a state and its tangents over a period.
    subroutine propagate(system, frequency_ratio, period, state, final, monodromy, slowest_event)
       !> The train.
-      type(system_type), intent(in) :: system
+      type(system_type), target, intent(in) :: system
       !> Lambda [1]; state at phase 0 [1], (state).
       real(dp), intent(in) :: frequency_ratio, state(:)
       !> Number of periods of the fundamental.
@@ -70,7 +70,7 @@ contains
    !> Samples a period of an orbit at equidistant instants, the first at phase 0.
    subroutine sample_orbit(system, frequency_ratio, period, state, displacement, force, share, largest, torque, rate)
       !> The train.
-      type(system_type), intent(in) :: system
+      type(system_type), target, intent(in) :: system
       !> Lambda [1]; state at phase 0 [1], (state).
       real(dp), intent(in) :: frequency_ratio, state(:)
       !> Period of the orbit [periods of the fundamental].

@@ -41,7 +41,7 @@ contains
    subroutine begin(self, system, frequency_ratio, longest, harmonics)
       class(orbit_search_type), intent(inout) :: self
       !> The train.
-      type(system_type), intent(in) :: system
+      type(system_type), pointer, intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
       !> Periods [periods of the fundamental] of the orbits are divisors of `longest`; harmonics of Lambda in their coefficients.

@@ -130,7 +130,7 @@ contains
    !> Follows the ramp window by window, from the windows done on, and says why it ended.
    subroutine follow_ramp(system, shift, ramp, result, observer)
       !> The train, accelerating.
-      type(system_type), intent(in) :: system
+      type(system_type), target, intent(in) :: system
       !> State of the system less the state as it is told [1], (state).
       real(dp), intent(in) :: shift(:)
       !> The ramp.

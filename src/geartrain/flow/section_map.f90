@@ -32,7 +32,7 @@ module geartrain_flow_section_map
       real(dp) :: frequency_ratio = 1
       !> Intervals of the period of the fundamental; 0: there are no tables.
       integer :: intervals = 0
-      type(system_type), private :: system
+      type(system_type), pointer, private :: system => null()
       !> Place of a combination of contacts in the tables: 1 + sum over meshes of stride*(region - lowest region), (mesh).
       integer, allocatable, private :: stride(:), lowest(:)
       !> Taylor coefficients of the mesh displacements [1], (0:order, mesh, 0:state, contacts, interval): a constant part, 0,
@@ -60,14 +60,14 @@ contains
    subroutine setup(self, system, frequency_ratio)
       class(section_map_type), intent(out) :: self
       !> The train.
-      type(system_type), intent(in) :: system
+      type(system_type), pointer, intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
       type(flow_type) :: flow
       real(dp) :: shortest, numbers
       integer :: j, n, combinations
 
-      self%system = system
+      self%system => system
       self%frequency_ratio = frequency_ratio
       allocate (self%stride(system%meshes), self%lowest(system%meshes))
       numbers = 1

@@ -60,7 +60,7 @@ contains
    subroutine setup(self, system, period, parts, moves)
       class(sections_type), intent(inout) :: self
       !> The train.
-      type(system_type), intent(in) :: system
+      type(system_type), pointer, intent(in) :: system
       !> Period of the orbit [periods of the fundamental]; sections of a period of the fundamental.
       integer, intent(in) :: period, parts
       !> Whether Lambda is variable: `drift` is computed.
@@ -78,7 +78,7 @@ contains
    subroutine vary(self, above, apart)
       class(sections_type), intent(inout) :: self
       !> The train with a larger value of the parameter.
-      type(system_type), intent(in) :: above
+      type(system_type), pointer, intent(in) :: above
       !> By how much it is larger [unit of the parameter].
       real(dp), intent(in) :: apart
 

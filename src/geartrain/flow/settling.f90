@@ -69,7 +69,7 @@ contains
    !> Integrates period of the fundamental by period of the fundamental until it is known which motion the flow settles on.
    subroutine settle(system, frequency_ratio, settings, state, motion, observer, stopped)
       !> The train.
-      type(system_type), intent(in) :: system
+      type(system_type), target, intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
       !> Of which max_periods, tolerance, harmonics and stability are used.
@@ -201,7 +201,7 @@ contains
    !> Follows the flow towards the known orbit, or searches for an orbit, after `k` periods of the fundamental.
    subroutine look(self, system, frequency_ratio, section, k, tolerance, repeated, settled)
       class(search_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
+      type(system_type), pointer, intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
       !> The latest sections of the flow [1], the newest first, (state, 0:).
@@ -245,7 +245,7 @@ contains
    !> whether the flow goes to this orbit.
    subroutine attempt(self, system, frequency_ratio, section, k, period, tolerance, settled)
       class(search_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
+      type(system_type), pointer, intent(in) :: system
       real(dp), intent(in) :: frequency_ratio, section(:, 0:), tolerance
       integer, intent(in) :: k, period
       logical, intent(out) :: settled
@@ -279,7 +279,7 @@ contains
    !> Tries Newton's method for the likeliest periods other than 1.
    subroutine attempt_others(self, system, frequency_ratio, section, k, tolerance, settled)
       class(search_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
+      type(system_type), pointer, intent(in) :: system
       real(dp), intent(in) :: frequency_ratio, section(:, 0:), tolerance
       integer, intent(in) :: k
       logical, intent(out) :: settled
@@ -298,7 +298,7 @@ contains
 
    !> The periods 1 to 16, the likeliest period of an orbit near `state` first, by length of the first Newton step times period.
    function likely_periods(system, frequency_ratio, state) result(period)
-      type(system_type), intent(in) :: system
+      type(system_type), target, intent(in) :: system
       real(dp), intent(in) :: frequency_ratio, state(:)
       integer :: period(longest_period)
       type(flow_type) :: flow
@@ -320,7 +320,7 @@ contains
    !> Whether the flow from a state is still linear next to an orbit that repels: then the flow does not yet tell its steady motion.
    logical function is_leaving(system, frequency_ratio, state, exponent)
       !> The train.
-      type(system_type), intent(in) :: system
+      type(system_type), target, intent(in) :: system
       !> Lambda [1]; state at phase 0 [1], (state); largest Lyapunov exponent of the flow, per unit of time [1].
       real(dp), intent(in) :: frequency_ratio, state(:), exponent
       type(flow_type) :: flow
@@ -368,7 +368,7 @@ contains
 
    !> Shortest period of an orbit that repeats itself after `period` periods of the fundamental.
    integer function shortest_period(system, frequency_ratio, period, state) result(n)
-      type(system_type), intent(in) :: system
+      type(system_type), target, intent(in) :: system
       real(dp), intent(in) :: frequency_ratio, state(:)
       integer, intent(in) :: period
       type(flow_type) :: flow

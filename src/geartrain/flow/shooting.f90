@@ -36,7 +36,7 @@ contains
       logical, intent(in), optional :: in_sections
       !> Harmonics of Lambda in the refined motion; unless it is given as many as `motion` has, at least `stored_harmonics`.
       integer, intent(in), optional :: harmonics
-      type(system_type) :: system
+      type(system_type), target :: system
       type(sections_type) :: sections
       type(motion_type) :: guess, refined
       real(dp), allocatable :: state(:), states(:, :), monodromy(:, :)

@@ -49,7 +49,7 @@ contains
    !> from the mesh forces.
    subroutine states_of(system, motion, states)
       !> The train.
-      type(system_type), intent(in) :: system
+      type(system_type), target, intent(in) :: system
       !> Motion with coefficients.
       type(motion_type), intent(in) :: motion
       !> States [1], (state, instant).

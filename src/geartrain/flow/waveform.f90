@@ -80,7 +80,7 @@ contains
 
    !> Torques of the shafts from the coefficients: the states along the period give the forces of the shafts.
    subroutine find_torques(system, motion, time, phi, torque)
-      type(system_type), intent(in) :: system
+      type(system_type), target, intent(in) :: system
       type(motion_type), intent(in) :: motion
       !> Instants [1]; mesh forces over k b_c [1], (samples, mesh).
       real(dp), intent(in) :: time(:), phi(:, :)
