@@ -1,7 +1,6 @@
 !> A single gear pair integrated until it is steady, then refined: fpm run --profile release --example time_integration
 program time_integration
-   use geartrain, only: dp, error_type, integrate, integration_settings_type, mesh_type, motion_type, refine, shaft_type, &
-                        train_type
+   use geartrain, only: dp, error_type, integrate, integration_settings_type, motion_type, refine, shaft_type, train_type
    implicit none (type, external)
    type(train_type) :: train
    type(integration_settings_type) :: settings

@@ -3,8 +3,7 @@ module geartrain_python_box
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_char, c_null_ptr
    use, intrinsic :: iso_fortran_env, only: int64, real64
    use geartrain, only: audit_text, audit_type, case_text, case_type, error_type, exact_point_type, gradient_type, &
-                        locate_contact_edges, motion_type, onsets_of, results_type, special_point_type, status_input, version, &
-                        refine
+      locate_contact_edges, motion_type, onsets_of, results_type, special_point_type, status_input, version
    use geartrain_analyses_analysis, only: analysis_type
    use geartrain_analyses_audit_fields, only: visit_audit
    use geartrain_analyses_list, only: find_analysis, number_of

@@ -4,18 +4,23 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 export PATH="$PWD/.venv/bin:$PATH" PIP_DISABLE_PIP_VERSION_CHECK=1 MPLBACKEND=Agg
 exec </dev/null
 mkdir -p build/log
+# The release build: library, Python extension, executable and test programs of one compilation (meson.build).
+release=build/release
 # Of a debug build: bounds, pointers and shapes checked, signalling NaN in what is not set, a stop at the first invalid operation.
 debug_checks='-fcheck=all,no-array-temps -finit-real=snan -ffpe-trap=invalid,zero'
+# Warnings are errors, but for those that right code cannot avoid: an override that ignores an argument, an index that an if guards.
+debug_flags="$debug_checks -Werror -std=f2018 -Wall -Wextra -Wimplicit-interface -Wimplicit-procedure"
+debug_flags="$debug_flags -Wno-unused-dummy-argument -Wno-do-subscript -Wno-compare-reals"
 
 # log_of TITLE: where the log of a step or a test part goes.
 log_of() {
    echo "build/log/$(tr -cs 'a-z0-9' '-' <<<"${1,,}" | sed 's/-*$//').log"
 }
 
-# show_tail LOG: the end of a log, set off from what the scripts say themselves.
-show_tail() {
-   echo "--- the end of $1:"
-   tail -n 40 "$1" | sed 's/^/    /'
+# show_failures LOG: what failed by the log, then its end, set off from what the scripts say themselves.
+show_failures() {
+   echo "--- $1:"
+   { grep -aE '^(FAILED|ERROR)' "$1" | head -n 40; echo ...; tail -n 30 "$1"; } | sed 's/^/    /'
 }
 
 # step MESSAGE COMMAND...: one line when the command works, also the tail of its log when it does not.
@@ -29,7 +34,7 @@ step() {
       echo "done, $((SECONDS - start)) s"
    else
       echo "FAILED (exit status $status)"
-      show_tail "$log"
+      show_failures "$log"
    fi
    return "$status"
 }
@@ -38,6 +43,16 @@ step() {
 counts() {
    grep -aE '^[0-9]+ (passed|failed|errors?)\b' "$1" | grep -oE '[0-9]+ (passed|failed|error)' |
       awk '{ n[$2] += $1 } END { print n["passed"] + 0, n["failed"] + n["error"] + 0 }' || echo 0 0
+}
+
+# suites PROGRAM ARGUMENT...: the suites of a test program on all cores, each in a process of its own.
+suites() {
+   "$1" --suites | xargs -P "$(nproc)" -I{} "$1" {} "${@:2}"
+}
+
+# debug_program NAME: where fpm puts a test program of the debug build.
+debug_program() {
+   fpm test "$1" --profile debug --flag "$debug_flags" --runner echo | tail -n 1
 }
 
 # once STAMP HASH COMMAND...: runs the command unless it was done for the same hash.

@@ -16,7 +16,7 @@ contains
       class(tests_type), intent(inout) :: tests
 
       call tests%heading('Branches on their own')
-      if (tests%runs('island_of_figure_9') .and. .not. tests%slow_build) call island_of_figure_9(tests)
+      if (tests%runs('island_of_figure_9')) call island_of_figure_9(tests)
    end subroutine branches_cases
 
    !> Figure 9 at zeta 0.01 has a closed branch of period 1, part of it beyond the amplitude limit, that is joined to no other. One

@@ -58,7 +58,7 @@ contains
       character(8) :: number
       integer :: i
 
-      do i = 1, merge(1, size(harmonics), tests%slow_build)
+      do i = 1, size(harmonics)
          write (number, '(a, i0)') ', R = ', harmonics(i)
          call one_figure(tests, train, harmonics(i), name//trim(number))
       end do

@@ -79,7 +79,7 @@ contains
    !> parabola of depth s^2/(2 f) = 2; f = 1/2, s = sqrt 2. Back after 2 (arc + flight) as if nothing had been there.
    subroutine touching_flight(tests)
       class(tests_type), intent(inout) :: tests
-      type(system_type) :: system
+      type(system_type), target :: system
       type(flow_type) :: flow
       real(dp), parameter :: f = 0.5_dp, speed = sqrt(2.0_dp), amplitude = sqrt(f**2 + speed**2)
       real(dp) :: leave

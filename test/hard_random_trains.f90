@@ -34,7 +34,7 @@ contains
       type(response_settings_type) :: settings
       integer :: seed, trains, points, found, wrong_verdicts, wrong_estimates, undecided, doublings, wrong_doublings
 
-      trains = merge(4, 60, tests%slow_build)
+      trains = 60
       points = 0
       found = 0
       undecided = 0
@@ -52,7 +52,7 @@ contains
       call tests%holds('random trains', 'shooting: estimates of 49 of 50 points without doubt within a factor 3', &
                        50*wrong_estimates <= found)
       call tests%holds('random trains', 'shooting: multipliers pass -1 at the doublings listed, and nowhere else', &
-                       (doublings > 0 .or. tests%slow_build) .and. wrong_doublings == 0)
+                       doublings > 0 .and. wrong_doublings == 0)
       call tests%holds('random trains', 'at most one point in four undecided', 4*undecided <= points)
    end subroutine random
 
@@ -112,7 +112,6 @@ contains
       type(band_type), allocatable :: bands(:)
       integer :: i
 
-      if (tests%slow_build) return
       branch = solve(reducer(), settings_of(0.80_dp, 0.83_dp, 213))
       found = jumps(branch)
       bands = bands_without_stability(branch)

@@ -39,7 +39,7 @@ contains
       real(dp), allocatable :: longer
       integer :: i, trains, settled, unbounded, told, elsewhere, refuted
 
-      trains = merge(6, 90, tests%slow_build)
+      trains = 90
       settled = 0
       unbounded = 0
       told = 0
@@ -82,7 +82,7 @@ contains
       real(dp) :: frequency_ratio
       integer :: i, trains, failed
 
-      trains = merge(4, 200, tests%slow_build)
+      trains = 200
       failed = 0
       generator = 77
       do i = 1, trains
@@ -117,7 +117,7 @@ contains
       settings%stability = .false.
       settings%max_points = 100
       do i = 1, size(torque)
-         do j = 1, merge(2, 20, tests%slow_build)
+         do j = 1, 20
             settings%start = 0.1_dp*j
             settings%stop = 0.1_dp*j + 0.25_dp
             call response(rattling_pair(torque(i)), settings, branch, error)

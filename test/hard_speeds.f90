@@ -43,7 +43,6 @@ contains
                           maxval(abs(motion%rms/expected - 1)), 1e-5_dp)
       call tests%holds('Lambda = 1e-3, balance', 'stable, though the multipliers are below the smallest number that counts', &
                        motion%stable .and. .not. motion%undecided)
-      if (tests%slow_build) return
       call integrate(train, 1e-3_dp, settings, motion, error)
       call tests%measured('Lambda = 1e-3, integration from rest (16000 periods of ringing in a period of the fundamental)', &
                           'the quasi-static rms in closed form', maxval(abs(motion%rms/expected - 1)) + abs(motion%period - 1), &

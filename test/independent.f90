@@ -2,7 +2,6 @@
 !> extrapolated midpoint steps that end where a contact changes. It knows the train as it is given, none of the library's systems.
 module independent
    use geartrain, only: dp, train_type
-   use geartrain_base_kinds, only: pi
    implicit none (type, external)
    private
    public :: machine_type, accelerate, build_machine, contacts, displacements, fly, joint_forces

@@ -139,7 +139,7 @@ contains
    !> How near the flow from a state comes to a motion within some periods of the fundamental, over how far it was: by nothing but
    !> integration. Ends where it is near enough.
    real(dp) function nearest_approach(system, start, motion, enough, periods) result(nearest)
-      type(system_type), intent(in) :: system
+      type(system_type), target, intent(in) :: system
       !> (2*elements) at phase 0.
       real(dp), intent(in) :: start(:)
       type(motion_type), intent(in) :: motion

@@ -2,9 +2,11 @@
 !> floating-point exception, a segmentation fault, a stop, a hang) is one failure; the tests after it run in another process.
 module runner
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_size_t
-   use, intrinsic :: iso_fortran_env, only: compiler_options, error_unit, output_unit
+   use, intrinsic :: iso_fortran_env, only: error_unit, int64, output_unit
+   use geartrain_base_kinds, only: dp
    use geartrain_base_nearest, only: nearest_name
-   use testing, only: check_failed, check_passed, suite_ended, suite_type, test_begins, tests_type, time_limit
+   use testing, only: check_failed, check_passed, suite_ended, suite_type, test_begins, tests_type, tier_names, &
+      time_limit
    implicit none (type, external)
    private
    public :: run_suites
@@ -55,27 +57,34 @@ module runner
 contains
 
    !> Runs what the arguments name, everything where they name nothing: a kind (unit), a suite (unit_flow, or flow, whatever its
-   !> kind), tests of a suite by a part of their names (flow/tang). Options: --list, names alone; --table, the rows of
-   !> docs/hard-cases.md; --all, in a debug build too what takes minutes there.
+   !> kind), tests of a suite by a part of their names (flow/tang). Options: --tier=quick,full,nightly, those tiers, of a test that
+   !> is named any (default: quick,full); --list, names of tests alone; --suites, of suites alone; --table, the rows of
+   !> docs/hard-cases.md; --ratios=FILE, adds a line for each comparison to a file: difference over allowed difference.
    subroutine run_suites(suites)
       type(suite_type), intent(in) :: suites(:)
       type(tests_type) :: tests
       type(findings_type) :: findings
       character(80), allocatable :: arguments(:)
-      character(80) :: argument
+      character(240) :: argument
+      real(dp), allocatable :: seconds(:)
       integer :: i, j
+      logical :: names_alone
 
-      tests%slow_build = index(compiler_options(), '-fcheck') > 0
+      names_alone = .false.
       allocate (arguments(0))
       do i = 1, command_argument_count()
          call get_command_argument(i, argument)
-         select case (argument)
+         select case (argument(:scan(trim(argument)//'=', '=') - 1))
          case ('--list')
             tests%listing = .true.
+         case ('--suites')
+            names_alone = .true.
          case ('--table')
             tests%table = .true.
-         case ('--all')
-            tests%slow_build = .false.
+         case ('--tier')
+            tests%tier = tiers_in(argument(8:))
+         case ('--ratios')
+            tests%ratios = argument(10:)
          case default
             arguments = [character(80) :: arguments, argument]
          end select
@@ -83,16 +92,56 @@ contains
       do i = 1, size(arguments)
          call check_argument(suites, arguments(i))
       end do
+      allocate (seconds(size(suites)), source=-1.0_dp)
       do i = 1, size(suites)
          if (size(arguments) > 0 .and. .not. any(is_in(suites(i), arguments))) cycle
+         if (names_alone) then
+            write (output_unit, '(a)') trim(suites(i)%name)
+            cycle
+         end if
+         seconds(i) = -wall_time()
          tests%wanted = wanted_of(suites(i), arguments)
          call run_suite(suites(i), tests, findings)
          if (tests%listing) write (output_unit, '(3a)') (trim(suites(i)%name), '/', trim(findings%tests(j)), &
                                                          j=1, size(findings%tests))
+         seconds(i) = seconds(i) + wall_time()
+      end do
+      if (names_alone) return
+      do while (.not. tests%listing .and. any(seconds >= 0))
+         i = maxloc(seconds, 1)
+         write (output_unit, '(f8.1, 2a)') seconds(i), ' s  ', trim(suites(i)%name)
+         seconds(i) = -1
       end do
       if (.not. tests%listing) write (output_unit, '(i0, a, i0, a)') findings%passed, ' passed, ', findings%failed, ' failed'
-      if (findings%failed > 0 .or. (findings%passed == 0 .and. .not. tests%listing)) stop 1, quiet=.true.
+      if (findings%failed > 0 .or. findings%passed == 0 .and. size(arguments) == 0 .and. .not. tests%listing) stop 1, quiet=.true.
    end subroutine run_suites
+
+   !> Tiers that a list with commas names; ends the program at a word that is none.
+   function tiers_in(list) result(tier)
+      character(*), intent(in) :: list
+      logical :: tier(size(tier_names))
+      integer :: first, last
+
+      tier = .false.
+      first = 1
+      do while (first <= len_trim(list))
+         last = first + scan(list(first:)//',', ',') - 2
+         if (.not. any(tier_names == list(first:last))) then
+            write (error_unit, '(3a, *(1x, a))') 'error: "', list(first:last), '" is no tier of tests; there are', tier_names
+            stop 1, quiet=.true.
+         end if
+         tier = tier .or. tier_names == list(first:last)
+         first = last + 2
+      end do
+   end function tiers_in
+
+   !> Time from some beginning [s].
+   real(dp) function wall_time()
+      integer(int64) :: now, rate
+
+      call system_clock(now, rate)
+      wall_time = real(now, dp)/real(rate, dp)
+   end function wall_time
 
    !> Whether an argument names the suite, its kind or tests of it.
    elemental logical function is_in(suite, argument)

@@ -6,10 +6,16 @@ module testing
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
    private
-   public :: number_argument, scratch, suite_type, tests_type, time_limit, test_begins, check_passed, check_failed, suite_ended
+   public :: full, nightly, number_argument, quick, scratch, suite_type, tests_type, tier_names, time_limit
+   public :: test_begins, check_passed, check_failed, suite_ended
 
    !> Time that a test may take [s], a hang apart from the slowest debug build under valgrind.
    integer, parameter :: time_limit = 1800
+   !> Tiers: what a newcomer runs, what each change runs beside, what runs by night.
+   integer, parameter :: quick = 1, full = 2, nightly = 3
+   character(*), parameter :: tier_names(*) = [character(7) :: 'quick', 'full', 'nightly']
+   !> Of a repetition, the share that runs where the tier `nightly` does not.
+   integer, parameter :: by_day = 10
    !> How names of files of tests begin: debug and release tests may run at the same time.
    character(*), parameter :: scratch = merge('build/checked-', 'build/release-', index(compiler_options(), '-fcheck') > 0)
    !> What the runner is told; the name of a test follows `test_begins` and ends with a line feed.
@@ -26,12 +32,15 @@ module testing
       logical :: listing = .false.
       !> Print the rows of docs/hard-cases.md.
       logical :: table = .false.
-      !> A debug build, which takes ten times as long: the longest hard cases are left to the others, unless --all asks for them.
-      logical :: slow_build = .false.
+      !> Tiers that are wanted, (tier).
+      logical :: tier(3) = [.true., .true., .false.]
+      !> File that gets a line for each comparison, the difference over the allowed one; blank: none.
+      character(200) :: ratios = ''
       !> Where the runner listens: the writing end of a pipe.
       integer(c_int) :: pipe = -1
    contains
       procedure :: runs
+      procedure :: times
       procedure :: is_true
       procedure :: is_close
       procedure :: is_text
@@ -75,16 +84,17 @@ module testing
 contains
 
    !> Whether the test of this name is to run now. A suite asks once for each of its tests; every check belongs to one.
-   logical function runs(self, name)
+   logical function runs(self, name, tier)
       class(tests_type), intent(inout) :: self
       character(*), intent(in) :: name
+      !> Tier of the test; absent: `quick`.
+      integer, intent(in), optional :: tier
       integer :: i
       integer(c_int) :: left
 
-      runs = size(self%wanted) == 0
-      do i = 1, size(self%wanted)
-         runs = runs .or. index(name, trim(self%wanted(i))) > 0
-      end do
+      runs = self%tier(quick)
+      if (present(tier)) runs = self%tier(tier)
+      if (size(self%wanted) > 0) runs = any([(index(name, trim(self%wanted(i))) > 0, i=1, size(self%wanted))])
       if (.not. runs) return
       self%begun = self%begun + 1
       runs = self%begun > self%done_before
@@ -94,6 +104,16 @@ contains
       runs = .not. self%listing
       if (runs) left = c_alarm(int(time_limit, c_int))
    end function runs
+
+   !> How often a test whose cost is repetition repeats what it does.
+   pure integer function times(self, all_of_them)
+      class(tests_type), intent(in) :: self
+      !> Repetitions of the tier `nightly`, of which the others run a tenth.
+      integer, intent(in) :: all_of_them
+
+      times = all_of_them
+      if (.not. self%tier(nightly)) times = ceiling(real(all_of_them, dp)/by_day)
+   end function times
 
    subroutine is_true(self, claim, name)
       class(tests_type), intent(inout) :: self
@@ -113,8 +133,21 @@ contains
 
       write (text, '(a, es23.15, a, es23.15, a, es9.2, a, es9.2)') ': got', value, ', expected', expected, ', off by', &
          abs(value - expected), ', allowed', tolerance
+      if (self%ratios /= '') call note_ratio(self, abs(value - expected)/tolerance, name)
       call self%is_true(abs(value - expected) <= tolerance, name//trim(text))
    end subroutine is_close
+
+   !> Adds a line to the file of ratios: the ratio, the test and the check.
+   subroutine note_ratio(self, ratio, name)
+      class(tests_type), intent(in) :: self
+      real(dp), intent(in) :: ratio
+      character(*), intent(in) :: name
+      integer :: unit
+
+      open (newunit=unit, file=trim(self%ratios), position='append', action='write')
+      write (unit, '(es9.2, 5a)') ratio, ' ', trim(self%suite), '/', trim(self%test)//': ', name
+      close (unit)
+   end subroutine note_ratio
 
    subroutine is_text(self, value, expected, name)
       class(tests_type), intent(inout) :: self

@@ -37,7 +37,7 @@ contains
       integer, intent(in) :: harmonics, eta, samples
       real(dp), intent(in) :: spread
       character(*), intent(in) :: name
-      type(system_type) :: system
+      type(system_type), target :: system
       type(balance_type) :: balance
       type(bordered_type) :: matrix
       real(dp), allocatable :: u(:, :), moved(:, :), difference(:, :)
@@ -103,7 +103,7 @@ contains
    subroutine linear_solution(train, coefficients)
       type(train_type), intent(in) :: train
       real(dp), allocatable, intent(out) :: coefficients(:, :)
-      type(system_type) :: system
+      type(system_type), target :: system
       type(balance_type) :: balance
       type(bordered_type) :: matrix
       real(dp), allocatable :: u(:, :), step(:, :)

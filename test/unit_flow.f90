@@ -1,6 +1,6 @@
 !> The Taylor flow against closed forms.
 module unit_flow
-   use fixtures, only: long_train, paper_train, single_pair
+   use fixtures, only: long_train, single_pair
    use geartrain, only: dp, train_type
    use geartrain_base_kinds, only: pi
    use geartrain_floquet_propagator, only: propagator_type
@@ -29,7 +29,7 @@ contains
    !> force f, and returns; phases are arcs and parabolas in closed form.
    subroutine bouncing(tests)
       class(tests_type), intent(inout) :: tests
-      type(system_type) :: system
+      type(system_type), target :: system
       type(flow_type) :: flow
       real(dp), parameter :: f = 0.4_dp, amplitude = 0.7_dp
       real(dp) :: leave, speed, flight
@@ -55,7 +55,7 @@ contains
    !> The monodromy matrix through contact events against differences of the flow itself.
    subroutine tangents(tests)
       class(tests_type), intent(inout) :: tests
-      type(system_type) :: system
+      type(system_type), target :: system
       real(dp), allocatable :: state(:), final(:), up(:), down(:), monodromy(:, :), unused(:, :)
       real(dp), parameter :: h = 1e-5_dp
       real(dp) :: worst
@@ -83,7 +83,7 @@ contains
    !> A step that is cut short must not make the next one less exact: one way in one go, and with a stop after a tiny step.
    subroutine interrupted(tests)
       class(tests_type), intent(inout) :: tests
-      type(system_type) :: system
+      type(system_type), target :: system
       type(flow_type) :: flow
       real(dp), allocatable :: state(:)
       integer :: run
@@ -107,7 +107,7 @@ contains
    !> both flanks, a linear mesh, harmonics and orders of kappa.
    subroutine along_contacts(tests)
       class(tests_type), intent(inout) :: tests
-      type(system_type) :: system
+      type(system_type), target :: system
       type(flow_type) :: flow
       type(propagator_type) :: propagator
       real(dp), allocatable :: state(:), final(:), monodromy(:, :), transposed(:, :)
@@ -150,7 +150,7 @@ contains
    subroutine half_an_interval(tests)
       class(tests_type), intent(inout) :: tests
       type(train_type) :: train
-      type(system_type) :: system
+      type(system_type), target :: system
       type(propagator_type) :: propagator
       type(time_reversal_type) :: mirror
       real(dp), allocatable :: half(:, :), whole(:, :), made(:, :), work(:, :)

@@ -62,7 +62,7 @@ contains
       logical, intent(in) :: alike
       character(*), intent(in) :: name
       real(dp), parameter :: ratio = 1.3_dp, rounding = 1e-12_dp
-      type(system_type) :: system
+      type(system_type), target :: system
       real(dp), allocatable :: values(:), ranges(:, :)
       integer :: i, info, n
 
@@ -229,7 +229,7 @@ contains
       !> The matrix is not needed.
       logical, intent(in) :: without
       character(*), intent(in) :: name
-      type(system_type) :: system
+      type(system_type), target :: system
       type(balance_type) :: balance
       type(monodromy_type) :: few, whole
       real(dp), allocatable :: u(:, :)

@@ -50,7 +50,7 @@ contains
       real(dp), intent(in) :: frequency_ratio
       integer, intent(in) :: starts
       character(*), intent(in) :: name
-      type(system_type) :: system
+      type(system_type), target :: system
       type(section_map_type) :: map
       type(flow_type) :: flow, other
       type(generator_type) :: generator

@@ -2,8 +2,8 @@
 !> refinement; and that it sees what is wrong with a branch: each kind of mistake is made in one, and must be told as that.
 module validation_audit
    use fixtures, only: paper_train, settings_of
-   use geartrain, only: audit_branch, audit_row_type, audit_text, audit_type, branch_type, dp, error_type, follow_bifurcations, &
-                        observer_type, refine_branch, response, response_settings_type, train_type
+   use geartrain, only: audit_branch, audit_text, audit_type, branch_type, dp, error_type, follow_bifurcations, observer_type, &
+      refine_branch, response, response_settings_type, train_type
    use geartrain_continuation_summary, only: folds
    use omp_lib, only: omp_get_max_threads, omp_set_num_threads
    use testing, only: tests_type
@@ -51,7 +51,7 @@ contains
       call tests%is_true(audit%special_points == 6 .and. audit%confirmed == 6, 'its six folds are confirmed')
       call audit_text(audit, paper_train(), 'Lambda', table)
       call tests%is_true(index(table, new_line('a')//'20 of 20 as estimated, 0 verdicts wrong; 6 of 6') > 0, 'the line')
-      do threads = 1, merge(0, 2, tests%slow_build)
+      do threads = 1, 2
          call omp_set_num_threads(threads)
          call audit_branch(paper_train(), branch, 20, 0, other, error)
          call tests%is_true(all(abs(other%rows%error - audit%rows%error) <= 0) .and. &
@@ -60,7 +60,6 @@ contains
       call omp_set_num_threads(before)
       call audit_branch(paper_train(), branch, 20, 1, other, error)
       call tests%is_true(any(other%rows(:20)%point /= audit%rows(:20)%point), 'another seed draws other points')
-      if (tests%slow_build) return
       ! Two ways to the same figure: shooting in one section and a difference of coefficients.
       refined = branch
       call refine_branch(paper_train(), refined, error)

@@ -1,7 +1,7 @@
 !> The claims of the paper's section 4.3 (figures 6 to 11); docs/claims.md has the table.
 module validation_claims_excitation
-   use fixtures, only: paper_train, settings_of
-   use geartrain, only: branch_type, dp, response, train_type
+   use fixtures, only: paper_train
+   use geartrain, only: branch_type, dp, train_type
    use geartrain_base_kinds, only: pi
    use geartrain_continuation_summary, only: band_type, bands_without_stability, peak_type
    use readings, only: folds_between, has_fold, is_band, largest_between, peak_between, smallest_between, stable_somewhere, &

@@ -90,7 +90,7 @@ contains
    !> which drops the share of harmonic R + 1 of g in harmonic R of the force; here 4096 samples stand for the integral.
    subroutine projection(tests, system)
       class(tests_type), intent(inout) :: tests
-      type(system_type), intent(in) :: system
+      type(system_type), target, intent(in) :: system
       type(balance_type) :: balance
       integer, parameter :: samples = 4096
       real(dp), parameter :: frequency_ratio = 0.8_dp

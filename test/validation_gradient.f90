@@ -92,7 +92,7 @@ contains
       type(response_settings_type) :: settings
       integer :: i
 
-      do i = 1, merge(2, 12, tests%slow_build)
+      do i = 1, 12
          call random_train(i, train, settings)
          call compare(tests, 'chain '//integer_text(i), train, settings)
       end do

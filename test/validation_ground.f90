@@ -147,7 +147,7 @@ contains
 
       subroutine compare(name)
          character(*), intent(in) :: name
-         type(system_type) :: system
+         type(system_type), target :: system
          type(time_reversal_type) :: mirror
          type(branch_type) :: branch
          type(motion_type), allocatable :: motions(:)

@@ -2,8 +2,8 @@
 !> time integration and shooting.
 module validation_hunting
    use fixtures, only: reducer
-   use geartrain, only: branch_type, dp, error_type, integrate, integration_settings_type, motion_type, refine, response, &
-                        response_settings_type, solutions_at, train_type
+   use geartrain, only: branch_type, dp, error_type, motion_type, refine, response, response_settings_type, solutions_at, &
+      train_type
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -15,7 +15,7 @@ contains
       class(tests_type), intent(inout) :: tests
 
       if (tests%runs('in_contact')) call in_contact(tests)
-      if (tests%runs('apart') .and. .not. tests%slow_build) call apart(tests)
+      if (tests%runs('apart')) call apart(tests)
       if (tests%runs('both_apart')) call both_apart(tests)
    end subroutine hunting_tests
 

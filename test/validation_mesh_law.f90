@@ -170,7 +170,7 @@ contains
    !> and, by products, many.
    subroutine derivatives(tests, system)
       class(tests_type), intent(inout) :: tests
-      type(system_type), intent(in) :: system
+      type(system_type), target, intent(in) :: system
       type(balance_type) :: balance
       type(bordered_type) :: matrix
       integer, parameter :: harmonics(*) = [5, 20]
@@ -216,7 +216,7 @@ contains
    !> What the flow carries against central differences of the flow, over periods with both flanks touching.
    subroutine tangents(tests, system)
       class(tests_type), intent(inout) :: tests
-      type(system_type), intent(in) :: system
+      type(system_type), target, intent(in) :: system
       real(dp), parameter :: h = 1e-6_dp, frequency_ratio = 0.83_dp
       real(dp), allocatable :: state(:), ahead(:), behind(:), monodromy(:, :), ignored(:, :)
       integer :: k, n
@@ -243,7 +243,7 @@ contains
       class(tests_type), intent(inout) :: tests
       type(motion_type) :: motion
       type(error_type), allocatable :: error
-      type(system_type) :: system
+      type(system_type), target :: system
       type(balance_type) :: balance
       type(monodromy_type) :: monodromy
       complex(dp), allocatable :: values(:)

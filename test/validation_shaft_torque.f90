@@ -1,9 +1,8 @@
 !> Torques of shafts: balance, shooting and sampled waveform against one another; a rigid shaft against a stiff one; closed forms.
 module validation_shaft_torque
    use fixtures, only: paper_train, settings_of
-   use geartrain, only: body_type, branch_type, dp, error_type, integrate, integration_settings_type, mesh_type, motion_type, &
-                        refine, response, shaft_type, solutions_at, train_type, waveform
-   use geartrain_base_kinds, only: pi
+   use geartrain, only: branch_type, dp, error_type, integrate, integration_settings_type, mesh_type, motion_type, refine, &
+      response, shaft_type, solutions_at, train_type, waveform
    use testing, only: tests_type
    implicit none (type, external)
    private

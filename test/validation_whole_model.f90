@@ -2,7 +2,7 @@
 module validation_whole_model
    use fixtures, only: long_train, paper_train, settings_of
    use geartrain, only: branch_type, dp, error_type, integrate, integration_settings_type, motion_type, refine, response, &
-                        response_settings_type, train_type
+      response_settings_type
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_error_estimate, only: error_estimate_type
    use geartrain_continuation_stability_assessment, only: assess, assessment_type
@@ -91,7 +91,7 @@ contains
    !> Liouville's determinant on separated motions, piece by piece.
    subroutine liouville(tests)
       class(tests_type), intent(inout) :: tests
-      type(system_type) :: system
+      type(system_type), target :: system
       type(balance_type) :: balance
       type(monodromy_type) :: monodromy
       type(error_estimate_type) :: estimate

@@ -1,10 +1,9 @@
 """What several test files use: trains, cases, the executable and files that it writes."""
 
 import os
-import shutil
 import subprocess
-import sys
-from itertools import pairwise
+from collections import Counter
+from itertools import chain, pairwise
 from pathlib import Path
 
 import h5py
@@ -186,13 +185,15 @@ def closed_figures():
 
 @pytest.fixture(scope="session")
 def executable():
-    """The release executable, built where fpm is at hand; that of a wheel where scripts/wheel tests one."""
-    if "GEARTRAIN_WHEEL" in os.environ:
-        return Path(sys.executable).parent / "geartrain"
-    path = ROOT / "build" / "release" / "bin" / "geartrain"
-    if shutil.which("fpm"):
-        command = ["fpm", "install", "--profile", "release", "--prefix", "build/release"]
-        subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
-    if not path.exists():
-        pytest.skip("no executable and no fpm to build it")
-    return path
+    """The executable of the package that is tested."""
+    return Path(gt.__file__).parent / "bin" / "geartrain"
+
+
+def pytest_terminal_summary(terminalreporter):
+    """Time of each file, slowest first."""
+    seconds = Counter()
+    for report in chain.from_iterable(terminalreporter.stats.values()):
+        if hasattr(report, "duration"):
+            seconds[report.nodeid.split("::")[0]] += report.duration
+    for path, total in seconds.most_common():
+        terminalreporter.write_line(f"{total:8.1f} s  {path}")

@@ -9,7 +9,7 @@ module geartrain_analyses_bifurcation_diagram
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_field, only: field => field_type
-   use geartrain_base_fields, only: fields_type, reading
+   use geartrain_base_fields, only: fields_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, text
    use geartrain_base_observer, only: observer_type

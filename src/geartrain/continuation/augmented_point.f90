@@ -5,7 +5,7 @@ module geartrain_continuation_augmented_point
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: add_tangent, augmented_point_type, metric_type, scale_tangent
+   public :: add_tangent, augmented_point_type, metric_type, scale_tangent, trains_type
 
    !> A special point.
    type :: augmented_point_type
@@ -32,6 +32,12 @@ module geartrain_continuation_augmented_point
       !> Product of the null vectors of M - I and of M + I, which is 0 where the eigenvalue 0 is double.
       real(dp) :: product_plus = 0, product_minus = 0
    end type augmented_point_type
+
+   !> The trains of an augmented system, to which its flights point: of the latest value of the parameter, of a slightly larger
+   !> value, of a displaced one.
+   type :: trains_type
+      type(system_type) :: here, above, beside
+   end type trains_type
 
    type :: metric_type
       !> Units of Lambda and the states.

@@ -12,10 +12,10 @@
 !> symmetry that breaks at the first point (broken_symmetry.f90), or s = 0 where there is no such symmetry.
 module geartrain_continuation_augmented_system
    use geartrain_base_kinds, only: dp
-   use geartrain_continuation_augmented_point, only: augmented_point_type, metric_type, scale_tangent
+   use geartrain_continuation_augmented_point, only: augmented_point_type, metric_type, scale_tangent, trains_type
    use geartrain_continuation_broken_symmetry, only: broken_symmetry_type
    use geartrain_continuation_orbit_corrector, only: depth_of
-   use geartrain_continuation_orbit_directions, only: along_lambda, along_null, along_parameter, find_directions, rest
+   use geartrain_continuation_orbit_directions, only: along_lambda, along_parameter, find_directions, rest
    use geartrain_continuation_orbit_tests, only: back_contact, is_onset
    use geartrain_floquet_critical_pair, only: pair_of
    use geartrain_floquet_multipliers, only: multipliers_of
@@ -27,13 +27,11 @@ module geartrain_continuation_augmented_system
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: augmented_system_type, trains_type
+   public :: augmented_system_type
 
    integer, parameter :: max_iterations = 12
-   !> Length of a displacement for differences of the test function, and for those over the parameter, in the units of the metric.
-   real(dp), parameter :: small = 1e-6_dp, small_parameter = 1e-6_dp
-   !> The least such length, next to a grazing.
-   real(dp), parameter :: smallest = 1e-9_dp
+   !> Length of a displacement for differences of the test function, usually and at least, and for those over the parameter [metric].
+   real(dp), parameter :: small = 1e-6_dp, smallest = 1e-9_dp, small_parameter = 1e-6_dp
    !> Length of a Newton step, over the largest state, below which the derivatives of the point before it do for those after it.
    real(dp), parameter :: nearby = 1e-3_dp
    !> Gap of a branch point, over the largest state, that may be left.
@@ -49,12 +47,6 @@ module geartrain_continuation_augmented_system
    !> Gap of an orbit, in the units of the metric, whose effect on the test function is left to the next iteration.
    real(dp), parameter :: negligible = 1e-10_dp
    character(*), parameter :: branch_point = 'branch point'
-
-   !> The trains that an augmented system works on. They are the caller's, since flights point to them.
-   type :: trains_type
-      !> The train of the latest value of the parameter; those of a slightly larger value and of a displaced one.
-      type(system_type) :: here, above, beside
-   end type trains_type
 
    type :: augmented_system_type
       !> Kind of the special point; of a contact onset the number of the mesh.
@@ -123,8 +115,6 @@ contains
       trains%here = system
       self%trains => trains
       self%system => trains%here
-      self%latest = huge(1.0_dp)
-      self%varied = huge(1.0_dp)
       if (present(path)) then
          self%path = path
          self%origin = origin
@@ -135,11 +125,13 @@ contains
       call self%minus%begin(system%states)
    end subroutine setup
 
-   !> Takes borders and symmetry of another augmented system that was solved for the same special point.
-   subroutine continue_from(self, other)
+   !> Goes to the special point that another augmented system was solved for, with the borders and the symmetry found there.
+   subroutine continue_from(self, other, point)
       class(augmented_system_type), intent(inout) :: self
       !> The other one.
       type(augmented_system_type), intent(in) :: other
+      !> The special point.
+      type(augmented_point_type), intent(in) :: point
 
       self%plus = other%plus
       self%minus = other%minus
@@ -147,6 +139,8 @@ contains
       self%symmetry = other%symmetry
       self%is_symmetric = other%is_symmetric
       self%pair_sum = other%pair_sum
+      call self%stand_at(point%parameter, .false.)
+      call self%moving%fly(point%frequency_ratio, point%states)
    end subroutine continue_from
 
    !> Takes the train with a value of the parameter, and varies the parameter there.
@@ -156,19 +150,19 @@ contains
       real(dp), intent(in) :: parameter
       !> Whether the derivatives of before will do.
       logical, intent(in) :: again
-      integer :: parts
 
       if (abs(parameter - self%latest) <= 0 .and. (again .or. abs(parameter - self%varied) <= 0)) return
       self%latest = parameter
-      parts = most_parts(self%system, self%period)
       if (allocated(self%path)) call self%path%system_at(self%origin + self%scale*parameter, self%system)
       if (.not. again) self%varied = parameter
       if (allocated(self%path) .and. .not. again) then
          call self%path%system_at(self%origin + self%scale*(parameter + small_parameter), self%trains%above)
          call self%moving%vary(self%trains%above, small_parameter)
       end if
-      call self%moving%setup(self%system, self%period, parts, moves=.true.)
-      call self%probe%setup(self%system, self%period, parts, moves=.false.)
+      associate (parts => most_parts(self%system, self%period))
+         call self%moving%setup(self%system, self%period, parts, moves=.true.)
+         call self%probe%setup(self%system, self%period, parts, moves=.false.)
+      end associate
    end subroutine stand_at
 
    !> Newton's method from a guess to a special point: at constant value of the parameter, or in the plane normal to the tangent of
@@ -382,7 +376,6 @@ contains
       real(dp), intent(inout) :: g(4)
       type(augmented_point_type) :: moved
       type(border_type) :: border
-      type(system_type), pointer :: beside
       real(dp) :: vectors(size(point%states, 1), 1), reference(size(point%states, 1), 1), norm, h, length
       integer :: d, side, events
       logical :: quick
@@ -418,10 +411,9 @@ contains
             moved%frequency_ratio = point%frequency_ratio
             if (d == along_lambda) moved%frequency_ratio = moved%frequency_ratio + h
             if (d == along_parameter) then
-               beside => self%trains%beside
-               call self%path%system_at(self%origin + self%scale*(point%parameter + h), beside)
-               call self%aside%setup(beside, self%period, self%probe%sections/self%period, moves=.false.)
-               call take(self%aside, beside%half_backlash)
+               call self%path%system_at(self%origin + self%scale*(point%parameter + h), self%trains%beside)
+               call self%aside%setup(self%trains%beside, self%period, self%probe%sections/self%period, moves=.false.)
+               call take(self%aside, self%trains%beside%half_backlash)
             else
                call take(self%probe, self%system%half_backlash)
             end if

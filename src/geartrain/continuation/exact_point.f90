@@ -5,8 +5,8 @@ module geartrain_continuation_exact_point
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
-   use geartrain_continuation_augmented_point, only: augmented_point_type
-   use geartrain_continuation_augmented_system, only: augmented_system_type, trains_type
+   use geartrain_continuation_augmented_point, only: augmented_point_type, trains_type
+   use geartrain_continuation_augmented_system, only: augmented_system_type
    use geartrain_continuation_branch, only: branch_type, special_point_type
    use geartrain_continuation_decided, only: joined, nearest_decided
    use geartrain_continuation_exact_search, only: ends_of, find_exact

@@ -5,7 +5,7 @@ module geartrain_continuation_exact_search
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type, coefficients_of, special_point_type
    use geartrain_continuation_orbit_corrector, only: orbit_corrector_type, orbit_test_type, orbit_type
-   use geartrain_continuation_orbit_tests, only: back_contact, choose_test, fold_test_type, is_onset
+   use geartrain_continuation_orbit_tests, only: back_contact, choose_test, is_onset
    implicit none (type, external)
    private
    public :: ends_of, find_exact, guess_from_point, neighbours

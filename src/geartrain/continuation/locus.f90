@@ -6,8 +6,8 @@ module geartrain_continuation_locus
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: real_text, text
    use geartrain_base_observer, only: observer_type
-   use geartrain_continuation_augmented_point, only: augmented_point_type, scale_tangent
-   use geartrain_continuation_augmented_system, only: augmented_system_type, trains_type
+   use geartrain_continuation_augmented_point, only: augmented_point_type, scale_tangent, trains_type
+   use geartrain_continuation_augmented_system, only: augmented_system_type
    use geartrain_continuation_locus_result, only: locus_type
    use geartrain_continuation_locus_side, only: side_type, trace_side
    use geartrain_flow_multiple_shooting, only: most_parts, section_states
@@ -85,7 +85,7 @@ contains
       call scale_tangent(begin(1), -1.0_dp)
       do k = 1, 2
          call own(k)%setup(own_trains(k), system, motion%period, kind, mesh, path, path%own_value)
-         call own(k)%continue_from(augmented)
+         call own(k)%continue_from(augmented, first)
       end do
       keep_going = .true.
       done = 0

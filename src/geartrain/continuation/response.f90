@@ -9,7 +9,7 @@ module geartrain_continuation_response
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
    use geartrain_continuation_both_ways, only: trace_both_ways
-   use geartrain_continuation_branch, only: branch_type, coefficients_of, response_settings_type, special_point_type
+   use geartrain_continuation_branch, only: branch_type, coefficients_of, response_settings_type
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_first_motion, only: find_start
    use geartrain_continuation_interruption, only: drop_step

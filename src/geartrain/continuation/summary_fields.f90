@@ -4,7 +4,6 @@ module geartrain_continuation_summary_fields
    use geartrain_base_carry, only: carry
    use geartrain_base_field, only: row => field_type
    use geartrain_base_fields, only: fields_type, listing
-   use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type
    use geartrain_continuation_contact_ranges, only: back_collision_ranges, separation_ranges
    use geartrain_continuation_free_fields, only: about_ends, carry_free, free_name, free_unit

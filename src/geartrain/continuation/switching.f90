@@ -14,7 +14,6 @@ module geartrain_continuation_switching
    use geartrain_continuation_critical_point, only: find_critical, harmonics_at
    use geartrain_continuation_interruption, only: drop_step
    use geartrain_continuation_large_amplitude, only: followed_out, trace_through
-   use geartrain_continuation_special_points, only: add_special_point
    use geartrain_continuation_start, only: begin_trace
    use geartrain_continuation_tracer, only: tracer_type
    use geartrain_continuation_variables, only: settings_for

@@ -15,7 +15,7 @@ module geartrain_continuation_tracer
    use geartrain_continuation_step_length, only: acceptable, crosses_branch, jump_step, large, next_step
    implicit none (type, external)
    private
-   public :: tracer_type, reached_end, came_back, closed_loop, left_by_amplitude, cancelled, stuck, full, met_half_period
+   public :: tracer_type, reached_end, came_back, closed_loop, left_by_amplitude, cancelled, met_half_period
 
    !> Outcomes of a trace: it reached the target bound; came back to the other bound; closed where it began; passed the amplitude
    !> limit; was ended by the observer; failed with the smallest step; had max_points; met the branch of half its period.

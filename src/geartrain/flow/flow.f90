@@ -9,7 +9,6 @@
 !> coordinates.
 module geartrain_flow_flow
    use geartrain_base_kinds, only: dp, pi
-   use geartrain_base_series, only: series_type
    use geartrain_flow_taylor, only: add_waves, last_term, recur, series_value, sum_series
    use geartrain_linalg_first_root, only: first_root
    use geartrain_model_system, only: shear, system_type

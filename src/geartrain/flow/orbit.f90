@@ -1,6 +1,6 @@
 !> A periodic orbit of the flow, given by its state: monodromy matrix, waveform, and the figures of the motion.
 module geartrain_flow_orbit
-   use geartrain_balance_mesh_load, only: mesh_load_type, put_force
+   use geartrain_balance_mesh_load, only: put_force
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp, pi
    use geartrain_flow_floating, only: is_floating

@@ -7,7 +7,7 @@ module geartrain_input_scanner
    use geartrain_input_cursor, only: blanks, cursor_type, digits, letters, lower, newline, shortened
    implicit none (type, external)
    private
-   public :: scan_text, group_type, assignment_type, token_type
+   public :: scan_text, group_type, token_type
 
    !> A value as written.
    type :: token_type

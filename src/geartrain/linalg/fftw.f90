@@ -2,7 +2,6 @@
 module geartrain_linalg_fftw
    use, intrinsic :: iso_c_binding, only: c_ptr, c_int, c_double, c_double_complex, c_null_ptr, c_associated, &
                                           c_size_t, c_f_pointer
-   use geartrain_base_kinds, only: dp
    implicit none (type, external)
    private
    public :: transform_type

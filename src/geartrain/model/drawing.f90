@@ -19,8 +19,7 @@ module geartrain_model_drawing
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: disc_inertia, drawn_inertia, gear_inertias, gears_of, has_discs, has_geometry, has_sections, has_stiffness, &
-             pair_of, plain_train, reduce_light_loads, section_stiffness
+   public :: gears_of, has_discs, has_geometry, has_sections, has_stiffness, pair_of, plain_train, reduce_light_loads
 
    !> A gear as a disc.
    type :: gear_type

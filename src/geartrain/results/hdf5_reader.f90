@@ -1,10 +1,10 @@
 !> Reads a results file into groups of fields, if the seal of the file fits.
 module geartrain_results_hdf5_reader
-   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_int64_t, c_loc, c_null_char, c_ptr, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_int64_t, c_loc, c_ptr, c_size_t
    use, intrinsic :: iso_fortran_env, only: int8
    use hdf5, only: h5aclose_f, h5aget_name_f, h5aget_num_attrs_f, h5aget_space_f, h5aget_type_f, h5aopen_by_idx_f, h5aread_f, &
-      h5dclose_f, h5dget_space_f, h5dget_type_f, h5dread_f, h5f_acc_rdonly_f, h5fclose_f, h5fopen_f, h5gget_info_f, &
-      h5i_group_f, h5iget_type_f, h5lget_name_by_idx_f, h5oclose_f, h5oopen_f, h5p_file_access_f, h5pclose_f, h5pcreate_f, &
+      h5dget_space_f, h5dget_type_f, h5dread_f, h5f_acc_rdonly_f, h5fclose_f, h5fopen_f, h5gget_info_f, h5i_group_f, &
+      h5iget_type_f, h5lget_name_by_idx_f, h5oclose_f, h5oopen_f, h5p_file_access_f, h5pclose_f, h5pcreate_f, &
       h5pset_fapl_core_f, h5pset_file_image_f, h5sclose_f, h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, &
       h5tclose_f, h5tget_class_f, h5tget_size_f, h5tis_variable_str_f, h5_index_name_f, h5_iter_inc_f, h5t_float_f, &
       h5t_integer_f, h5t_native_double, h5t_native_integer, h5t_string_f, hid_t, hsize_t, size_t

@@ -5,7 +5,7 @@ module geartrain_run_results
    use geartrain_analyses_list, only: analyses, case_type, find_analysis, results_type
    use geartrain_analyses_response, only: visit_whole_branch
    use geartrain_base_carry, only: carry, carry_text
-   use geartrain_base_error, only: error_type, fatal, status_file
+   use geartrain_base_error, only: error_type
    use geartrain_base_field, only: kind_real, row => field_type
    use geartrain_base_fields, only: fields_type, listing, reading
    use geartrain_base_kinds, only: dp, version
