@@ -6,11 +6,12 @@ exec </dev/null
 mkdir -p build/log
 # The release build: library, Python extension, executable and test programs of one compilation (meson.build).
 release=build/release
-# Of a debug build: bounds, pointers and shapes checked, signalling NaN in what is not set, a stop at the first invalid operation.
-debug_checks='-fcheck=all,no-array-temps -finit-real=snan -ffpe-trap=invalid,zero'
-# Warnings are errors, but for those that right code cannot avoid: an override that ignores an argument, an index that an if guards.
+# Of the debug build by fpm: bounds, pointers and shapes checked, signalling NaN in what is not set, a stop at the first invalid operation.
+debug_checks='-g -fbacktrace -fcheck=all,no-array-temps -finit-real=snan -ffpe-trap=invalid,zero'
+# Warnings are errors, but for those that right code cannot avoid: an override that ignores an argument, an index that an
+# if guards, the bounds of an allocatable array that has not been allocated. Given without --profile, or its flags would come last.
 debug_flags="$debug_checks -Werror -std=f2018 -Wall -Wextra -Wimplicit-interface -Wimplicit-procedure"
-debug_flags="$debug_flags -Wno-unused-dummy-argument -Wno-do-subscript -Wno-compare-reals"
+debug_flags="$debug_flags -Wno-unused-dummy-argument -Wno-do-subscript -Wno-compare-reals -Wno-maybe-uninitialized -Wno-uninitialized"
 
 # log_of TITLE: where the log of a step or a test part goes.
 log_of() {
@@ -52,7 +53,7 @@ suites() {
 
 # debug_program NAME: where fpm puts a test program of the debug build.
 debug_program() {
-   fpm test "$1" --profile debug --flag "$debug_flags" --runner echo | tail -n 1
+   fpm test "$1" --flag "$debug_flags" --runner echo | tail -n 1
 }
 
 # once STAMP HASH COMMAND...: runs the command unless it was done for the same hash.

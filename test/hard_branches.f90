@@ -5,7 +5,7 @@ module hard_branches
                         motion_type, refine, response_settings_type, solutions_at, train_type
    use geartrain_continuation_summary, only: folds
    use readings, only: solve
-   use testing, only: tests_type
+   use testing, only: full, tests_type
    implicit none (type, external)
    private
    public :: branches_cases
@@ -16,7 +16,7 @@ contains
       class(tests_type), intent(inout) :: tests
 
       call tests%heading('Branches on their own')
-      if (tests%runs('island_of_figure_9')) call island_of_figure_9(tests)
+      if (tests%runs('island_of_figure_9', full)) call island_of_figure_9(tests)
    end subroutine branches_cases
 
    !> Figure 9 at zeta 0.01 has a closed branch of period 1, part of it beyond the amplitude limit, that is joined to no other. One

@@ -5,7 +5,7 @@ module hard_figures
    use geartrain, only: branch_type, dp, error_type, motion_type, response_settings_type, solutions_at, train_type
    use geartrain_continuation_summary, only: folds
    use readings, only: solve
-   use testing, only: tests_type
+   use testing, only: full, tests_type
    implicit none (type, external)
    private
    public :: figures_cases
@@ -20,29 +20,29 @@ contains
       type(train_type) :: train
 
       call tests%heading('Figures, each from both ends and at several step sizes')
-      if (tests%runs('figure_6')) then
+      if (tests%runs('figure_6', full)) then
          train = paper_train()
          train%input_torque = 100
          call figure(tests, train, 'figure 6, 100 N m')
       end if
-      if (tests%runs('figure_7')) call figure(tests, paper_train(0.42_dp), 'figure 7, kappa 0.42')
-      if (tests%runs('figure_8')) then
+      if (tests%runs('figure_7', full)) call figure(tests, paper_train(0.42_dp), 'figure 7, kappa 0.42')
+      if (tests%runs('figure_8', full)) then
          call figure(tests, rectangular(-0.085_dp), 'figure 8 as printed')
          call figure(tests, rectangular(0.084_dp), 'figure 8, rectangular wave')
       end if
-      if (tests%runs('figure_9')) then
+      if (tests%runs('figure_9', full)) then
          train = paper_train()
          train%meshes%damping_ratio = 0.03_dp
          call figure(tests, train, 'figure 9, zeta 0.03')
          train%meshes%damping_ratio = 0.01_dp
          call figure(tests, train, 'figure 9, zeta 0.01')
       end if
-      if (tests%runs('figure_10')) then
+      if (tests%runs('figure_10', full)) then
          train = paper_train()
          train%meshes(2)%order = 2
          call figure(tests, train, 'figure 10')
       end if
-      if (tests%runs('figure_11')) then
+      if (tests%runs('figure_11', full)) then
          train = paper_train()
          train%meshes%order = [3, 2]
          call figure(tests, train, 'figure 11')

@@ -5,7 +5,7 @@ module hard_scales
       train_type
    use geartrain_continuation_summary, only: folds
    use readings, only: solution, solve
-   use testing, only: tests_type
+   use testing, only: full, tests_type
    implicit none (type, external)
    private
    public :: scales_cases
@@ -19,15 +19,15 @@ contains
       class(tests_type), intent(inout) :: tests
 
       call tests%heading('Scales')
-      if (tests%runs('homogeneous')) call homogeneous(tests)
-      if (tests%runs('units')) call units(tests)
-      if (tests%runs('light_load')) call light_load(tests)
-      if (tests%runs('heavy_load')) call heavy_load(tests)
-      if (tests%runs('gaps')) call gaps(tests)
-      if (tests%runs('soft_shaft')) call soft_shaft(tests)
-      if (tests%runs('stiff_shaft')) call stiff_shaft(tests)
-      if (tests%runs('end_inertias')) call end_inertias(tests)
-      if (tests%runs('between')) call between(tests)
+      if (tests%runs('homogeneous', full)) call homogeneous(tests)
+      if (tests%runs('units', full)) call units(tests)
+      if (tests%runs('light_load', full)) call light_load(tests)
+      if (tests%runs('heavy_load', full)) call heavy_load(tests)
+      if (tests%runs('gaps', full)) call gaps(tests)
+      if (tests%runs('soft_shaft', full)) call soft_shaft(tests)
+      if (tests%runs('stiff_shaft', full)) call stiff_shaft(tests)
+      if (tests%runs('end_inertias', full)) call end_inertias(tests)
+      if (tests%runs('between', full)) call between(tests)
    end subroutine scales_cases
 
    !> Torque, gap and transmission error times s: every displacement times s, the same folds.

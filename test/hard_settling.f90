@@ -8,7 +8,7 @@ module hard_settling
    use geartrain_flow_start_state, only: resting_state
    use geartrain_model_system, only: build_system, system_type
    use readings, only: nearest_approach
-   use testing, only: tests_type
+   use testing, only: full, tests_type
    implicit none (type, external)
    private
    public :: settling_cases
@@ -19,9 +19,9 @@ contains
       class(tests_type), intent(inout) :: tests
 
       call tests%heading('Slow modes and starts')
-      if (tests%runs('slow_modes')) call slow_modes(tests)
-      if (tests%runs('starts')) call starts(tests)
-      if (tests%runs('rattling_starts')) call rattling_starts(tests)
+      if (tests%runs('slow_modes', full)) call slow_modes(tests)
+      if (tests%runs('starts', full)) call starts(tests)
+      if (tests%runs('rattling_starts', full)) call rattling_starts(tests)
    end subroutine settling_cases
 
    !> What integration with its defaults says of 90 random trains. Where the plain flow goes is the judge of what settles, an
@@ -39,13 +39,13 @@ contains
       real(dp), allocatable :: longer
       integer :: i, trains, settled, unbounded, told, elsewhere, refuted
 
-      trains = 90
+      trains = tests%times(90)
       settled = 0
       unbounded = 0
       told = 0
       elsewhere = 0
       refuted = 0
-      generator = 1
+      generator = 1 + 1000*tests%seed
       do i = 1, trains
          call slow_train(generator, train, frequency_ratio)
          call integrate(train, frequency_ratio, settings, motion, error)
@@ -65,8 +65,8 @@ contains
             if (motion%kind == 'quasi-periodic' .and. abs(longer) > motion%lyapunov_error) refuted = refuted + 1
          end if
       end do
-      call tests%holds('90 random trains with slow modes', 'settle, run away, or are told to be chaotic or quasi-periodic, as ten &
-                       &times as long an average confirms: 85', settled + unbounded + told - refuted >= (85*trains)/90)
+      call tests%holds('Random trains with slow modes', 'settle, run away, or are told to be chaotic or quasi-periodic, as ten &
+                       &times as long an average confirms: 85 of 90', settled + unbounded + told - refuted >= (85*trains)/90)
       call tests%holds('those that settle', &
                        'come near the motion without Newton''s method within 20000 periods, all of them', elsewhere == 0)
    end subroutine slow_modes
@@ -82,9 +82,9 @@ contains
       real(dp) :: frequency_ratio
       integer :: i, trains, failed
 
-      trains = 200
+      trains = tests%times(200)
       failed = 0
-      generator = 77
+      generator = 77 + 1000*tests%seed
       do i = 1, trains
          call slow_train(generator, train, frequency_ratio)
          settings%start = uniform(generator, 0.2_dp, 2.2_dp)
@@ -101,7 +101,7 @@ contains
          call response(train, settings, branch, error)
          if (index(branch%ended, 'found to start from') > 0) failed = failed + 1
       end do
-      call tests%holds('responses of 200 random trains', 'a motion to start from at both ends, each time', failed == 0)
+      call tests%holds('responses of random trains', 'a motion to start from at both ends, each time', failed == 0)
    end subroutine starts
 
    subroutine rattling_starts(tests)
@@ -117,7 +117,7 @@ contains
       settings%stability = .false.
       settings%max_points = 100
       do i = 1, size(torque)
-         do j = 1, 20
+         do j = 1, 20, 20/tests%times(20)
             settings%start = 0.1_dp*j
             settings%stop = 0.1_dp*j + 0.25_dp
             call response(rattling_pair(torque(i)), settings, branch, error)

@@ -58,7 +58,7 @@ contains
 
    !> Runs what the arguments name, everything where they name nothing: a kind (unit), a suite (unit_flow, or flow, whatever its
    !> kind), tests of a suite by a part of their names (flow/tang). Options: --tier=quick,full,nightly, those tiers, of a test that
-   !> is named any (default: quick,full); --list, names of tests alone; --suites, of suites alone; --table, the rows of
+   !> is named any (default: quick,full); --seed=N, other random trains; --list, names of tests alone; --suites, of suites alone; --table, the rows of
    !> docs/hard-cases.md; --ratios=FILE, adds a line for each comparison to a file: difference over allowed difference.
    subroutine run_suites(suites)
       type(suite_type), intent(in) :: suites(:)
@@ -83,6 +83,8 @@ contains
             tests%table = .true.
          case ('--tier')
             tests%tier = tiers_in(argument(8:))
+         case ('--seed')
+            read (argument(8:), *) tests%seed
          case ('--ratios')
             tests%ratios = argument(10:)
          case default

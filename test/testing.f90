@@ -34,6 +34,8 @@ module testing
       logical :: table = .false.
       !> Tiers that are wanted, (tier).
       logical :: tier(3) = [.true., .true., .false.]
+      !> Number of the random trains, starts and so on that the random suites draw: 0, 1, ...
+      integer :: seed = 0
       !> File that gets a line for each comparison, the difference over the allowed one; blank: none.
       character(200) :: ratios = ''
       !> Where the runner listens: the writing end of a pipe.

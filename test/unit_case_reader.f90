@@ -5,7 +5,7 @@ module unit_case_reader
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text
    use geartrain_input_reader, only: read_case, read_case_text
-   use testing, only: tests_type
+   use testing, only: full, tests_type
    implicit none (type, external)
    private
    public :: case_reader_tests
@@ -33,7 +33,7 @@ contains
       if (tests%runs('agreement')) call agreement(tests)
       if (tests%runs('without_a_file')) call without_a_file(tests)
       if (tests%runs('files')) call files(tests)
-      if (tests%runs('threads')) call threads(tests)
+      if (tests%runs('threads', full)) call threads(tests)
    end subroutine case_reader_tests
 
    subroutine what_is_read(tests)

@@ -6,7 +6,7 @@ module validation_audit
       refine_branch, response, response_settings_type, train_type
    use geartrain_continuation_summary, only: folds
    use omp_lib, only: omp_get_max_threads, omp_set_num_threads
-   use testing, only: tests_type
+   use testing, only: full, tests_type
    implicit none (type, external)
    private
    public :: audit_tests
@@ -25,7 +25,7 @@ contains
       type(branch_type) :: branch
       type(error_type), allocatable :: error
 
-      if (tests%runs('figure_3')) then
+      if (tests%runs('figure_3', full)) then
          call response(paper_train(), settings_of(0.4_dp, 0.9_dp, 6), branch, error)
          call a_good_branch_is_confirmed(tests, branch)
          call mistakes_are_seen(tests, branch)

@@ -4,7 +4,7 @@ module validation_doubling
    use geartrain, only: attractors, attractors_settings_type, attractors_type, branch_type, dp, error_type, follow_attractors, &
                         follow_bifurcations, motion_type, period_doubled, refine, response, response_settings_type, solutions_at, &
                         train_type
-   use testing, only: tests_type
+   use testing, only: full, tests_type
    implicit none (type, external)
    private
    public :: doubling_tests
@@ -15,7 +15,7 @@ contains
       class(tests_type), intent(inout) :: tests
 
       if (tests%runs('each_branch_once')) call each_branch_once(tests)
-      if (tests%runs('doublings_in_pairs')) call doublings_in_pairs(tests)
+      if (tests%runs('doublings_in_pairs', full)) call doublings_in_pairs(tests)
       if (tests%runs('joined_parents')) call joined_parents(tests)
       if (tests%runs('island')) call island(tests)
       if (tests%runs('cascade')) call cascade(tests)

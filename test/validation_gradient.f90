@@ -17,7 +17,7 @@ module validation_gradient
    use geartrain_model_parameter_table, only: parameter_type
    use networks, only: draw_laws, random_network
    use parameters_of_trains, only: all_parameters, change, name_length, parameter_of
-   use testing, only: tests_type
+   use testing, only: full, tests_type
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
@@ -29,8 +29,8 @@ contains
       class(tests_type), intent(inout) :: tests
 
       if (tests%runs('figure_3')) call figure_3(tests)
-      if (tests%runs('random_chains')) call random_chains(tests)
-      if (tests%runs('random_networks')) call random_networks(tests)
+      if (tests%runs('random_chains', full)) call random_chains(tests)
+      if (tests%runs('random_networks', full)) call random_networks(tests)
       if (tests%runs('hunting')) call hunting(tests)
       if (tests%runs('drawing')) call drawing(tests)
    end subroutine gradient_tests
@@ -92,8 +92,8 @@ contains
       type(response_settings_type) :: settings
       integer :: i
 
-      do i = 1, 12
-         call random_train(i, train, settings)
+      do i = 1, tests%times(12)
+         call random_train(i + 1000*tests%seed, train, settings)
          call compare(tests, 'chain '//integer_text(i), train, settings)
       end do
    end subroutine random_chains
@@ -105,8 +105,8 @@ contains
       integer :: i, j
 
       do i = 1, size(bodies)
-         call random_network(bodies(i), loops(i), i, train)
-         if (mod(i, 2) == 0) call draw_laws(i, train)
+         call random_network(bodies(i), loops(i), i + 1000*tests%seed, train)
+         if (mod(i, 2) == 0) call draw_laws(i + 1000*tests%seed, train)
          train%bodies(bodies(i) - dragged(i) + 1:)%damping_to_ground = [(0.3_dp*j, j=1, dragged(i))]
          ! Without idle gears, which may float in their gaps.
          do j = 2, bodies(i) - 1

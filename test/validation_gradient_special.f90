@@ -9,7 +9,7 @@ module validation_gradient_special
    use geartrain_model_parameter_table, only: parameter_type
    use networks, only: draw_laws, random_network
    use parameters_of_trains, only: all_parameters, change, name_length, parameter_of
-   use testing, only: tests_type
+   use testing, only: full, tests_type
    implicit none (type, external)
    private
    public :: gradient_special_tests
@@ -19,8 +19,8 @@ contains
    subroutine gradient_special_tests(tests)
       class(tests_type), intent(inout) :: tests
 
-      if (tests%runs('special_points')) call special_points(tests)
-      if (tests%runs('modes')) call modes_of_trains(tests)
+      if (tests%runs('special_points', full)) call special_points(tests)
+      if (tests%runs('modes', full)) call modes_of_trains(tests)
       if (tests%runs('nowhere')) call nowhere(tests)
    end subroutine gradient_special_tests
 
@@ -35,7 +35,7 @@ contains
       call compare_special(tests, 'figure 3', paper_train(), settings_of(0.4_dp, 4.2_dp, 8), found)
       call compare_special(tests, 'pair', single_pair(0.05_dp, 0.3_dp, 0.4_dp), settings_of(0.3_dp, 3.0_dp, 10), found)
       do i = 1, 8
-         call random_train(i, train, settings)
+         call random_train(i + 1000*tests%seed, train, settings)
          call compare_special(tests, 'chain '//integer_text(i), train, settings, found)
       end do
       call tests%is_true(all(found >= [10, 4]), &
@@ -133,10 +133,10 @@ contains
       call tests%is_close(maxval(abs(gradient%values(1, :) - [0.5_dp, -0.125_dp, 0.5_dp, 0.0_dp])), 0.0_dp, 1e-12_dp, &
                           'a pair in closed form')
       do i = 1, 6
-         call random_train(i, train, settings)
+         call random_train(i + 1000*tests%seed, train, settings)
          call compare_modes(tests, 'chain '//integer_text(i), train)
-         call random_network(4 + i, mod(i, 3), i, train)
-         call draw_laws(i, train)
+         call random_network(4 + i, mod(i, 3), i + 1000*tests%seed, train)
+         call draw_laws(i + 1000*tests%seed, train)
          train%bodies(2)%damping_to_ground = 0.2_dp
          do j = 2, 3 + i
             train%bodies(j)%torque = -2.0_dp*j

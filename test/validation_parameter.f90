@@ -117,7 +117,7 @@ contains
       integer :: seed, j
 
       do seed = 1, 5
-         call random_train(seed, train, settings)
+         call random_train(seed + 1000*tests%seed, train, settings)
          branch = over(tests, train, 'input_torque', 0.7_dp*train%input_torque, 1.3_dp*train%input_torque, settings%start, &
                        settings%harmonics)
          do j = 1, branch%points, max(1, branch%points/3)

@@ -125,6 +125,16 @@ def assert_equal_files(one, other):
                 np.testing.assert_array_equal(first[name][()], second[name][()], err_msg=name)
 
 
+def pytest_addoption(parser):
+    parser.addoption("--all-repetitions", action="store_true", help="repeat in full what is repeated a tenth as often by day")
+
+
+@pytest.fixture(scope="session")
+def times(request):
+    """How often a test whose cost is repetition repeats what it does, of so many times by night."""
+    return lambda count: count if request.config.getoption("--all-repetitions") else -(-count // 10)
+
+
 @pytest.fixture(scope="session")
 def train():
     return paper_train()

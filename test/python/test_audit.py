@@ -8,6 +8,8 @@ from conftest import ROOT, reducer, run, single_pair
 
 import geartrain as gt
 
+pytestmark = pytest.mark.full
+
 CASES = [path for path in sorted((ROOT / "namelists").glob("*.nml")) if "&response" in path.read_text()]
 # Those with grazing contacts next to changes of stability: a verdict that looks decided is wrong here first.
 GRAZING = ["fig07_042", "fig08_rectangular", "fig09_001"]

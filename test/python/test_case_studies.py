@@ -16,7 +16,7 @@ from case_studies import (
     with_meshes,
 )
 
-pytestmark = pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
+pytestmark = [pytest.mark.full, pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")]
 
 
 def study(name):
@@ -86,6 +86,7 @@ def assert_threshold(train, mesh, speed, torque):
     assert [motion.separation_fraction[mesh - 1] > 0 for motion in motions] == [False, True]
 
 
+@pytest.mark.nightly
 def test_rattle_threshold():
     case = study("rattle")
     speed = case.integration["start"]
@@ -111,8 +112,10 @@ def test_rattle_threshold():
 
 
 @pytest.mark.parametrize(("torque", "ranges", "force", "above"), [
-    (10.0, [(1201, 1354), (3782, 4175)], 681, 10203), (20.0, [(1275, 1320), (3975, 4085)], 1692, 12837),
-    (40.0, [(1320, 1335), (4099, 4113)], 3430, 14735), (60.0, [], 4379, 15566),
+    pytest.param(10.0, [(1201, 1354), (3782, 4175)], 681, 10203, marks=pytest.mark.nightly),
+    pytest.param(20.0, [(1275, 1320), (3975, 4085)], 1692, 12837, marks=pytest.mark.nightly),
+    (40.0, [(1320, 1335), (4099, 4113)], 3430, 14735),
+    pytest.param(60.0, [], 4379, 15566, marks=pytest.mark.nightly),
 ])
 def test_electric_car(torque, ranges, force, above):
     case = study("electric_car")
@@ -150,6 +153,7 @@ def test_marine_turbines_as_published():
     np.testing.assert_allclose(found, list(figure.values()), rtol=0.06)
 
 
+@pytest.mark.nightly
 def test_marine_turbines():
     train = study("marine_turbines").train
 

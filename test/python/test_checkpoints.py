@@ -10,6 +10,8 @@ from conftest import assert_equal_files, run, write_case
 
 import geartrain as gt
 
+pytestmark = pytest.mark.full
+
 #: What a run was killed at, each long enough for a checkpoint of it.
 CASES = {
     "response": "&response from = 0.2, to = 2.6, step = 0.0003, max_points = 100000 /\n",
@@ -24,7 +26,6 @@ CASES = {
     ),
     "run_up": "&run_up from = 0.2, to = 2.6, duration = 12.0, samples = 1 /\n",
 }
-FLIPS = 1000
 
 
 def stop_at_checkpoint(executable, case, output, kind):
@@ -69,12 +70,12 @@ def checkpoints(executable, tmp_path_factory):
     return found
 
 
-def test_a_thousand_flips(executable, checkpoints):
+def test_a_thousand_flips(executable, checkpoints, times):
     """One bit or one byte anywhere in the file, from its first byte to its last: HDF5's own parts, the results, the state, the
     seal. No file is what was written, so that each is refused; every tenth by the executable as well, which leaves it alone."""
     moments = random.Random(20)
     cases = {kind: gt.read_case(case) for kind, (case, _) in checkpoints.items()}
-    for number in range(FLIPS):
+    for number in range(times(1000)):
         kind = list(checkpoints)[number % len(checkpoints)]
         case, content = checkpoints[kind]
         partial = case.with_name("out.h5.partial")

@@ -8,6 +8,8 @@ from conftest import ROOT
 
 import design
 
+pytestmark = pytest.mark.full
+
 
 def test_factors_of_ranges_change_as_their_derivatives_say():
     problem, x, step = design.FactorsOfRanges(), np.array([6.5, 0.4]), 1e-4
@@ -19,6 +21,7 @@ def test_factors_of_ranges_change_as_their_derivatives_say():
         np.testing.assert_allclose(slopes[decides, place], change[decides] / (2 * step), rtol=2e-3, atol=2e-4)
 
 
+@pytest.mark.nightly
 def test_optimum_of_two_methods():
     best = design.least_factor(np.array([7.0, 0.0]))
     simplex = design.least_factor(best.x + np.array([0.03, 0.06]), gradients=False)  # begun nearby

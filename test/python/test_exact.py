@@ -6,6 +6,8 @@ from conftest import equal_stages, paper_train, single_pair
 
 import geartrain as gt
 
+pytestmark = pytest.mark.full
+
 
 @pytest.fixture(scope="module")
 def branch():

@@ -56,6 +56,7 @@ def test_version_and_help(executable, tmp_path):
     assert "Exit status" in run(executable, "--help", cwd=tmp_path).stdout
 
 
+@pytest.mark.nightly
 def test_the_report_is_in_the_unit_asked_for(executable, tmp_path):
     """rpm where Lambda is the speed in rpm, though Lambda is asked for; Hz where asked for; um where lengths are in um."""
     train = (ROOT / "namelists" / "reducer.nml").read_text().split("&modes")[0]

@@ -21,6 +21,8 @@ from conftest import assert_equal_files, paper_train, run, write_case
 
 import geartrain as gt
 
+pytestmark = pytest.mark.full
+
 QUICK = "&response from = 0.4, to = 0.6, step = 0.01 /\n"
 #: Some seconds of response, sweep and search: checkpoints come after 0.3 s, then every 2 s at most.
 LONG = (
@@ -100,6 +102,7 @@ def test_an_unreadable_case_is_told(open_folder):
     assert names(folder) == ["case.nml", "geartrain"]
 
 
+@pytest.mark.nightly
 def test_the_time_between_checkpoints_is_bounded(executable, tmp_path):
     """The first one comes after 0.3 s, each further one within 2 s (nine times what the writing took if that is more) and
     a point of the work; five times that for a machine that is busy with other things."""
@@ -303,6 +306,7 @@ def test_a_finished_file_is_a_checkpoint(executable, tmp_path):
     assert_equal_files(plain, output)
 
 
+@pytest.mark.nightly
 def test_ten_thousand_solves_leak_nothing():
     train = paper_train()
 

@@ -9,6 +9,8 @@ from conftest import ROOT, paper_train
 import geartrain as gt
 from geartrain.errors import SolverError
 
+pytestmark = pytest.mark.full
+
 
 def turns(branch):
     """Frequencies at which the points of each segment turn."""
@@ -32,6 +34,7 @@ def test_as_many_turns_as_folds(tolerance):
     assert turns(branch) == pytest.approx(folds(branch), rel=1e-9)
 
 
+@pytest.mark.nightly
 @pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
 def test_fold_that_needs_more_harmonics_than_the_branch_before():
     # Below the fold mesh 1 is in contact and some 40 harmonics do; at the fold it parts, and more than 1000 are carried.

@@ -14,6 +14,8 @@ import geartrain as gt
 from geartrain import _watch
 from geartrain._watch import watched
 
+pytestmark = pytest.mark.full
+
 #: What may lie between Ctrl-C and the end of the work [s].
 PATIENCE = 1.0
 
@@ -44,7 +46,7 @@ HUGE = "points=10000, parameter_points=10000"
 
 @pytest.mark.parametrize(("meshes", "call", "waits"), [
     (300, "response(start=0.2, stop=2.6)", (0.2, 2.0)),
-    (300, "response(start=0.2, stop=2.6, harmonics=1000)", (0.2, 2.0, 6.0)),
+    pytest.param(300, "response(start=0.2, stop=2.6, harmonics=1000)", (0.2, 2.0, 6.0), marks=pytest.mark.nightly),
     (300, "attractors(frequency=0.9)", (0.2, 2.0)),
     (300, "sweep(start=0.5, stop=1.0)", (1.0,)),
     (300, "integrate(0.9)", (1.0,)),
@@ -54,8 +56,8 @@ HUGE = "points=10000, parameter_points=10000"
     (2, MAP.format(HUGE + ", linear=True"), (0.2, 2.0)),
     (60, MAP.format("linear=True"), (0.2, 2.0)),
     (60, MAP.format("points=20"), (2.0,)),
-    (30, "response(start=1.5, stop=4.0, period_doublings=2)", (2.0, 4.0)),
-    (700, "modes()", (0.3, 2.0)),
+    pytest.param(30, "response(start=1.5, stop=4.0, period_doublings=2)", (2.0, 4.0), marks=pytest.mark.nightly),
+    pytest.param(700, "modes()", (0.3, 2.0), marks=pytest.mark.nightly),
     (30, "integrate(0.9, max_periods=1).trajectory(1000000, samples=1)", (2.0,)),
     (700, "natural_frequencies()", (2.0,)),
 ])

@@ -7,6 +7,8 @@ from test_lyapunov import soft_train
 
 import geartrain as gt
 
+pytestmark = pytest.mark.full
+
 
 def nearest(branch, kind, frequency):
     """The exact special point of a kind nearest to a frequency."""

@@ -8,6 +8,8 @@ from conftest import equal_stages, equal_wheels, paper_train, single_pair
 
 import geartrain as gt
 
+pytestmark = pytest.mark.full
+
 
 def soft_train():
     """Figure 4's with k3 = 5e5 N m/rad, where pairs of multipliers leave the unit circle near sums of natural frequencies."""

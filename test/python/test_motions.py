@@ -11,6 +11,8 @@ from geartrain._motion_search import _follow, _Known, _multipliers_at_infinity, 
 from geartrain._orbit import least_period, replace_period, same_orbit
 from geartrain.motions import index_sum
 
+pytestmark = pytest.mark.full
+
 
 def test_figure_3_where_two_motions_of_period_2_coexist():
     """At 1.2 a second period-2 motion, unstable, lies between the two stable ones: neither a sweep nor a random start finds it."""
@@ -49,6 +51,7 @@ def test_the_branch_of_every_motion_is_followed():
     assert len(one.at(2.4)) == 4
 
 
+@pytest.mark.nightly
 def test_an_island_that_is_unstable_at_this_speed():
     """Lambda 1.919 to 2.495, both motions at 2.4 unstable and of opposite index: neither starts nor the indices tell of it."""
     train = paper_train(input_torque=223.9).with_values({

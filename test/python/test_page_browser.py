@@ -10,6 +10,8 @@ import pytest
 import geartrain as gt
 from geartrain._motion_check import VALUES
 
+pytestmark = pytest.mark.full
+
 pytest.importorskip("plotly")
 
 #: Waveforms are kept with 16 bits of each coefficient, 1e-5 relative.

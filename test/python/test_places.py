@@ -152,6 +152,7 @@ def processor_time(process):
     return (int(numbers[11]) + int(numbers[12])) / os.sysconf("SC_CLK_TCK")
 
 
+@pytest.mark.nightly
 def test_frequent_kills_do_not_keep_a_run_from_its_end(executable, tmp_path):
     """A kill after every second or two of processor time: each resumed run gets on, as its first checkpoint comes after 0.3 s."""
     case = write_case(tmp_path, (

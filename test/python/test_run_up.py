@@ -243,6 +243,7 @@ def test_case_file_executable_and_python_agree(executable, tmp_path, train, ramp
         assert file["run_up/shaft_torque"].attrs["units"] in ("N m", b"N m")
 
 
+@pytest.mark.full
 def test_terminal_tells_what_the_inertias_take(executable, tmp_path, train):
     """90 N m of the motor, less 0.02 kg m^2 times 3800 rpm in 0.3 s, at the pinion's shaft; and what is not known."""
     text = (CASES / "reducer.nml").read_text()

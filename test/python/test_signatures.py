@@ -101,6 +101,7 @@ FAULTS = {
 }
 
 
+@pytest.mark.full
 def test_type_checkers_see_the_keywords(tmp_path):
     pytest.importorskip("mypy")
     script = tmp_path / "script.py"

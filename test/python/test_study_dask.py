@@ -14,6 +14,8 @@ from test_study_faults import POINTS, killing, study
 
 import geartrain as gt
 
+pytestmark = pytest.mark.full
+
 distributed = pytest.importorskip("distributed")
 
 
@@ -108,6 +110,7 @@ def test_a_client_of_dask_computes_a_study(cluster, whole, tmp_path):
     assert len(computed(folder)) == len(set(computed(folder))) == POINTS
 
 
+@pytest.mark.nightly
 def test_a_worker_killed_in_the_midst_costs_nothing(cluster, whole, tmp_path):
     folder = begun(tmp_path / "runs")
     process = client(cluster, folder)
@@ -118,6 +121,7 @@ def test_a_worker_killed_in_the_midst_costs_nothing(cluster, whole, tmp_path):
     assert study().dataset(folder).identical(whole) and len(set(computed(folder))) == POINTS
 
 
+@pytest.mark.nightly
 def test_a_point_that_kills_its_worker_is_set_aside(whole, tmp_path):
     folder = begun(tmp_path / "runs")
     logs = tmp_path / "logs"
@@ -138,6 +142,7 @@ def test_a_point_that_kills_its_worker_is_set_aside(whole, tmp_path):
     assert found.status[17] == "set aside" and (found.status == "done").sum() == POINTS - 1
 
 
+@pytest.mark.nightly
 def test_the_scheduler_killed_is_told_and_the_study_goes_on(cluster, whole, tmp_path):
     folder = begun(tmp_path / "runs")
     process = client(cluster, folder)
@@ -153,6 +158,7 @@ def test_the_scheduler_killed_is_told_and_the_study_goes_on(cluster, whole, tmp_
     assert len(set(computed(folder))) == POINTS
 
 
+@pytest.mark.nightly
 def test_the_client_killed_and_run_again(cluster, whole, tmp_path):
     folder = begun(tmp_path / "runs")
     process = client(cluster, folder)

@@ -16,6 +16,8 @@ import sensitivity
 import tolerance
 from geartrain.study_store import Store
 
+pytestmark = pytest.mark.full
+
 
 @pytest.mark.parametrize("method", sensitivity.METHODS)
 def test_published_indices_of_ishigamis_function(method):
@@ -72,6 +74,7 @@ def test_the_tolerance_study(tmp_path, capsys):
     np.testing.assert_array_equal(np.sort(changed.jump_frequency.dropna("jump")), [jump.frequency for jump in branch.jumps])
 
 
+@pytest.mark.nightly
 def test_the_same_study_on_dask(tmp_path):
     pytest.importorskip("distributed")
     tolerance.main("processes", tmp_path / "one", tmp_path, base=2)

@@ -24,6 +24,8 @@ from geartrain.study_command import main
 from geartrain.study_store import Claim, Store
 from geartrain.study_worker import compute_batch
 
+pytestmark = pytest.mark.full
+
 POINTS = 60
 KEEP = ["jumps", "largest rms", "frequency"]
 
@@ -296,6 +298,7 @@ def test_a_broken_pool_of_the_user_is_told(tmp_path, whole, monkeypatch):
     assert found.status[17] == "set aside" and (found.status != "done").sum() == 1
 
 
+@pytest.mark.nightly
 def test_a_script_without_a_guard_is_told_what_it_lacks(tmp_path):
     script = tmp_path / "script.py"
     script.write_text(textwrap.dedent("""
