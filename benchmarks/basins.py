@@ -10,10 +10,15 @@ from __future__ import annotations
 import sys
 import time
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
 import geartrain as gt
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "example" / "paper"))
+
+from paper_cases import paper_case
 
 __all__ = ["main"]
 
@@ -32,7 +37,7 @@ def main() -> None:
     sample = int(sys.argv[1]) if len(sys.argv) > 1 else 200
     print("train          Lambda  motions  undecided  time of the map [s]  elsewhere by integrate  by the flow")
     for name, frequency, mesh in CASES:
-        train = gt.read_case(f"namelists/{name}.nml").train
+        train = paper_case(name).train
         began = time.perf_counter()
         basins = train.basins(frequency, mesh=mesh)
         spent = time.perf_counter() - began

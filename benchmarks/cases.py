@@ -7,6 +7,7 @@ from random import Random
 import numpy as np
 
 import geartrain as gt
+from paper_cases import paper_case
 
 STORED = 1000  # harmonics of a reference's waveform
 
@@ -34,9 +35,9 @@ class Case:
 
 
 def cases():
-    figure3 = gt.read_case("namelists/fig03.nml").train
-    square = gt.read_case("namelists/fig08_rectangular.nml").train
-    light = gt.read_case("namelists/fig09_001.nml").train
+    figure3 = paper_case("fig03").train
+    square = paper_case("fig08_rectangular").train
+    light = paper_case("fig09_001").train
     # The whole square wave whose harmonics 1, 3 and 5 figure 8 has.
     wave = [0.42 * sin(k * pi / 2) / k for k in range(1, 512)]
     whole = replace(square, meshes=[replace(mesh, stiffness_cos=wave) for mesh in square.meshes])
@@ -64,7 +65,7 @@ def reference(motion):
 
 def chain(shafts):
     """A train of that many shafts: figure 3's pairs by turns, the second one turned round so that no torque grows."""
-    figure3 = gt.read_case("namelists/fig03.nml").train
+    figure3 = paper_case("fig03").train
     down, after = figure3.meshes
     up = replace(
         after, driving_radius=after.driven_radius, driven_radius=after.driving_radius,
@@ -82,7 +83,7 @@ def tree(shape, meshes):
 
     With little of figure 3's kappa: so no motion loses its stability, and no time goes into locating where.
     """
-    down, force = replace(gt.read_case("namelists/fig03.nml").train.meshes[0], stiffness_cos=[0.02]), 150 / 0.05
+    down, force = replace(paper_case("fig03").train.meshes[0], stiffness_cos=[0.02]), 150 / 0.05
     random = Random(1)
     before = {
         "chain": lambda i: i - 1, "comb": lambda i: i - 1 if i % 2 == 0 else max(0, i - 2), "binary tree": lambda i: i // 2,

@@ -2,12 +2,12 @@
 
 import hashlib
 import os
-import shutil
 import tempfile
 from pathlib import Path
 
 import h5py
 
+from paper_cases import case_texts
 from timing import run, timed
 
 CURVES = ("fig03", "fig04_k3_5e5", "fig06_050", "fig06_100", "fig07_042", "fig08_rectangular", "fig09_003", "fig10", "fig11")
@@ -32,7 +32,8 @@ def on_threads(executable, cases, threads):
     """Wall seconds of one call with all the cases on so many threads, and the digest of what it wrote."""
     with tempfile.TemporaryDirectory() as folder:
         for case in cases:
-            shutil.copy(f"namelists/{case}.nml", folder)
+            text = case_texts().get(case) or Path(f"namelists/{case}.nml").read_text(encoding="utf-8")
+            (Path(folder) / f"{case}.nml").write_text(text, encoding="utf-8")
         command = [executable.resolve(), *(f"{case}.nml" for case in cases)]
         environment = {**os.environ, "OMP_NUM_THREADS": str(threads)}
         seconds, _ = timed(lambda: run(command, cwd=folder, env=environment), 3, patience=30)

@@ -17,6 +17,10 @@ import numpy as np
 
 import geartrain as gt
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "example" / "paper"))
+
+from paper_cases import case_texts, paper_case
+
 HARMONICS = [6, 12, 24]
 POINTS = 100
 FLOOR = 1e-11  # what shooting leaves
@@ -73,11 +77,11 @@ def ratios(branch, reference):
 
 def main():
     folder = Path(__file__).parent.parent / "namelists"
-    names = sys.argv[1:] or [path.stem for path in sorted(folder.glob("*.nml"))]
+    names = sys.argv[1:] or sorted({path.stem for path in folder.glob("*.nml")} | case_texts().keys())
     print("case                   R points doubtful median within 3  not doubtful within 3, 6  beyond fold  same Lambda within 3")
     everything = []
     for name in names:
-        case = gt.read_case(folder / f"{name}.nml")
+        case = paper_case(name)
         if case.response is None or case.response.get("subharmonic", 1) > 1:
             continue
         settings = {**case.response, "stability": False, "period_doublings": 0}

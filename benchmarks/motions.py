@@ -17,6 +17,10 @@ import geartrain as gt
 from geartrain._motion_search import _Known, _random_waveforms
 from geartrain.errors import SolverError
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "example" / "paper"))
+
+from paper_cases import paper_case
+
 ROOT = Path(__file__).resolve().parents[1]
 SPEEDS = (0.4, 0.7, 1.2, 1.92, 2.4)
 
@@ -70,7 +74,7 @@ def same_motion(one, other):
 
 def main():
     share = 10 if "--quick" in sys.argv else 1
-    read = {name: gt.read_case(ROOT / "namelists" / f"{name}.nml").train for name in ("fig03", "fig07_042", "fig09_001")}
+    read = {name: paper_case(name).train for name in ("fig03", "fig07_042", "fig09_001")}
     trains = {**read, **{f"random {number}": random_train(number) for number in range(1, 11)}}
     chosen = [word for word in sys.argv[1:] if word != "--quick"]
     speeds = [speed for speed in SPEEDS if str(speed) in chosen] or SPEEDS

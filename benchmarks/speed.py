@@ -23,7 +23,7 @@ from timing import one_core
 
 PARTS = {"machine": machine, "curve": curve, "accuracy": accuracy, "scale": scale, "cores": cores, "study": study, "locus": locus}
 KEPT = Path("build/benchmarks")
-EXECUTABLE = KEPT / "bin/geartrain"
+EXECUTABLE = Path("build/release/geartrain")
 
 
 def plain(value):

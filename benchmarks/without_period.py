@@ -16,10 +16,11 @@ import numpy as np
 import geartrain as gt
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "benchmarks" / "peers"))
+sys.path[:0] = [str(ROOT / folder) for folder in ("benchmarks/peers", "example/paper")]
 
 import figure3  # noqa: E402
 import scipy_sweep  # noqa: E402
+from paper_cases import paper_case  # noqa: E402
 
 __all__ = ["main"]
 
@@ -75,7 +76,7 @@ def of_stiffness(stiffness: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def main() -> None:
     """Print the rows."""
     for name, sums, frequency in CASES:
-        train = gt.read_case(ROOT / "namelists" / f"fig04_k3_{name}.nml").train
+        train = paper_case(f"fig04_k3_{name}").train
         found = train.lyapunov_spectrum(frequency, transient=8000, periods=8192)
         rate, error = rate_of_parting(train, float(name), frequency, found.state)
         line = line_of(found.displacement[:, 1])

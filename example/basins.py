@@ -9,6 +9,10 @@ import matplotlib.pyplot as plt
 
 import geartrain as gt
 
+sys.path.insert(0, str(Path(__file__).resolve().parent / "paper"))
+
+from paper_cases import paper_case
+
 __all__ = ["main"]
 
 
@@ -22,7 +26,7 @@ def main() -> None:
         train.basins(0.7, mesh=mesh).plot(ax=ax)
     figure.savefig(folder / "basins.png", dpi=82)
 
-    train = gt.read_case("namelists/fig04_k3_5e5.nml").train
+    train = paper_case("fig04_k3_5e5").train
     diagram = train.bifurcation_diagram(start=1.0, stop=2.0, points=401)
     figure, axes = plt.subplots(2, 1, figsize=(11, 7), sharex=True, layout="constrained")
     diagram.plot(mesh=2, ax=axes[0])

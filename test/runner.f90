@@ -58,8 +58,9 @@ contains
 
    !> Runs what the arguments name, everything where they name nothing: a kind (unit), a suite (unit_flow, or flow, whatever its
    !> kind), tests of a suite by a part of their names (flow/tang). Options: --tier=quick,full,nightly, those tiers, of a test that
-   !> is named any (default: quick,full); --seed=N, other random trains; --list, names of tests alone; --suites, of suites alone; --table, the rows of
-   !> docs/hard-cases.md; --ratios=FILE, adds a line for each comparison to a file: difference over allowed difference.
+   !> is named any (default: quick,full); --list, names of tests alone; --suites, of suites alone; --table,
+   !> the rows of docs/hard-cases.md; --seed=N, other random trains; --record=FILE, adds each comparison to a file: difference,
+   !> allowed difference, name.
    subroutine run_suites(suites)
       type(suite_type), intent(in) :: suites(:)
       type(tests_type) :: tests
@@ -85,8 +86,8 @@ contains
             tests%tier = tiers_in(argument(8:))
          case ('--seed')
             read (argument(8:), *) tests%seed
-         case ('--ratios')
-            tests%ratios = argument(10:)
+         case ('--record')
+            tests%record = argument(10:)
          case default
             arguments = [character(80) :: arguments, argument]
          end select
@@ -115,7 +116,8 @@ contains
          seconds(i) = -1
       end do
       if (.not. tests%listing) write (output_unit, '(i0, a, i0, a)') findings%passed, ' passed, ', findings%failed, ' failed'
-      if (findings%failed > 0 .or. findings%passed == 0 .and. size(arguments) == 0 .and. .not. tests%listing) stop 1, quiet=.true.
+      if (findings%failed > 0) stop 1, quiet=.true.
+      if (findings%passed == 0 .and. size(arguments) == 0 .and. .not. tests%listing) stop 1, quiet=.true.
    end subroutine run_suites
 
    !> Tiers that a list with commas names; ends the program at a word that is none.

@@ -36,8 +36,8 @@ module testing
       logical :: tier(3) = [.true., .true., .false.]
       !> Number of the random trains, starts and so on that the random suites draw: 0, 1, ...
       integer :: seed = 0
-      !> File that gets a line for each comparison, the difference over the allowed one; blank: none.
-      character(200) :: ratios = ''
+      !> File that gets a line for each comparison (scripts/arithmetic); blank: none.
+      character(200) :: record = ''
       !> Where the runner listens: the writing end of a pipe.
       integer(c_int) :: pipe = -1
    contains
@@ -135,21 +135,21 @@ contains
 
       write (text, '(a, es23.15, a, es23.15, a, es9.2, a, es9.2)') ': got', value, ', expected', expected, ', off by', &
          abs(value - expected), ', allowed', tolerance
-      if (self%ratios /= '') call note_ratio(self, abs(value - expected)/tolerance, name)
+      if (self%record /= '' .and. tolerance > 0) call put_on_record(self, value - expected, tolerance, name)
       call self%is_true(abs(value - expected) <= tolerance, name//trim(text))
    end subroutine is_close
 
-   !> Adds a line to the file of ratios: the ratio, the test and the check.
-   subroutine note_ratio(self, ratio, name)
+   !> Adds a comparison to the record: difference, allowed difference, test and check.
+   subroutine put_on_record(self, difference, tolerance, name)
       class(tests_type), intent(in) :: self
-      real(dp), intent(in) :: ratio
+      real(dp), intent(in) :: difference, tolerance
       character(*), intent(in) :: name
       integer :: unit
 
-      open (newunit=unit, file=trim(self%ratios), position='append', action='write')
-      write (unit, '(es9.2, 5a)') ratio, ' ', trim(self%suite), '/', trim(self%test)//': ', name
+      open (newunit=unit, file=trim(self%record), position='append', action='write')
+      write (unit, '(es23.15e3, es10.2e3, 5a)') difference, tolerance, ' ', trim(self%suite), '/', trim(self%test)//': ', name
       close (unit)
-   end subroutine note_ratio
+   end subroutine put_on_record
 
    subroutine is_text(self, value, expected, name)
       class(tests_type), intent(inout) :: self

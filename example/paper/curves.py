@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from geartrain import Branch, Motion, SolverError, Train, read_case
+from geartrain import Branch, Motion, SolverError, Train
+from paper_cases import paper_case
 
 __all__ = ["Curve", "Drawn", "compute", "natural_frequencies"]
 
@@ -29,7 +30,7 @@ class Curve:
     Attributes
     ----------
     case : str
-        Name of its case file, without ``.nml``.
+        Name of its case, see ``paper_cases.py``.
     label : str
     period : int
         Of the motions in periods of the fundamental.
@@ -64,21 +65,21 @@ class Drawn:
     difference: float
 
 
-def compute(curve: Curve, cases: Path, results: Path) -> Drawn | None:
+def compute(curve: Curve, results: Path) -> Drawn | None:
     """Compute a curve; the whole case goes to the results folder.
 
     Parameters
     ----------
     curve : Curve
-    cases, results : path
-        Folders.
+    results : path
+        Folder.
 
     Returns
     -------
     Drawn or None
         None for a case without a response, or with an integration of its own.
     """
-    case = read_case(cases / f"{curve.case}.nml")
+    case = paper_case(curve.case)
     result = case.run()
     # Curves of one case are computed side by side: one of them writes.
     if curve.period == 1:
@@ -119,13 +120,13 @@ def _integrated(train: Train, branches: list[Branch]) -> Drawn:
     return Drawn(branches, marks, tried, difference)
 
 
-def natural_frequencies(cases: Path, results: Path) -> tuple[Array, Array]:
+def natural_frequencies(results: Path) -> tuple[Array, Array]:
     """Figure 5: natural frequencies over the stiffness of the middle shaft, each mode followed by its shape.
 
     Parameters
     ----------
-    cases, results : path
-        Folders.
+    results : path
+        Folder.
 
     Returns
     -------
@@ -134,7 +135,7 @@ def natural_frequencies(cases: Path, results: Path) -> tuple[Array, Array]:
     frequency : ndarray, (points, modes)
         In the order that the modes have with the stiffest shaft.
     """
-    case = read_case(cases / "fig05.nml")
+    case = paper_case("fig05")
     case.run().write(results / "fig05.h5")
     train = case.train
     radius = np.array([*(mesh.driving_radius for mesh in train.meshes), train.meshes[-1].driven_radius], float)

@@ -223,7 +223,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description="Draw the paper's figures 3 to 13.")
     parser.add_argument("numbers", metavar="NUMBER", nargs="*", type=_number, help="figures; all unless told")
     parser.add_argument("--results", metavar="FOLDER", type=Path, default=Path("results"), help="for what is made [results]")
-    parser.add_argument("--cases", metavar="FOLDER", type=Path, default=Path("namelists"), help="of case files [namelists]")
     options = parser.parse_args(arguments)
     try:
         options.results.mkdir(parents=True, exist_ok=True)
@@ -251,8 +250,8 @@ def _number(text: str) -> int:
 
 def _submit(pool: ProcessPoolExecutor, number: int, options: argparse.Namespace) -> list[Any]:
     if number == 5:
-        return [pool.submit(natural_frequencies, options.cases, options.results)]
-    work = partial(compute, cases=options.cases, results=options.results)
+        return [pool.submit(natural_frequencies, options.results)]
+    work = partial(compute, results=options.results)
     return [pool.submit(work, curve) for curve in FIGURES[number].curves]
 
 

@@ -7,26 +7,30 @@ import pytest
 from conftest import ROOT, reducer, run, single_pair
 
 import geartrain as gt
+from paper_cases import case_texts, paper_case
 
 pytestmark = pytest.mark.full
 
-CASES = [path for path in sorted((ROOT / "namelists").glob("*.nml")) if "&response" in path.read_text()]
+TEXTS = {path.stem: path.read_text() for path in (ROOT / "namelists").glob("*.nml")} | case_texts()
+CASES = sorted(name for name, text in TEXTS.items() if "&response" in text)
 # Those with grazing contacts next to changes of stability: a verdict that looks decided is wrong here first.
 GRAZING = ["fig07_042", "fig08_rectangular", "fig09_001"]
 
 
-@pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
-def test_every_case_is_as_shooting_says(executable, tmp_path, path):
+@pytest.mark.parametrize("name", CASES)
+def test_every_case_is_as_shooting_says(executable, tmp_path, name):
+    path = tmp_path / f"{name}.nml"
+    path.write_text(TEXTS[name])
     done = run(executable, "--audit", path, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, ""), done.stdout
     lines = [line for line in done.stdout.splitlines() if "as estimated" in line]
     assert lines and all(", 0 verdicts wrong" in line for line in lines)
-    assert not list(tmp_path.iterdir())
+    assert list(tmp_path.iterdir()) == [path]
 
 
 @pytest.mark.parametrize("name", GRAZING)
 def test_every_point_is_as_shooting_says(name):
-    response = gt.read_case(ROOT / "namelists" / f"{name}.nml").run().response
+    response = paper_case(name).run().response
     found = response.audit(points=len(response.frequency))
     assert found.ok, found
     # Not by calling all of them undecided.
@@ -35,7 +39,9 @@ def test_every_point_is_as_shooting_says(name):
 
 def test_several_cases_and_what_cannot_be_audited(executable, tmp_path):
     (tmp_path / "bad.nml").write_text("&train /")
-    names = [str(ROOT / "namelists" / f"{name}.nml") for name in ("single_pair", "fig05")]
+    without = tmp_path.parent / f"{tmp_path.name}-fig05.nml"
+    without.write_text(TEXTS["fig05"])
+    names = [str(ROOT / "namelists" / "single_pair.nml"), str(without)]
     done = run(executable, "--audit", *names, "bad.nml", cwd=tmp_path)
     assert done.returncode == 2
     assert f"{names[1]}: error: nothing to audit: add &response" in done.stderr

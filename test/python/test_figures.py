@@ -7,28 +7,28 @@ import numpy as np
 import pytest
 from conftest import ROOT
 
-import geartrain as gt
 from curves import Curve, compute, natural_frequencies
 from figures import FIGURES, main
+from paper_cases import case_texts, paper_case
 
-CASES = ROOT / "namelists"
+TEXTS = case_texts()
 
 
 def test_every_case_is_drawn():
     drawn = {curve.case for figure in FIGURES.values() for curve in figure.curves}
-    assert drawn == {path.stem for path in CASES.glob("fig*.nml")}
+    assert drawn == set(TEXTS)
     assert list(FIGURES) == list(range(3, 14))
 
 
-@pytest.mark.parametrize("path", sorted(CASES.glob("fig*.nml")), ids=lambda path: path.stem)
-def test_case_reads(path):
-    case = gt.read_case(path)
-    assert case.output == path.with_suffix(".h5").name
+@pytest.mark.parametrize("name", TEXTS)
+def test_case_reads(name):
+    case = paper_case(name)
+    assert case.output == f"{name}.h5"
     assert case.response is not None or case.modes
 
 
 def test_natural_frequencies_are_smooth(tmp_path):
-    stiffness, frequency = natural_frequencies(CASES, tmp_path)
+    stiffness, frequency = natural_frequencies(tmp_path)
     steps = np.diff(np.log(frequency), axis=0) / np.diff(np.log(stiffness))[:, np.newaxis]
     assert steps.min() > -1e-3 and steps.max() < 0.51  # between constant and the root of the stiffness
     assert np.abs(np.diff(steps, axis=0)).max() < 0.05
@@ -39,7 +39,7 @@ def test_natural_frequencies_are_smooth(tmp_path):
 
 
 def test_a_sub_harmonic_branch_ends_where_it_meets_period_1():
-    train = gt.read_case(CASES / "fig12.nml").train
+    train = paper_case("fig12").train
     branch = train.response(start=0.2, stop=4.6, harmonics=8, subharmonic=2, seed=train.integrate(frequency=3.7))
     assert branch.complete and branch.ended.count("met the branch of half its period") == 2
     for frequency in (2.4, 3.0, 3.6):
@@ -48,14 +48,14 @@ def test_a_sub_harmonic_branch_ends_where_it_meets_period_1():
 
 
 def test_integration_stays_on_stable_motions(tmp_path):
-    drawn = compute(Curve("fig07_010", ""), CASES, tmp_path)
+    drawn = compute(Curve("fig07_010", ""), tmp_path)
     assert len(drawn.marks) == drawn.tried > 45
     assert drawn.difference < 1e-4
     assert (tmp_path / "fig07_010.h5").exists()
 
 
 def test_command_draws(tmp_path, capsys):
-    assert main(["5", "--results", str(tmp_path), "--cases", str(CASES)]) == 0
+    assert main(["5", "--results", str(tmp_path)]) == 0
     assert (tmp_path / "fig05.png").stat().st_size > 10_000
     assert "fig05.png" in capsys.readouterr().out
 
@@ -64,7 +64,8 @@ def test_command_refuses(tmp_path, capsys):
     with pytest.raises(SystemExit):
         main(["14"])
     assert "must be 3 to 13" in capsys.readouterr().err
-    assert main(["5", "--results", str(tmp_path), "--cases", str(tmp_path)]) != 0
+    (tmp_path / "file").touch()
+    assert main(["5", "--results", str(tmp_path / "file")]) == 4
 
 
 def test_figure_3_wants_a_folder(tmp_path):

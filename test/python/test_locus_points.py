@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from conftest import ROOT, equal_stages, equal_wheels, paper_train, unlike_pairs
+from conftest import equal_stages, equal_wheels, paper_train, unlike_pairs
 from test_lyapunov import soft_train
 
 import geartrain as gt
+from paper_cases import paper_case
 
 pytestmark = pytest.mark.full
 
@@ -53,7 +54,7 @@ def test_isola_centre():
 
 
 def test_fold_flip():
-    train = gt.read_case(ROOT / "namelists" / "fig07_042.nml").train
+    train = paper_case("fig07_042").train
     fold = nearest(train.response(start=0.2, stop=0.8, harmonics=12), "fold", 0.5656)
     locus = train.locus(fold, parameter="stiffness_variation", start=0.3, stop=0.55)
     point = of_name(locus, "fold-flip", 0.54579)
@@ -183,7 +184,7 @@ def test_a_fold_goes_on_beyond_grazings():
 
 def test_a_fold_of_period_2_ends_where_its_motions_become_those_of_period_1():
     """At the generalized doubling of the period doubling's own curve; beyond are the same motions half a period later."""
-    response = gt.read_case(ROOT / "namelists" / "fig07_042.nml").train.response(
+    response = paper_case("fig07_042").train.response(
         start=0.3, stop=1.0, harmonics=12, period_doublings=1)
     doubling = nearest(response, "period doubling", 0.846318)
     locus = response.train.locus(doubling, parameter="stiffness_variation", start=0.3, stop=0.5)

@@ -10,6 +10,7 @@ import geartrain as gt
 from geartrain._motion_search import _follow, _Known, _multipliers_at_infinity, _random_waveforms
 from geartrain._orbit import least_period, replace_period, same_orbit
 from geartrain.motions import index_sum
+from paper_cases import paper_case
 
 pytestmark = pytest.mark.full
 
@@ -38,7 +39,7 @@ def test_the_branch_of_every_motion_is_followed():
 
     And over the gap of mesh 1 to those of another such branch.
     """
-    known = _Known(gt.read_case(ROOT / "namelists" / "fig07_042.nml").train, 2.4, dict.fromkeys(range(1, 5)))
+    known = _Known(paper_case("fig07_042").train, 2.4, dict.fromkeys(range(1, 5)))
     state = [-0.018260979, 0.67695533, -0.0062071734, -0.48918234, -0.00060837274,
              0.1575611, -1.8351707, 0.0072783731, -0.51642438, -0.00055055801]
     known.add(known.shoot(np.array(state), 4), "told")

@@ -30,7 +30,7 @@ module geartrain_continuation_augmented_system
    public :: augmented_system_type
 
    integer, parameter :: max_iterations = 12
-   !> Length of a displacement for differences of the test function, usually and at least, and for those over the parameter [metric].
+   !> Length of a displacement for differences of the test function, usually and at least, and over the parameter [metric].
    real(dp), parameter :: small = 1e-6_dp, smallest = 1e-9_dp, small_parameter = 1e-6_dp
    !> Length of a Newton step, over the largest state, below which the derivatives of the point before it do for those after it.
    real(dp), parameter :: nearby = 1e-3_dp
