@@ -54,8 +54,9 @@ contains
       real(dp), intent(in) :: frequency_ratio
       integer, intent(in) :: starts
       character(*), intent(in) :: name
-      !> Roundings in a step, of 20 terms of the flow and 30 of the tables; size of the displacement of a neighbour, relative [1].
-      real(dp), parameter :: roundings = 50, displacement = 1e-8_dp
+      !> Roundings in a step: 20 terms of the flow and 30 of the tables, each of an element and two neighbours; size of the
+      !> displacement of a neighbouring flight, relative [1].
+      real(dp), parameter :: roundings = 150, displacement = 1e-8_dp
       type(system_type), target :: system
       type(section_map_type) :: map
       type(flow_type) :: flow, neighbour
