@@ -92,7 +92,10 @@ def test_progress_of_a_motion_that_does_not_settle(executable, tmp_path):
     train = train.replace("stiffness_cos   = 0.3", "stiffness_cos = 0.6")
     (tmp_path / "case.nml").write_text(
         f"{train}&integration from = 1.9, to = 1.9, points = 1, unit = 'Lambda', max_periods = 300000 /\n")
-    leader, follower = pty.openpty()
+    try:
+        leader, follower = pty.openpty()
+    except OSError as error:
+        pytest.skip(f"no terminal to be had here: {error}")
     with subprocess.Popen([executable, "case.nml"], cwd=tmp_path, stderr=follower, stdout=subprocess.DEVNULL) as process:
         os.close(follower)
         told = b""
