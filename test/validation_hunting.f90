@@ -4,7 +4,7 @@ module validation_hunting
    use fixtures, only: reducer
    use geartrain, only: branch_type, dp, error_type, motion_type, refine, response, response_settings_type, solutions_at, &
       train_type
-   use testing, only: full, tests_type
+   use testing, only: full, nightly, tests_type
    implicit none (type, external)
    private
    public :: hunting_tests
@@ -15,7 +15,7 @@ contains
       class(tests_type), intent(inout) :: tests
 
       if (tests%runs('in_contact')) call in_contact(tests)
-      if (tests%runs('apart', full)) call apart(tests)
+      if (tests%runs('apart', nightly)) call apart(tests)
       if (tests%runs('both_apart', full)) call both_apart(tests)
    end subroutine hunting_tests
 
