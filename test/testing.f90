@@ -36,7 +36,7 @@ module testing
       logical :: tier(3) = [.true., .true., .false.]
       !> Number of the random trains, starts and so on that the random suites draw: 0, 1, ...
       integer :: seed = 0
-      !> File that gets a line for each comparison (scripts/arithmetic); blank: none.
+      !> Folder in whose files, one a test, each comparison gets a line (scripts/arithmetic); blank: none.
       character(200) :: record = ''
       !> Where the runner listens: the writing end of a pipe.
       integer(c_int) :: pipe = -1
@@ -146,7 +146,7 @@ contains
       character(*), intent(in) :: name
       integer :: unit
 
-      open (newunit=unit, file=trim(self%record), position='append', action='write')
+      open (newunit=unit, file=trim(self%record)//'/'//trim(self%suite)//'.'//trim(self%test), position='append', action='write')
       write (unit, '(es23.15e3, es10.2e3, 5a)') difference, tolerance, ' ', trim(self%suite), '/', trim(self%test)//': ', name
       close (unit)
    end subroutine put_on_record

@@ -116,7 +116,7 @@ contains
       type(branch_type) :: branch
       type(motion_type), allocatable :: motions(:)
       type(error_type), allocatable :: error
-      type(system_type), target :: system
+      type(system_type), target :: systems(2)
       type(tracer_type) :: tracer
 
       settings = settings_of(0.85_dp, 1.0_dp, 12)
@@ -124,7 +124,7 @@ contains
       call response(train, settings, branch, error)
       call solutions_at(train, settings, branch, 0.9_dp, motions, error)
       settings%subharmonic = eta
-      call begin_trace(train, settings, system, tracer)
+      call begin_trace(train, settings, systems, tracer)
       associate (corrector => tracer%corrector)
          call corrector%balance%setup(tracer%system, harmonics, eta, 0)
          call corrector%setup()

@@ -214,14 +214,14 @@ contains
       type(motion_type), intent(in) :: motion
       real(dp), allocatable, intent(out) :: value(:, :)
       logical, intent(out) :: ok
-      type(system_type), target :: system
+      type(system_type), target :: systems(2)
       type(tracer_type) :: tracer
       type(solution_point_type) :: solution
       type(branch_type) :: found
       real(dp) :: largest
       integer :: i, side
 
-      call begin_trace(train, settings, system, tracer)
+      call begin_trace(train, settings, systems, tracer)
       solution = solution_of(tracer, motion)
       ! Torques are made of forces that lag the coefficients by a Newton step: by 5e-13 after the second solution, which differences
       ! see, by rounding alone after the third.

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import single_pair
+from conftest import paper_train, single_pair
 
 import geartrain as gt
 
@@ -215,3 +215,22 @@ def test_the_stiffness_variation_is_an_amplitude_everywhere():
     assert motion.refine().rms == pytest.approx(motion.rms, rel=1e-4)
     other = train.with_values({"stiffness_variation": 0.4}).response(start=0.3, stop=0.31, harmonics=24).at(0.3)[0]
     assert other.rms == pytest.approx(motion.rms, rel=1e-6)
+
+
+@pytest.mark.parametrize("harmonics", [0, 30])
+def test_an_excitation_that_begins_at_nothing_is_carried(harmonics):
+    """From 0 on: harmonics are planned for the train amid the path, also when their number changes on the way."""
+    train = paper_train()
+    first, second = train.meshes
+    train = replace(train, meshes=[replace(first, order=2, stiffness_cos=[0.3]),
+                                               replace(second, order=3, stiffness_cos=[0.0], error_cos=[3e-6])])
+    branch = train.continuation(parameter="mesh 2 error_cos 1", start=0.0, stop=9e-6, frequency=0.2, harmonics=harmonics,
+                                tolerance=1e-5)
+    assert branch.complete and branch.parameter.min() == 0.0
+    changed = replace(train, meshes=[train.meshes[0], replace(train.meshes[1], error_cos=[9e-6])])
+    end = branch.rms[np.argmax(branch.parameter)]
+    settled = changed.integrate(0.2)
+    assert settled.period == 1
+    np.testing.assert_allclose(end, settled.rms, rtol=1e-3)
+    # The third harmonic of Lambda is the error of mesh 2, which no multiple of 2 is.
+    assert np.abs(branch.coefficients[np.argmax(branch.parameter), 1, 5:7]).max() > 1e-3

@@ -303,7 +303,7 @@ contains
       type(map_row_type), intent(inout) :: row
       type(response_settings_type) :: branch_settings
       type(branch_type) :: branch, found
-      type(system_type), target :: system
+      type(system_type), target :: systems(2)
       type(tracer_type) :: tracer
       type(error_type), allocatable :: error
       integer :: k, i, first
@@ -316,7 +316,7 @@ contains
       call response(train, branch_settings, branch, error)
       row%whole = branch%complete .and. .not. allocated(error)
       if (allocated(error)) return
-      call begin_trace(train, branch_settings, system, tracer)
+      call begin_trace(train, branch_settings, systems, tracer)
       call tracer%recorder%setup(tracer%corrector%balance, .true., found)
       do k = 1, size(frequency_ratio)
          if (train%interrupt%raised()) return

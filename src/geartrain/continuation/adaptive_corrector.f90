@@ -29,8 +29,9 @@ module geartrain_continuation_adaptive_corrector
    type :: adaptive_corrector_type
       !> Settings that the branch is traced with.
       type(response_settings_type) :: settings
-      !> Dimensionless system of the train.
-      type(system_type), pointer :: system => null()
+      !> Dimensionless system of the train; on a branch over a parameter that amid the path, where no excitation is 0, by which
+      !> harmonics are planned, and the one that the balance moves along the path.
+      type(system_type), pointer :: system => null(), moving => null()
       type(corrector_type) :: corrector
       !> Error estimate of the solution point of the latest `estimate_error`.
       type(error_estimate_type) :: estimate
@@ -56,9 +57,15 @@ contains
       integer, intent(in) :: harmonics
       !> Harmonics to carry, ascending up to `harmonics`, where sets are chosen; else those that the excitation reaches.
       integer, intent(in), optional :: set(:)
+      type(system_type), pointer :: system
       integer :: samples
       logical :: chosen
 
+      system => self%system
+      if (allocated(self%corrector%balance%path)) then
+         self%moving = self%system
+         system => self%moving
+      end if
       samples = 0
       if (self%settings%coefficients == 'sampled') then
          samples = self%settings%samples
@@ -66,12 +73,12 @@ contains
       end if
       chosen = self%chooses_sets .and. present(set)
       if (chosen) then
-         call self%corrector%balance%setup(self%system, harmonics, self%settings%subharmonic, samples, set)
+         call self%corrector%balance%setup(system, harmonics, self%settings%subharmonic, samples, set)
       else
-         call self%corrector%balance%setup(self%system, harmonics, self%settings%subharmonic, samples)
+         call self%corrector%balance%setup(system, harmonics, self%settings%subharmonic, samples)
       end if
       if (allocated(self%corrector%balance%path)) self%exact%path = self%corrector%balance%path
-      if (samples > 0) call self%exact%setup(self%system, harmonics, self%settings%subharmonic, 0)
+      if (samples > 0) call self%exact%setup(system, harmonics, self%settings%subharmonic, 0)
       call self%corrector%setup()
       self%corrector%local_control = self%settings%control == 'local'
    end subroutine prepare

@@ -115,6 +115,8 @@ contains
       trains%here = system
       self%trains => trains
       self%system => trains%here
+      self%latest = huge(1.0_dp)
+      self%varied = huge(1.0_dp)
       if (present(path)) then
          self%path = path
          self%origin = origin

@@ -95,14 +95,14 @@ contains
       type(solution_point_type), allocatable :: taken(:)
       type(solution_point_type) :: solution
       type(meeting_type) :: here
-      type(system_type), target :: system
+      type(system_type), target :: systems(2)
       type(tracer_type) :: tracer
       type(units_type) :: units
       logical :: found, met, doubles, again
       integer :: i, n, times
 
       if (.not. allocated(parent%special_points)) return
-      call begin_trace(train, settings, system, tracer)
+      call begin_trace(train, settings, systems, tracer)
       units = tracer%corrector%units
       times = 2**settings%period_doublings
       allocate (taken(0))

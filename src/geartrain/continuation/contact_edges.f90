@@ -51,7 +51,7 @@ contains
       type(branch_type), intent(inout), target :: branch
       !> Is told of each piece with an edge; if it cancels, the edges so far are kept.
       class(observer_type), intent(inout), optional :: observer
-      type(system_type), target :: system
+      type(system_type), target :: systems(2)
       type(tracer_type) :: tracer
       type(transform_type) :: transform
       type(contact_edge_type), allocatable :: edges(:)
@@ -71,7 +71,7 @@ contains
       if (.not. any(gap > 0)) return
       allocate (edges(most_edges))
       n = 0
-      call begin_trace(train, settings, system, tracer)
+      call begin_trace(train, settings, systems, tracer)
       do i = 1, branch%points - 1
          if (.not. joined(branch, i)) cycle
          ready = .false.

@@ -47,16 +47,16 @@ contains
       type(solution_point_type), intent(in), optional :: taken(:)
       !> The search came to one of `taken`.
       logical, intent(out), optional :: again
-      type(system_type), target :: systems(2)
+      type(system_type), target :: own(2)
       type(singular_type) :: matrix
-      type(system_type), target :: system
+      type(system_type), target :: systems(2)
       type(tracer_type) :: tracer
       type(solution_point_type) :: from
       real(dp) :: h
       integer :: highest
 
       if (present(again)) again = .false.
-      call begin_trace(train, settings, system, tracer)
+      call begin_trace(train, settings, systems, tracer)
       highest = settings%harmonics
       if (highest == 0) then
          highest = harmonics_at(branch, special)
@@ -67,7 +67,7 @@ contains
       tracer%corrector%local_control = .false.
       call solve_next_to(tracer, branch, special, from, h, success)
       if (.not. success) return
-      call matrix%setup(tracer%corrector, systems, branch%special_points(special)%kind == 'period doubling')
+      call matrix%setup(tracer%corrector, own, branch%special_points(special)%kind == 'period doubling')
       call find_nearest(matrix, from, h, solution, success, taken, again)
    end subroutine find_critical
 
@@ -83,7 +83,7 @@ contains
       type(solution_point_type), intent(inout) :: solution
       !> The odd harmonics vanish between the last two points.
       logical, intent(out) :: met
-      type(system_type), target :: system
+      type(system_type), target :: systems(2)
       type(tracer_type) :: tracer
       type(solution_point_type) :: here, next
       real(dp) :: chord
@@ -92,7 +92,7 @@ contains
 
       met = .false.
       if (branch%points < 2) return
-      call begin_trace(train, settings, system, tracer)
+      call begin_trace(train, settings, systems, tracer)
       associate (n => branch%points - 1)
          ! An even number: the balance of half the period has half as many harmonics.
          if (settings%harmonics == 0) call tracer%prepare(2*((maxval(branch%point_harmonics(n:n + 1)) + 1)/2))

@@ -92,7 +92,7 @@ contains
       integer, intent(out) :: enough
       class(observer_type), intent(inout), optional :: observer
       type(train_type) :: train
-      type(system_type), target :: system
+      type(system_type), target :: systems(2)
       type(tracer_type) :: fixed
       type(response_settings_type) :: settings
       type(motion_type) :: motion
@@ -102,7 +102,7 @@ contains
       settings%parameter = ''
       associate (path => tracer%corrector%balance%path)
          call path%train_at(value, train)
-         call begin_trace(train, settings, system, fixed)
+         call begin_trace(train, settings, systems, fixed)
          first = fixed%corrector%balance%highest
          call find_start(train, fixed, path%frequency_ratio, 2*path%frequency_ratio, solution, success, enough, stopped, observer)
       end associate
@@ -194,7 +194,7 @@ contains
       logical, intent(out) :: success, stopped
       class(observer_type), intent(inout), optional :: observer
       type(response_settings_type) :: without_stability
-      type(system_type), target :: system
+      type(system_type), target :: systems(2)
       type(tracer_type) :: tracer
       type(branch_type), target :: way
       type(solution_point_type) :: solution
@@ -205,7 +205,7 @@ contains
       without_stability%stability = .false.
       without_stability%max_points = min(2000, settings%max_points)
       stopped = .false.
-      call begin_trace(train, without_stability, system, tracer)
+      call begin_trace(train, without_stability, systems, tracer)
       if (from_rest) then
          solution = resting(tracer, from)
          call tracer%corrector%solve_at(solution, success)

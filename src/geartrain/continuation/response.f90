@@ -49,7 +49,7 @@ contains
       type(motion_type), intent(in), optional :: seed
       !> Told of each point of 'response', or of 'branch' with a seed; may end the trace.
       class(observer_type), intent(inout), optional :: observer
-      type(system_type), target :: system
+      type(system_type), target :: systems(2)
       type(tracer_type) :: tracer
       type(branch_type) :: empty
       logical :: resumed
@@ -64,7 +64,7 @@ contains
       if (.not. allocated(error)) call check_response(train, settings, present(seed), error)
       if (.not. allocated(error) .and. present(seed)) call check_seed(train, seed, error)
       if (allocated(error)) return
-      call begin_trace(train, settings, system, tracer)
+      call begin_trace(train, settings, systems, tracer)
       if (present(seed)) then
          call tracer%recorder%setup(tracer%corrector%balance, settings%stability, branch, settings%shaft_torque)
          tracer%analysis = 'branch'

@@ -36,14 +36,14 @@ contains
       !> The solutions in the order along the branch; none where the branch does not reach the frequency.
       type(motion_type), allocatable, intent(out) :: motions(:)
       type(error_type), allocatable, intent(out) :: error
-      type(system_type), target :: system
+      type(system_type), target :: systems(2)
       type(tracer_type) :: tracer
       type(branch_type) :: found
 
       allocate (motions(0))
       call check_train(train, error)
       if (allocated(error)) return
-      call begin_trace(train, settings, system, tracer)
+      call begin_trace(train, settings, systems, tracer)
       if (.not. tracer%corrector%balance%reaches(frequency_ratio)) then
          if (.not. allocated(branch%parameter)) call fatal(error, 'at: frequency = '//text(frequency_ratio)//': must be > 0')
          return
@@ -210,7 +210,7 @@ contains
       !> Motion with its coefficients.
       type(motion_type), intent(in) :: motion
       type(response_settings_type) :: same_balance
-      type(system_type), target :: system
+      type(system_type), target :: systems(2)
       type(tracer_type) :: tracer
       type(solution_point_type) :: solution
       type(branch_type) :: solved
@@ -226,7 +226,7 @@ contains
       same_balance%stability = .false.
       ! Balances of sets differ by their sets, and so by their errors.
       if (settings%harmonics == 0 .and. .not. has_sets(branch)) same_balance%harmonics = branch%harmonics
-      call begin_trace(train, same_balance, system, tracer)
+      call begin_trace(train, same_balance, systems, tracer)
       solution = solution_of(tracer, motion)
       call tracer%corrector%solve_at(solution, success)
       if (.not. success) return
@@ -248,10 +248,10 @@ contains
       type(response_settings_type), intent(in) :: settings
       !> Motion with its rms.
       type(motion_type), intent(in) :: motion
-      type(system_type), target :: system
+      type(system_type), target :: systems(2)
       type(tracer_type) :: tracer
 
-      call begin_trace(train, settings, system, tracer)
+      call begin_trace(train, settings, systems, tracer)
       exceeds_limit = any(motion%rms > tracer%amplitude_limit)
    end function exceeds_limit
 

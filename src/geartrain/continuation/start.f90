@@ -25,13 +25,13 @@ module geartrain_continuation_start
 contains
 
    !> Prepares a tracer: system, units, amplitude limit, first number of harmonics.
-   subroutine begin_trace(train, settings, system, tracer)
+   subroutine begin_trace(train, settings, systems, tracer)
       !> A checked train.
       type(train_type), intent(in) :: train
       !> Settings to trace with.
       type(response_settings_type), intent(in) :: settings
-      !> Becomes the system that the tracer works on, and changes on a branch over a parameter.
-      type(system_type), pointer, intent(in) :: system
+      !> Room for the systems of the tracer: of the train, amid the path on a branch over a parameter, and the one that moves there.
+      type(system_type), pointer, intent(in) :: systems(:)
       !> Becomes ready to solve, its settings in Lambda; its recorder is set up separately.
       type(tracer_type), intent(inout) :: tracer
       type(error_type), allocatable :: checked
@@ -41,11 +41,12 @@ contains
       logical :: gaps
       integer :: i
 
-      tracer%system => system
+      tracer%system => systems(1)
+      tracer%moving => systems(2)
       tracer%settings = settings
       tracer%settings%unit = 'Lambda'
       associate (factor => lambda_per(train, settings%unit), own => tracer%settings, units => tracer%corrector%units, &
-                 balance => tracer%corrector%balance)
+                 system => tracer%system, balance => tracer%corrector%balance)
          if (settings%parameter == '') then
             own%start = settings%start*factor
             own%stop = settings%stop*factor
@@ -78,13 +79,13 @@ contains
       else
          tracer%amplitude_limit = linear_amplitude_limit*largest
       end if
-      tracer%estimate%resonance = natural_frequency_ranges(system, resonance_ratio)
-      tracer%chooses_sets = settings%harmonics == 0 .and. has_sparse_motions(system, settings%subharmonic)
+      tracer%estimate%resonance = natural_frequency_ranges(tracer%system, resonance_ratio)
+      tracer%chooses_sets = settings%harmonics == 0 .and. has_sparse_motions(tracer%system, settings%subharmonic)
       if (tracer%chooses_sets) then
-         set = first_set(system)
+         set = first_set(tracer%system)
          call tracer%prepare(set(size(set)), set)
       else
-         call tracer%prepare(merge(settings%harmonics, first_harmonics(system, settings%subharmonic), &
+         call tracer%prepare(merge(settings%harmonics, first_harmonics(tracer%system, settings%subharmonic), &
                                    settings%harmonics > 0))
       end if
    end subroutine begin_trace

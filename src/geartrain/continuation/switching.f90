@@ -83,7 +83,7 @@ contains
       type(branch_type), intent(inout), target :: switched
       !> Told of each step; may end the trace.
       class(observer_type), intent(inout), optional :: observer
-      type(system_type), target :: system
+      type(system_type), target :: systems(2)
       type(tracer_type) :: tracer
       type(branch_type) :: empty
       type(solution_point_type) :: solution, other, began
@@ -95,7 +95,7 @@ contains
       switched = empty
       associate (kind => branch%special_points(special)%kind, at => branch%special_points(special)%frequency_ratio)
          times = merge(2, 1, kind == 'period doubling')
-         call begin_trace(train, settings_for(settings, times*settings%subharmonic), system, tracer)
+         call begin_trace(train, settings_for(settings, times*settings%subharmonic), systems, tracer)
          tracer%analysis = 'branch'
          if (settings%harmonics == 0) call tracer%prepare(times*harmonics_at(branch, special))
          call tracer%recorder%setup(tracer%corrector%balance, settings%stability, switched, settings%shaft_torque)
