@@ -47,14 +47,14 @@ counts() {
       awk '{ n[$2] += $1 } END { print n["passed"] + 0, n["failed"] + n["error"] + 0 }' || echo 0 0
 }
 
-# suites PROGRAM ARGUMENT...: the suites of a test program on all cores, each in a process of its own.
+# suites PROGRAM ARGUMENT...: the suites of a test program on all cores, each in a process of its own; the last are the longest.
 suites() {
-   "$1" --suites | xargs -P "$(nproc)" -I{} "$1" {} "${@:2}"
+   "$1" --suites | tac | xargs -P "$(nproc)" -I{} "$1" {} "${@:2}"
 }
 
 # debug_program NAME: where fpm puts a test program of the debug build.
 debug_program() {
-   fpm test "$1" --flag "$debug_flags" --runner echo | tail -n 1
+   fpm test "$1" --flag "$debug_flags" --runner echo 2>build/log/debug-program.log | tail -n 1
 }
 
 # once STAMP HASH COMMAND...: runs the command unless it was done for the same hash.
