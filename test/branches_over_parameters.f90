@@ -46,8 +46,8 @@ contains
       type(motion_type) :: motion
       type(error_type), allocatable :: error
       !> Difference of two solutions of the balance, each converged to 1e-10 of its largest amplitude (corrector.f90), and of
-      !> figures that are a tenth of that amplitude, relative [1].
-      real(dp), parameter :: solved = 2e-10_dp, same = 10*solved
+      !> what follows from them, relative [1].
+      real(dp), parameter :: solved = 2e-10_dp, same = 1e-9_dp
       !> Error of multipliers (floquet/step_rule.f90).
       real(dp), parameter :: integrated = 1e-9_dp
       type(system_type) :: system

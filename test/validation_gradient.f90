@@ -134,7 +134,7 @@ contains
       type(parameter_type) :: parameter
       character(name_length), allocatable :: names(:)
       !> Error of a derivative of the library, relative [1].
-      real(dp), parameter :: exact = 1e-7_dp
+      real(dp), parameter :: exact = 5e-8_dp
       real(dp), allocatable :: coarse(:, :), middle(:, :), fine(:, :), value(:, :), derivative(:, :, :)
       real(dp) :: h, off, worst, size_of
       integer :: f, i, n
