@@ -29,6 +29,7 @@ STOPS = (signal.SIGINT, signal.SIGTERM)
 
 _stopping = threading.Event()
 _interrupted = threading.Event()  # within `_stoppable`
+_computing = threading.Event()  # within `_interruptible`
 _LONGEST = 10.0  # s after which the points so far are written: so much a kill may lose
 
 
@@ -74,7 +75,8 @@ def _compute(store: Store, plan: Plan, name: str, keys: dict[bytes, int]) -> str
                 for key in [key for key in keys if key not in there]:
                     alone = store.is_suspect(key)
                     claim.at(b"" if alone else key)
-                    records += _alone(store, plan, keys[key]) if alone else [record_of(plan, keys[key])]
+                    with _interruptible():
+                        records += _alone(store, plan, keys[key]) if alone else [record_of(plan, keys[key])]
                     if time.monotonic() - written > _LONGEST and records:
                         store.write(name, records)
                         records, written = [], time.monotonic()
@@ -138,14 +140,16 @@ def _alone(store: Store, plan: Plan, point: int) -> list[Record]:
 
 @contextlib.contextmanager
 def _stoppable() -> Iterator[None]:
-    """In the main thread of a child process one interrupt or termination ends the batch; further ones do not break its end."""
+    """In the main thread of a child process one interrupt or termination ends the batch, amid the computing of a point and nowhere
+    else: no claim is left behind, and what is written is written to its end."""
     if multiprocessing.parent_process() is None or threading.current_thread() is not threading.main_thread():
         yield
         return
 
     def stop(*_: Any) -> None:
-        if not _interrupted.is_set():
-            _interrupted.set()
+        _interrupted.set()
+        if _computing.is_set():
+            _computing.clear()
             raise KeyboardInterrupt
 
     _interrupted.clear()
@@ -157,6 +161,18 @@ def _stoppable() -> Iterator[None]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+@contextlib.contextmanager
+def _interruptible() -> Iterator[None]:
+    """Where a batch that is told to stop does so."""
+    try:
+        _computing.set()
+        if _interrupted.is_set():
+            raise KeyboardInterrupt
+        yield
+    finally:
+        _computing.clear()
 
 
 def follow_client(line: Connection) -> None:

@@ -22,7 +22,7 @@ import geartrain as gt
 from geartrain import study_store
 from geartrain.study_command import main
 from geartrain.study_store import Claim, Store
-from geartrain.study_worker import compute_batch
+from geartrain.study_worker import STOPPED, compute_batch
 
 pytestmark = pytest.mark.full
 
@@ -149,6 +149,25 @@ def test_a_stop_writes_what_is_done(folder, whole, number, workers):
     _, said = process.communicate(timeout=30)
     assert process.returncode == 3 and "the same call goes on from there" in said and "Traceback" not in said, said
     assert is_whole(folder, whole) and not any(Store(folder).suspects.iterdir())
+
+
+def stop_after_a_claim():
+    """A process that is told to stop when it has claimed a batch and computes nothing yet."""
+    make = Claim.make
+
+    def stopped(path):
+        claim = make(path)
+        os.kill(os.getpid(), signal.SIGTERM)
+        return claim
+
+    Claim.make = stopped
+
+
+def test_a_stop_at_any_moment_leaves_no_claim(folder):
+    store = Store(folder)
+    with ProcessPoolExecutor(1, get_context("spawn"), stop_after_a_claim) as pool:
+        assert pool.submit(compute_batch, str(folder), store.plan().digest, 0).result() == STOPPED
+    assert not any(store.claims.iterdir()) and not any(store.suspects.iterdir()) and not computed(folder)
 
 
 def test_many_processes_share_a_study(folder, whole):
