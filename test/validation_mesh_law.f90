@@ -67,7 +67,7 @@ contains
       call build_system(rich_train(), system)
       if (.not. stages) return
       associate (old => system%law(1))
-         call law%begin(old%order, -2, [-2.0_dp, -1.0_dp, 1.0_dp, 2.0_dp], size(old%amplitude, 1))
+         call law%begin(-2, [-2.0_dp, -1.0_dp, 1.0_dp, 2.0_dp], old%harmonic)
          law%stiffness(:) = [1.5_dp*old%stiffness(-1), old%stiffness, 1.8_dp]
          law%amplitude(:, -1:1) = old%amplitude
          law%amplitude(:, 2) = 1.8_dp*old%amplitude(:, 1)

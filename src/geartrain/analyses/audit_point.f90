@@ -96,7 +96,11 @@ contains
          told = harmonics_told(balance, corrector%period*corrector%times)
          call measure(corrector%system, told, motion)
          if (corrector%times > 1) call repeat_motion(corrector%times, corrector%times*told, motion)
-         error = waveform_error(balance, motion%coefficients, refined)
+         if (refined) then
+            error = waveform_error(balance, motion%coefficients, branch%orders)
+         else
+            error = waveform_error(balance, motion%coefficients)
+         end if
       end associate
       if (error > max(far, another*row%estimate) .or. (row%error >= 0 .and. error > row%error)) return
       row%error = error

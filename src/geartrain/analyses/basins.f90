@@ -18,10 +18,11 @@ module geartrain_analyses_basins
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: visitor_type
    use geartrain_flow_aperiodic, only: aperiodic_type
+   use geartrain_flow_bound, only: bound_type
    use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_flow_recognition, only: recognition_type
    use geartrain_flow_section_map, only: section_map_type
-   use geartrain_flow_settling, only: settle, unbounded
+   use geartrain_flow_settling, only: settle
    use geartrain_flow_start_state, only: resting_state, state_of
    use geartrain_model_check, only: check_train
    use geartrain_model_system, only: build_system, system_type
@@ -242,6 +243,7 @@ contains
       integer, intent(in) :: first, last
       type(basins_type), intent(inout) :: found
       integer, allocatable, intent(inout) :: hits(:)
+      type(bound_type) :: bound
       type(integration_settings_type) :: integration
       type(motion_type), allocatable :: settled(:)
       type(aperiodic_type), allocatable :: these(:)
@@ -249,13 +251,14 @@ contains
       integer :: label((last - first + 1)*size(found%displacement)), i
       integer, allocatable :: left(:)
 
+      call bound%setup(system, found%frequency_ratio)
       associate (points => size(found%displacement))
          !$omp parallel do private(state) schedule(dynamic, 8)
          do i = 1, size(label)
             state = found%base
             state(found%displacement_place) = found%displacement(mod(i - 1, points) + 1)
             state(found%velocity_place) = found%velocity(first + (i - 1)/points)
-            call label_start(system, settings%max_periods, map, known, state, label(i))
+            call label_start(system, settings%max_periods, map, bound, known, state, label(i))
             states(:, i) = state
          end do
          !$omp end parallel do
@@ -301,10 +304,11 @@ contains
    end function place_of
 
    !> Flies one start until it is recognised.
-   subroutine label_start(system, max_periods, map, known, state, label)
+   subroutine label_start(system, max_periods, map, bound, known, state, label)
       type(system_type), intent(in) :: system
       integer, intent(in) :: max_periods
       type(section_map_type), intent(in) :: map
+      type(bound_type), intent(in) :: bound
       type(recognition_type), intent(in) :: known(:)
       !> The start, then the latest state [1], (state).
       real(dp), intent(inout) :: state(:)
@@ -314,7 +318,7 @@ contains
       integer :: i, k
       logical :: lost
 
-      limit = unbounded*max(1.0_dp, maxval(abs(resting_state(system))), maxval(abs(state)))
+      limit = bound%limit(state)
       lost = .false.
       label = unsettled
       do k = 1, max_periods
@@ -325,7 +329,7 @@ contains
          end do
          call map%pass_period(state, lost)
          if (lost .or. system%interrupt%raised()) return
-         if (all(abs(state) < limit)) cycle
+         if (bound%holds(state, limit)) cycle
          label = ran_away
          return
       end do

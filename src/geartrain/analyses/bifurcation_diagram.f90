@@ -14,10 +14,11 @@ module geartrain_analyses_bifurcation_diagram
    use geartrain_base_numbers, only: integer_text, text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: row => variable_type, visitor_type
+   use geartrain_flow_bound, only: bound_type
    use geartrain_flow_fields, only: about_frequency, about_mesh
    use geartrain_flow_lyapunov, only: kind_of
    use geartrain_flow_section_map, only: section_map_type
-   use geartrain_flow_settling, only: is_leaving, unbounded
+   use geartrain_flow_settling, only: is_leaving
    use geartrain_flow_spectrum, only: lyapunov_spectrum, rotation_number
    use geartrain_flow_start_state, only: resting_state, state_of
    use geartrain_model_check, only: check_train
@@ -296,17 +297,19 @@ contains
       integer, intent(in) :: i
       type(bifurcation_diagram_type), intent(inout) :: found
       type(section_map_type) :: map
+      type(bound_type) :: bound
       real(dp) :: sections(size(state), settings%sections), limit, turns
       character(14) :: kind
       integer :: j, k
       logical :: lost
 
       call map%setup(system, found%frequency_ratio(i))
-      limit = unbounded*max(one, maxval(abs(resting_state(system))), maxval(abs(state)))
+      call bound%setup(system, found%frequency_ratio(i))
+      limit = bound%limit(state)
       lost = .false.
       do k = 1, settings%transient
          call map%pass_period(state, lost)
-         lost = lost .or. system%interrupt%raised() .or. .not. all(abs(state) < limit)
+         lost = lost .or. system%interrupt%raised() .or. .not. bound%holds(state, limit)
          if (lost) exit
       end do
       if (.not. lost) call lyapunov_spectrum(system, map, state, settings%sections, found%exponents(:, i), found%errors(:, i), &
@@ -316,7 +319,7 @@ contains
          found%exponents(:, i) = found%rotation(i)
          found%errors(:, i) = found%rotation(i)
          found%kind(i) = 'undecided'
-         if (.not. all(abs(state) < limit)) then
+         if (.not. bound%holds(state, limit)) then
             found%kind(i) = 'unbounded'
             found%state(:, i) = huge(one)
             state = huge(one)

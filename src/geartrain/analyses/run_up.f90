@@ -232,7 +232,7 @@ contains
       call build_system(train, steady)
       associate (factor => lambda_per(train, settings%unit))
          ramp = make_ramp(factor*settings%start, factor*settings%stop, settings%duration*steady%characteristic_frequency, &
-                          minval(steady%law%order))
+                          nint(minval(steady%law%order)))
       end associate
       call build_system(train, system, ramp%acceleration)
    end subroutine build_systems

@@ -30,7 +30,7 @@ contains
       sources = excited_harmonics(system)
       excited(pack(sources, sources <= highest)) = .true.
       do j = 1, system%meshes
-         widest = max(widest, system%law(j)%order)
+         widest = max(widest, nint(system%law(j)%order))
       end do
       sums = max(fewest_sums, (highest + widest - 1)/widest)
       ! level: terms of the shortest sum that gives a harmonic; intermediate sums may lie above `highest`.

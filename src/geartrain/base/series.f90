@@ -1,14 +1,14 @@
-!> Periodic functions as complex amplitudes.
+!> Periodic functions as pairs of a harmonic and its complex amplitude.
 module geartrain_base_series
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
    private
    public :: series_type, make_series, wave_value
 
-   !> Sum over h of Re(amplitude(h) exp(i h order Lambda t)).
+   !> Sum over i of Re(amplitude(i) exp(i harmonic(i) Lambda t)).
    type :: series_type
-      !> Fundamental frequency over Lambda [1].
-      integer :: order = 1
+      !> Harmonics of Lambda, ascending, (harmonic).
+      integer, allocatable :: harmonic(:)
       !> Complex amplitudes in the unit of the function, (harmonic).
       complex(dp), allocatable :: amplitude(:)
    end type series_type
@@ -21,7 +21,7 @@ contains
       real(dp), allocatable, intent(in) :: cosine(:), sine(:)
       !> Factor of all amplitudes.
       real(dp), intent(in) :: factor
-      !> Fundamental frequency over Lambda [1].
+      !> Frequency of the first cosine over Lambda [1].
       integer, intent(in) :: order
       type(series_type) :: series
       complex(dp), allocatable :: amplitude(:)
@@ -36,21 +36,22 @@ contains
       do h = length, 1, -1
          if (abs(amplitude(h)) > 0) exit
       end do
-      series%order = order
       series%amplitude = factor*amplitude(:h)
+      series%harmonic = [(order*h, h=1, size(series%amplitude))]
    end function make_series
 
-   !> Sum over h of Re(amplitude(h) exp(i h phase)).
-   pure real(dp) function wave_value(amplitude, phase)
-      !> Complex amplitudes, (harmonic).
+   !> Sum over i of Re(amplitude(i) exp(i harmonic(i) phase)).
+   pure real(dp) function wave_value(harmonic, amplitude, phase)
+      !> Harmonics of Lambda and their complex amplitudes, (harmonic).
+      integer, intent(in) :: harmonic(:)
       complex(dp), intent(in) :: amplitude(:)
-      !> Phase of the first harmonic [rad].
+      !> Phase Lambda t [rad].
       real(dp), intent(in) :: phase
       integer :: h
 
       wave_value = 0
       do h = 1, size(amplitude)
-         wave_value = wave_value + real(amplitude(h)*exp(cmplx(0, h*phase, dp)), dp)
+         wave_value = wave_value + real(amplitude(h)*exp(cmplx(0, harmonic(h)*phase, dp)), dp)
       end do
    end function wave_value
 

@@ -9,7 +9,7 @@ module geartrain_continuation_adaptive_corrector
    use geartrain_base_numbers, only: text
    use geartrain_continuation_branch, only: response_settings_type
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
-   use geartrain_continuation_units, only: largest_drive
+   use geartrain_model_units, only: largest_drive
    use geartrain_linalg_trigonometric, only: transform_length
    use geartrain_model_modes, only: natural_frequency_ranges
    use geartrain_model_system, only: system_type

@@ -1,7 +1,7 @@
 !> A special point of the exact motion, and the metric in which the lengths of curves of such points are measured.
 module geartrain_continuation_augmented_point
    use geartrain_base_kinds, only: dp
-   use geartrain_continuation_units, only: units_of, units_type
+   use geartrain_model_units, only: units_of, units_type
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private

@@ -12,7 +12,7 @@ module geartrain_continuation_bifurcations
    use geartrain_continuation_start, only: begin_trace
    use geartrain_continuation_switching, only: trace_switched
    use geartrain_continuation_tracer, only: tracer_type
-   use geartrain_continuation_units, only: units_type
+   use geartrain_model_units, only: units_type
    use geartrain_continuation_variables, only: settings_for
    use geartrain_model_check, only: check_train
    use geartrain_model_system, only: system_type

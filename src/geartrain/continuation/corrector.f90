@@ -5,7 +5,7 @@ module geartrain_continuation_corrector
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_bordered_system, only: bordered_system_type
    use geartrain_base_kinds, only: dp
-   use geartrain_continuation_units, only: units_type
+   use geartrain_model_units, only: units_type
    implicit none (type, external)
    private
    public :: corrector_type, solution_point_type, inner

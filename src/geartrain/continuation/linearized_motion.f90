@@ -5,7 +5,7 @@ module geartrain_continuation_linearized_motion
    use geartrain_balance_needed_harmonics, only: needed_harmonics
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
-   use geartrain_continuation_units, only: units_of
+   use geartrain_model_units, only: units_of
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: evaluate, fine_samples, next_maximum, sample
    use geartrain_model_system, only: system_type

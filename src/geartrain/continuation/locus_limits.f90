@@ -5,7 +5,7 @@ module geartrain_continuation_locus_limits
    use geartrain_continuation_augmented_point, only: augmented_point_type
    use geartrain_continuation_augmented_system, only: augmented_system_type
    use geartrain_continuation_locus_walls, only: floats
-   use geartrain_continuation_units, only: largest_drive, largest_load
+   use geartrain_model_units, only: largest_drive, largest_load
    implicit none (type, external)
    private
    public :: limits_type

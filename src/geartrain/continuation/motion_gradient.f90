@@ -150,11 +150,9 @@ contains
 
          excites = .false.
          do h = 1, size(series%amplitude)
-            r = h*series%order*balance%eta
+            r = series%harmonic(h)*balance%eta
             if (.not. abs(series%amplitude(h)) > 0 .or. r > balance%highest) cycle
-            if (h <= size(known%amplitude)) then
-               if (abs(known%amplitude(h)) > 0) cycle
-            end if
+            if (any(known%harmonic == series%harmonic(h) .and. abs(known%amplitude) > 0)) cycle
             if (.not. any(balance%harmonic == r)) excites = .true.
          end do
       end function excites

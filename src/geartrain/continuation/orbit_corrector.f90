@@ -4,7 +4,7 @@ module geartrain_continuation_orbit_corrector
    use geartrain_balance_repetition, only: divide_orders, take_one
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_contact_ranges, only: depth_below
-   use geartrain_continuation_units, only: units_of, units_type
+   use geartrain_model_units, only: units_of, units_type
    use geartrain_floquet_multipliers, only: eigenvalues, power
    use geartrain_flow_multiple_shooting, only: find_orbit_in_sections, most_parts, section_states
    use geartrain_flow_sections, only: sections_type

@@ -147,7 +147,7 @@ contains
          call refine(train, motion, error, attempt == 2, &
                      harmonics_told(coefficients_of(branch, i), branch%subharmonic))
          if (allocated(error)) cycle
-         correction = waveform_error(coefficients_of(branch, i), motion%coefficients, .false.)
+         correction = waveform_error(coefficients_of(branch, i), motion%coefficients)
          if (correction <= max(another*branch%error_estimate(i), rounding)) return
          correction = -1
       end do

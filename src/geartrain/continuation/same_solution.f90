@@ -2,7 +2,7 @@
 module geartrain_continuation_same_solution
    use geartrain_base_kinds, only: dp, pi
    use geartrain_continuation_corrector, only: solution_point_type
-   use geartrain_continuation_units, only: units_type
+   use geartrain_model_units, only: units_type
    implicit none (type, external)
    private
    public :: same_solution

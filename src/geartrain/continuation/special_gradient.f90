@@ -14,7 +14,7 @@ module geartrain_continuation_special_gradient
    use geartrain_continuation_linearized_motion, only: add_tangent, factor, grazes, prepare, solution_on
    use geartrain_continuation_points, only: motion_of
    use geartrain_continuation_special_points, only: generic_vector
-   use geartrain_continuation_units, only: units_of
+   use geartrain_model_units, only: units_of
    use geartrain_model_gradient, only: begin_gradient, gradient_type, parameters_type
    use geartrain_model_system_rate, only: system_rate_type
    use geartrain_model_train, only: train_type

@@ -9,7 +9,7 @@ module geartrain_continuation_start
    use geartrain_continuation_branch, only: response_settings_type
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_tracer, only: tracer_type
-   use geartrain_continuation_units, only: largest_unit, length_unit_of, units_of
+   use geartrain_model_units, only: largest_unit, length_unit_of, units_of
    use geartrain_model_frequency_unit, only: lambda_per
    use geartrain_model_modes, only: natural_frequency_ranges
    use geartrain_model_system, only: build_system, system_type

@@ -3,7 +3,7 @@
 module geartrain_continuation_step_geometry
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_corrector, only: inner, solution_point_type
-   use geartrain_continuation_units, only: units_type
+   use geartrain_model_units, only: units_type
    implicit none (type, external)
    private
    public :: cosine_limit, sense_of, hides_folds, odd_product, odd_share, loses_odd, passes_half_period, cosine, way_to, closes

@@ -19,18 +19,36 @@ contains
 
    !> Relative error of the coefficients [1], defined as the error estimate of a balance is: norm of the error over norm of the
    !> alternating part, all meshes together; the error of a mean counts sqrt(2) times.
-   pure real(dp) function waveform_error(coefficients, orbit, kept_only)
+   pure real(dp) function waveform_error(coefficients, orbit, carried)
       !> Coefficients of the balance and of the orbit [1], (1 + 2*harmonics, mesh).
       real(dp), intent(in) :: coefficients(:, :), orbit(:, :)
-      !> Leaves out the harmonics of the orbit above the highest harmonic of the balance.
-      logical, intent(in) :: kept_only
-      real(dp) :: missing
+      !> The harmonics to compare, those of the balance; all harmonics of both where it is not there.
+      integer, intent(in), optional :: carried(:)
+      real(dp) :: missing, harmonic(0:max(size(coefficients, 1), size(orbit, 1))/2)
       integer :: n
 
+      harmonic = 0
       n = min(size(coefficients, 1), size(orbit, 1))
-      missing = 2*sum((orbit(1, :) - coefficients(1, :))**2) + sum((orbit(2:n, :) - coefficients(2:n, :))**2)
-      if (.not. kept_only) missing = missing + sum(orbit(n + 1:, :)**2)
+      harmonic(0) = 2*sum((orbit(1, :) - coefficients(1, :))**2)
+      call add(orbit(2:n, :) - coefficients(2:n, :), harmonic(1:))
+      call add(orbit(n + 1:, :), harmonic(n/2 + 1:))
+      missing = sum(harmonic)
+      if (present(carried)) missing = harmonic(0) + sum(harmonic(carried))
       waveform_error = sqrt(missing/max(sum(orbit(2:, :)**2), tiny(missing)))
+
+   contains
+
+      !> Adds the squares of both coefficients of each harmonic.
+      pure subroutine add(difference, squares)
+         real(dp), intent(in) :: difference(:, :)
+         real(dp), intent(inout) :: squares(:)
+         integer :: r
+
+         do r = 1, size(difference, 1)/2
+            squares(r) = squares(r) + sum(difference(2*r - 1:2*r, :)**2)
+         end do
+      end subroutine add
+
    end function waveform_error
 
    !> Error of shooting, a share `shooting` of the whole motion with its mean, relative to the alternating part [1].

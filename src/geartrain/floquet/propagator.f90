@@ -246,7 +246,7 @@ contains
       associate (law => self%system%law(mesh))
          polynomial(0) = law%stiffness(region)
          do i = 1, size(law%amplitude, 1)
-            rate = i*law%order*self%frequency_ratio
+            rate = law%harmonic(i)*self%frequency_ratio
             series = self%kappa%index_of(rate*h/2)
             phase = law%amplitude(i, region)*cmplx(cos(rate*(time + h/2)), sin(rate*(time + h/2)), dp)
             power = 1

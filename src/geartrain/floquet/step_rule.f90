@@ -65,7 +65,7 @@ contains
             damping(n) = maxval(law%damping)
             if (.not. any(law%varies)) cycle
             self%fastest_mesh = max(self%fastest_mesh, sqrt(system%own(n)*stiffest(n)))
-            self%highest_order = max(self%highest_order, law%order*size(law%amplitude, 1))
+            self%highest_order = maxval([self%highest_order, law%harmonic])
          end associate
       end do
       self%fastest = sqrt(largest_eigenvalue(system, stiffest))

@@ -116,13 +116,13 @@ contains
                   amplitude = law%amplitude(h, s)
                   if (.not. abs(amplitude) > 0) cycle
                   if (n == 0) then
-                     n = 2*h*law%order
+                     n = 2*law%harmonic(h)
                      centre = [(modulo(2*pi*i/n - atan2(amplitude%im, amplitude%re)*2/n, 2*pi), i=0, n - 1)]
                      even = [(.true., i=1, n)]
                   end if
                   do i = 1, n
-                     amplitude = law%amplitude(h, s)*exp(cmplx(0, h*law%order*centre(i), dp))
-                     even(i) = even(i) .and. abs(amplitude%im) <= rounding*h*law%order*abs(amplitude)
+                     amplitude = law%amplitude(h, s)*exp(cmplx(0, law%harmonic(h)*centre(i), dp))
+                     even(i) = even(i) .and. abs(amplitude%im) <= rounding*law%harmonic(h)*abs(amplitude)
                   end do
                end do
             end do

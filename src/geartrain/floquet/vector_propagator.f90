@@ -162,12 +162,12 @@ contains
 
       most = 0
       do j = 1, self%system%meshes
-         most = max(most, size(self%system%law(j)%amplitude, 1))
+         most = max(most, size(self%system%law(j)%harmonic))
       end do
       allocate (self%harmonic(0), self%place(most, self%system%meshes))
       do j = 1, self%system%meshes
-         do i = 1, size(self%system%law(j)%amplitude, 1)
-            h = i*self%system%law(j)%order
+         do i = 1, size(self%system%law(j)%harmonic)
+            h = self%system%law(j)%harmonic(i)
             if (all(self%harmonic /= h)) self%harmonic = [self%harmonic, h]
             self%place(i, j) = findloc(self%harmonic, h, 1)
          end do

@@ -253,7 +253,7 @@ contains
                self%spring(n) = 0
                self%kappa(:, j) = 0
                self%kappa(0, j) = law%stiffness(s)
-               call add_series(self, law%order, law%amplitude(:, s), self%kappa(:, j))
+               call add_series(self, law%harmonic, law%amplitude(:, s), self%kappa(:, j))
             end associate
             self%terms(j) = last_term(self%kappa(:, j), reach, 0.01_dp*self%tolerance)
          end do
@@ -264,13 +264,13 @@ contains
    end subroutine expand
 
    !> Adds the Taylor coefficients of a series at the present time.
-   pure subroutine add_series(self, order, amplitude, coefficient)
+   pure subroutine add_series(self, harmonic, amplitude, coefficient)
       class(flow_type), intent(in) :: self
-      integer, intent(in) :: order
+      integer, intent(in) :: harmonic(:)
       complex(dp), intent(in) :: amplitude(:)
       real(dp), intent(inout) :: coefficient(0:)
 
-      call add_waves(amplitude, order*self%frequency_ratio, order*self%acceleration, self%time, coefficient)
+      call add_waves(harmonic, amplitude, self%frequency_ratio, self%acceleration, self%time, coefficient)
    end subroutine add_series
 
    !> Computes the Taylor coefficients of the displacements of the elements that close loops, where the coordinates are 0,
@@ -289,7 +289,7 @@ contains
             if (size(system%transmission_error(j)%amplitude) == 0) cycle
             error = 0
             associate (series => system%transmission_error(j))
-               call add_series(self, series%order, series%amplitude, error)
+               call add_series(self, series%harmonic, series%amplitude, error)
             end associate
             associate (n => system%mesh_element(j))
                do i = 1, size(coefficient, 2)
@@ -343,7 +343,7 @@ contains
          do j = 1, size(system%torque)
             if (size(system%torque(j)%amplitude) == 0) cycle
             torque = 0
-            call add_series(self, system%torque(j)%order, system%torque(j)%amplitude, torque)
+            call add_series(self, system%torque(j)%harmonic, system%torque(j)%amplitude, torque)
             do n = 1, system%elements
                self%excitation(:, n) = self%excitation(:, n) + system%torque_gain(n, j)*torque
             end do
@@ -352,7 +352,7 @@ contains
             if (size(system%transmission_error(j)%amplitude) == 0) cycle
             error = 0
             associate (series => system%transmission_error(j))
-               call add_series(self, series%order, series%amplitude, error)
+               call add_series(self, series%harmonic, series%amplitude, error)
             end associate
             associate (second => self%excitation(:, system%mesh_element(j)))
                second = second + [(k*(k - 1)*error(k), k=2, self%order + 2)]

@@ -6,11 +6,10 @@ module geartrain_flow_run_up
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
+   use geartrain_flow_bound, only: bound_type
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_orbit, only: flow_order, flow_tolerance
    use geartrain_flow_ramp, only: ramp_type
-   use geartrain_flow_settling, only: unbounded
-   use geartrain_flow_start_state, only: resting_state
    use geartrain_flow_taylor, only: add_waves, series_value
    use geartrain_linalg_first_root, only: polynomial, root_between
    use geartrain_model_excitation, only: excited_harmonics, reach_of_sources
@@ -140,20 +139,22 @@ contains
       !> Told of 'run up' after each window; may end the run-up.
       class(observer_type), intent(inout), optional :: observer
       type(flow_type) :: flow
+      type(bound_type) :: bound
       real(dp) :: limit, reached
       integer :: window, first
       logical :: keep_going
 
       call flow%setup(system, 1, flow_order, flow_tolerance)
       flow%x(1, :) = result%state + shift
-      limit = unbounded*max(1.0_dp, maxval(abs(resting_state(system))), maxval(abs(result%state)))
+      call bound%setup(system, max(ramp%start, ramp%stop))
+      limit = bound%limit(flow%x(1, :))
       reached = ramp%speed_of(result%windows + 1)
       keep_going = .true.
       do window = result%windows + 1, ramp%windows
          if (.not. keep_going) exit
          first = result%samples
          call pass_window(flow, ramp, window, result)
-         if (system%interrupt%raised() .or. .not. all(abs(flow%x(1, :)) < limit)) then
+         if (system%interrupt%raised() .or. .not. bound%holds(flow%x(1, :), limit)) then
             result%samples = first
             exit
          end if
@@ -280,7 +281,7 @@ contains
             do i = paths%torque_first(s), paths%torque_first(s + 1) - 1
                wave = 0
                associate (series => system%torque(paths%torque(i)))
-                  call add_waves(series%amplitude, series%order*flow%frequency_ratio, series%order*flow%acceleration, begun, wave)
+                  call add_waves(series%harmonic, series%amplitude, flow%frequency_ratio, flow%acceleration, begun, wave)
                end associate
                torque(:, s) = torque(:, s) + paths%torque_gain(i)*length*wave
             end do

@@ -10,15 +10,15 @@ module geartrain_flow_settling
    use geartrain_base_sorting, only: ascending
    use geartrain_floquet_multipliers, only: eigenvalues, is_neutral, is_stable
    use geartrain_flow_attraction, only: attraction_type
+   use geartrain_flow_bound, only: bound_type
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_flow_orbit, only: begin_tangents, flow_order, flow_tolerance, measure, propagate
    use geartrain_flow_shooting, only: find_orbit, newton_step
-   use geartrain_flow_start_state, only: resting_state
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: is_leaving, most_states, settle, unbounded
+   public :: is_leaving, most_states, settle
 
    !> Longest period that is found [periods of the fundamental].
    integer, parameter :: longest_period = 16
@@ -26,9 +26,6 @@ module geartrain_flow_settling
    real(dp), parameter :: clearly_different = 1e-5_dp
    !> Relative difference between sections at which Newton's method is tried with their distance as the period.
    real(dp), parameter :: nearly_repeated = 1e-3_dp
-   !> Largest state over the largest of the characteristic length, the resting state and the start. A larger state runs away, at a
-   !> Lambda where the train without separation is unstable.
-   real(dp), parameter :: unbounded = 1e6_dp
    !> Time between two calls of the observer [1].
    real(dp), parameter :: between_looks = 200
    !> Mesh periods before the first try of Newton's method; the number is doubled after each try.
@@ -83,6 +80,7 @@ contains
       !> Whether the observer or an interrupt ended the flow before the motion was known.
       logical, intent(out), optional :: stopped
       type(flow_type) :: flow
+      type(bound_type) :: bound
       type(search_type) :: search
       real(dp) :: section(size(state), 0:2*longest_period)
       real(dp) :: limit
@@ -96,7 +94,8 @@ contains
       section(:, 0) = state
       settled = .false.
       period = 0
-      limit = unbounded*max(1.0_dp, maxval(abs(resting_state(system))), maxval(abs(state)))
+      call bound%setup(system, frequency_ratio)
+      limit = bound%limit(state)
       look = max(1, nint(between_looks*frequency_ratio/(2*pi)))
       do k = 1, settings%max_periods
          call flow%pass_period(frequency_ratio)
@@ -104,7 +103,7 @@ contains
          section(:, 0) = flow%x(1, :)
          period = 0
          if (system%interrupt%raised()) exit
-         if (.not. all(abs(section(:, 0)) < limit)) exit
+         if (.not. bound%holds(section(:, 0), limit)) exit
          call find_period(section, k, settings%tolerance, period)
          call search%look(system, frequency_ratio, section, k, settings%tolerance, period, settled)
          if (settled .or. system%interrupt%raised()) exit
@@ -133,7 +132,7 @@ contains
       end if
       if (period > 0) motion%period = period
       motion%state = state
-      if (all(abs(state) < limit)) call measure(system, settings%harmonics, motion)
+      if (bound%holds(state, limit)) call measure(system, settings%harmonics, motion)
       motion%period = period
       if (period == 0) motion%kind = 'undecided'
       if (.not. allocated(motion%coefficients)) motion%kind = 'unbounded'

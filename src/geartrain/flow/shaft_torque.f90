@@ -58,7 +58,7 @@ contains
             do i = paths%torque_first(s), paths%torque_first(s + 1) - 1
                associate (series => system%torque(paths%torque(i)))
                   torque(:, s) = torque(:, s) + paths%torque_gain(i)*length &
-                                 *[(wave_value(series%amplitude, series%order*spacing*(q - 1)), q=1, size(torque, 1))]
+                                 *[(wave_value(series%harmonic, series%amplitude, spacing*(q - 1)), q=1, size(torque, 1))]
                end associate
             end do
             if (.not. paths%known(s)) torque(:, s) = ieee_value(1.0_dp, ieee_quiet_nan)

@@ -144,21 +144,23 @@ contains
       end do
    end subroutine sum_series
 
-   !> Adds the Taylor coefficients at `time` of the sum over h of Re(amplitude(h) exp(i h phi)) with the phase phi = frequency_ratio
-   !> t + acceleration t**2/2. The recurrence follows from y' = i h (frequency_ratio + acceleration t) y.
-   pure subroutine add_waves(amplitude, frequency_ratio, acceleration, time, coefficient)
-      !> Complex amplitudes, (harmonic).
+   !> Adds the Taylor coefficients at `time` of the sum over the harmonics h of Re(amplitude exp(i h phi)) with the phase
+   !> phi = frequency_ratio t + acceleration t**2/2. The recurrence follows from y' = i h (frequency_ratio + acceleration t) y.
+   pure subroutine add_waves(harmonic, amplitude, frequency_ratio, acceleration, time, coefficient)
+      !> Harmonics of Lambda and their complex amplitudes, (harmonic).
+      integer, intent(in) :: harmonic(:)
       complex(dp), intent(in) :: amplitude(:)
-      !> Frequency of the first harmonic at time 0 [1] and its rate of change [1]; time of the expansion [1].
+      !> Lambda at time 0 [1] and its rate of change [1]; time of the expansion [1].
       real(dp), intent(in) :: frequency_ratio, acceleration, time
       !> Taylor coefficients, (0:order).
       real(dp), intent(inout) :: coefficient(0:)
       complex(dp) :: term, before, next
       real(dp) :: rate
-      integer :: h, k
+      integer :: h, i, k
 
-      do h = 1, size(amplitude)
-         term = amplitude(h)*exp(cmplx(0, h*(frequency_ratio + acceleration/2*time)*time, dp))
+      do i = 1, size(harmonic)
+         h = harmonic(i)
+         term = amplitude(i)*exp(cmplx(0, h*(frequency_ratio + acceleration/2*time)*time, dp))
          rate = h*(frequency_ratio + acceleration*time)
          coefficient(0) = coefficient(0) + term%re
          if (abs(acceleration) > 0) then

@@ -1,6 +1,6 @@
 !> The force of a mesh, piecewise linear in its displacement p: a row of numbers for each region of p. In region s
 !>    phi = kappa_s(theta) (p - origin_s) + gamma_s p',
-!>    kappa_s = stiffness_s + sum over h of Re(amplitude_hs exp(i h order theta)).
+!>    kappa_s = stiffness_s + sum over h of Re(amplitude_hs exp(i harmonic_h theta)).
 !> The elastic force is continuous at the walls between regions. The damping force may jump at a wall; it is the time derivative of
 !> gamma_s p + impulse_s, which is continuous.
 !>
@@ -14,8 +14,8 @@ module geartrain_mesh_law_law
    public :: law_type
 
    type :: law_type
-      !> kappa has harmonics of this order of Lambda.
-      integer :: order = 1
+      !> Frequency of the mesh over Lambda [1].
+      real(dp) :: order = 1
       !> First and last region.
       integer :: lowest = 1, highest = 1
       !> Displacement over b_c between regions s and s + 1 [1], ascending, (lowest:highest - 1).
@@ -23,7 +23,8 @@ module geartrain_mesh_law_law
       !> Mean stiffness over the mean stiffness of the mesh [1], p at which the elastic force is 0 [1], damping gamma [1], and the
       !> impulse [1] that makes gamma p + impulse continuous, (lowest:highest).
       real(dp), allocatable :: stiffness(:), origin(:), damping(:), impulse(:)
-      !> Complex amplitudes of kappa [1], (harmonic, lowest:highest).
+      !> Harmonics of Lambda in kappa, ascending, (harmonic), and their complex amplitudes [1], (harmonic, lowest:highest).
+      integer, allocatable :: harmonic(:)
       complex(dp), allocatable :: amplitude(:, :)
       !> Whether kappa of the region changes with time; whether the region has a stiffness; whether it has a row in the spectra: it
       !> has a stiffness, or the force jumps, (lowest:highest).
@@ -46,15 +47,14 @@ module geartrain_mesh_law_law
 contains
 
    !> Makes room for the regions, all without force.
-   pure subroutine begin(self, order, lowest, walls, harmonics)
+   pure subroutine begin(self, lowest, walls, harmonic)
       class(law_type), intent(inout) :: self
-      !> Order of kappa: its harmonics are multiples of order Lambda; number of the first region; number of harmonics of kappa.
-      integer, intent(in) :: order, lowest, harmonics
+      !> Number of the first region; harmonics of Lambda in kappa, ascending.
+      integer, intent(in) :: lowest, harmonic(:)
       !> Displacements between the regions over b_c [1], ascending, further apart than rounding: contact events at one instant have
       !> no order.
       real(dp), intent(in) :: walls(:)
 
-      self%order = order
       self%lowest = lowest
       self%highest = lowest + size(walls)
       associate (first => self%lowest, last => self%highest)
@@ -62,9 +62,10 @@ contains
                    self%acts(first:last))
          allocate (self%stiffness(first:last), self%origin(first:last), self%damping(first:last), self%impulse(first:last), &
                    source=0.0_dp)
-         allocate (self%amplitude(harmonics, first:last), source=(0.0_dp, 0.0_dp))
+         allocate (self%amplitude(size(harmonic), first:last), source=(0.0_dp, 0.0_dp))
       end associate
       self%wall(:) = walls
+      self%harmonic = harmonic
    end subroutine begin
 
    !> Makes the damping of the rows, until now relative to the damping of the mesh, absolute, and derives impulse, varies, acts,
@@ -156,7 +157,7 @@ contains
       class(law_type), intent(in) :: self
       type(series_type) :: series
 
-      series%order = self%order
+      series%harmonic = self%harmonic
       series%amplitude = cmplx(maxval(abs(self%amplitude), 2), 0, dp)
    end function variation
 
@@ -168,7 +169,7 @@ contains
       !> Phase Lambda t [rad].
       real(dp), intent(in) :: phase
 
-      stiffness_at = self%stiffness(s) + wave_value(self%amplitude(:, s), self%order*phase)
+      stiffness_at = self%stiffness(s) + wave_value(self%harmonic, self%amplitude(:, s), phase)
    end function stiffness_at
 
    !> Mesh force phi over k b_c [1].
@@ -200,7 +201,7 @@ contains
 
       kappa = [self%stiffness(s), 0.0_dp, 0.0_dp]
       do h = 1, size(self%amplitude, 1)
-         k = h*self%order*eta
+         k = self%harmonic(h)*eta
          term = self%amplitude(h, s)*exp(cmplx(0, k*theta, dp))
          kappa(0) = kappa(0) + term%re
          kappa(1) = kappa(1) - k*term%im

@@ -67,11 +67,10 @@ contains
       type(spectra_type), intent(inout) :: spectra
       !> Highest index to compute; as far as the room reaches unless it is given.
       integer, intent(in), optional :: highest
-      integer :: h, n, stride
+      integer :: h, n
 
       n = ubound(spectra%stiffness, 1)
       if (present(highest)) n = highest
-      stride = law%order*eta
       spectra%stiffness(:n) = 0
       spectra%offset(:n) = 0
       if (law%jumps) then
@@ -79,7 +78,7 @@ contains
          spectra%impulse(:n) = 0
       end if
       if (size(instant) > 0) then
-         call add_pieces(law, stride, first, instant, region, n, spectra)
+         call add_pieces(law, eta*law%harmonic, first, instant, region, n, spectra)
          return
       end if
       if (law%jumps) then
@@ -88,22 +87,23 @@ contains
       end if
       if (.not. law%elastic(first)) return
       spectra%stiffness(0) = law%stiffness(first)
-      do h = 1, min(size(law%amplitude, 1), n/stride)
-         spectra%stiffness(h*stride) = law%amplitude(h, first)/2
+      do h = 1, size(law%harmonic)
+         if (eta*law%harmonic(h) <= n) spectra%stiffness(eta*law%harmonic(h)) = law%amplitude(h, first)/2
       end do
       if (abs(law%origin(first)) > 0) spectra%offset(:n) = law%origin(first)*spectra%stiffness(:n)
    end subroutine find_spectra
 
    !> Adds all regions: a jump of size J at theta adds J exp(-i k theta)/(2 pi i k) to coefficient k of chi, then chi is multiplied
    !> with the row of its region.
-   pure subroutine add_pieces(law, stride, first, instant, region, n, spectra)
+   pure subroutine add_pieces(law, harmonic, first, instant, region, n, spectra)
       type(law_type), intent(in) :: law
-      integer, intent(in) :: stride, first, n
+      !> Indices of the harmonics of kappa; region at theta = 0; highest index.
+      integer, intent(in) :: harmonic(:), first, n
       real(dp), intent(in) :: instant(:)
       integer, intent(in) :: region(:)
       type(spectra_type), intent(inout) :: spectra
       !> Coefficients of chi, (index, region).
-      complex(dp) :: chi(0:strands*((n + stride*size(law%amplitude, 1) + strands - 1)/strands), law%lowest:law%highest), &
+      complex(dp) :: chi(0:strands*((n + maxval([0, harmonic]) + strands - 1)/strands), law%lowest:law%highest), &
                      factor, kappa
       real(dp) :: last
       integer :: h, i, k, now, s
@@ -137,9 +137,9 @@ contains
          if (.not. law%elastic(s)) cycle
          do k = 0, n
             kappa = law%stiffness(s)*chi(k, s)
-            do i = 1, size(law%amplitude, 1)
+            do i = 1, size(harmonic)
                factor = law%amplitude(i, s)/2
-               h = i*stride
+               h = harmonic(i)
                if (k >= h) then
                   kappa = kappa + factor*chi(k - h, s) + conjg(factor)*chi(k + h, s)
                else

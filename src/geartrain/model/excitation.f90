@@ -49,14 +49,19 @@ contains
       !> A source of excitation, in any unit.
       type(series_type), intent(in) :: series
 
-      lowest = series%order*findloc(abs(series%amplitude) > 0, .true., 1)
+      integer :: h
+
+      lowest = 0
+      do h = size(series%harmonic), 1, -1
+         if (abs(series%amplitude(h)) > 0) lowest = series%harmonic(h)
+      end do
    end function lowest_harmonic
 
    !> Highest harmonic of Lambda in a series; 0 for an empty series.
    pure integer function highest_harmonic(series) result(highest)
       type(series_type), intent(in) :: series
 
-      highest = series%order*size(series%amplitude)
+      highest = maxval([0, series%harmonic])
    end function highest_harmonic
 
    pure subroutine mark(series, excited)
@@ -65,7 +70,7 @@ contains
       integer :: h
 
       do h = 1, size(series%amplitude)
-         if (abs(series%amplitude(h)) > 0) excited(h*series%order) = .true.
+         if (abs(series%amplitude(h)) > 0) excited(series%harmonic(h)) = .true.
       end do
    end subroutine mark
 

@@ -119,10 +119,11 @@ contains
       kappa = make_series(mesh%stiffness_cos, mesh%stiffness_sin, 1.0_dp, mesh%order)
       associate (b => mesh%half_backlash/length)
          if (b > 0) then
-            call law%begin(mesh%order, -1, [-b, b], size(kappa%amplitude))
+            call law%begin(-1, [-b, b], kappa%harmonic)
          else
-            call law%begin(mesh%order, 1, [real(dp) ::], size(kappa%amplitude))
+            call law%begin(1, [real(dp) ::], kappa%harmonic)
          end if
+         law%order = mesh%order
          law%damping(:) = 1
          ! The drive flank.
          law%stiffness(1) = 1

@@ -269,8 +269,9 @@ contains
       integer :: h
 
       amplitude_at = 0
-      h = harmonic/(eta*series%order)
-      if (h*eta*series%order == harmonic .and. h <= size(series%amplitude)) amplitude_at = series%amplitude(h)
+      do h = 1, size(series%harmonic)
+         if (eta*series%harmonic(h) == harmonic) amplitude_at = series%amplitude(h)
+      end do
    end function amplitude_at
 
 end module geartrain_model_receptance

@@ -313,7 +313,7 @@ contains
          integer :: h
 
          do h = 1, size(series%amplitude)
-            if (abs(series%amplitude(h)) > 0) divisor = int(greatest_divisor(int(divisor, int64), int(h*series%order, int64)))
+            if (abs(series%amplitude(h)) > 0) divisor = int(greatest_divisor(int(divisor, int64), int(series%harmonic(h), int64)))
          end do
       end subroutine add
 

@@ -97,10 +97,10 @@ contains
       allocate (d%law(system%meshes), d%law_changes(system%meshes), d%transmission_error(system%meshes))
       allocate (d%torque(size(system%torque)))
       do j = 1, system%meshes
-         allocate (d%transmission_error(j)%amplitude(0))
+         d%transmission_error(j) = series_type([integer ::], [complex(dp) ::])
       end do
       do j = 1, size(d%torque)
-         allocate (d%torque(j)%amplitude(0))
+         d%torque(j) = series_type([integer ::], [complex(dp) ::])
       end do
       allocate (d%mean%force, d%mean%displacement, mold=system%mean%force)
       allocate (d%mean%follow, mold=system%mean%follow)
@@ -167,7 +167,7 @@ contains
       type(law_type), intent(in) :: law, above, below
       real(dp), intent(in) :: step
       type(law_type), intent(out) :: d
-      integer :: harmonics
+      integer :: h
 
       d = law
       d%wall(:) = (above%wall - below%wall)/step
@@ -176,12 +176,15 @@ contains
       d%damping(:) = (above%damping - below%damping)/step
       d%impulse(:) = (above%impulse - below%impulse)/step
       ! An amplitude that is 0 may be missing in one of them.
-      harmonics = max(size(above%amplitude, 1), size(below%amplitude, 1))
+      d%harmonic = [above%harmonic, pack(below%harmonic, [(all(above%harmonic /= below%harmonic(h)), h=1, size(below%harmonic))])]
       deallocate (d%amplitude)
-      allocate (d%amplitude(harmonics, law%lowest:law%highest), source=(0.0_dp, 0.0_dp))
-      d%amplitude(:size(above%amplitude, 1), :) = above%amplitude/step
-      harmonics = size(below%amplitude, 1)
-      d%amplitude(:harmonics, :) = d%amplitude(:harmonics, :) - below%amplitude/step
+      allocate (d%amplitude(size(d%harmonic), law%lowest:law%highest), source=(0.0_dp, 0.0_dp))
+      d%amplitude(:size(above%harmonic), :) = above%amplitude/step
+      do h = 1, size(below%harmonic)
+         associate (row => d%amplitude(findloc(d%harmonic, below%harmonic(h), 1), :))
+            row = row - below%amplitude(h, :)/step
+         end associate
+      end do
    end subroutine difference_of_laws
 
    !> Sets the derivatives of the fluctuating torques.

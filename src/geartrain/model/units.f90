@@ -1,6 +1,6 @@
 !> Units of the metric of a branch: powers of ten nearest to the displacements of the train and to the Lambda at which a mesh
 !> excites its own vibration. Steps, tolerances and guards so depend neither on characteristic values nor on the size of a train.
-module geartrain_continuation_units
+module geartrain_model_units
    use geartrain_base_kinds, only: dp
    use geartrain_model_network, only: stiffening
    use geartrain_model_system, only: system_type
@@ -95,4 +95,4 @@ contains
       if (x > 0) decade = 10.0_dp**nint(log10(x))
    end function decade
 
-end module geartrain_continuation_units
+end module geartrain_model_units
