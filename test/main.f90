@@ -10,6 +10,7 @@ program main
    use hard_random_trains, only: random_trains_cases
    use hard_scales, only: scales_cases
    use hard_settling, only: settling_cases
+   use hard_slips, only: slips_at_random_tests
    use hard_speeds, only: speeds_cases
    use unit_balance, only: balance_tests
    use unit_branch_summary, only: branch_summary_tests
@@ -116,5 +117,6 @@ program main
                    suite_type('hard_closed_forms', closed_forms_cases), &
                    suite_type('hard_motions', motions_cases), &
                    suite_type('hard_settling', settling_cases), &
+                   suite_type('hard_slips', slips_at_random_tests), &
                    suite_type('hard_random_trains', random_trains_cases)])
 end program main

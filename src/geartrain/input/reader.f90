@@ -48,7 +48,8 @@ contains
       type(assigner_type) :: reader
       type(case_type) :: found
       type(row_type), allocatable :: rows(:)
-      integer :: i, in_order
+      integer :: i
+      logical :: in_order
 
       call scan_text(text, reader%groups, reader%problems)
       if (reader%problems%count > 0 .and. size(reader%groups) == 0) then
@@ -56,15 +57,18 @@ contains
          return
       end if
       call check_order(reader%groups, reader%problems)
-      in_order = reader%problems%count
+      in_order = reader%problems%count == 0
       call list_variables(rows)
       do i = 1, size(reader%groups)
          call check_names(reader%groups(i), rows, reader%problems)
       end do
       call read_groups(found, reader)
-      if (in_order == 0) call check_consistency(found%train, reader)
-      ! The text of a call from Python has no name. Such a call may have a seed, and checks the settings with it.
-      call check_analyses(found, name == '', reader)
+      ! Groups that are not those of a train are not looked at together.
+      if (in_order) then
+         call check_consistency(found%train, reader)
+         ! The text of a call from Python has no name. Such a call may have a seed, and checks the settings with it.
+         call check_analyses(found, name == '', reader)
+      end if
       call reader%locate()
       call reader%problems%raise(name, error)
       if (.not. allocated(error)) case = found
