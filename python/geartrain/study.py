@@ -24,7 +24,7 @@ from .space import Space
 from .study_dataset import dataset_of
 from .study_engine import compute_all, cores, executor_of
 from .study_failures import failures_of, words_of
-from .study_plan import Plan
+from .study_plan import CALLS, Plan
 from .study_progress import Progress
 from .study_store import DONE, Store
 from .study_worker import record_of
@@ -131,12 +131,11 @@ class Study:
             raise InputError(f"keep = {shown(keep)}: must be a list of names")
         (call, settings), = analysis.items()
         call = "sweep" if call == "integration" else call
-        method = getattr(Train, call, None)
-        if call.startswith("_") or not callable(method) or call in ("namelist", "explain", "plot"):
+        if call not in CALLS:
             raise InputError(f"{call}: a train has no such call")
         keywords = {{"from": "start", "to": "stop"}.get(key, key): value for key, value in settings.items()}
         try:
-            bound = inspect.signature(method).bind(train, **keywords)
+            bound = inspect.signature(getattr(Train, call)).bind(train, **keywords)
         except TypeError as error:
             raise InputError(f"{call}: {error}") from None
         bound.apply_defaults()

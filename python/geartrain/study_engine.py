@@ -7,6 +7,7 @@ import multiprocessing
 import os
 import signal
 import time
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, wait
 from typing import Any
@@ -19,6 +20,7 @@ __all__ = ["compute_all", "cores", "executor_of"]
 _MOST = 512  # batches handed to an executor at a time: so the client stays small
 _POLL = 1.0  # s
 _PATIENCE = 2.0  # s between looks at batches that others have claimed
+_SILENCE = 10.0  # s of such looks before it is told
 _ATTEMPTS = 5  # of a batch, or of a pool of processes without any progress
 _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -48,7 +50,7 @@ def compute_all(
     patient : bool
         Whether to wait for the batches that other processes have claimed.
     """
-    left = list(blocks)
+    left, looks = list(blocks), 0
     while left:
         if executor is not None:
             try:
@@ -63,6 +65,10 @@ def compute_all(
             return
         if left:
             tell()
+            looks += 1
+            if looks * _PATIENCE == _SILENCE:
+                warnings.warn(f"{len(left)} batches are claimed by other processes, as the files in {folder}/claims tell: waiting "
+                              "for them", stacklevel=2)
             time.sleep(_PATIENCE)
 
 
@@ -116,8 +122,9 @@ class _Pool(ProcessPoolExecutor):
 
 @contextlib.contextmanager
 def _one_thread_each() -> Iterator[None]:
-    """Processes started here use a thread each unless the user says otherwise, and draw no progress bars."""
-    wanted = {**dict.fromkeys(_ONE_THREAD, "1"), "TQDM_DISABLE": "1"}
+    """Processes started here use a thread each unless the user says otherwise, draw no progress bars, and do not look for modules
+    in the working directory first (from Python 3.11 on), which may be a folder from elsewhere."""
+    wanted = {**dict.fromkeys(_ONE_THREAD, "1"), "TQDM_DISABLE": "1", "PYTHONSAFEPATH": "1"}
     added = {name: value for name, value in wanted.items() if name not in os.environ}
     os.environ.update(added)
     try:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import io
 import json
+import re
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from hashlib import blake2b
 from itertools import islice, repeat
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 
 from ._box import Box
 from ._namelist import parse
+from ._sealed import DamagedError, seal, unseal
 from .errors import DrawingWarning, InputError, shown
 from .parameter import Target, add_targets, assigned, check_effects, checked_column, own_value, targets_of
 from .quantity import Quantity, taken
@@ -24,10 +26,16 @@ from .space import Axis, Space
 from .train import Train
 from .variables import PARTS
 
-__all__ = ["Plan"]
+__all__ = ["CALLS", "Plan", "is_key"]
 
 #: Of the records of points: what is written by another version is not taken for done.
 _RESULTS_VERSION = 2
+
+#: Calls of a train whose results can be kept.
+CALLS = (
+    "response", "continuation", "integrate", "sweep", "attractors", "basins", "bifurcation_diagram", "lyapunov_spectrum", "motions",
+    "stability_map", "campbell", "run_up", "modes",
+)
 
 _LONGEST = 200  # characters of the values of a point in a message
 _TRIED = 20  # points among which one is allowed, as a rule
@@ -164,27 +172,43 @@ class Plan:
         return json.dumps(told)
 
     def dump(self) -> bytes:
-        """As the bytes of an npz file."""
-        file = io.BytesIO()
+        """As the bytes of a file."""
         axes: dict[str, Any] = {f"axis {name}": values for axis in self.axes for name, values in axis.columns.items()}
         columns: dict[str, Any] = {f"column {number}": column for number, column in enumerate(self.columns)}
-        np.savez(file, about=np.array(self._about(self.batch, self.seconds)), keys=self.keys, **axes, **columns)
-        return file.getvalue()
+        return seal({"about": np.array(self._about(self.batch, self.seconds)), "keys": self.keys, **axes, **columns})
 
     @classmethod
     def load(cls, text: bytes) -> Plan:
-        """From the bytes of `dump`."""
-        with np.load(io.BytesIO(text)) as file:
+        """From the bytes of `dump`; `DamagedError` where they are not those of a plan."""
+        file = unseal(text)
+        try:
             told = json.loads(file["about"].item())
             axes = tuple(Axis(name, {item: file[f"axis {item}"] for item in names}) for name, names in told["axes"])
             targets = tuple(Target(*row) for row in told["targets"])
             columns = tuple(file[f"column {number}"] for number in range(len(targets)))
-            return cls(told["case"], told["call"], told["settings"], tuple(told["keep"]), axes, told["relative"], targets, columns,
-                       file["keys"], told["batch"], told["seconds"])
+            plan = cls(str(told["case"]), str(told["call"]), dict(told["settings"]), tuple(told["keep"]), axes,
+                       dict(told["relative"]), targets, columns, file["keys"], int(told["batch"]), float(told["seconds"]))
+            for point, key in enumerate(plan.keys.tolist()):
+                if not is_key(key):  # keys are names of files
+                    raise DamagedError(f"key {point} = {shown(key)}: must be 32 digits of 0-9a-f")
+            if plan.call not in CALLS:
+                raise DamagedError(f"call = {shown(plan.call)}: must be one of {', '.join(CALLS)}")
+            if plan.batch < 1 or any(len(column) != len(plan) for column in columns) or prod(map(len, axes)) != len(plan):
+                raise DamagedError("its lists are of different lengths")
+        except DamagedError:
+            raise
+        except Exception as error:  # noqa: BLE001 (of a file from elsewhere, anything)
+            raise DamagedError(f"{type(error).__name__}: {error}") from None
+        return plan
 
     def in_batches_of(self, points: int, seconds: float) -> Plan:
         """The same, with so many points computed in one go, each in so many seconds."""
         return replace(self, batch=points, seconds=seconds)
+
+
+def is_key(key: bytes) -> bool:
+    """Whether it may be a key of a point."""
+    return re.fullmatch(rb"[0-9a-f]{32}", key) is not None
 
 
 def _check_effects(

@@ -13,18 +13,16 @@ import socket
 import threading
 import uuid
 import warnings
-import zipfile
-import zlib
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ._sealed import DamagedError, seal, unseal
 from .quantity import Quantity
-from .study_plan import Plan
+from .study_plan import Plan, is_key
 
 __all__ = ["DONE", "FAILED", "SET_ASIDE", "Batch", "Claim", "Record", "Store"]
 
@@ -34,7 +32,7 @@ DONE, FAILED, SET_ASIDE = "done", "failed", "set aside"
 _HEARTBEAT = 15.0  # s between touches of a claim
 _STALE = 180.0  # s without a touch after which its owner counts as dead: longer than network file systems keep a file's time back
 _LEFT = 3600.0  # s after which a file that was not renamed is a killed writer's
-_DAMAGED = (zipfile.BadZipFile, zlib.error, ValueError, KeyError, EOFError, OSError)
+_DAMAGED = (DamagedError, OSError)
 
 
 class Record(NamedTuple):
@@ -153,9 +151,8 @@ class Store:
         self, path: Path, about: Mapping[str, Any], keys: NDArray[Any], status: NDArray[Any], message: NDArray[Any],
         seconds: NDArray[Any], arrays: Mapping[str, Any],
     ) -> None:
-        text = BytesIO()
-        np.savez(text, about=np.array(json.dumps(about)), keys=keys, status=status, message=message, seconds=seconds, **arrays)
-        self._put(path, text.getvalue())
+        told = {"about": np.array(json.dumps(about)), "keys": keys, "status": status, "message": message, "seconds": seconds}
+        self._put(path, seal({**told, **arrays}))
 
     def paths(self, prefix: str = "") -> list[Path]:
         """The batch files, by name."""
@@ -168,11 +165,7 @@ class Store:
     def read(self, path: Path) -> Batch | None:
         """A batch; None, with a warning, of a damaged file."""
         try:
-            with np.load(path) as file:
-                arrays = {name: file[name] for name in file.files}
-            about = json.loads(arrays["about"].item())
-            kept = {name: Quantity(arrays[f"kept {name}"], tuple(row[0]), *row[1:]) for name, row in about.items()}
-            return Batch(arrays["keys"], arrays["status"], arrays["message"], arrays["seconds"], kept)
+            return _batch(path.read_bytes())
         except _DAMAGED as error:
             if path.exists():
                 warnings.warn(f"{path}: is damaged ({error}): its points count as not computed", stacklevel=2)
@@ -182,9 +175,10 @@ class Store:
         """Why points failed, by their keys."""
         found: dict[bytes, str] = {}
         for path in self.paths():
-            with contextlib.suppress(*_DAMAGED), np.load(path) as file:
-                if (file["status"] != DONE).any():
-                    rows = zip(file["keys"].tolist(), file["status"].tolist(), file["message"].tolist())
+            with contextlib.suppress(*_DAMAGED):
+                batch = _batch(path.read_bytes())
+                if (batch.status != DONE).any():
+                    rows = zip(batch.keys.tolist(), batch.status.tolist(), batch.message.tolist())
                     found |= {key: message for key, status, message in rows if key in keys and status != DONE}
         return found
 
@@ -200,17 +194,19 @@ class Store:
             return self._look(prefix)
 
     def _look(self, prefix: str = "") -> Mapping[bytes, str]:
-        anew = False
-        for path in self.paths(prefix):
+        paths = self.paths()
+        anew = not self._seen.keys() <= {path.name for path in paths}  # the folder, or a batch, was removed
+        for path in paths:
+            if not path.name.startswith(prefix):
+                continue
             with contextlib.suppress(*_DAMAGED):
                 written = path.stat().st_mtime_ns
                 if self._seen.get(path.name) == written:
                     continue
                 anew = anew or path.name in self._seen  # points were taken out of it
-                with np.load(path) as file:
-                    keys, status = file["keys"].tolist(), file["status"].tolist()
+                batch = _batch(path.read_bytes())
                 self._seen[path.name] = written
-                for key, told in zip(keys, status):
+                for key, told in zip(batch.keys.tolist(), batch.status.tolist()):
                     if self._known.get(key) != DONE:
                         self._known[key] = told
         if anew:
@@ -261,24 +257,24 @@ class Store:
     def _bury(self, path: Path) -> bool:
         """Remove the claim of a dead process; the point that it was at is a suspect."""
         try:
-            text, touched = path.read_text(), path.stat().st_mtime
+            text, touched = path.read_bytes(), path.stat().st_mtime
         except FileNotFoundError:
             return True
-        if not _is_dead(text) and self._now() - touched < _STALE:
+        if not _is_dead(text) and abs(self._now() - touched) < _STALE:
             return False
         aside = path.with_name(f"{uuid.uuid4().hex}.tmp")
         try:
             os.rename(path, aside)
         except FileNotFoundError:
             return True
-        if aside.read_text()[:_OWNER] != text[:_OWNER]:  # another process was faster, and this is its claim
+        if aside.read_bytes()[:_OWNER] != text[:_OWNER]:  # another process was faster, and this is its claim
             with contextlib.suppress(OSError):
                 os.link(aside, path)
             aside.unlink()
             return False
-        key = aside.read_text()[_OWNER:].strip()
-        if key:
-            (self.suspects / key).touch()
+        key = aside.read_bytes()[_OWNER:].strip()
+        if is_key(key):
+            (self.suspects / key.decode()).touch()
         aside.unlink()
         return True
 
@@ -286,20 +282,21 @@ class Store:
 _OWNER = 160  # characters of a claim that say whose it is; after them stands the key of the point that is computed
 
 
-def _is_dead(text: str) -> bool:
+def _is_dead(text: bytes) -> bool:
     """Whether the owner of a claim was a process of this machine that is no more."""
     try:
         owner = json.loads(text[:_OWNER])
-    except ValueError:  # not yet written
+        host, process = owner["host"], owner["process"]
+    except (ValueError, TypeError, KeyError):  # not yet written, or no claim: it is removed when nobody has touched it for long
         return False
-    if owner["host"] != _host():
+    if host != _host() or not isinstance(process, int):
         return False
     with contextlib.suppress(OSError, IndexError):  # killed, but its parent has not yet asked for its status
-        if Path(f"/proc/{owner['process']}/stat").read_text().rpartition(")")[2].split()[0] == "Z":
+        if Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] == "Z":
             return True
     try:
-        os.kill(owner["process"], 0)
-    except ProcessLookupError:
+        os.kill(process, 0)
+    except (ProcessLookupError, OverflowError):
         return True
     except PermissionError:
         return False
@@ -345,6 +342,23 @@ class Claim:
     def __exit__(self, *_: object) -> None:
         self._ended.set()
         os.close(self._descriptor)
+
+
+def _batch(text: bytes) -> Batch:
+    """Of the bytes of a batch file; `DamagedError` where they are not."""
+    arrays = unseal(text)
+    try:
+        about = json.loads(arrays["about"].item())
+        kept = {name: Quantity(arrays[f"kept {name}"], tuple(row[0]), *row[1:]) for name, row in about.items()}
+        batch = Batch(arrays["keys"], arrays["status"], arrays["message"], arrays["seconds"], kept)
+        columns = [batch.status, batch.message, batch.seconds, *(quantity.values for quantity in kept.values())]
+        if any(len(column) != len(batch.keys) for column in columns):
+            raise DamagedError("its lists are of different lengths")
+    except DamagedError:
+        raise
+    except Exception as error:  # noqa: BLE001 (of a file from elsewhere, anything)
+        raise DamagedError(f"{type(error).__name__}: {error}") from None
+    return batch
 
 
 def _stacked(rows: Sequence[Quantity | None]) -> NDArray[Any]:

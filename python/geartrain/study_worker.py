@@ -118,7 +118,11 @@ def compute_alone(folder: str, digest: str, point: str) -> None:
 def _alone(store: Store, plan: Plan, point: int) -> list[Record]:
     """Compute a suspect in a process of its own, which writes what it finds; the record of its death where it dies."""
     key, begun = plan.key(point), time.perf_counter()
-    code = "import sys; from geartrain.study_worker import compute_alone; compute_alone(*sys.argv[1:])"
+    # Python looks in the working directory first: it may hold anything.
+    code = (
+        "import sys; sys.path[:] = filter(None, sys.path); "
+        "from geartrain.study_worker import compute_alone; compute_alone(*sys.argv[1:])"
+    )
     command = [sys.executable, "-c", code, str(store.folder), plan.digest, str(point)]
     paths = [os.environ.get("PYTHONPATH", ""), *filter(None, sys.path)]  # the user's first, as Python has them
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, paths))}
