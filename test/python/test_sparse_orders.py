@@ -57,7 +57,8 @@ def test_second_order_of_an_engine_on_even_teeth():
     train = gt.Train(
         characteristic_frequency=5000.0,
         bodies=[gt.Body(name="engine", inertia=0.02, torque=80.0, revolution_torque_cos=[0, 20.0]),
-                gt.Body(name="pinion", inertia=2e-4), gt.Body(name="wheel", inertia=3e-3), gt.Body(name="load", inertia=0.5, balances=True)],
+                gt.Body(name="pinion", inertia=2e-4), gt.Body(name="wheel", inertia=3e-3),
+                gt.Body(name="load", inertia=0.5, balances=True)],
         shafts=[gt.Shaft(between=("engine", "pinion"), stiffness=2e4, damping_ratio=0.05),
                 gt.Shaft(between=("wheel", "load"), stiffness=5e4, damping_ratio=0.05)],
         meshes=[gt.Mesh(between=("pinion", "wheel"), teeth=(20, 40), normal_module=3e-3, face_width=0.03, backlash=60e-6,
