@@ -279,7 +279,7 @@ contains
       type(machine_type), intent(in) :: machine
       real(dp), intent(in) :: from, to
       real(dp), intent(inout) :: y(:)
-      real(dp), dimension(size(machine%joint)) :: p, v, past
+      real(dp), dimension(size(machine%joint)) :: p, v, past, begun
       integer, dimension(size(p)) :: contact, next
       real(dp) :: t, h, end_(size(y))
       integer :: i, latest, met, to_contact
@@ -290,8 +290,20 @@ contains
       latest = 0
       do while (to - t > 1e-14_dp*abs(to - from))
          h = min(machine%step, to - t)
+         begun = v
          end_ = stepped(machine, contact, t, h, y)
          call displacements(machine, t + h, end_, past, v)
+         ! A contact may begin and end within the step, where a displacement turns: the step ends there.
+         do i = 1, size(p)
+            if (.not. begun(i)*v(i) < 0) cycle
+            if (abs(abs(past(i)) - machine%joint(i)%gap) > h*max(abs(begun(i)), abs(v(i)))) cycle
+            next = contacts(machine, past)
+            if (next(i) /= contact(i)) cycle
+            call turn(machine, contact, t, y, i, begun(i), v(i), h, next)
+            if (next(i) == contact(i)) cycle
+            end_ = stepped(machine, contact, t, h, y)
+            call displacements(machine, t + h, end_, past, v)
+         end do
          met = 0
          do i = 1, size(p)
             next = contacts(machine, past)
@@ -311,6 +323,37 @@ contains
       end do
    end subroutine fly
 
+   !> Looks where joint i turns within the step; where it is beyond a wall there the step h ends there.
+   subroutine turn(machine, contact, t, y, i, before, after, h, there)
+      type(machine_type), intent(in) :: machine
+      integer, intent(in) :: contact(:), i
+      !> Time, state and velocity of the joint at the beginning of the step; its velocity at the end.
+      real(dp), intent(in) :: t, y(:), before, after
+      real(dp), intent(inout) :: h
+      !> Contacts where it turns.
+      integer, intent(out) :: there(:)
+      real(dp) :: p(size(contact)), v(size(contact)), left, right, middle
+      integer :: k
+
+      left = 0
+      right = h
+      middle = h*before/(before - after)
+      do k = 1, 12
+         call displacements(machine, t + middle, stepped(machine, contact, t, middle, y), p, v)
+         there = contacts(machine, p)
+         if (there(i) /= contact(i)) then
+            h = middle
+            return
+         end if
+         if (v(i)*before > 0) then
+            left = middle
+         else
+            right = middle
+         end if
+         middle = (left + right)/2
+      end do
+   end subroutine turn
+
    !> Ends the step h where joint i meets a wall [m]: regula falsi, the kept end halved.
    subroutine shorten(machine, contact, t, y, i, wall, just_left, h)
       type(machine_type), intent(in) :: machine
@@ -326,6 +369,8 @@ contains
       right = h
       f_left = beyond(left)
       f_right = beyond(right)
+      ! It rests at the wall but for rounding: the step need not end.
+      if (.not. f_left*f_right < 0) return
       kept = 0
       do k = 1, 100
          middle = (left*f_right - right*f_left)/(f_right - f_left)
