@@ -135,10 +135,10 @@ contains
       character(name_length), allocatable :: names(:)
       !> Error of a derivative of the library, relative [1].
       real(dp), parameter :: exact = 5e-8_dp
-      real(dp), allocatable :: coarse(:, :), middle(:, :), fine(:, :), value(:, :), derivative(:, :, :)
-      real(dp) :: h, off, worst, size_of
+      real(dp), allocatable :: coarse(:, :), middle(:, :), fine(:, :), finest(:, :), value(:, :), derivative(:, :, :)
+      real(dp) :: h, off, worst, size_of, apart
       integer :: f, i, n
-      logical :: ok(3)
+      logical :: ok(4)
 
       plain = settings
       plain%stability = .false.
@@ -165,10 +165,12 @@ contains
          call difference(train, plain, motion, parameter, h, coarse, ok(1))
          call difference(train, plain, motion, parameter, h/2, middle, ok(2))
          call difference(train, plain, motion, parameter, h/4, fine, ok(3))
+         call difference(train, plain, motion, parameter, h/8, finest, ok(4))
          if (.not. all(ok)) cycle
-         ! Twice extrapolated to h = 0: how far the two are apart tells the error of the differences.
+         ! Thrice extrapolated to h = 0: how far they are apart tells the error of the differences. Two may agree by chance.
          coarse = (4*middle - coarse)/3
-         fine = (4*fine - middle)/3
+         middle = (4*fine - middle)/3
+         finest = (4*finest - fine)/3
          do f = 1, size(figure_names)
             do i = 1, size(value, 1)
                associate (g => derivative(i, f, n))
@@ -176,7 +178,8 @@ contains
                   ! Without a static force either direction counts.
                   if (f >= 5 .and. f <= 6 .and. .not. abs(value(i, f)) > 0) cycle
                   size_of = max(abs(g), 1e-3_dp*abs(value(i, f))/max(abs(parameter%value), 1e3_dp*h), tiny(h))
-                  off = abs(g - fine(i, f))/(exact*size_of + abs(fine(i, f) - coarse(i, f)))
+                  apart = max(abs(middle(i, f) - coarse(i, f)), abs(finest(i, f) - middle(i, f)))
+                  off = abs(g - middle(i, f))/(exact*size_of + apart)
                   worst = max(worst, off)
                end associate
             end do

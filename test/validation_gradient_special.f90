@@ -183,11 +183,12 @@ contains
    contains
 
       !> Differences of fourth order with the change that suits each frequency, where half the change alters them least: a low
-      !> frequency has the rounding errors of the highest, and two frequencies that are close to one another bend away.
+      !> frequency has the rounding errors of the highest, and two frequencies that are close to one another bend away. Their error
+      !> is told by the next halving, which alters them more: the least alteration may be small by chance.
       subroutine find_slope()
          real(dp), dimension(size(modes%natural_frequency)) :: wide, narrow, before, now, off
          real(dp) :: h
-         logical :: better(size(off))
+         logical :: better(size(off)), improved(size(off))
          integer :: halving
 
          h = 4e-2_dp*merge(abs(parameter%value), 0.1_dp, abs(parameter%value) > 0)
@@ -200,10 +201,11 @@ contains
             if (allocated(error)) return
             call find_difference(h/2, narrow)
             now = (8*narrow - wide)/(6*h)
-            better = better .and. abs(now - before) < off
+            improved = abs(now - before) < off
             off = abs(now - before)
-            where (better) slope = now
             where (better) spread = off
+            better = better .and. improved
+            where (better) slope = now
             before = now
             wide = narrow
             h = h/2

@@ -200,8 +200,7 @@ contains
          call tests%is_text(error%message, '', trim(name)//': message')
          return
       end if
-      ! Of those with laws of their own, and of those of other seeds, some rattle without end: a period of the fundamental of that is
-      ! compared.
+      ! Of those with laws of their own, and of those of other seeds, some rattle without end: one period of that is compared.
       call tests%is_true(motion%period > 0 .or. laws .or. tests%seed > 0, trim(name)//': settles')
       periods = max(1, motion%period)
       call build_system(train, system)
