@@ -369,8 +369,11 @@ contains
       right = h
       f_left = beyond(left)
       f_right = beyond(right)
-      ! It rests at the wall but for rounding: the step need not end.
-      if (.not. f_left*f_right < 0) return
+      if (.not. f_left*f_right < 0) then
+         ! At once; where it rests at the wall but for rounding the step need not end.
+         if (abs(f_right) > 1e-12_dp*machine%joint(i)%gap) h = left
+         return
+      end if
       kept = 0
       do k = 1, 100
          middle = (left*f_right - right*f_left)/(f_right - f_left)

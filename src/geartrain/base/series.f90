@@ -42,8 +42,9 @@ contains
 
    !> Sum over i of Re(amplitude(i) exp(i harmonic(i) phase)).
    pure real(dp) function wave_value(harmonic, amplitude, phase)
-      !> Harmonics of Lambda and their complex amplitudes, (harmonic).
+      !> Harmonics of Lambda, (harmonic).
       integer, intent(in) :: harmonic(:)
+      !> Their complex amplitudes, (harmonic).
       complex(dp), intent(in) :: amplitude(:)
       !> Phase Lambda t [rad].
       real(dp), intent(in) :: phase

@@ -147,8 +147,9 @@ contains
    !> Adds the Taylor coefficients at `time` of the sum over the harmonics h of Re(amplitude exp(i h phi)) with the phase
    !> phi = frequency_ratio t + acceleration t**2/2. The recurrence follows from y' = i h (frequency_ratio + acceleration t) y.
    pure subroutine add_waves(harmonic, amplitude, frequency_ratio, acceleration, time, coefficient)
-      !> Harmonics of Lambda and their complex amplitudes, (harmonic).
+      !> Harmonics of Lambda, (harmonic).
       integer, intent(in) :: harmonic(:)
+      !> Their complex amplitudes, (harmonic).
       complex(dp), intent(in) :: amplitude(:)
       !> Lambda at time 0 [1] and its rate of change [1]; time of the expansion [1].
       real(dp), intent(in) :: frequency_ratio, acceleration, time

@@ -97,10 +97,10 @@ contains
       allocate (d%law(system%meshes), d%law_changes(system%meshes), d%transmission_error(system%meshes))
       allocate (d%torque(size(system%torque)))
       do j = 1, system%meshes
-         d%transmission_error(j) = series_type([integer ::], [complex(dp) ::])
+         allocate (d%transmission_error(j)%harmonic(0), d%transmission_error(j)%amplitude(0))
       end do
       do j = 1, size(d%torque)
-         d%torque(j) = series_type([integer ::], [complex(dp) ::])
+         allocate (d%torque(j)%harmonic(0), d%torque(j)%amplitude(0))
       end do
       allocate (d%mean%force, d%mean%displacement, mold=system%mean%force)
       allocate (d%mean%follow, mold=system%mean%follow)
