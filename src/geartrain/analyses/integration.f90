@@ -383,7 +383,7 @@ contains
          ! A sweep that has not ended goes on: it gets room for all motions.
          allocate (sweep%motions(merge(n, points, allocated(sweep%ended))))
          allocate (sweep%direction(size(sweep%motions)), source='    ')
-         allocate (direction(n))
+         allocate (direction(n), source='    ')
       else if (allocated(sweep%motions)) then
          direction = sweep%direction(:n)
       end if

@@ -191,7 +191,7 @@ contains
 
       in_order = allocated(train%shafts) .and. allocated(train%meshes)
       if (.not. in_order) return
-      in_order = size(train%meshes) > 0 .and. train%characteristic_frequency > 0
+      in_order = size(train%meshes) > 0 .and. train%characteristic_frequency > 0 .and. train%characteristic_length > 0
       ! A problem that stands outside of the groups belongs to no group, so the values are checked here as well.
       if (in_order) in_order = all(train%meshes%stiffness > 0 .and. train%meshes%driving_radius > 0 .and. &
                                    train%meshes%driven_radius > 0)
