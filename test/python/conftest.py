@@ -1,6 +1,7 @@
 """What several test files use: trains, cases, the executable and files that it writes."""
 
 import os
+import signal
 import subprocess
 from collections import Counter
 from itertools import chain, pairwise
@@ -13,6 +14,9 @@ import pytest
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # a threaded BLAS only gets in the way of threads, see docs/python.md
 
 import geartrain as gt
+
+# A job in the background of a shell ignores Ctrl-C, and so would the programs that the tests start.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 ROOT = Path(__file__).resolve().parents[2]
 
