@@ -132,7 +132,7 @@ class Study:
         (call, settings), = analysis.items()
         call = "sweep" if call == "integration" else call
         if call not in CALLS:
-            raise InputError(f"{call}: a train has no such call")
+            raise InputError(f"{call}: a train has no such call: must be one of {', '.join(CALLS)}")
         keywords = {{"from": "start", "to": "stop"}.get(key, key): value for key, value in settings.items()}
         try:
             bound = inspect.signature(getattr(Train, call)).bind(train, **keywords)

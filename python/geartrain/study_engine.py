@@ -20,7 +20,7 @@ __all__ = ["compute_all", "cores", "executor_of"]
 _MOST = 512  # batches handed to an executor at a time: so the client stays small
 _POLL = 1.0  # s
 _PATIENCE = 2.0  # s between looks at batches that others have claimed
-_SILENCE = 10.0  # s of such looks before it is told
+_LOOKS = 5  # such looks before a warning says that it waits
 _ATTEMPTS = 5  # of a batch, or of a pool of processes without any progress
 _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -66,7 +66,7 @@ def compute_all(
         if left:
             tell()
             looks += 1
-            if looks * _PATIENCE == _SILENCE:
+            if looks == _LOOKS:
                 warnings.warn(f"{len(left)} batches are claimed by other processes, as the files in {folder}/claims tell: waiting "
                               "for them", stacklevel=2)
             time.sleep(_PATIENCE)

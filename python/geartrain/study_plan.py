@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ._box import Box
 from ._namelist import parse
-from ._sealed import DamagedError, seal, unseal
+from ._sealed import DamagedError, distrust, seal, unseal
 from .errors import DrawingWarning, InputError, shown
 from .parameter import Target, add_targets, assigned, check_effects, checked_column, own_value, targets_of
 from .quantity import Quantity, taken
@@ -164,12 +164,12 @@ class Plan:
     # -------------------------------------------------------------------------------------------- as a file
 
     def _about(self, batch: int, seconds: float) -> str:
-        told = {
+        about = {
             "program": _PROGRAM, "case": self.case, "call": self.call, "settings": self.settings, "keep": self.keep,
             "axes": [[axis.name, list(axis.columns)] for axis in self.axes], "relative": self.relative,
             "targets": self.targets, "batch": batch, "seconds": seconds,
         }
-        return json.dumps(told)
+        return json.dumps(about)
 
     def dump(self) -> bytes:
         """As the bytes of a file."""
@@ -179,26 +179,23 @@ class Plan:
 
     @classmethod
     def load(cls, text: bytes) -> Plan:
-        """From the bytes of `dump`; `DamagedError` where they are not those of a plan."""
+        """Read the bytes that `dump` wrote; `DamagedError` where they hold no plan."""
         file = unseal(text)
-        try:
-            told = json.loads(file["about"].item())
-            axes = tuple(Axis(name, {item: file[f"axis {item}"] for item in names}) for name, names in told["axes"])
-            targets = tuple(Target(*row) for row in told["targets"])
+        with distrust():
+            about = json.loads(file["about"].item())
+            axes = tuple(Axis(name, {item: file[f"axis {item}"] for item in names}) for name, names in about["axes"])
+            targets = tuple(Target(*row) for row in about["targets"])
             columns = tuple(file[f"column {number}"] for number in range(len(targets)))
-            plan = cls(str(told["case"]), str(told["call"]), dict(told["settings"]), tuple(told["keep"]), axes,
-                       dict(told["relative"]), targets, columns, file["keys"], int(told["batch"]), float(told["seconds"]))
+            plan = cls(str(about["case"]), str(about["call"]), dict(about["settings"]), tuple(about["keep"]), axes,
+                       dict(about["relative"]), targets, columns, file["keys"], int(about["batch"]), float(about["seconds"]))
             for point, key in enumerate(plan.keys.tolist()):
                 if not is_key(key):  # keys are names of files
                     raise DamagedError(f"key {point} = {shown(key)}: must be 32 digits of 0-9a-f")
             if plan.call not in CALLS:
                 raise DamagedError(f"call = {shown(plan.call)}: must be one of {', '.join(CALLS)}")
             if plan.batch < 1 or any(len(column) != len(plan) for column in columns) or prod(map(len, axes)) != len(plan):
-                raise DamagedError("its lists are of different lengths")
-        except DamagedError:
-            raise
-        except Exception as error:  # noqa: BLE001 (of a file from elsewhere, anything)
-            raise DamagedError(f"{type(error).__name__}: {error}") from None
+                raise DamagedError("the lists differ in length")
+            _ = plan.train
         return plan
 
     def in_batches_of(self, points: int, seconds: float) -> Plan:

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._sealed import DamagedError, seal, unseal
+from ._sealed import DamagedError, distrust, seal, unseal
 from .quantity import Quantity
 from .study_plan import Plan, is_key
 
@@ -151,8 +151,8 @@ class Store:
         self, path: Path, about: Mapping[str, Any], keys: NDArray[Any], status: NDArray[Any], message: NDArray[Any],
         seconds: NDArray[Any], arrays: Mapping[str, Any],
     ) -> None:
-        told = {"about": np.array(json.dumps(about)), "keys": keys, "status": status, "message": message, "seconds": seconds}
-        self._put(path, seal({**told, **arrays}))
+        columns = {"keys": keys, "status": status, "message": message, "seconds": seconds}
+        self._put(path, seal({"about": np.array(json.dumps(about)), **columns, **arrays}))
 
     def paths(self, prefix: str = "") -> list[Path]:
         """The batch files, by name."""
@@ -206,9 +206,9 @@ class Store:
                 anew = anew or path.name in self._seen  # points were taken out of it
                 batch = _batch(path.read_bytes())
                 self._seen[path.name] = written
-                for key, told in zip(batch.keys.tolist(), batch.status.tolist()):
+                for key, status in zip(batch.keys.tolist(), batch.status.tolist()):
                     if self._known.get(key) != DONE:
-                        self._known[key] = told
+                        self._known[key] = status
         if anew:
             self._seen, self._known = {}, {}
             return self._look()
@@ -345,19 +345,15 @@ class Claim:
 
 
 def _batch(text: bytes) -> Batch:
-    """Of the bytes of a batch file; `DamagedError` where they are not."""
+    """Read a batch from the bytes of its file; `DamagedError` where they hold none."""
     arrays = unseal(text)
-    try:
+    with distrust():
         about = json.loads(arrays["about"].item())
         kept = {name: Quantity(arrays[f"kept {name}"], tuple(row[0]), *row[1:]) for name, row in about.items()}
         batch = Batch(arrays["keys"], arrays["status"], arrays["message"], arrays["seconds"], kept)
         columns = [batch.status, batch.message, batch.seconds, *(quantity.values for quantity in kept.values())]
         if any(len(column) != len(batch.keys) for column in columns):
-            raise DamagedError("its lists are of different lengths")
-    except DamagedError:
-        raise
-    except Exception as error:  # noqa: BLE001 (of a file from elsewhere, anything)
-        raise DamagedError(f"{type(error).__name__}: {error}") from None
+            raise DamagedError("the lists differ in length")
     return batch
 
 

@@ -95,6 +95,7 @@ def test_sealed_nonsense_is_refused(folder, capsys):
         {**arrays, "keys": keys}, {**arrays, "keys": absolute}, {**arrays, "keys": arrays["keys"][1:]},
         {**arrays, "keys": np.arange(6)}, about(call="page"), about(call="_ask"), about(call=["modes"]), about(targets=[[1, 2]]),
         about(targets=7), about(axes=[["x"]]), about(batch=0), about(batch="many"), about(settings=3), about(keep=None),
+        about(case=""), about(case="&gear"), about(case=5), about(case="&train"),
         {"about": np.array("[]")}, {"about": np.array("{")}, {"about": np.array(3)}, {},
         {name: array for name, array in arrays.items() if name != "keys"},
     ]

@@ -22,7 +22,7 @@ contains
    pure real(dp) function waveform_error(coefficients, orbit, carried)
       !> Coefficients of the balance and of the orbit [1], (1 + 2*harmonics, mesh).
       real(dp), intent(in) :: coefficients(:, :), orbit(:, :)
-      !> The harmonics to compare, those of the balance; all harmonics of both where it is not there.
+      !> Harmonics that the balance has, which alone are compared; absent: all harmonics of both.
       integer, intent(in), optional :: carried(:)
       real(dp) :: missing, harmonic(0:max(size(coefficients, 1), size(orbit, 1))/2)
       integer :: n

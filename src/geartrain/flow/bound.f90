@@ -1,5 +1,5 @@
-!> From where on a motion counts as unbounded: a million times the motions that the loads, the gaps and the errors of the train, or
-!> its start, would explain. Displacements and velocities are told in one unit of the train's own, so that the verdict depends
+!> A motion counts as unbounded where it exceeds a million times the motions that the loads, the gaps and the errors of the train,
+!> or the state at its start, explain. Velocities are divided by the highest frequency of the motion, so that the verdict depends
 !> neither on the characteristic length nor on the characteristic frequency.
 module geartrain_flow_bound
    use geartrain_base_kinds, only: dp
@@ -46,13 +46,14 @@ contains
       self%length = max(largest_drive(system), maxval(system%half_backlash), self%size_of(resting_state(system)))
    end subroutine setup
 
-   !> Largest size of a motion that begins with a state, over characteristic length [1].
+   !> Largest size of a bounded motion over characteristic length [1].
    pure real(dp) function limit(self, state)
       class(bound_type), intent(in) :: self
-      !> State [1], (state).
-      real(dp), intent(in) :: state(:)
+      !> State with which the motion starts [1], (state); absent: one that the train explains.
+      real(dp), intent(in), optional :: state(:)
 
-      limit = far*max(self%length, self%size_of(state))
+      limit = far*self%length
+      if (present(state)) limit = max(limit, far*self%size_of(state))
    end function limit
 
    !> Whether a state is within a limit; one that is no number is not.

@@ -147,7 +147,7 @@ contains
       call flow%setup(system, 1, flow_order, flow_tolerance)
       flow%x(1, :) = result%state + shift
       call bound%setup(system, max(ramp%start, ramp%stop))
-      limit = bound%limit(flow%x(1, :))
+      limit = bound%limit()  ! not of the state, so that a run-up that is taken up ends where it would have ended
       reached = ramp%speed_of(result%windows + 1)
       keep_going = .true.
       do window = result%windows + 1, ramp%windows

@@ -266,11 +266,21 @@ contains
       type(series_type), intent(in) :: series
       !> Harmonic of Lambda/eta; sub-harmonic index.
       integer, intent(in) :: harmonic, eta
-      integer :: h
+      integer :: low, middle, high
 
       amplitude_at = 0
-      do h = 1, size(series%harmonic)
-         if (eta*series%harmonic(h) == harmonic) amplitude_at = series%amplitude(h)
+      low = 1
+      high = size(series%harmonic)
+      do while (low <= high)
+         middle = (low + high)/2
+         associate (difference => eta*series%harmonic(middle) - harmonic)
+            if (difference == 0) then
+               amplitude_at = series%amplitude(middle)
+               return
+            end if
+            if (difference < 0) low = middle + 1
+            if (difference > 0) high = middle - 1
+         end associate
       end do
    end function amplitude_at
 
