@@ -183,34 +183,53 @@ contains
    contains
 
       !> Differences of fourth order with the change that suits each frequency, where half the change alters them least: a low
-      !> frequency has the rounding errors of the highest, and two frequencies that are close to one another bend away. Their error
-      !> is told by the next halving, which alters them more: the least alteration may be small by chance.
+      !> frequency has the rounding errors of the highest, and two frequencies that are close to one another bend away. The first
+      !> change is a quarter of the distance between them. Their error is that of the next halving, which alters them more: the
+      !> least alteration may be small by chance.
       subroutine find_slope()
          real(dp), dimension(size(modes%natural_frequency)) :: wide, narrow, before, now, off
-         real(dp) :: h
-         logical :: better(size(off)), improved(size(off))
+         real(dp) :: relative, h
+         logical :: begun(size(off)), better(size(off)), improved(size(off))
          integer :: halving
 
-         h = 4e-2_dp*merge(abs(parameter%value), 0.1_dp, abs(parameter%value) > 0)
+         relative = 4e-2_dp
+         h = relative*merge(abs(parameter%value), 0.1_dp, abs(parameter%value) > 0)
          least = 1e-3_dp*modes%natural_frequency/merge(abs(parameter%value), 0.01_dp, abs(parameter%value) > 0)
          off = huge(off)
          better = .true.
-         before = sqrt(huge(before))
+         slope = sqrt(huge(slope))
+         spread = 1
+         before = slope
          call find_difference(h, wide)
-         do halving = 1, 8
+         do halving = 1, 16
             if (allocated(error)) return
             call find_difference(h/2, narrow)
             now = (8*narrow - wide)/(6*h)
+            begun = relative <= distance()/4
             improved = abs(now - before) < off
-            off = abs(now - before)
-            where (better) spread = off
-            better = better .and. improved
-            where (better) slope = now
-            before = now
+            where (begun)
+               off = abs(now - before)
+               where (better) spread = off
+               better = better .and. improved
+               where (better) slope = now
+               before = now
+            end where
             wide = narrow
             h = h/2
+            relative = relative/2
          end do
       end subroutine find_slope
+
+      !> Smallest distance of each natural frequency from another, relative; at most 1.
+      function distance()
+         real(dp) :: distance(size(modes%natural_frequency))
+         integer :: i
+
+         associate (omega => modes%natural_frequency)
+            distance = [(minval(abs(omega - omega(i))/omega(i), mask=[(n /= i, n=1, size(omega))]), i=1, size(omega))]
+         end associate
+         distance = min(distance, 1.0_dp)
+      end function distance
 
       !> Natural frequencies with the parameter greater by h less those with the parameter less by h.
       subroutine find_difference(h, difference)

@@ -3,6 +3,7 @@ module validation_paper_train
    use fixtures, only: closest, paper_train, settings_of
    use geartrain, only: branch_type, dp, error_type, integrate, integration_settings_type, modes_type, motion_type, &
                         natural_modes, refine, response, response_settings_type, solutions_at, train_type
+   use geartrain_continuation_points, only: motion_of
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -22,6 +23,7 @@ contains
       if (tests%runs('integrated')) call integrated(tests)
       if (tests%runs('period_two')) call period_two(tests)
       if (tests%runs('without_backlash')) call without_backlash(tests)
+      if (tests%runs('seed_at_fold')) call seed_at_fold(tests)
    end subroutine paper_train_tests
 
    !> Independently computed natural frequencies, six decimals.
@@ -223,6 +225,37 @@ contains
       call refine(paper_train(), motions(i), error)
       call tests%is_close(motions(i)%rms(2), expected(2), 6e-9_dp, 'shooting from the balance, rms of mesh 2 at 1.92')
    end subroutine period_two
+
+   !> A seed at a fold in a range that ends before the point that the response would begin with beside it: what is told of the
+   !> seed itself is that of the motion.
+   subroutine seed_at_fold(tests)
+      class(tests_type), intent(inout) :: tests
+      type(branch_type) :: branch, near
+      type(motion_type) :: motion
+      type(error_type), allocatable :: error
+      integer :: folds, i, k, p
+
+      call response(paper_train(), settings_of(0.5_dp, 0.85_dp, 12), branch, error)
+      folds = 0
+      do i = 1, size(branch%special_points)
+         if (branch%special_points(i)%kind /= 'fold') cycle
+         p = branch%special_points(i)%point
+         motion = motion_of(branch, p)
+         call response(paper_train(), settings_of((1 - 1e-9_dp)*motion%frequency_ratio, (1 + 1e-9_dp)*motion%frequency_ratio, &
+                                                  branch%point_harmonics(p)), near, error, seed=motion)
+         k = 0
+         if (near%points > 0) k = minloc(abs(near%rms(1, :near%points) - branch%rms(1, p)), 1)
+         call tests%is_true(k > 0, 'a response from the fold: '//near%ended)
+         if (k == 0) cycle
+         folds = folds + 1
+         ! Two solutions within 1e-10 of one another (corrector.f90), multipliers to 1e-9 (step_rule.f90).
+         call tests%is_close(near%rms(1, k), branch%rms(1, p), 1e-8_dp, 'rms at the fold')
+         call tests%is_close(maxval(abs(near%mesh_load(:, k)%separation - branch%mesh_load(:, p)%separation)), 0.0_dp, 1e-8_dp, &
+                             'separation at the fold')
+         call tests%is_close(abs(near%multipliers(1, k)), abs(branch%multipliers(1, p)), 1e-6_dp, 'multiplier at the fold')
+      end do
+      call tests%is_true(folds > 1, 'folds of figure 3')
+   end subroutine seed_at_fold
 
    subroutine without_backlash(tests)
       class(tests_type), intent(inout) :: tests

@@ -266,7 +266,12 @@ contains
 
       if (abs(solution%tangent_frequency) > off_fold*tracer%corrector%units%frequency_ratio) return
       call tracer%corrector%advance(solution, off_fold, beside, success)
-      if (success .and. beside%frequency_ratio >= low .and. beside%frequency_ratio <= high) solution = beside
+      if (success .and. beside%frequency_ratio >= low .and. beside%frequency_ratio <= high) then
+         solution = beside
+      else
+         ! The point is recorded by what the corrector worked on last.
+         call tracer%corrector%correct(solution, success)
+      end if
    end subroutine leave_fold
 
    !> Solves the balance next to a seed: at its Lambda or, where that fails as at a fold, beside it; with the first number of
