@@ -63,7 +63,8 @@ contains
       integer, intent(in) :: status
       integer :: whole
 
-      whole = status
+      ! No memory is a status of its own for Python alone.
+      whole = min(status, status_file)
       if (output_lost()) then
          call complain('geartrain: error: standard output is lost: nobody reads it, or the disk behind it is full')
          whole = max(whole, status_file)

@@ -22,7 +22,7 @@ __all__ = ["Box", "Group", "described", "file_name", "fortran"]
 
 Array = NDArray[Any]
 
-_INPUT, _ENDED_EARLY, _FILE = 2, 3, 4
+_INPUT, _ENDED_EARLY, _FILE, _MEMORY = 2, 3, 4, 5
 
 
 @dataclass
@@ -123,7 +123,7 @@ class Box:
         """Raise the error that the status stands for; work that ended early passes unless the whole is needed."""
         if status == 0 or (status == _ENDED_EARLY and not whole):
             return
-        kinds = {_INPUT: InputError, _ENDED_EARLY: SolverError, _FILE: OSError}
+        kinds = {_INPUT: InputError, _ENDED_EARLY: SolverError, _FILE: OSError, _MEMORY: MemoryError}
         message = self.text("message")
         raise kinds.get(status, RuntimeError)(in_words_of_the_call(message) if self._of_call else message)
 

@@ -2,10 +2,12 @@
 module geartrain_base_error
    implicit none (type, external)
    private
-   public :: error_type, fatal, status_input, status_ended_early, status_file
+   public :: error_type, fatal, status_input, status_ended_early, status_file, status_memory
 
    !> Exit statuses of the executable: bad input, an analysis that ended early, a failure of the file system.
    integer, parameter :: status_input = 2, status_ended_early = 3, status_file = 4
+   !> No memory: a MemoryError in Python, for the executable as a failure of the file system.
+   integer, parameter :: status_memory = 5
 
    type :: error_type
       integer :: status = status_input
@@ -20,7 +22,8 @@ contains
       type(error_type), allocatable, intent(inout) :: error
       !> A line of text.
       character(*), intent(in) :: message
-      !> Exit status of a new error: status_input (where absent), status_ended_early or status_file.
+      !> Exit status of a new error: status_input (where absent), status_ended_early, status_file or
+      !> status_memory.
       integer, intent(in), optional :: status
 
       if (allocated(error)) then

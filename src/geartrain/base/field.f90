@@ -188,7 +188,7 @@ contains
    end function place
 
    !> Adds a field at the end, with the values 0.
-   subroutine add(self, about, kind, extents)
+   subroutine add(self, about, kind, extents, status)
       class(group_type), intent(inout) :: self
       !> The row of the table.
       type(field_type), intent(in) :: about
@@ -196,6 +196,8 @@ contains
       character, intent(in) :: kind
       !> Lengths of the dimensions in the order of memory; none for a scalar.
       integer, intent(in) :: extents(:)
+      !> Not 0: there is no memory for the values, and no field is added. Absent: the memory was asked for before.
+      integer, intent(out), optional :: status
       type(values_type), allocatable :: longer(:)
       integer :: i
 
@@ -212,6 +214,18 @@ contains
          new%about = about
          new%kind = kind
          new%extents = extents
+         if (present(status)) then
+            select case (kind)
+            case (kind_real)
+               allocate (new%reals(product(extents)), source=0.0_dp, stat=status)
+            case (kind_text)
+               allocate (new%texts(product(extents)), stat=status)
+            case default
+               allocate (new%integers(product(extents)), source=0, stat=status)
+            end select
+            if (status /= 0) self%count = self%count - 1
+            return
+         end if
          select case (kind)
          case (kind_real)
             allocate (new%reals(product(extents)), source=0.0_dp)

@@ -6,9 +6,11 @@
 !> in the last index is cut, an array that is shorter in the first index is filled with NaN.
 module geartrain_base_fields
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_base_field, only: field_type, groups_type, kind_integer, kind_logical, kind_real, kind_text, &
       lengths_type, text_type, word
    use geartrain_base_kinds, only: dp
+   use geartrain_base_memory, only: has_room
    implicit none (type, external)
    private
    public :: arranging, fields_type, listing, reading, writing
@@ -16,6 +18,10 @@ module geartrain_base_fields
    !> What `carry` does. writing: results to fields; reading: fields to results; listing: adds every possible field, without values;
    !> arranging: no fields, each array gets the expected lengths of its dimensions and its last index the order `order`.
    integer, parameter :: writing = 0, reading = 1, listing = 2, arranging = 3
+
+   !> Bytes of an item of a list, such as a motion with its few arrays; number of items for which there is always memory.
+   integer(int64), parameter :: item_bytes = 2048
+   integer, parameter :: few_items = 1000
 
    !> Labels of the places of a dimension.
    type :: labels_type
@@ -30,6 +36,8 @@ module geartrain_base_fields
       character(:), allocatable :: wrong
       !> Whether that field is not there.
       logical :: lacks = .false.
+      !> Whether there is no memory for that field.
+      logical :: no_room = .false.
       !> Arranging: old index, in the last dimension, of the values that become first, second, ...; further values are not set.
       integer, allocatable :: order(:)
       !> Number of the present group.
@@ -154,6 +162,10 @@ contains
          place = self%find(field_type(name, name))
          if (place == 0) return
          length = product(self%groups(self%here)%fields(place)%extents)
+         ! Lists get an item for each place before it is known whether the file has the values of the items.
+         self%no_room = .not. (length < few_items .or. has_room(item_bytes*length))
+         call self%check(.not. self%no_room, name)
+         if (self%no_room) length = 0
          call self%say_length(name, length)
          return
       end if

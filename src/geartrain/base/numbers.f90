@@ -5,6 +5,7 @@
 !> arguments, or blanks at the end; long texts are arguments of a subroutine.
 module geartrain_base_numbers
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
+   use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
    private
@@ -14,6 +15,7 @@ module geartrain_base_numbers
    interface text
       module procedure :: short_text
       module procedure :: integer_text
+      module procedure :: long_text
    end interface text
 
    !> Length of the longest number as text.
@@ -118,9 +120,10 @@ contains
    end function short_text
 
    pure function padded_integer(value) result(text)
-      integer, intent(in) :: value
+      integer(int64), intent(in) :: value
       character(longest) :: text
-      integer :: rest, place
+      integer(int64) :: rest
+      integer :: place
 
       ! Digit by digit: an internal write takes fifty times as long, and a list of fields has hundreds of numbers. The digits are
       ! those of a negative number, because the least integer has no positive counterpart.
@@ -129,7 +132,7 @@ contains
       if (rest > 0) rest = -rest
       place = longest
       do
-         text(place:place) = achar(iachar('0') - mod(rest, 10))
+         text(place:place) = achar(iachar('0') - int(mod(rest, 10_int64)))
          rest = rest/10
          if (rest == 0) exit
          place = place - 1
@@ -145,9 +148,18 @@ contains
    pure function integer_text(value) result(text)
       !> Any number.
       integer, intent(in) :: value
+      character(len_trim(padded_integer(int(value, int64)))) :: text
+
+      text = padded_integer(int(value, int64))
+   end function integer_text
+
+   !> A whole number of 64 bits without blanks.
+   pure function long_text(value) result(text)
+      !> Any number.
+      integer(int64), intent(in) :: value
       character(len_trim(padded_integer(value))) :: text
 
       text = padded_integer(value)
-   end function integer_text
+   end function long_text
 
 end module geartrain_base_numbers

@@ -2,7 +2,8 @@
 module geartrain_results_file
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char, c_size_t
    use, intrinsic :: iso_fortran_env, only: int8, int64
-   use geartrain_base_error, only: error_type, fatal, status_file
+   use geartrain_base_error, only: error_type, fatal, status_file, status_memory
+   use geartrain_base_numbers, only: text
    use geartrain_base_regular_file, only: is_regular_file
    implicit none (type, external)
    private
@@ -110,13 +111,15 @@ contains
    end subroutine remove_file
 
    !> Bytes of a file.
-   subroutine read_bytes(path, content, last)
+   subroutine read_bytes(path, content, last, error)
       !> Path of the file.
       character(*), intent(in) :: path
       !> The bytes; not allocated where the file is no regular file, cannot be read, or has fewer than `last` bytes.
       integer(int8), allocatable, intent(out) :: content(:)
       !> Number of bytes at the end of the file that are read; absent: all bytes.
       integer, intent(in), optional :: last
+      !> That there is no memory for the bytes.
+      type(error_type), allocatable, intent(inout), optional :: error
       integer(int64) :: bytes, wanted
       integer :: unit, status
 
@@ -128,6 +131,8 @@ contains
       if (present(last)) wanted = last
       if (wanted > 0 .and. wanted <= bytes) then
          allocate (content(wanted), stat=status)
+         if (status /= 0 .and. present(error)) &
+            call fatal(error, 'there is no memory for its '//text(wanted)//' bytes', status_memory)
          if (status == 0) read (unit, pos=bytes - wanted + 1, iostat=status) content
          if (status /= 0 .and. allocated(content)) deallocate (content)
       end if

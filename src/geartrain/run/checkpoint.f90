@@ -145,15 +145,16 @@ contains
       type(error_type), allocatable, intent(inout) :: error
       character(:), allocatable :: input, asked, written_by, wrong
       type(fields_type) :: fields
+      integer :: status
 
       call case_text(case, asked)
-      call open_results(path, fields, input, written_by, wrong)
+      call open_results(path, fields, input, written_by, wrong, status)
       if (wrong == '' .and. written_by /= version) wrong = 'it was written by another version of geartrain, '//written_by
       if (fields%count == 0) then
          call fatal(error, path//': error: cannot be resumed: it is no readable checkpoint of geartrain ('//wrong// &
-                    '); it stays as it is', status_file)
+                    '); it stays as it is', status)
       else if (wrong /= '') then
-         call fatal(error, path//': error: cannot be resumed: '//wrong, status_file)
+         call fatal(error, path//': error: cannot be resumed: '//wrong, status)
       else if (without_output(input) /= without_output(asked)) then
          call fatal(error, path//': error: cannot be resumed: it is the checkpoint of another case or of other settings; '// &
                     'begin anew, or name another file with --output')

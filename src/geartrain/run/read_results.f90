@@ -1,7 +1,7 @@
 !> Reads results from their file, with their case.
 module geartrain_run_read_results
    use geartrain_analyses_list, only: case_type, results_type
-   use geartrain_base_error, only: error_type, fatal, status_file
+   use geartrain_base_error, only: error_type, fatal
    use geartrain_base_fields, only: fields_type
    use geartrain_input_reader, only: read_case_text
    use geartrain_run_results, only: open_results, take_results
@@ -22,15 +22,16 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(fields_type) :: fields
       character(:), allocatable :: input, written_by, wrong
+      integer :: status
 
-      call open_results(path, fields, input, written_by, wrong)
+      call open_results(path, fields, input, written_by, wrong, status)
       if (wrong == '') then
          call read_case_text(input, '', case, error)
          if (allocated(error)) wrong = 'its case is none: '//error%message
       end if
       if (wrong == '') call take_results(fields, case, results, wrong)
       if (allocated(error)) deallocate (error)
-      if (wrong /= '') call fatal(error, path//': error: cannot be read as results: '//wrong, status_file)
+      if (wrong /= '') call fatal(error, path//': error: cannot be read as results: '//wrong, status)
    end subroutine read_results
 
 end module geartrain_run_read_results

@@ -5,7 +5,7 @@ module geartrain_run_results
    use geartrain_analyses_list, only: analyses, case_type, find_analysis, results_type
    use geartrain_analyses_response, only: visit_whole_branch
    use geartrain_base_carry, only: carry, carry_text
-   use geartrain_base_error, only: error_type
+   use geartrain_base_error, only: error_type, status_file
    use geartrain_base_field, only: kind_real, row => field_type
    use geartrain_base_fields, only: fields_type, listing, reading
    use geartrain_base_kinds, only: dp, version
@@ -90,15 +90,20 @@ contains
    end subroutine visit_root
 
    !> Reads the groups of a results file.
-   subroutine open_results(path, fields, input, written_by, wrong)
+   subroutine open_results(path, fields, input, written_by, wrong, status)
       !> Path of the file.
       character(*), intent(in) :: path
       !> The fields; without groups if the file has no valid seal.
       type(fields_type), intent(inout) :: fields
       !> Text of the case; version of geartrain that wrote the file; why the file cannot be used, '': it can.
       character(:), allocatable, intent(out) :: input, written_by, wrong
+      !> Status of the error that `wrong` tells: status_file, or status_memory.
+      integer, intent(out) :: status
+      type(error_type), allocatable :: error
       integer :: number
       logical :: there
+
+      status = status_file
 
       input = ''
       written_by = ''
@@ -107,8 +112,13 @@ contains
       if (.not. there) return
       wrong = 'it is a case: run it first, geartrain '//path
       if (index(path, '.nml', back=.true.) > max(0, len(path) - 4)) return
-      call read_groups(path, fields)
+      call read_groups(path, fields, error)
       fields%way = reading
+      if (allocated(error)) then
+         wrong = error%message
+         status = error%status
+         return
+      end if
       wrong = 'its checksum does not fit: it is damaged, cut short, of an earlier version (format 1: run its case again) or &
               &something else'
       if (.not. fields%enter('/', '', .true.)) return
@@ -128,17 +138,21 @@ contains
       type(fields_type), intent(inout) :: fields
       !> The case of the results.
       type(case_type), intent(in) :: case
-      !> The results.
+      !> The results; none where something is wrong.
       type(results_type), intent(out) :: results
       !> Which field lacks, or does not agree with other fields or with the case, in words; '': all is as it should be.
       character(:), allocatable, intent(out) :: wrong
+      type(results_type) :: none
 
       fields%way = reading
       fields%here = 0
       wrong = ''
       call visit_results(results, case, fields, summary=.false.)
       if (allocated(fields%wrong)) wrong = fields%wrong//' in it does not agree with the rest'
+      if (fields%no_room) wrong = fields%wrong//' in it has more places than there is memory for'
       if (fields%lacks) wrong = fields%wrong//' is not in it, which this version of geartrain needs: run its case again'
+      ! Half of the results would mislead a caller who reports what there is.
+      if (wrong /= '') results = none
    end subroutine take_results
 
    subroutine visit_whole_results(results, case, fields, summary)
