@@ -4,17 +4,18 @@ program main
    use audits, only: audit_cases
    use cases, only: check_cases, explain_cases, new_case, run_cases
    use geartrain, only: status_file, status_input, template_text, version
+   use geartrain_base_memory, only: can_begin
    use geartrain_input_text, only: reference_text
    use geartrain_run_reference, only: output_reference
    use options, only: completion_text, help_text
-   use terminal, only: complain, has_memory, leave_at_once, output_lost, say, stand_firm
+   use terminal, only: complain, leave_at_once, output_lost, say, stand_firm
    implicit none (type, external)
    type(arguments_type) :: asked
    character(:), allocatable :: text
    integer :: status
 
    call stand_firm()
-   if (.not. has_memory()) then
+   if (.not. can_begin()) then
       call complain('geartrain: error: there is not enough memory to begin with, 160 MB beside the program: is there a limit &
                     &(ulimit -v)?')
       call leave_at_once(status_file)

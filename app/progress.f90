@@ -32,6 +32,7 @@ module progress
       logical, private :: modes_told = .false.
    contains
       procedure :: on_step
+      procedure :: on_trouble
       procedure :: clear
       procedure :: report_modes
    end type progress_type
@@ -88,6 +89,15 @@ contains
       end subroutine tell
 
    end subroutine begin_progress
+
+   !> Writes what failed on the way, whether progress is shown or not.
+   subroutine on_trouble(self, message)
+      class(progress_type), intent(inout) :: self
+      character(*), intent(in) :: message
+
+      call self%clear()
+      call complain('geartrain: warning: '//message)
+   end subroutine on_trouble
 
    !> Writes after a pause only; of a motion that is settling only where its point takes long. Modes come first of all analyses and
    !> are there with the first step of another one.

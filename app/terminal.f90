@@ -1,14 +1,13 @@
-!> The program's place among its surroundings: standard output that may be lost, signals, memory to begin with.
+!> The program's place among its surroundings: standard output that may be lost, and signals.
 !>
 !> What is told is put together first and handed over in one piece, so that nobody reading any more, or a full disk behind it, is an
 !> exit status and not the end of cases that are still at work.
 module terminal
    use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_int, c_intptr_t, c_null_char, c_ptrdiff_t, c_size_t
-   use, intrinsic :: iso_fortran_env, only: int64, int8, standard_output => output_unit
-   use omp_lib, only: omp_get_max_threads, omp_set_num_threads
+   use, intrinsic :: iso_fortran_env, only: standard_output => output_unit
    implicit none (type, external)
    private
-   public :: output_unit, complain, hand_over, has_memory, leave_at_once, output_lost, say, stand_firm, tell_of_interrupts
+   public :: output_unit, complain, hand_over, leave_at_once, output_lost, say, stand_firm, tell_of_interrupts
 
    !> Where the text for standard output is put together: ready between `stand_firm` and the end.
    integer, protected :: output_unit = standard_output
@@ -18,9 +17,6 @@ module terminal
    !> As Linux and macOS number them on x86 and ARM; and what C calls SIG_DFL and SIG_IGN.
    integer(c_int), parameter :: sigint = 2, sigpipe = 13, sigxfsz = 25
    integer(c_intptr_t), parameter :: sig_dfl = 0, sig_ign = 1
-   !> Memory that OpenBLAS takes for each call under way, and what the rest of a small case needs [bytes]. Where it does not get it,
-   !> it asks for ever.
-   integer(int64), parameter :: blas_buffer = 134217728_int64, rest = 33554432_int64
 
    character(*), parameter :: on_interrupt_told = new_line('a')//'geartrain: interrupted: FILE.h5.partial, where a checkpoint was &
       &written, holds what there is; --resume goes on with it'//new_line('a')
@@ -184,29 +180,6 @@ contains
       before = c_signal(number, sig_dfl)
       status = c_raise(number)
    end subroutine on_interrupt
-
-   !> Whether there is memory for as many threads as there are to be, or for fewer, which are then taken.
-   logical function has_memory()
-      integer :: threads
-
-      has_memory = .true.
-      do threads = omp_get_max_threads(), 1, -1
-         if (.not. can_have(rest + threads*blas_buffer)) cycle
-         call omp_set_num_threads(threads)
-         return
-      end do
-      has_memory = .false.
-   end function has_memory
-
-   logical function can_have(bytes)
-      integer(int64), intent(in) :: bytes
-      integer(int8), allocatable, volatile :: room(:)
-      integer :: status
-
-      allocate (room(bytes), stat=status)
-      can_have = status == 0
-      if (can_have) room(bytes) = 1
-   end function can_have
 
    !> Ends the program without the parting of its libraries.
    subroutine leave_at_once(status)

@@ -7,10 +7,11 @@ module geartrain_python_box
    use geartrain_analyses_analysis, only: analysis_type
    use geartrain_analyses_audit_fields, only: visit_audit
    use geartrain_analyses_list, only: find_analysis, number_of
-   use geartrain_base_error, only: fatal
+   use geartrain_base_error, only: fatal, status_memory
    use geartrain_base_carry, only: carry
    use geartrain_base_field, only: field_type, text_type, values_type
    use geartrain_base_fields, only: fields_type, reading
+   use geartrain_base_memory, only: can_begin, need
    use geartrain_base_numbers, only: integer_text
    use geartrain_continuation_exact_fields, only: visit_exact_point, visit_onsets
    use geartrain_continuation_summary_fields, only: visit_bands, visit_jumps, visit_peaks, visit_ranges
@@ -25,10 +26,10 @@ module geartrain_python_box
    use geartrain_model_train, only: train_type
    use geartrain_python_taker, only: taker_type
    use geartrain_run_reference, only: list_results
-   use geartrain_run_results, only: take_results, visit_results
+   use geartrain_run_results, only: results_bytes, take_results, visit_results
    implicit none (type, external)
    private
-   public :: ask, box_of, box_type, close_with, field_at, get_text, handle_of, joined, new_field, parted, show, take
+   public :: ask, box_of, box_type, check_memory, close_with, field_at, get_text, handle_of, joined, new_field, parted, show, take
 
    !> One call's data; Python knows it by a handle.
    type :: box_type
@@ -45,6 +46,8 @@ module geartrain_python_box
       type(gradient_type) :: gradient
       !> Fields on their way: shown by the box, or put into it.
       type(fields_type) :: fields
+      !> A field put into the box found no memory.
+      logical :: lacks_memory = .false.
       !> Message of the last error.
       character(:), allocatable :: message
       !> A text on its way out, see `text_size`.
@@ -86,6 +89,15 @@ contains
 
       call c_f_pointer(transfer(handle, c_null_ptr), box)
    end function box_of
+
+   !> Makes it an error if there is no memory to begin work with: OpenBLAS would ask for ever for its buffers. To be called by the
+   !> thread that works, since a new thread takes memory of its own.
+   subroutine check_memory(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      if (.not. can_begin()) call fatal(error, 'there is not enough memory to begin with, 160 MB: is there a limit (ulimit -v)?', &
+                                        status_memory)
+   end subroutine check_memory
 
    !> Exit status of `error`, 0 where there is none; its message stays in the box.
    integer function close_with(box, error) result(status)
@@ -171,9 +183,10 @@ contains
    end subroutine list_fields
 
    !> Makes fields of what the box holds, see `show_fields`.
-   subroutine show(box, what)
+   subroutine show(box, what, error)
       type(box_type), intent(inout) :: box
       character(*), intent(in) :: what
+      type(error_type), allocatable, intent(out) :: error
       type(fields_type) :: none
       type(special_point_type), allocatable :: onsets(:)
       integer :: n
@@ -182,6 +195,9 @@ contains
       associate (fields => box%fields, branch => box%results%response)
          select case (what)
          case ('results')
+            ! The fields, Python's arrays of them, and one on its way.
+            call need(3.0_real64*results_bytes(box%results, box%case), 'no memory for the results', 'compute fewer', error)
+            if (allocated(error)) return
             call visit_results(box%results, box%case, fields, summary=.false.)
          case ('listing')
             call list_results(fields)
@@ -258,6 +274,10 @@ contains
       integer :: n
 
       wrong = ''
+      if (box%lacks_memory) then
+         call fatal(error, 'no memory for what is put in', status_memory)
+         return
+      end if
       if (what == 'results') then
          call take_results(box%fields, box%case, box%results, wrong)
       else
@@ -294,22 +314,26 @@ contains
       end do
    end function field_at
 
-   !> A field more, in a group that may be new.
+   !> A field more, in a group that may be new; null where there is no memory for it.
    function new_field(box, path, name, kind, extents) result(field)
       type(box_type), target, intent(inout) :: box
       character(*), intent(in) :: path, name
       character, intent(in) :: kind
       integer, intent(in) :: extents(:)
       type(values_type), pointer :: field
-      integer :: i
+      integer :: i, status
 
+      nullify (field)
       i = box%fields%find_group(path)
       if (i == 0) then
          call box%fields%add_group(path, '')
          i = box%fields%count
       end if
       ! What the dimensions are called, the reader of the fields knows.
-      call box%fields%groups(i)%add(field_type(name, merge('of Python', '         ', size(extents) > 0)), kind, extents)
+      call box%fields%groups(i)%add(field_type(name, merge('of Python', '         ', size(extents) > 0)), kind, extents, &
+                                     status)
+      box%lacks_memory = box%lacks_memory .or. status /= 0
+      if (status /= 0) return
       field => box%fields%groups(i)%fields(box%fields%groups(i)%count)
    end function new_field
 

@@ -2,12 +2,13 @@
 module geartrain_python_work
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
    use, intrinsic :: iso_fortran_env, only: int64, real64
-   use geartrain, only: audit_branch, branch_type, error_type, find_exact_point, frequency_gradient, integrate, interrupt_by, &
-                        locate_contact_edges, motion_gradient, motion_type, name_parameter, observer_type, onsets_of, &
-                        period_doubled, refine, refine_branch, refine_motions, refine_special_points, solutions_at, &
-                        special_gradient, special_point_type
+   use geartrain, only: audit_branch, branch_type, case_type, error_type, find_exact_point, frequency_gradient, integrate, &
+                        interrupt_by, locate_contact_edges, motion_gradient, motion_type, name_parameter, observer_type, &
+                        onsets_of, period_doubled, refine, refine_branch, refine_motions, refine_special_points, results_type, &
+                        solutions_at, special_gradient, special_point_type
    use geartrain_model_gradient, only: check_parameters
    use geartrain_python_box, only: box_type
+   use geartrain_run_room, only: room_type
    implicit none (type, external)
    private
    public :: begin_watch, differentiate, watch_type, work
@@ -16,6 +17,11 @@ module geartrain_python_work
    type, extends(observer_type) :: watch_type
       !> 1: Python sets it to stop the work; 2: points done; 3: Lambda of the latest point.
       real(real64), pointer :: progress(:) => null()
+      !> The case and the results under way, which end the work where there is no memory for more; null: work that makes few.
+      type(case_type), pointer :: case => null()
+      type(results_type), pointer :: results => null()
+      !> Whether there is memory for more results.
+      type(room_type) :: room
    contains
       procedure :: on_step
    end type watch_type
@@ -49,6 +55,7 @@ contains
       if (analysis /= 'settling') progress(2) = done
       progress(3) = frequency_ratio
       if (progress(1) > 0) keep_going = .false.
+      if (associated(self%results) .and. keep_going) call self%room%look(analysis, self%case, self%results, keep_going)
    end subroutine on_step
 
    !> Work on the box's branch: 'at' (its solutions at exactly the Lambda values(1) become the box's motions), 'refine', 'double'

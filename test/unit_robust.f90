@@ -9,7 +9,7 @@ module unit_robust
    use geartrain_base_field, only: values_type
    use geartrain_base_fields, only: fields_type
    use geartrain_results_seal, only: add_seal, is_whole
-   use geartrain_run_results, only: take_results, visit_results
+   use geartrain_run_results, only: results_bytes, take_results, visit_results
    use testing, only: scratch, tests_type
    implicit none (type, external)
    private
@@ -42,6 +42,7 @@ contains
 
       if (tests%runs('checksums')) call checksums(tests)
       if (tests%runs('damaged_fields')) call damaged_fields(tests)
+      if (tests%runs('measured')) call measured(tests)
       if (tests%runs('interrupted')) call interrupted(tests)
       if (tests%runs('stopped_before_a_motion')) call stopped_before_a_motion(tests)
       if (tests%runs('others_checkpoint')) call others_checkpoint(tests)
@@ -190,6 +191,44 @@ contains
       generator = mod(48271_int64*generator, 2147483647_int64)
       below = int(mod(generator/7, int(max(1, n), int64)))
    end function below
+
+   !> Measuring results under way, as is done between two steps, changes none of them, and finds the bytes that writing takes.
+   subroutine measured(tests)
+      class(tests_type), intent(inout) :: tests
+      type(case_type) :: case
+      type(results_type) :: results
+      type(error_type), allocatable :: error
+      type(fields_type) :: before, after
+      integer(int64) :: bytes, found
+      integer :: i, j
+
+      call read_pair(tests, analyses, case)
+      call run_case(case, '', results, error)
+      call tests%is_true(.not. allocated(error), 'the case runs')
+      call visit_results(results, case, before, summary=.false.)
+      found = results_bytes(results, case)
+      call visit_results(results, case, after, summary=.false.)
+      call tests%is_true(before%count == after%count, 'as many groups after measuring')
+      bytes = 0
+      do i = 1, after%count
+         call tests%is_true(before%groups(i)%count == after%groups(i)%count, 'as many fields in '//after%groups(i)%path)
+         do j = 1, after%groups(i)%count
+            associate (field => after%groups(i)%fields(j), old => before%groups(i)%fields(j))
+               call tests%is_true(all(old%extents == field%extents), 'the extents of '//field%about%name)
+               if (allocated(field%reals)) then
+                  call tests%is_true(all(transfer(old%reals, [0_int64]) == transfer(field%reals, [0_int64])), field%about%name)
+                  bytes = bytes + 8*size(field%reals)
+               end if
+               if (allocated(field%integers)) then
+                  call tests%is_true(all(old%integers == field%integers), field%about%name)
+                  bytes = bytes + 4*size(field%integers)
+               end if
+            end associate
+         end do
+      end do
+      ! Speeds, which follow from the frequencies, are written but not measured; texts are measured roughly.
+      call tests%is_true(found > 0.8_dp*bytes .and. found < 1.5_dp*bytes, 'the bytes of the fields')
+   end subroutine measured
 
    !> The flag is up from the beginning: every analysis ends at once, says that it is not complete and keeps nothing half done.
    subroutine interrupted(tests)

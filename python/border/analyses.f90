@@ -5,26 +5,35 @@
 ! the box then holds. Nothing here computes: it calls the library and copies. Complex numbers travel as pairs
 ! (real, imaginary); `threadsafe` releases Python's global lock, which no call needs, since none calls back.
 
+! A new box; handle 0: there is no memory to begin with.
 subroutine open_box(handle)
+   use geartrain_base_memory, only: can_begin
    use geartrain_python_box, only: box_type, handle_of
    implicit none
    integer(8), intent(out) :: handle
    type(box_type), pointer :: box
 
+   handle = 0
+   if (.not. can_begin()) return
    allocate (box)
    handle = handle_of(box)
 end subroutine open_box
 
-! A box with the case and the response of another one, which stays as it is.
+! A box with the case and the response of another one, which stays as it is; handle 0: there is no memory for it.
 subroutine open_copy(other, handle)
+   use geartrain_base_memory, only: can_begin, has_room
+   use geartrain_run_results, only: results_bytes
    use geartrain_python_box, only: box_type, box_of, handle_of
    implicit none
    integer(8), intent(in) :: other
    integer(8), intent(out) :: handle
    type(box_type), pointer :: box, from
 
-   allocate (box)
+   handle = 0
    from => box_of(other)
+   if (.not. can_begin()) return
+   if (.not. has_room(results_bytes(from%results, from%case))) return
+   allocate (box)
    box%case = from%case
    if (allocated(from%results%response)) box%results%response = from%results%response
    handle = handle_of(box)
@@ -82,9 +91,9 @@ end subroutine train_sizes
 ! The branches that follow from it are the box's further ones, after those that it had.
 subroutine run_analysis(handle, name, progress, status)
    use geartrain, only: error_type, motion_type
-   use geartrain_python_box, only: box_type, box_of, close_with
+   use geartrain_python_box, only: box_type, box_of, check_memory, close_with
    use geartrain_python_work, only: begin_watch, watch_type
-   use geartrain_run_run_case, only: run => run_analysis
+   use geartrain_run_run_case, only: out_of_memory, run => run_analysis
    implicit none
    integer(8), intent(in) :: handle
    character(*), intent(in) :: name
@@ -97,17 +106,23 @@ subroutine run_analysis(handle, name, progress, status)
    !f2py threadsafe
 
    box => box_of(handle)
+   call check_memory(error)
+   status = close_with(box, error)
+   if (status /= 0) return
    call begin_watch(watch, box, progress)
    nullify (start)
    if (allocated(box%motions)) start => box%motions(1)
+   watch%results => box%results
+   watch%case => box%case
    call run(name, box%case, box%results, error, watch, start)
+   if (watch%room%lacks .and. .not. allocated(error)) call out_of_memory(error)
    status = close_with(box, error)
 end subroutine run_analysis
 
 ! Work on the box's branch or on its first motion, see `work` in python/box.f90.
 subroutine do_work(handle, what, values, n, progress, status)
    use geartrain, only: error_type
-   use geartrain_python_box, only: box_type, box_of, close_with
+   use geartrain_python_box, only: box_type, box_of, check_memory, close_with
    use geartrain_python_work, only: begin_watch, watch_type, work
    implicit none
    integer(8), intent(in) :: handle
@@ -122,6 +137,9 @@ subroutine do_work(handle, what, values, n, progress, status)
    !f2py threadsafe
 
    box => box_of(handle)
+   call check_memory(error)
+   status = close_with(box, error)
+   if (status /= 0) return
    call begin_watch(watch, box, progress)
    call work(box, what, values, watch, error)
    status = close_with(box, error)
@@ -131,7 +149,7 @@ end subroutine do_work
 ! given by period, Lambda and coefficients.
 subroutine find_gradient(handle, what, names, number, frequency, coefficients, terms, meshes, progress, status)
    use geartrain, only: error_type
-   use geartrain_python_box, only: box_type, box_of, close_with
+   use geartrain_python_box, only: box_type, box_of, check_memory, close_with
    use geartrain_python_work, only: begin_watch, differentiate, watch_type
    implicit none
    integer(8), intent(in) :: handle
@@ -146,6 +164,9 @@ subroutine find_gradient(handle, what, names, number, frequency, coefficients, t
    !f2py threadsafe
 
    box => box_of(handle)
+   call check_memory(error)
+   status = close_with(box, error)
+   if (status /= 0) return
    call begin_watch(watch, box, progress)
    call differentiate(box, what, names, number, frequency, coefficients, error)
    status = close_with(box, error)
@@ -179,7 +200,7 @@ end subroutine sample_waveform
 ! Everything that the case asks for; `path` is where the results go, '' nowhere; `checkpoint` the file to go on from, '' none.
 subroutine run_all(handle, path, checkpoint, progress, status)
    use geartrain, only: error_type, run_case
-   use geartrain_python_box, only: box_type, box_of, close_with
+   use geartrain_python_box, only: box_type, box_of, check_memory, close_with
    use geartrain_python_work, only: begin_watch, watch_type
    implicit none
    integer(8), intent(in) :: handle
@@ -192,6 +213,9 @@ subroutine run_all(handle, path, checkpoint, progress, status)
    !f2py threadsafe
 
    box => box_of(handle)
+   call check_memory(error)
+   status = close_with(box, error)
+   if (status /= 0) return
    call begin_watch(watch, box, progress)
    call run_case(box%case, path, box%results, error, watch, checkpoint)
    status = close_with(box, error)

@@ -35,13 +35,17 @@ end subroutine copy_text
 ! Makes the box show fields: 'results', 'train' (its names and units), 'explanation' (of the train), 'motions' (those on their own),
 ! 'audit', what is read off its response ('peaks', 'jumps', 'bands', 'separation', 'back collision'), or 'listing': all that there
 ! can be in a results file, without values.
-subroutine show_fields(handle, what)
-   use geartrain_python_box, only: box_of, show
+subroutine show_fields(handle, what, status)
+   use geartrain, only: error_type
+   use geartrain_python_box, only: box_of, close_with, show
    implicit none
    integer(8), intent(in) :: handle
    character(*), intent(in) :: what
+   integer, intent(out) :: status
+   type(error_type), allocatable :: error
 
-   call show(box_of(handle), what)
+   call show(box_of(handle), what, error)
+   status = close_with(box_of(handle), error)
 end subroutine show_fields
 
 ! The values of a field by its line in the text 'fields', counted from 1 through all groups.
@@ -87,7 +91,8 @@ subroutine copy_texts(handle, line, bytes, values)
    values = transfer(text, values)
 end subroutine copy_texts
 
-! Adds a field to those that the box is going to take. Of the extents, in the order of memory, there are `rank`: 0 for an attribute.
+! Adds a field to those that the box is going to take; without memory for the field, taking them is an error. Of the extents, in the
+! order of memory, there are `rank`: 0 for an attribute.
 ! f2py passes no empty array: where an extent is 0 there is one value, which is not read.
 subroutine put_reals(handle, path, name, rank, extents, values, items)
    use geartrain_base_field, only: kind_real, values_type
@@ -100,7 +105,7 @@ subroutine put_reals(handle, path, name, rank, extents, values, items)
    type(values_type), pointer :: field
 
    field => new_field(box_of(handle), path, name, kind_real, extents(:rank))
-   field%reals = values(:product(extents(:rank)))
+   if (associated(field)) field%reals = values(:product(extents(:rank)))
 end subroutine put_reals
 
 ! flags: 1 for logical values.
@@ -114,7 +119,7 @@ subroutine put_integers(handle, path, name, rank, extents, flags, values, items)
    type(values_type), pointer :: field
 
    field => new_field(box_of(handle), path, name, merge(kind_logical, kind_integer, flags == 1), extents(:rank))
-   field%integers = values(:product(extents(:rank)))
+   if (associated(field)) field%integers = values(:product(extents(:rank)))
 end subroutine put_integers
 
 ! Texts, each closed by a null.
@@ -129,7 +134,7 @@ subroutine put_texts(handle, path, name, rank, extents, values, bytes)
    type(values_type), pointer :: field
 
    field => new_field(box_of(handle), path, name, kind_text, extents(:rank))
-   call parted(transfer(values, repeat(' ', bytes)), field%texts)
+   if (associated(field)) call parted(transfer(values, repeat(' ', bytes)), field%texts)
 end subroutine put_texts
 
 ! The fields put become what they are of: 'results', 'motions', or 'variables': groups of the names of analyses, which the case asks

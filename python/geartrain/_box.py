@@ -74,6 +74,8 @@ class Box:
 
     def __init__(self, text: str | None = None, copy: Box | None = None) -> None:
         self._handle: int = fortran.open_box() if copy is None else fortran.open_copy(copy.handle)
+        if self._handle == 0:
+            raise MemoryError("there is not enough memory to begin with, 160 MB: is there a limit (ulimit -v)?")
         self._of_call = text is not None or copy is not None
         self._put = ""
         self._results: dict[str, Group] | None = None
@@ -136,7 +138,7 @@ class Box:
 
     def show(self, what: str = "results") -> dict[str, Group]:
         """What the box holds as fields, by the paths of their groups; see ``show_fields`` in border/fields.f90."""
-        fortran.show_fields(self.handle, what)
+        self.check(fortran.show_fields(self.handle, what))
         groups: dict[str, Group] = {}
         for line, row in enumerate(self.text("fields").split("\n")[:-1], 1):
             path, name, kind, size, extents, dimensions, unit, description = row.split("\t")

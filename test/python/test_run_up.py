@@ -212,7 +212,7 @@ def test_beyond_all_memory(train):
         "train = pickle.loads(sys.stdin.buffer.read())\n"
         "resource.setrlimit(resource.RLIMIT_AS, (3 * 10**9, 3 * 10**9))\n"
         "try:\n    train.run_up(start=0.4, stop=0.8, duration=100.0, samples=500)\n"
-        "except gt.SolverError as error:\n    print(error)\n"
+        "except MemoryError as error:\n    print(error)\n"
     )
     import sys
     done = subprocess.run([sys.executable, "-c", code], input=pickle.dumps(train), capture_output=True, check=True, timeout=60)

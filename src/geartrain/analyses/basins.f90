@@ -15,6 +15,8 @@ module geartrain_analyses_basins
    use geartrain_base_error, only: error_type
    use geartrain_base_fields, only: fields_type
    use geartrain_base_kinds, only: dp
+   use geartrain_base_memory, only: need
+   use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: visitor_type
    use geartrain_flow_aperiodic, only: aperiodic_type
@@ -165,10 +167,15 @@ contains
       type(motion_type), intent(in), optional :: start
       type(attractors_settings_type) :: random
       type(attractors_type) :: by_chance
+      ! Number of copies: the labels, the fields, a field on its way, the file that HDF5 makes of them and its bytes.
+      integer, parameter :: times = 5
       type(basins_type) :: empty
       real(dp) :: rest
 
       found = empty
+      call need(4.0_dp*times*settings%displacement_points*settings%velocity_points, 'basins: no memory for '// &
+                text(settings%displacement_points)//' times '//text(settings%velocity_points)//' starts', 'take fewer', error)
+      if (allocated(error)) return
       random%frequency = settings%frequency
       random%unit = settings%unit
       random%starts = settings%starts

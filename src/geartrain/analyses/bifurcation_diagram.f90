@@ -7,10 +7,11 @@ module geartrain_analyses_bifurcation_diagram
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_carry, only: carry, carry_text
    use geartrain_base_checker, only: checker_type
-   use geartrain_base_error, only: error_type, fatal, status_ended_early
+   use geartrain_base_error, only: error_type
    use geartrain_base_field, only: field => field_type
    use geartrain_base_fields, only: fields_type
    use geartrain_base_kinds, only: dp
+   use geartrain_base_memory, only: need
    use geartrain_base_numbers, only: integer_text, text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: row => variable_type, visitor_type
@@ -217,8 +218,10 @@ contains
       type(bifurcation_diagram_type), intent(inout) :: found
       type(error_type), allocatable, intent(inout) :: error
       type(bifurcation_diagram_type) :: empty
+      ! Number of copies: the diagram, the fields, the file that HDF5 makes of them and its bytes.
+      integer, parameter :: times = 4
       real(dp) :: low, high, nan
-      integer :: rows, i, status
+      integer :: rows, i
 
       nan = ieee_value(nan, ieee_quiet_nan)
       found = empty
@@ -226,14 +229,15 @@ contains
          rows = points*merge(2, 1, settings%direction == 'both')
          low = min(settings%start, settings%stop)
          high = max(settings%start, settings%stop)
-         allocate (found%displacement(system%meshes, settings%sections, rows), &
-                   found%velocity(system%meshes, settings%sections, rows), source=nan, stat=status)
-         if (status /= 0) then
+         call need(8.0_dp*times*rows*(2.0_dp*system%meshes*settings%sections + 3*system%states), &
+                   'bifurcation diagram: no memory for '//text(rows)//' times '//text(settings%sections)//' sections', &
+                   'take fewer', error)
+         if (allocated(error)) then
             found = empty
-            call fatal(error, 'bifurcation diagram: no memory for '//text(rows)//' times '//text(settings%sections)//' sections: &
-                       &take fewer', status_ended_early)
             return
          end if
+         allocate (found%displacement(system%meshes, settings%sections, rows), &
+                   found%velocity(system%meshes, settings%sections, rows), source=nan)
          allocate (found%exponents(system%states, rows), found%errors(system%states, rows), found%state(system%states, rows), &
                    found%rotation(rows), source=nan)
          found%frequency_ratio = [(low + (high - low)*(i - 1)/max(1, points - 1), i=1, points)]

@@ -12,6 +12,7 @@ module geartrain_analyses_integration
    use geartrain_base_field, only: field => field_type
    use geartrain_base_fields, only: fields_type, listing, reading
    use geartrain_base_kinds, only: dp
+   use geartrain_base_memory, only: need
    use geartrain_base_numbers, only: integer_text, real_text, text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: row => variable_type, visitor_type
@@ -19,6 +20,7 @@ module geartrain_analyses_integration
    use geartrain_flow_floating, only: note_of
    use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_flow_lyapunov, only: find_exponent, kind_of
+   use geartrain_flow_orbit, only: stored_harmonics
    use geartrain_flow_settling, only: is_leaving, settle
    use geartrain_flow_start_state, only: resting_state, state_of
    use geartrain_model_check, only: check_train
@@ -174,7 +176,10 @@ contains
       type(system_type) :: system
       real(dp), allocatable :: state(:)
       real(dp) :: low, high, frequency_ratio
-      integer :: i, n, done, total, status
+      ! Numbers of a motion for each mesh beside its coefficients; number of copies: the motions, the fields, the file that HDF5
+      ! makes of them and its bytes.
+      integer, parameter :: figures = 8, times = 4
+      integer :: i, n, done, total
       logical :: keep_going, stopped, resumed
 
       total = motions_of(settings)
@@ -192,11 +197,13 @@ contains
       high = max(settings%start, settings%stop)*lambda_per(train, settings%unit)
       n = settings%points
       if (.not. resumed) then
-         allocate (result%motions(total), result%direction(total), stat=status)
-         if (status /= 0) then
-            call fatal(error, 'integration: no memory for '//text(total)//' motions: take fewer points', status_ended_early)
-            return
-         end if
+         n = settings%harmonics
+         if (n == 0) n = stored_harmonics(system)
+         call need(real(total, dp)*(storage_size(motion)/8 + 8*times*(2*n + 1 + figures)*system%meshes), &
+                   'integration: no memory for '//text(total)//' motions', 'take fewer points', error)
+         n = settings%points
+         if (allocated(error)) return
+         allocate (result%motions(total), result%direction(total))
       end if
       result%direction = 'up'
       if (settings%direction == 'down') result%direction = 'down'

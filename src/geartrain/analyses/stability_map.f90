@@ -4,7 +4,7 @@
 !> are.
 module geartrain_analyses_stability_map
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use, intrinsic :: iso_fortran_env, only: int64, int8
+   use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
    use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_analyses_stability_grid, only: check_consistency, check_stability_map, map_row_type, &
@@ -13,9 +13,10 @@ module geartrain_analyses_stability_map
    use geartrain_balance_motion, only: motion_type
    use geartrain_balance_same_motion, only: is_same_motion
    use geartrain_base_checker, only: checker_type
-   use geartrain_base_error, only: error_type, fatal, status_ended_early
+   use geartrain_base_error, only: error_type
    use geartrain_base_fields, only: fields_type
    use geartrain_base_kinds, only: dp
+   use geartrain_base_memory, only: need
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: visitor_type
@@ -195,9 +196,7 @@ contains
       ! Bytes of a motion in the map without rms; bytes of rms for each mesh; number of copies: the map, the fields and the bytes of
       ! the file.
       integer(int64), parameter :: plain = 24, each_mesh = 8, times = 3
-      integer(int8), allocatable, volatile :: room(:)
       integer(int64) :: bytes
-      integer :: status
 
       map = empty
       map%name = trim(settings%parameter)
@@ -206,16 +205,13 @@ contains
       associate (points => settings%points, rows => settings%parameter_points)
          bytes = plain
          if (.not. settings%linear) bytes = bytes + each_mesh*size(train%meshes)
-         bytes = times*bytes*points*rows
-         allocate (room(bytes), stat=status)
-         if (status == 0) room(bytes) = 0
-         if (status == 0) allocate (map%rows(rows), stat=status)
-         if (status /= 0) then
+         call need(real(times*bytes, dp)*points*rows, 'stability map: no memory for '//text(points)//' times '//text(rows)// &
+                   ' motions', 'take fewer points', error)
+         if (allocated(error)) then
             map = empty
-            call fatal(error, 'stability map: no memory for '//text(points)//' times '//text(rows)//' motions ('// &
-                       text(real(bytes, dp)/1e9_dp)//' GB with the file of it): take fewer points', status_ended_early)
             return
          end if
+         allocate (map%rows(rows))
          allocate (map%done(rows), map%whole(rows), source=.false.)
       end associate
       map%frequency_ratio = spaced(settings%start, settings%stop, settings%points)*lambda_per(train, settings%unit)

@@ -2,7 +2,7 @@
 module geartrain_base_carry_values
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
    use geartrain_base_field, only: field_type, kind_integer, kind_real, kind_text, text_type
-   use geartrain_base_fields, only: arranging, fields_type, listing, reading, writing
+   use geartrain_base_fields, only: arranging, fields_type, listing, reading
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
    private
@@ -41,11 +41,11 @@ contains
          end if
          changed = .true.
       case default
-         if (.not. present(given) .and. fields%way == writing) then
+         if (.not. present(given) .and. fields%way /= listing) then
             if (fields%along == '' .or. any(fields%lengths_of(about, size(extents)) < 0)) return
          end if
          call fields%room_for(about, kind_real, extents, place, first, lengths)
-         if (.not. present(given) .or. fields%way == listing) return
+         if (.not. present(given) .or. place == 0 .or. fields%way == listing) return
          n = product(lengths)
          rows = 1
          width = 1
@@ -152,9 +152,9 @@ contains
                    (kind == kind_integer .or. all(values == 0 .or. values == 1))
          call fields%check(changed, about%name)
       case default
-         if (.not. allocated(values) .and. fields%way == writing) return
+         if (.not. allocated(values) .and. fields%way /= listing) return
          call fields%room_for(about, kind, extents, place, first, lengths)
-         if (fields%way == listing) return
+         if (place == 0 .or. fields%way == listing) return
          n = product(lengths)
          fields%groups(fields%here)%fields(place)%integers(first + 1:first + n) = values(:n)
       end select
@@ -183,9 +183,9 @@ contains
          call fields%check(changed, about%name)
          return
       end if
-      if (.not. allocated(values) .and. fields%way == writing) return
+      if (.not. allocated(values) .and. fields%way /= listing) return
       call fields%room_for(about, kind_text, extents, place, first, lengths)
-      if (fields%way == listing) return
+      if (place == 0 .or. fields%way == listing) return
       do i = 1, product(lengths)
          fields%groups(fields%here)%fields(place)%texts(first + i)%text = values(i)%text
       end do

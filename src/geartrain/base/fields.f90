@@ -13,11 +13,12 @@ module geartrain_base_fields
    use geartrain_base_memory, only: has_room
    implicit none (type, external)
    private
-   public :: arranging, fields_type, listing, reading, writing
+   public :: arranging, fields_type, listing, measuring, reading, writing
 
    !> What `carry` does. writing: results to fields; reading: fields to results; listing: adds every possible field, without values;
    !> arranging: no fields, each array gets the expected lengths of its dimensions and its last index the order `order`.
-   integer, parameter :: writing = 0, reading = 1, listing = 2, arranging = 3
+   !> measuring: no fields, but the bytes that writing would take for their values, in `bytes`.
+   integer, parameter :: writing = 0, reading = 1, listing = 2, arranging = 3, measuring = 4
 
    !> Bytes of an item of a list, such as a motion with its few arrays; number of items for which there is always memory.
    integer(int64), parameter :: item_bytes = 2048
@@ -30,7 +31,7 @@ module geartrain_base_fields
    end type labels_type
 
    type, extends(groups_type) :: fields_type
-      !> One of writing, reading, listing, arranging.
+      !> One of writing, reading, listing, arranging, measuring.
       integer :: way = writing
       !> Path of the first field that does not fit; not allocated while all fields fit.
       character(:), allocatable :: wrong
@@ -38,6 +39,8 @@ module geartrain_base_fields
       logical :: lacks = .false.
       !> Whether there is no memory for that field.
       logical :: no_room = .false.
+      !> Measuring: bytes of the values of all fields so far, but for texts and for values that follow from others.
+      integer(int64) :: bytes = 0
       !> Arranging: old index, in the last dimension, of the values that become first, second, ...; further values are not set.
       integer, allocatable :: order(:)
       !> Number of the present group.
@@ -110,6 +113,9 @@ contains
       self%here = 0
       if (self%way == reading) then
          self%here = self%find_group(path)
+      else if (self%way == measuring) then
+         ! A number that no group needs to have.
+         self%here = merge(1, 0, there)
       else if (there .or. self%way == listing) then
          call self%add_group(path, description)
          self%here = self%count
@@ -133,7 +139,7 @@ contains
    pure logical function derives(self)
       class(fields_type), intent(in) :: self
 
-      derives = self%way == writing .or. self%way == listing
+      derives = self%way == writing .or. self%way == listing .or. self%way == measuring
    end function derives
 
    !> Writes a text attribute of the group, which is not read.
@@ -171,7 +177,8 @@ contains
       end if
       if (self%way == arranging .and. self%length_of(name) >= 0) return
       call self%say_length(name, length)
-      if (self%way == arranging) return
+      self%bytes = self%bytes + bytes_of(kind_integer)*max(0, length)
+      if (self%way == arranging .or. self%way == measuring) return
       associate (group => self%groups(self%here))
          call group%add(field_type(name, name, '1', description), kind_integer, [merge(0, length, self%way == listing)])
          group%fields(group%count)%axis = .true.
@@ -216,6 +223,7 @@ contains
 
       if (.not. self%derives()) return
       call self%say_length(name, size(labels))
+      if (self%way == measuring) return
       associate (group => self%groups(self%here))
          call group%add(field_type(name, name, '', description), kind_text, [merge(0, size(labels), self%way == listing)])
          group%fields(group%count)%axis = .true.
@@ -319,7 +327,7 @@ contains
       character, intent(in) :: kind
       !> Shape of the array, in the order of memory.
       integer, intent(in) :: extents(:)
-      !> Number of the field in the group `here`; number of values before those of the array.
+      !> Number of the field in the group `here`, 0 where it is only measured; number of values before those of the array.
       integer, intent(out) :: place, first
       !> Extents of the field, without the dimension of the list.
       integer, intent(out) :: lengths(size(extents))
@@ -336,6 +344,11 @@ contains
          lengths(k) = length
       end do
       place = 0
+      first = 0
+      if (self%way == measuring) then
+         self%bytes = self%bytes + bytes_of(kind)*product(int(lengths, int64))
+         return
+      end if
       if (self%along /= '') place = self%groups(self%here)%place(about%name, .false., self%next)
       if (place == 0) then
          full = about
@@ -355,6 +368,16 @@ contains
       first = 0
       if (self%along /= '') first = (self%item - 1)*product(lengths)
    end subroutine room_for
+
+   !> Bytes of a value in memory; a text is a short one.
+   pure integer(int64) function bytes_of(kind)
+      !> One of kind_real, kind_integer, kind_logical, kind_text.
+      character, intent(in) :: kind
+
+      bytes_of = 4
+      if (kind == kind_real) bytes_of = 8
+      if (kind == kind_text) bytes_of = 64
+   end function bytes_of
 
    !> Finds the values of a field, or of the present item in it, for reading.
    subroutine take(self, about, kind, extents, place, first, n)

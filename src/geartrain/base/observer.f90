@@ -5,10 +5,11 @@ module geartrain_base_observer
    private
    public :: observer_type
 
-   !> Extend this type by an `on_step` that is called for every point.
+   !> Extend this type by an `on_step` that is called for every point, and by an `on_trouble` that shows failures on the way.
    type, abstract :: observer_type
    contains
       procedure(on_step_interface), deferred :: on_step
+      procedure :: on_trouble
    end type observer_type
 
    abstract interface
@@ -28,5 +29,14 @@ module geartrain_base_observer
          logical, intent(inout) :: keep_going
       end subroutine on_step_interface
    end interface
+
+contains
+
+   !> Called when something failed that does not end the work, as the writing of a checkpoint. Does nothing unless it is overridden.
+   subroutine on_trouble(self, message)
+      class(observer_type), intent(inout) :: self
+      !> What failed and why.
+      character(*), intent(in) :: message
+   end subroutine on_trouble
 
 end module geartrain_base_observer

@@ -1,9 +1,10 @@
 !> The motion of a train while Lambda goes linearly in time from one value to another.
 module geartrain_flow_run_up
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use, intrinsic :: iso_fortran_env, only: int64, int8
-   use geartrain_base_error, only: error_type, fatal, status_ended_early
+   use, intrinsic :: iso_fortran_env, only: int64
+   use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp, pi
+   use geartrain_base_memory, only: need
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
    use geartrain_flow_bound, only: bound_type
@@ -78,21 +79,14 @@ contains
       type(error_type), allocatable, intent(inout) :: error
       ! Number of copies: the result, the fields, a field on its way and the bytes of the file.
       integer(int64), parameter :: times = 4
-      integer(int8), allocatable, volatile :: room(:)
       real(dp) :: intervals, bytes
-      integer :: n, status
+      integer :: n
 
       intervals = ceiling(ramp%duration*max(ramp%start, ramp%stop)/(2*pi)*samples*(1 - 1e-12_dp), int64)
       bytes = 8*times*((intervals + 1)*(3 + 2*system%meshes + shafts) + ramp%windows*real(1 + 2*system%meshes + 2*shafts, dp))
-      status = 1
-      if (intervals < most_samples) allocate (room(int(bytes, int64)), stat=status)
-      if (status == 0) room(size(room, kind=int64)) = 0
-      if (status /= 0) then
-         call fatal(error, 'run up: no memory for '//text(intervals)//' samples ('//text(bytes/1e9_dp)//' GB with the file of &
-                    &them): take fewer samples or a shorter duration', status_ended_early)
-         return
-      end if
-      deallocate (room)
+      call need(merge(bytes, huge(bytes), intervals < most_samples), 'run up: no memory for '//text(intervals)//' samples', &
+                'take fewer samples or a shorter duration', error)
+      if (allocated(error)) return
       n = int(intervals) + 1
       call lengthen(result%time, n)
       call lengthen(result%frequency_ratio, n)

@@ -9,6 +9,7 @@ module geartrain_run_checkpoint
    use geartrain_input_text, only: case_text
    use geartrain_results_file, only: exists, remove_file
    use geartrain_results_seal, only: read_seal
+   use geartrain_run_room, only: room_type
    use geartrain_run_results, only: open_results, take_results, write_results
    implicit none (type, external)
    private
@@ -32,8 +33,12 @@ module geartrain_run_checkpoint
       real(dp), private :: cost = 0
       !> Whether steps were done since the latest checkpoint.
       logical, private :: news = .false.
-      !> Whether the caller's observer has ended the work.
+      !> Whether the caller's observer, or want of memory, has ended the work.
       logical, private :: cancelled = .false.
+      !> Whether there is memory for more results.
+      type(room_type) :: room
+      !> Whether the latest checkpoint could not be written, which the observer has been told.
+      logical, private :: failed = .false.
       !> Clock at the start of the run and at the latest checkpoint.
       integer(int64), private :: begin = -1, last = -1
       !> Seal of the file at `path` that this run has written or goes on from; not allocated: no such file. A file with another seal
@@ -71,6 +76,7 @@ contains
       real(dp) :: pause
 
       if (associated(self%observer)) call self%observer%on_step(analysis, done, frequency_ratio, keep_going)
+      if (.not. self%case%train%interrupt%raised()) call self%room%look(analysis, self%case, self%results, keep_going)
       if (.not. keep_going) self%cancelled = .true.
       keep_going = .not. self%is_cancelled()
       ! An interrupt in the midst of a step leaves incomplete results.
@@ -89,8 +95,8 @@ contains
       is_cancelled = self%cancelled .or. self%case%train%interrupt%raised()
    end function is_cancelled
 
-   !> Writes a checkpoint if steps were done since the latest checkpoint. The work goes on without an error if the checkpoint cannot
-   !> be written, or if `path` is a file of another run, which stays.
+   !> Writes a checkpoint if steps were done since the latest checkpoint. If the checkpoint cannot be written the observer is told,
+   !> once until a checkpoint is written again, and the work goes on; so it does if `path` is a file of another run, which stays.
    subroutine write_now(self)
       class(checkpoint_type), intent(inout) :: self
       type(error_type), allocatable :: error
@@ -102,6 +108,9 @@ contains
       if (self%owns_path()) call write_results(self%path, self%case, self%results, error, self%seal)
       call system_clock(self%last)
       self%cost = real(self%last - begin, dp)/real(rate, dp)
+      if (allocated(error) .and. .not. self%failed .and. associated(self%observer)) &
+         call self%observer%on_trouble(error%message//'; the run goes on without this checkpoint')
+      self%failed = allocated(error)
    end subroutine write_now
 
    !> Removes the checkpoint, if this run has written it or goes on from it.

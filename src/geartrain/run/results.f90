@@ -1,14 +1,15 @@
 !> The results of a case to and from their file. All results are read back: a file of work under way serves as a checkpoint.
 module geartrain_run_results
-   use, intrinsic :: iso_fortran_env, only: int8
+   use, intrinsic :: iso_fortran_env, only: int64, int8
    use geartrain_analyses_analysis, only: analysis_type
    use geartrain_analyses_list, only: analyses, case_type, find_analysis, results_type
    use geartrain_analyses_response, only: visit_whole_branch
    use geartrain_base_carry, only: carry, carry_text
    use geartrain_base_error, only: error_type, status_file
    use geartrain_base_field, only: kind_real, row => field_type
-   use geartrain_base_fields, only: fields_type, listing, reading
+   use geartrain_base_fields, only: fields_type, listing, measuring, reading
    use geartrain_base_kinds, only: dp, version
+   use geartrain_base_memory, only: need
    use geartrain_base_numbers, only: text
    use geartrain_input_text, only: case_text
    use geartrain_model_drawing, only: plain_train
@@ -23,7 +24,7 @@ module geartrain_run_results
    use geartrain_results_seal, only: add_seal, seal_bytes
    implicit none (type, external)
    private
-   public :: open_results, take_results, visit_results, visit_root, write_results
+   public :: open_results, results_bytes, take_results, visit_results, visit_root, write_results
 
    !> Raised when a name or a shape in the file changes its meaning. 2: a file is sealed and holds all that reading needs. 3:
    !> `speed` is in rpm, where format 2 had the way of a sweep in /jumps, which is not read.
@@ -46,6 +47,10 @@ contains
       integer(int8), allocatable :: content(:)
       type(fields_type) :: fields
 
+      ! The fields, the file that HDF5 makes of them in memory, and its bytes.
+      call need(3.0_dp*results_bytes(results, case), path//': error: cannot be written: there is no memory for the results', &
+                'compute fewer, or allow more memory', error)
+      if (allocated(error)) return
       call visit_root(case, fields)
       call visit_results(results, case, fields, summary=.true.)
       call hdf5_content(fields, content, error)
@@ -57,6 +62,19 @@ contains
       call replace_file(path, content, error)
       if (present(seal) .and. .not. allocated(error)) seal = content(size(content) - seal_bytes + 1:)
    end subroutine write_results
+
+   !> Bytes of the values of all fields of the results. What follows from other values is not counted: it is a small part.
+   integer(int64) function results_bytes(results, case)
+      !> The results, which may be under way; unchanged.
+      type(results_type), intent(inout) :: results
+      !> The case of the results.
+      type(case_type), intent(in) :: case
+      type(fields_type) :: fields
+
+      fields%way = measuring
+      call visit_whole_results(results, case, fields, summary=.false.)
+      results_bytes = fields%bytes
+   end function results_bytes
 
    !> Visits the attributes of the file itself, which are not read back here but by open_results.
    subroutine visit_root(case, fields)

@@ -5,7 +5,7 @@ module geartrain_run_run_case
    use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_analyses_list, only: analyses, case_type, find_analysis, leave_out, number_of, results_type
    use geartrain_balance_motion, only: motion_type
-   use geartrain_base_error, only: error_type, fatal, status_ended_early, status_input
+   use geartrain_base_error, only: error_type, fatal, status_ended_early, status_input, status_memory
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
@@ -16,7 +16,7 @@ module geartrain_run_run_case
    use geartrain_run_results, only: write_results
    implicit none (type, external)
    private
-   public :: run_analysis, run_case
+   public :: out_of_memory, run_analysis, run_case
 
 contains
 
@@ -63,6 +63,7 @@ contains
       if (allocated(error)) return
       if (path /= '') call write_results(path, case, results, error)
       if (.not. allocated(error)) call checkpoint%remove()
+      if (checkpoint%room%lacks) call out_of_memory(early)
       if (.not. allocated(early)) return
       told = frequency_text(case%train, 'Lambda', 0.0_dp)
       if (allocated(case%response)) told = frequency_text(case%train, case%response%unit, 0.0_dp)
@@ -94,7 +95,8 @@ contains
          call analysis%run(case%train, error, checkpoint)
          if (ended_early(error)) then
             ! The next analysis runs although this analysis has no result.
-            call fatal(early, error%message, status_ended_early)
+            call fatal(early, error%message, error%status)
+            early%status = max(early%status, error%status)
             deallocate (error)
             call leave_out(i, results=results)
             cycle
@@ -150,6 +152,15 @@ contains
       call refine_branches(case, results, error, observer, whole)
    end subroutine run_analysis
 
+   !> Adds to `early` that the run was ended for want of memory.
+   subroutine out_of_memory(early)
+      !> Gets status_memory.
+      type(error_type), allocatable, intent(inout) :: early
+
+      call fatal(early, 'there is no memory for more results; those so far are kept: compute fewer points, or allow more memory')
+      early%status = status_memory
+   end subroutine out_of_memory
+
    !> Adds to `early` why an analysis is not complete.
    subroutine tell(name, analysis, early)
       character(*), intent(in) :: name
@@ -162,11 +173,12 @@ contains
       if (.not. complete) call fatal(early, name//' ended early: '//ended, status_ended_early)
    end subroutine tell
 
+   !> Whether an analysis ended early or has no memory, after which others can run.
    logical function ended_early(error)
       type(error_type), allocatable, intent(in) :: error
 
       ended_early = .false.
-      if (allocated(error)) ended_early = error%status == status_ended_early
+      if (allocated(error)) ended_early = error%status == status_ended_early .or. error%status == status_memory
    end function ended_early
 
 end module geartrain_run_run_case
