@@ -2,7 +2,7 @@
 !> nothing; the first failure is kept and told at the end.
 module geartrain_results_hdf5_writer
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_int, c_int64_t, c_loc, c_null_char, c_null_ptr, c_ptr
-   use, intrinsic :: iso_fortran_env, only: int8
+   use, intrinsic :: iso_fortran_env, only: int64, int8
    use hdf5, only: h5aclose_f, h5acreate_f, h5awrite_f, h5dclose_f, h5dcreate_f, h5dopen_f, h5dwrite_f, &
       h5eset_auto_f, h5fclose_f, h5fcreate_f, h5fflush_f, h5fget_file_image_f, h5gclose_f, h5gcreate_f, h5iis_valid_f, &
       h5lexists_f, h5oclose_f, h5oopen_f, h5open_f, h5pclose_f, h5pcreate_f, h5pset_buffer_f, h5pset_fapl_core_f, h5sclose_f, &
@@ -11,6 +11,7 @@ module geartrain_results_hdf5_writer
       h5t_c_s1, h5t_cset_utf8_f, h5t_native_double, h5t_native_integer, h5t_std_i8le, hid_t, hsize_t, size_t
    use geartrain_base_error, only: error_type, fatal, status_file
    use geartrain_base_field, only: groups_type, kind_integer, kind_logical, kind_real, kind_text, text_type, values_type, word
+   use geartrain_base_numbers, only: text
    use geartrain_results_seal, only: seal_bytes
    implicit none (type, external)
    private
@@ -138,7 +139,8 @@ contains
          call h5fget_file_image_f(self%file, address, 0_size_t, status, bytes)
          call self%note(status, 'measure the file in memory')
       end if
-      allocate (content(bytes + seal_bytes))
+      allocate (content(bytes + seal_bytes), stat=status)
+      if (status /= 0) call self%note(-1, 'copy the file in memory: there is no memory for '//text(int(bytes, int64))//' bytes')
       if (.not. allocated(self%failure)) then
          address = c_loc(content)
          call h5fget_file_image_f(self%file, address, bytes, status)
