@@ -71,7 +71,7 @@ contains
       if (.not. any(gap > 0)) return
       allocate (edges(most_edges))
       n = 0
-      call begin_trace(train, settings, systems, tracer)
+      call begin_trace(train, settings, systems, tracer, branch)
       do i = 1, branch%points - 1
          if (.not. joined(branch, i)) cycle
          ready = .false.

@@ -89,8 +89,9 @@ contains
          do j = 1, size(f_next)
             if (f_next(j)*f(j, k) > 0) cycle
             call find_zero(matrix, j, side(k), next, step(k), f(j, k), f_next(j), solution, success)
+            if (matrix%doubles) solution%harmonic = matrix%double%balance%harmonic
             ! A branch of even period crosses the branch of half its period where it begins and ends.
-            if (success .and. .not. matrix%doubles .and. mod(matrix%period(), 2) == 0) &
+            if (success .and. .not. matrix%doubles .and. mod(matrix%single%balance%waves(), 2) == 0) &
                success = odd_share(solution%u) > half_period**2
             ! A fold next to a period doubling is a zero of the doubled balance too; the critical vector tells them apart.
             if (success .and. matrix%doubles) success = odd_share(solution%tangent) > 0.5_dp

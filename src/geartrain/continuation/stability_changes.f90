@@ -6,7 +6,7 @@
 !> damping, are never outside. Real multipliers pass +1 at folds and branch points, which the balance locates more exactly.
 module geartrain_continuation_stability_changes
    use geartrain_base_kinds, only: dp
-   use geartrain_continuation_branch, only: branch_type
+   use geartrain_continuation_branch, only: branch_type, multipliers_at
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
    use geartrain_continuation_special_points, only: add_special_point, go_along, rms_of
    use geartrain_floquet_monodromy, only: monodromy_type
@@ -54,8 +54,8 @@ contains
       type(piece_type) :: piece
       complex(dp) :: first(branch%states), last(branch%states)
 
-      first = branch%multipliers(:, before)
-      last = branch%multipliers(:, after)
+      first = multipliers_at(branch, before)
+      last = multipliers_at(branch, after)
       if (.not. (are_numbers(first) .and. are_numbers(last))) return
       ! The multipliers are sorted by magnitude: none is outside, which is the rule.
       if (max(abs(first(1)), abs(last(1))) <= 1) return
