@@ -15,6 +15,8 @@ module geartrain_continuation_singular_search
    !> Length of branch searched on each side, in the metric of the branch, and most steps of a search.
    real(dp), parameter :: farthest = 0.25_dp
    integer, parameter :: max_steps = 60
+   !> Longer steps that are tried, each three times the one before, where a step fails.
+   integer, parameter :: most_leaps = 3
    !> Length of a piece of a branch on which the cubic through the ends is as exact as the points.
    real(dp), parameter :: cubic = 2e-4_dp
    !> Share of a motion below which odd harmonics are 0 within the accuracy of a critical point [1].
@@ -78,8 +80,13 @@ contains
       do i = 1, max_steps
          k = minloc(way, 1, open_end)
          if (k == 0) exit
-         call matrix%single%advance(side(k), step(k), next, success)
-         if (success) success = cosine(side(k), next, matrix%single%units) > 0.8_dp
+         ! Newton's method fails next to a branch point, but not beyond it.
+         do j = 0, most_leaps
+            call matrix%single%advance(side(k), 3.0_dp**j*step(k), next, success)
+            if (success) success = cosine(side(k), next, matrix%single%units) > 0.8_dp
+            if (success) exit
+         end do
+         if (success) step(k) = 3.0_dp**j*step(k)
          if (.not. success) then
             step(k) = step(k)/3
             open_end(k) = step(k) > 1e-6_dp

@@ -27,6 +27,8 @@ module geartrain_continuation_stability_changes
    !> Distance of changes, as a share of the step, below which changes are simultaneous; distance of a multiplier from the unit
    !> circle up to which a chord through the latest two steps is exact enough.
    real(dp), parameter :: together = 1e-6_dp, nearly = 1e-5_dp
+   !> Width of the bracket of a change, as a share of the step, at which it is located where chords are not exact.
+   real(dp), parameter :: located = 1e-9_dp
    integer, parameter :: most_steps = 60
 
    !> A piece of a branch between two solution points with tangents, and its length in the metric of the branch.
@@ -177,7 +179,7 @@ contains
             return
          end if
          call shrink(a, b, fa, fb, s, f, kept)
-         if (b - a < together*(to - from)) return
+         if (b - a < located*(to - from)) return
          f_before = f
          s_before = s
       end do
