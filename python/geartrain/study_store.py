@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._sealed import DamagedError, distrust, seal, unseal
+from .errors import plain
 from .quantity import Quantity
 from .study_plan import Plan, is_key
 
@@ -126,13 +127,14 @@ class Store:
         known = [self.plans / f"{digest}.npz"] if digest else self.plans.glob("*.npz")
         paths = [*known] if digest else sorted(known, key=lambda path: path.stat().st_mtime)
         if not paths:
-            raise FileNotFoundError(f"{self.folder}: holds no study")
+            raise FileNotFoundError(plain(f"{self.folder}: holds no study"))
         try:
             return Plan.load(paths[-1].read_bytes())
         except FileNotFoundError:
             raise
         except _DAMAGED as error:
-            raise OSError(f"{paths[-1]}: is damaged ({error}): run the study again from Python, which writes it anew") from None
+            words = f"{paths[-1]}: is damaged ({error}): run the study again from Python, which writes it anew"
+            raise OSError(plain(words)) from None
 
     # ---------------------------------------------------------------------------------------------- batches
 
@@ -159,7 +161,7 @@ class Store:
         try:
             names = sorted(os.listdir(self.batches))
         except FileNotFoundError:
-            raise FileNotFoundError(f"{self.folder}: is no folder of a study, or has vanished") from None
+            raise FileNotFoundError(plain(f"{self.folder}: is no folder of a study, or has vanished")) from None
         return [self.batches / name for name in names if name.endswith(".npz") and name.startswith(prefix)]
 
     def read(self, path: Path) -> Batch | None:
@@ -168,7 +170,8 @@ class Store:
             return _batch(path.read_bytes())
         except _DAMAGED as error:
             if path.exists():
-                warnings.warn(f"{path}: is damaged ({error}): its points count as not computed", stacklevel=2)
+                words = plain(f"{path}: is damaged ({error}): its points count as not computed")
+                warnings.warn(words, stacklevel=2)
             return None
 
     def messages(self, keys: Collection[bytes]) -> dict[bytes, str]:
@@ -180,7 +183,7 @@ class Store:
                 if (batch.status != DONE).any():
                     rows = zip(batch.keys.tolist(), batch.status.tolist(), batch.message.tolist())
                     found |= {key: message for key, status, message in rows if key in keys and status != DONE}
-        return found
+        return {key: plain(message, lines=True) for key, message in found.items()}
 
     def mend(self) -> None:
         """Read every batch; a damaged one is renamed, and with that its points are to be computed again."""

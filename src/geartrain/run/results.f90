@@ -10,6 +10,7 @@ module geartrain_run_results
    use geartrain_base_fields, only: fields_type, listing, reading
    use geartrain_base_kinds, only: dp, version
    use geartrain_base_numbers, only: text
+   use geartrain_base_plain_text, only: escaped
    use geartrain_input_text, only: case_text
    use geartrain_model_drawing, only: plain_train
    use geartrain_model_drawing_warnings, only: warnings_text
@@ -50,7 +51,7 @@ contains
       call visit_results(results, case, fields, summary=.true.)
       call hdf5_content(fields, content, error)
       if (allocated(error)) then
-         error%message = path//': error: '//error%message
+         error%message = escaped(path)//': error: '//error%message
          return
       end if
       call add_seal(content)

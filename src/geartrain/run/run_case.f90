@@ -67,7 +67,7 @@ contains
       told = frequency_text(case%train, 'Lambda', 0.0_dp)
       if (allocated(case%response)) told = frequency_text(case%train, case%response%unit, 0.0_dp)
       call told%of_words(early%message, message)
-      call fatal(error, message, early%status)
+      call fatal(error, message, early%status, lines=.true.)
    end subroutine run_case
 
    !> Runs analysis by analysis, from the results so far on; a further branch that was under way is traced again. `early` tells
@@ -94,7 +94,7 @@ contains
          call analysis%run(case%train, error, checkpoint)
          if (ended_early(error)) then
             ! The next analysis runs although this analysis has no result.
-            call fatal(early, error%message, status_ended_early)
+            call fatal(early, error%message, status_ended_early, lines=.true.)
             deallocate (error)
             call leave_out(i, results=results)
             cycle
