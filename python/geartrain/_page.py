@@ -47,7 +47,7 @@ class Page:
         return f'<iframe srcdoc="{html.escape(self.html)}" style="width:100%;height:900px;border:0" title="geartrain"></iframe>'
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Write the file.
+        """Write the file: a page that is there is replaced once the new page is complete.
 
         Parameters
         ----------
@@ -55,9 +55,12 @@ class Page:
 
         Raises
         ------
+        InputError
+            Where the path is none.
         OSError
         """
-        Path(path).write_text(self.html, encoding="utf-8")
+        with Box() as box:
+            box.write_bytes(path, self.html.encode())
 
     def show(self) -> None:
         """Open it in the browser, from a temporary file."""

@@ -100,7 +100,8 @@ def test_no_message_of_python_holds_one(train, branch, tmp_path, character, caps
     results = branch.at(0.5)[0]
     for call in (
         lambda: paper_train(title=odd), lambda: gt.Train(bodies=[gt.Body(name=odd, inertia=1.0)]),
-        lambda: gt.read_case(tmp_path / odd), lambda: gt.read_results(tmp_path / odd), lambda: train.response(start=0.2, stop=odd), lambda: train.response(start=0.2, stop=1.0, unit=odd),
+        lambda: gt.read_case(tmp_path / odd), lambda: gt.read_results(tmp_path / odd),
+        lambda: train.response(start=0.2, stop=odd), lambda: train.response(start=0.2, stop=1.0, unit=odd),
         lambda: train.response(start=0.2, stop=1.0, parameter=odd), lambda: branch.at(odd), lambda: results.plot(odd),
         lambda: gt.Space(train, [odd]), lambda: branch.plot(odd), lambda: gt.page(odd), lambda: gt.read_study(tmp_path / odd),
         lambda: train.explain()[odd],

@@ -21,7 +21,7 @@ module geartrain_run_results
    use geartrain_results_file, only: replace_file
    use geartrain_results_hdf5_reader, only: read_groups
    use geartrain_results_hdf5_writer, only: hdf5_content
-   use geartrain_results_seal, only: add_seal, seal_bytes
+   use geartrain_results_seal, only: add_seal, check_replaceable, seal_bytes
    implicit none (type, external)
    private
    public :: open_results, take_results, visit_results, visit_root, write_results
@@ -33,7 +33,8 @@ module geartrain_run_results
 
 contains
 
-   !> Writes an HDF5 file. A file at `path` is replaced once the new file is complete, and kept if writing fails.
+   !> Writes an HDF5 file. A results file at `path` is replaced once the new file is complete, and kept if writing fails; any other
+   !> file is not replaced.
    subroutine write_results(path, case, results, error, seal)
       !> Path of the file.
       character(*), intent(in) :: path
@@ -47,6 +48,8 @@ contains
       integer(int8), allocatable :: content(:)
       type(fields_type) :: fields
 
+      call check_replaceable(path, error)
+      if (allocated(error)) return
       call visit_root(case, fields)
       call visit_results(results, case, fields, summary=.true.)
       call hdf5_content(fields, content, error)
