@@ -7,6 +7,7 @@ any machines may write at once. A claim is a file that its owner touches; the cl
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import json
 import os
 import socket
@@ -79,8 +80,10 @@ class Store:
             path.mkdir(parents=True, exist_ok=True)
         now = self._now()
         for path in self.folder.glob("*/*.tmp"):
-            with contextlib.suppress(FileNotFoundError):
-                if now - path.stat().st_mtime > _LEFT:
+            with contextlib.suppress(OSError):
+                # Claims are moved aside for moments only, without a lock.
+                is_old = now - path.stat().st_mtime > _LEFT
+                if is_old or (path.parent != self.claims and _has_no_writer(path)):
                     path.unlink()
 
     def _now(self) -> float:
@@ -92,22 +95,33 @@ class Store:
         return now
 
     def _put(self, path: Path, text: bytes, anew: bool = True) -> None:
-        """Write a file beside and rename it; leave one that is there alone where it is not to be written ``anew``."""
-        beside = path.with_name(f"{uuid.uuid4().hex}.tmp")
-        try:
-            with beside.open("xb") as file:
-                file.write(text)
-                file.flush()
-                os.fsync(file.fileno())
-            if not anew:
-                with contextlib.suppress(OSError):  # a file system without links
-                    os.link(beside, path)
-                if path.exists():
+        """Write a file beside and rename it; leave one that is there alone where it is not to be written ``anew``.
+
+        The file beside has a lock until it has its name: by that another process knows that its writer lives.
+        """
+        while True:
+            beside = path.with_name(f"{uuid.uuid4().hex}.tmp")
+            try:
+                with beside.open("xb") as file:
+                    with contextlib.suppress(OSError):  # a file system without locks
+                        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                    file.write(text)
+                    file.flush()
+                    os.fsync(file.fileno())
+                    if not anew:
+                        with contextlib.suppress(OSError):  # a file system without links
+                            os.link(beside, path)
+                        if path.exists():
+                            return
+                    os.replace(beside, path)
                     return
-            os.replace(beside, path)
-        finally:
-            with contextlib.suppress(OSError):
-                beside.unlink()
+            except FileNotFoundError:
+                # Removed between its making and its lock, or the folder is gone.
+                if not path.parent.exists():
+                    raise
+            finally:
+                with contextlib.suppress(OSError):
+                    beside.unlink()
 
     # ------------------------------------------------------------------------------------------------ plans
 
@@ -280,6 +294,16 @@ class Store:
             (self.suspects / key.decode()).touch()
         aside.unlink()
         return True
+
+
+def _has_no_writer(path: Path) -> bool:
+    """Whether a temporary file has no lock: its writer was killed."""
+    with path.open("r+b") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            return False
+    return True
 
 
 _OWNER = 160  # characters of a claim that say whose it is; after them stands the key of the point that is computed

@@ -1,5 +1,6 @@
 """Files that are replaced: never what the program has not written, never by a part, and nothing of a killed writer stays."""
 
+import contextlib
 import fcntl
 import signal
 import subprocess
@@ -84,3 +85,20 @@ def test_a_killed_page_is_the_old_one_or_the_new_one(tmp_path):
         assert text == "old" or (text.startswith("<html>new") and len(text) == 60_000_006)
     gt.Page("<html>").write(path)
     assert names(tmp_path) == ["page.html"]
+
+
+def test_what_a_killed_study_left_is_removed(train, tmp_path):
+    """By the next run of the study; a file whose writer lives stays."""
+    space = gt.Space({"input_torque": [100.0]})
+    study = gt.Study(train, space, keep=["rms"], response={"start": 0.5, "stop": 0.51, "harmonics": 3})
+    study.run(tmp_path, progress=False)
+    left, held = ([tmp_path / folder / f"{word}.tmp" for folder in ("batches", "plans", "branches")] for word in ("left", "held"))
+    for path in (*left, *held):
+        path.write_bytes(b"part of a file")
+    with contextlib.ExitStack() as stack:
+        for path in held:
+            fcntl.flock(stack.enter_context(path.open("rb")), fcntl.LOCK_EX)
+        study.run(tmp_path, progress=False)
+        assert not any(path.exists() for path in left) and all(path.exists() for path in held)
+    study.run(tmp_path, progress=False)
+    assert not [*tmp_path.glob("*/*.tmp")]
