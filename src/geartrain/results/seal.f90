@@ -42,11 +42,12 @@ contains
       character(*), intent(in) :: path
       type(error_type), allocatable, intent(inout) :: error
       integer(int8), allocatable :: seal(:)
-      logical :: there
+      logical :: there, is_folder
 
-      ! A link without target is replaced.
+      ! A link without target is replaced; writing tells of a folder.
       inquire (file=path, exist=there)
-      if (.not. there) return
+      inquire (file=path//'/.', exist=is_folder)
+      if (.not. there .or. is_folder) return
       call read_seal(path, seal)
       if (allocated(seal)) then
          if (all(seal(:len(mark)) == transfer(mark, seal))) return
