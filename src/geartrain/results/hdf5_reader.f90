@@ -9,6 +9,7 @@ module geartrain_results_hdf5_reader
       h5tclose_f, h5tget_class_f, h5tget_size_f, h5tis_variable_str_f, h5_index_name_f, h5_iter_inc_f, h5t_float_f, &
       h5t_integer_f, h5t_native_double, h5t_native_integer, h5t_string_f, hid_t, hsize_t, size_t
    use geartrain_base_field, only: field_type, groups_type, kind_integer, kind_logical, kind_real, kind_text, text_type
+   use geartrain_base_plain_text, only: escaped_lines
    use geartrain_results_file, only: read_bytes
    use geartrain_results_hdf5_writer, only: begin_hdf5
    use geartrain_results_seal, only: is_whole, seal_bytes
@@ -200,6 +201,7 @@ contains
       integer, intent(out) :: status
       type(c_ptr), target :: items(size(texts))
       character(kind=c_char), pointer :: bytes(:)
+      character(:), allocatable :: text
       integer :: i, k, ignored
 
       call fetch(id, attribute, kind, c_loc(items), status)
@@ -209,10 +211,13 @@ contains
          if (.not. c_associated(items(i))) cycle
          call c_f_pointer(items(i), bytes, [c_strlen(items(i))])
          deallocate (texts(i)%text)
-         allocate (character(size(bytes)) :: texts(i)%text)
+         allocate (character(size(bytes)) :: text)
          do k = 1, size(bytes)
-            texts(i)%text(k:k) = bytes(k)
+            text(k:k) = bytes(k)
          end do
+         ! Tables, plots and reports show these texts; the title in the file may be older than the rules for titles.
+         texts(i)%text = escaped_lines(text)
+         deallocate (text)
       end do
       ignored = h5dvlen_reclaim(int(kind, c_int64_t), int(space, c_int64_t), 0_c_int64_t, c_loc(items))
    end subroutine fetch_texts

@@ -30,7 +30,7 @@ contains
       end if
       if (wrong == '') call take_results(fields, case, results, wrong)
       if (allocated(error)) deallocate (error)
-      if (wrong /= '') call fatal(error, path//': error: cannot be read as results: '//wrong, status_file)
+      if (wrong /= '') call fatal(error, path//': error: cannot be read as results: '//wrong, status_file, lines=.true.)
    end subroutine read_results
 
 end module geartrain_run_read_results

@@ -10,6 +10,7 @@ module geartrain_run_results
    use geartrain_base_fields, only: fields_type, listing, reading
    use geartrain_base_kinds, only: dp, version
    use geartrain_base_numbers, only: text
+   use geartrain_base_plain_text, only: escaped
    use geartrain_input_text, only: case_text
    use geartrain_model_drawing, only: plain_train
    use geartrain_model_drawing_warnings, only: warnings_text
@@ -20,7 +21,7 @@ module geartrain_run_results
    use geartrain_results_file, only: replace_file
    use geartrain_results_hdf5_reader, only: read_groups
    use geartrain_results_hdf5_writer, only: hdf5_content
-   use geartrain_results_seal, only: add_seal, seal_bytes
+   use geartrain_results_seal, only: add_seal, check_replaceable, seal_bytes
    implicit none (type, external)
    private
    public :: open_results, take_results, visit_results, visit_root, write_results
@@ -32,7 +33,8 @@ module geartrain_run_results
 
 contains
 
-   !> Writes an HDF5 file. A file at `path` is replaced once the new file is complete, and kept if writing fails.
+   !> Writes an HDF5 file. A results file at `path` is replaced once the new file is complete, and kept if writing fails; any other
+   !> file is not replaced.
    subroutine write_results(path, case, results, error, seal)
       !> Path of the file.
       character(*), intent(in) :: path
@@ -46,11 +48,13 @@ contains
       integer(int8), allocatable :: content(:)
       type(fields_type) :: fields
 
+      call check_replaceable(path, error)
+      if (allocated(error)) return
       call visit_root(case, fields)
       call visit_results(results, case, fields, summary=.true.)
       call hdf5_content(fields, content, error)
       if (allocated(error)) then
-         error%message = path//': error: '//error%message
+         error%message = escaped(path)//': error: '//error%message
          return
       end if
       call add_seal(content)
