@@ -49,7 +49,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "bore": Variable("bore", "reals", "Series", None, False, "Bores of the sections; none: 0, one: of all; [m]; >= 0"),
         "length": Variable("length", "reals", "Series", None, False, "Lengths of the sections; [m]; > 0"),
         "shear_modulus": Variable("shear_modulus", "real", "float", 8.0e10, False, "Shear modulus, G; [N/m^2]; > 0"),
-        "damping_ratio": Variable("damping_ratio", "real", "float", 0.0, False, "c/(2 sqrt(k m)) with 1/m = 1/I_a + 1/I_b of the inertias at the ends; >= 0"),
+        "damping_ratio": Variable("damping_ratio", "real", "float", 0.0, False, "c/(2 sqrt(k m)) with 1/m = 1/I_a + 1/I_b of the bodies at the ends, without what is rigidly joined to them; of a train without &body with it; >= 0"),
         "damping": Variable("damping", "real", "float", None, False, "Damping coefficient, instead of damping_ratio; [N m s/rad]; >= 0"),
     },
     "mesh": {
