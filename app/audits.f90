@@ -5,6 +5,7 @@ module audits
                         run_case, status_ended_early, status_input
    use geartrain_analyses_dependencies, only: keep_branches
    use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
+   use geartrain_base_plain_text, only: escaped
    use progress, only: begin_progress, progress_type
    use terminal, only: complain, hand_over, output_unit
    implicit none (type, external)
@@ -30,11 +31,11 @@ contains
          call read_case(files(i)%name, cases(i), error)
          if (.not. allocated(error) .and. .not. allocated(cases(i)%response)) then
             allocate (error)
-            error%message = files(i)%name//': error: nothing to audit: add &response'
+            error%message = escaped(files(i)%name)//': error: nothing to audit: add &response'
             error%status = status_input
          end if
          if (.not. allocated(error)) cycle
-         call complain(error%message)
+         call complain(error%message, lines=.true.)
          statuses(i) = error%status
       end do
       !$omp parallel do schedule(dynamic) if (size(files) > 1)
@@ -76,12 +77,12 @@ contains
       end if
       !$omp critical (terminal)
       call progress%clear()
-      if (.not. alone) write (output_unit, '(2a)') name, ':'
+      if (.not. alone) write (output_unit, '(2a)') escaped(name), ':'
       write (output_unit, '(a)', advance='no') lines
       call hand_over()
       if (allocated(error)) then
-         if (index(error%message, ': error: ') == 0) error%message = name//': error: '//error%message
-         call complain(error%message)
+         if (index(error%message, ': error: ') == 0) error%message = escaped(name)//': error: '//error%message
+         call complain(error%message, lines=.true.)
       end if
       !$omp end critical (terminal)
    end subroutine audit

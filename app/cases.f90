@@ -7,6 +7,7 @@ module cases
    use geartrain_analyses_analysis, only: analysis_type
    use geartrain_analyses_branch_report, only: report_branches
    use geartrain_analyses_list, only: analyses, find_analysis
+   use geartrain_base_plain_text, only: escaped
    use geartrain_input_new_case, only: new_case_text
    use progress, only: begin_progress, progress_type
    use terminal, only: complain, hand_over, output_unit, say, tell_of_interrupts
@@ -62,7 +63,7 @@ contains
          return
       end if
       status = 0
-      call say('Written: '//file//'; geartrain '//file//' runs it'//new_line('a'))
+      call say('Written: '//escaped(file)//'; geartrain '//escaped(file)//' runs it'//new_line('a'))
    end subroutine new_case
 
    !> Says what is wrong with the cases; `status` is the largest of their exit statuses.
@@ -78,11 +79,11 @@ contains
       do i = 1, size(files)
          call read_case(files(i)%name, case, error)
          if (allocated(error)) then
-            call complain(error%message)
+            call complain(error%message, lines=.true.)
             status = max(status, error%status)
          else
             call warnings_text(case%train, warnings)
-            write (output_unit, '(2a, 2(a, i0), a)') files(i)%name, &
+            write (output_unit, '(2a, 2(a, i0), a)') escaped(files(i)%name), &
                trim(merge(': no problems            ', ': no errors, but warnings', warnings == '')), ': ', &
                size(case%train%shafts), ' shafts, ', size(case%train%meshes), &
                trim(merge(' mesh  ', ' meshes', size(case%train%meshes) == 1))
@@ -104,11 +105,11 @@ contains
       do i = 1, size(files)
          call read_case(files(i)%name, case, error)
          if (allocated(error)) then
-            call complain(error%message)
+            call complain(error%message, lines=.true.)
             status = max(status, error%status)
             cycle
          end if
-         if (size(files) > 1) call say(files(i)%name//new_line('a'))
+         if (size(files) > 1) call say(escaped(files(i)%name)//new_line('a'))
          call explanation_text(case%train, text)
          call say(text)
       end do
@@ -185,7 +186,7 @@ contains
 
       call read_case(files(i)%name, jobs(i)%case, error)
       if (allocated(error)) then
-         call complain(error%message)
+         call complain(error%message, lines=.true.)
          jobs(i)%status = error%status
          return
       end if
@@ -272,7 +273,7 @@ contains
       if (resume) then
          inquire (file=job%path//'.partial', exist=exists)
          if (exists) checkpoint = job%path//'.partial'
-         if (.not. exists) write (output_unit, '(3a)') 'Nothing to resume: there is no ', job%path, &
+         if (.not. exists) write (output_unit, '(3a)') 'Nothing to resume: there is no ', escaped(job%path), &
             '.partial; the run begins anew'
          call hand_over()
       end if
@@ -281,14 +282,14 @@ contains
       if (allocated(error)) job%status = error%status
       !$omp critical (terminal)
       call progress%clear()
-      if (.not. alone) write (output_unit, '(2a)') name, ':'
+      if (.not. alone) write (output_unit, '(2a)') escaped(name), ':'
       call report(job, results, progress)
       if (allocated(error)) then
          if (index(error%message, ': error: ') == 0) then
             if (alone) error%message = 'geartrain: error: '//error%message
-            if (.not. alone) error%message = name//': error: '//error%message
+            if (.not. alone) error%message = escaped(name)//': error: '//error%message
          end if
-         call complain(error%message)
+         call complain(error%message, lines=.true.)
       end if
       !$omp end critical (terminal)
    end subroutine run
@@ -308,7 +309,7 @@ contains
       end do
       if (allocated(results%branches) .and. allocated(job%case%response)) call report_branches(results%branches, &
          job%case%response, job%case%train, output_unit, progress%branch_seconds)
-      if (job%status == 0 .or. job%status == status_ended_early) write (output_unit, '(2a)') 'Written: ', job%path
+      if (job%status == 0 .or. job%status == status_ended_early) write (output_unit, '(2a)') 'Written: ', escaped(job%path)
       call hand_over()
    end subroutine report
 

@@ -5,6 +5,7 @@
 module terminal
    use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_int, c_intptr_t, c_null_char, c_ptrdiff_t, c_size_t
    use, intrinsic :: iso_fortran_env, only: standard_output => output_unit
+   use geartrain_base_plain_text, only: escaped, escaped_lines
    implicit none (type, external)
    private
    public :: output_unit, complain, hand_over, leave_at_once, output_lost, say, stand_firm, tell_of_interrupts
@@ -124,19 +125,27 @@ contains
       call say(text)
    end subroutine hand_over
 
-   !> Writes to standard output at once.
+   !> Writes lines to standard output at once, escaped: texts of results may contain anything.
    subroutine say(text)
       character(*), intent(in) :: text
 
-      if (.not. written(1_c_int, text)) lost = .true.
+      if (.not. written(1_c_int, escaped_lines(text))) lost = .true.
    end subroutine say
 
-   !> Writes a line to standard error, if there is one.
-   subroutine complain(text)
+   !> Writes a line to standard error, if there is one, escaped: names of files may contain anything.
+   subroutine complain(text, lines)
       character(*), intent(in) :: text
-      logical :: ignored
+      !> Whether the text has several lines; absent: .false.
+      logical, intent(in), optional :: lines
+      logical :: several, ignored
 
-      ignored = written(2_c_int, text//new_line('a'))
+      several = .false.
+      if (present(lines)) several = lines
+      if (several) then
+         ignored = written(2_c_int, escaped_lines(text)//new_line('a'))
+      else
+         ignored = written(2_c_int, escaped(text)//new_line('a'))
+      end if
    end subroutine complain
 
    logical function written(descriptor, text)

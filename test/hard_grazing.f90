@@ -127,7 +127,7 @@ contains
       type(motion_type), allocatable :: motions(:)
       type(error_type), allocatable :: error
       real(dp) :: first, known, off(2)
-      integer :: compared, i, k, wrong
+      integer :: compared, i, j, k, wrong
 
       train = paper_train()
       branch = solve(train, settings_of(0.2_dp, 2.6_dp, 6))
@@ -142,8 +142,10 @@ contains
             first = abs(motions(k)%multipliers(1))
             call refine(train, motions(k), error)
             if (allocated(error)) cycle
-            ! Next to a fold shooting may find the orbit of its other side.
+            ! Next to a fold shooting may find the orbit of its other side, whose solution is then nearer.
             if (maxval(abs(motions(k)%rms - branch%rms(:, i))) > 3*branch%error_estimate(i)*norm2(branch%rms(:, i))) cycle
+            if (any([(norm2(motions(k)%rms - motions(j)%rms) < norm2(motions(k)%rms - branch%rms(:, i)) .and. j /= k, &
+                      j=1, size(motions))])) cycle
             known = abs(motions(k)%multipliers(1))
             compared = compared + 1
             if ((known < 1) .neqv. branch%stable(i)) wrong = wrong + 1

@@ -199,6 +199,8 @@ contains
       train%meshes%half_backlash = [10e-6_dp, 60e-6_dp]
       settings = settings_of(2.6_dp, 4.3_dp, 12)
       settings%period_doublings = 2
+      ! Beyond it there is a fourth doubling.
+      settings%amplitude_limit = 12
       call response(train, settings, once, error)
       call follow_bifurcations(train, settings, once, branches, error)
       doublings = 0

@@ -121,6 +121,10 @@ contains
       two%shafts(3)%rigid = .true.
       two%shafts(3)%stiffness = 0
       two%shafts(3)%damping_ratio = 0
+      ! A damping ratio refers to the body at the end of the shaft alone: the same damping is more of it.
+      associate (shaft => two%shafts(1), whole => one%bodies(1)%inertia, other => one%bodies(2)%inertia)
+         shaft%damping_ratio = shaft%damping_ratio*sqrt((2/whole + 1/other)/(1/whole + 1/other))
+      end associate
       one%bodies(1)%damping_to_ground = 0.9_dp
       two%bodies([1, 7])%damping_to_ground = [0.3_dp, 0.6_dp]
       call response(one, settings_of(0.9_dp, 1.3_dp, 6), a, error)

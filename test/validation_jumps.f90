@@ -2,7 +2,8 @@
 module validation_jumps
    use fixtures, only: paper_train, settings_of
    use geartrain, only: back_collision_ranges, band_type, branch_type, dp, error_type, integrate, integration_settings_type, &
-                        jump_type, jumps, motion_type, response, response_settings_type, separation_ranges, solutions_at
+                        jump_type, jumps, locate_contact_edges, motion_type, response, response_settings_type, separation_ranges, &
+                        solutions_at
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -91,26 +92,42 @@ contains
 
       settings = settings_of(0.2_dp, 2.6_dp, 6)
       settings%stability = .false.
+      settings%step = 0.025_dp
       call response(paper_train(), settings, coarse, error)
-      settings%step = settings%step/20
+      settings%step = 0.0025_dp
       call response(paper_train(), settings, fine, error)
-      do mesh = 1, 2
-         call compare(separation_ranges(coarse, mesh, .false.), separation_ranges(fine, mesh, .false.), 4 - mesh, 'separation')
-         call compare(back_collision_ranges(coarse, mesh, .false.), back_collision_ranges(fine, mesh, .false.), mesh - 1, &
-                      'back collision')
-      end do
+      call compare_all(3e-4_dp, 'interpolated')
+      ! Located to 1e-7 of the backlash, of points at whatever distance.
+      settings%step = 0.05_dp
+      call response(paper_train(), settings, coarse, error)
+      call locate_contact_edges(paper_train(), settings, coarse)
+      call locate_contact_edges(paper_train(), settings, fine)
+      call compare_all(1e-7_dp, 'located')
       call tests%is_true(size(separation_ranges(fine, 1, .true.)) == 0, 'no stability asked for: no stable ranges')
 
    contains
 
-      subroutine compare(a, b, expected, name)
+      subroutine compare_all(tolerance, how)
+         real(dp), intent(in) :: tolerance
+         character(*), intent(in) :: how
+
+         do mesh = 1, 2
+            call compare(separation_ranges(coarse, mesh, .false.), separation_ranges(fine, mesh, .false.), 4 - mesh, tolerance, &
+                         'separation, '//how)
+            call compare(back_collision_ranges(coarse, mesh, .false.), back_collision_ranges(fine, mesh, .false.), mesh - 1, &
+                         tolerance, 'back collision, '//how)
+         end do
+      end subroutine compare_all
+
+      subroutine compare(a, b, expected, tolerance, name)
          type(band_type), intent(in) :: a(:), b(:)
          integer, intent(in) :: expected
+         real(dp), intent(in) :: tolerance
          character(*), intent(in) :: name
 
          call tests%is_true(size(a) == expected .and. size(b) == expected, name//': number of ranges')
          if (size(a) /= expected .or. size(b) /= expected) return
-         call tests%is_close(maxval([0.0_dp, abs(a%from - b%from), abs(a%to - b%to)]), 0.0_dp, 3e-4_dp, name//': edges')
+         call tests%is_close(maxval([0.0_dp, abs(a%from - b%from), abs(a%to - b%to)]), 0.0_dp, tolerance, name//': edges')
       end subroutine compare
 
    end subroutine independent_of_step

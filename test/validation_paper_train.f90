@@ -248,9 +248,9 @@ contains
          call tests%is_true(k > 0, 'a response from the fold: '//near%ended)
          if (k == 0) cycle
          folds = folds + 1
-         ! Two solutions within 1e-10 of one another (corrector.f90), multipliers to 1e-9 (step_rule.f90).
-         call tests%is_close(near%rms(1, k), branch%rms(1, p), 1e-8_dp, 'rms at the fold')
-         call tests%is_close(maxval(abs(near%mesh_load(:, k)%separation - branch%mesh_load(:, p)%separation)), 0.0_dp, 1e-8_dp, &
+         ! At the fold Lambda tells the place along the branch to the root of its rounding, 1e-8.
+         call tests%is_close(near%rms(1, k), branch%rms(1, p), 1e-7_dp, 'rms at the fold')
+         call tests%is_close(maxval(abs(near%mesh_load(:, k)%separation - branch%mesh_load(:, p)%separation)), 0.0_dp, 1e-7_dp, &
                              'separation at the fold')
          call tests%is_close(abs(near%multipliers(1, k)), abs(branch%multipliers(1, p)), 1e-6_dp, 'multiplier at the fold')
       end do

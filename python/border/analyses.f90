@@ -237,3 +237,20 @@ subroutine write_path(handle, path, status)
    call write_results(path, box%case, box%results, error)
    status = close_with(box, error)
 end subroutine write_path
+
+! Replaces a file by bytes, or makes one.
+subroutine write_bytes(handle, path, bytes, content, status)
+   use geartrain, only: error_type
+   use geartrain_python_box, only: box_type, box_of, close_with
+   use geartrain_results_file, only: replace_file
+   implicit none
+   integer(8), intent(in) :: handle
+   character(*), intent(in) :: path
+   integer, intent(in) :: bytes
+   integer(1), intent(in) :: content(bytes)
+   integer, intent(out) :: status
+   type(error_type), allocatable :: error
+
+   call replace_file(path, content, error)
+   status = close_with(box_of(handle), error)
+end subroutine write_bytes

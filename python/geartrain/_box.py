@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 import geartrain._geartrain as fortran
 
 from ._namelist import in_words_of_the_call
-from .errors import InputError, SolverError
+from .errors import InputError, SolverError, shown
 
 __all__ = ["Box", "Group", "described", "file_name", "fortran"]
 
@@ -249,6 +249,10 @@ class Box:
         """Write the results as a file."""
         self.check(fortran.write_path(self.handle, file_name(path)))
 
+    def write_bytes(self, path: str | os.PathLike[str], content: bytes) -> None:
+        """Write a file beside and rename it: at any moment there is the whole old file or the whole new one."""
+        self.check(fortran.write_bytes(self._handle, file_name(path), np.frombuffer(content, np.int8)))
+
     # ------------------------------------------------------------------------------------------------ work
 
     def run(self, name: str, progress: Array) -> int:
@@ -276,4 +280,10 @@ def described() -> dict[str, Group]:
 
 def file_name(path: str | os.PathLike[str]) -> bytes:
     """The path as Fortran wants it."""
-    return os.fsencode(path)
+    try:
+        name = os.fsencode(path)
+    except (TypeError, UnicodeEncodeError):
+        raise InputError(f"path = {shown(path)}: must be the path of a file") from None
+    if b"\0" in name or not name:
+        raise InputError(f"path = {shown(path)}: must be the path of a file, which is not empty and has no character 0")
+    return name

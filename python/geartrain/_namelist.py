@@ -9,7 +9,7 @@ from numbers import Integral, Real
 from typing import Any
 
 from ._variable import Variable
-from .errors import shown
+from .errors import plain, shown
 from .variables import VARIABLES
 
 __all__ = ["group", "in_words_of_the_call", "parse", "values"]
@@ -112,8 +112,8 @@ def _logical(value: Value) -> bool:
 
 
 def _line(value: Value) -> str:
-    # As the table of variables has it (variable.f90): every other character is allowed, be it a space without a break.
-    if not isinstance(value, str) or any(byte < 32 or byte == 127 for byte in value.encode()):
+    # As the table of variables has it (plain_text.f90): every other character is allowed, be it a space without a break.
+    if not isinstance(value, str) or plain(value) != value:
         raise TypeError
     return value
 

@@ -47,7 +47,7 @@ class Page:
         return f'<iframe srcdoc="{html.escape(self.html)}" style="width:100%;height:900px;border:0" title="geartrain"></iframe>'
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Write the file.
+        """Write the file: a page that is there is replaced once the new page is complete.
 
         Parameters
         ----------
@@ -55,9 +55,12 @@ class Page:
 
         Raises
         ------
+        InputError
+            Where the path is none.
         OSError
         """
-        Path(path).write_text(self.html, encoding="utf-8")
+        with Box() as box:
+            box.write_bytes(path, self.html.encode())
 
     def show(self) -> None:
         """Open it in the browser, from a temporary file."""
@@ -109,6 +112,8 @@ def page(
     >>> gt.page(dataset, "study.html", branches={7: study.branch(7)})  # doctest: +SKIP
     """
     is_study = hasattr(results, "data_vars")
+    if len(names) != 2 or not all(isinstance(name, str) for name in names):
+        raise InputError(f"names = {shown(names)}: must be two names, of the results and of those laid over them")
     if is_study and compare is not None:
         raise InputError("compare: must be left out with the Dataset of a study")
     if not is_study and branches is not None:
@@ -118,7 +123,7 @@ def page(
     else:
         pieces = [("results", names[0], results), ("compare", names[1], compare)][:1 if compare is None else 2]
     for what, _, piece in pieces:
-        if not (hasattr(piece, "special_points") or hasattr(piece, "response")):
+        if not (hasattr(piece, "special_points") or hasattr(piece, "branches")):
             raise InputError(f"{what} = {shown(piece)}: must be gt.Results, a gt.Branch, or the Dataset of a study")
     extra("plotly.offline")
     places = {point: place for place, point in enumerate(branches or ())}

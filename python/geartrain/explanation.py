@@ -7,6 +7,7 @@ from types import MappingProxyType
 from typing import Any
 
 from ._box import Box
+from .errors import plain
 
 __all__ = ["Explanation"]
 
@@ -42,7 +43,7 @@ class Explanation(Mapping[str, Mapping[str, Any]]):
 
     def __getitem__(self, name: str) -> Mapping[str, Any]:
         if name not in self._numbers:
-            raise KeyError(f"{name}: must be one of {', '.join(self._numbers)}")
+            raise KeyError(plain(f"{name}: must be one of {', '.join(self._numbers)}"))
         return MappingProxyType(self._numbers[name])
 
     def __iter__(self) -> Iterator[str]:

@@ -96,20 +96,21 @@ class Pictures:
         """
         units = units_of(self.train, unit)
         chosen = self._chosen(mesh)
-        history, shown = self._history(periods)
+        history, part = self._history(periods)
         if axes is None:
             axes = new_axes(None, 3, figsize=(6.4, 7.2))
-        assert axes is not None
+        if len(axes) < 3:
+            raise InputError(f"axes = {shown(axes)}: must be three axes of matplotlib")
         style = line_style(style)
         names = mesh_names(self.train, len(self.rms))
-        time = history.time[shown] * self._time_factor(units)
+        time = history.time[part] * self._time_factor(units)
         order, amplitude = self.spectrum()
         visible = (amplitude > _VISIBLE * amplitude.max(initial=0.0)).any(axis=1)
         places = order * self._order_factor(units)
         for row, column in enumerate(chosen):
             own = {"label": names[column], "linestyle": DASHES[row % len(DASHES)], **style}
-            (line,) = axes[0].plot(time, history.displacement[shown, column], **own)
-            axes[1].plot(time, history.mesh_force[shown, column], **{**own, "color": line.get_color()})
+            (line,) = axes[0].plot(time, history.displacement[part, column], **own)
+            axes[1].plot(time, history.mesh_force[part, column], **{**own, "color": line.get_color()})
             width = max(1.0, 3.0 - row) if len(chosen) > 1 else 1.5
             draw_lines(axes[2], places[visible], amplitude[visible, column], width, line.get_color(), MARKERS[row % len(MARKERS)])
         if visible.any():

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from math import ceil
+from numbers import Integral
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,6 +36,7 @@ _KINDS = {
 }
 #: Most rows of a waterfall; neighbouring lines of a spectrum share a row.
 _ROWS = 600
+_MOST_PICTURES = 100_000
 #: Least amplitude that a waterfall has room for, over the largest.
 _SEEN = 1e-3
 
@@ -194,6 +196,8 @@ class RunUp(Table):
         labels = getattr(self, f"{along}_label")
         if isinstance(number, bool) or number not in range(1, len(labels) + 1):
             raise InputError(f"number = {shown(number)}: must be 1 to {len(labels)}, the number of a {along}")
+        if isinstance(pictures, bool) or not isinstance(pictures, Integral) or not 1 <= pictures <= _MOST_PICTURES:
+            raise InputError(f"pictures = {shown(pictures)}: must be a whole number from 1 to {_MOST_PICTURES}")
         values: Array = getattr(self, what)[:, number - 1]
         samples, rate = len(values), (len(values) - 1) / self.time[-1]
         # The samples are 32 of a period of the fastest mesh, unless asked otherwise.

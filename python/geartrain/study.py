@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from ._extras import extra
 from .branch import Branch
 from .case import read_results
-from .errors import InputError, Interrupted, SolverError, shown
+from .errors import InputError, Interrupted, SolverError, plain, shown
 from .quantity import check_kept
 from .space import Space
 from .study_dataset import dataset_of
@@ -226,8 +226,8 @@ class Study:
         failed = np.flatnonzero(found.status.values != DONE)
         if len(failed):
             message = found.message.values.flat[failed[0]]
-            warnings.warn(f"{len(failed)} of {len(self)} points failed, the first with {message} at {plan.told(int(failed[0]))}; "
-                          "study.explain() tells more", stacklevel=2)
+            words = f"{len(failed)} of {len(self)} points failed, the first with {message} at {plan.told(int(failed[0]))}; "
+            warnings.warn(plain(words + "study.explain() tells more", lines=True), stacklevel=2)
         return found
 
     def prepare(self, folder: str | os.PathLike[str], parts: int = 1) -> None:

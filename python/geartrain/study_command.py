@@ -9,7 +9,8 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from .errors import Interrupted, SolverError
+from ._parser import Parser
+from .errors import Interrupted, SolverError, plain
 from .study import read_study, run_plan
 from .study_failures import failures_of, words_of
 from .study_store import Store
@@ -30,7 +31,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         plan = store.plan()
         if told.status:
             explanation = read_study(told.folder).explain()
-            print(explanation)
+            print(plain(str(explanation), lines=True))
             return 1 if explanation.failed else 0
         number, parts = told.part
         if parts == 1:
@@ -42,20 +43,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
         there = run_plan(plan, store, blocks, workers=workers, retry=told.retry, patient=parts == 1)
         failures = failures_of(plan, store, blocks)
         if failures:
-            print(words_of(plan, failures))
+            print(plain(words_of(plan, failures), lines=True))
         failed = f", {there.failed} of them failed" if there.failed else ""
-        print(f"{there.there} of {len(plan.distinct)} points are in {told.folder}{failed}")
+        print(plain(f"{there.there} of {len(plan.distinct)} points are in {told.folder}{failed}"))
         return 1 if failures else 0
     except (Interrupted, SolverError) as error:
-        print(error, file=sys.stderr)
+        print(plain(str(error), lines=True), file=sys.stderr)
         return 3
     except OSError as error:
-        print(error, file=sys.stderr)
+        print(plain(str(error), lines=True), file=sys.stderr)
         return 4
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="geartrain-study", description="Compute the points of a study that are not there yet.")
+def _parser() -> Parser:
+    parser = Parser(prog="geartrain-study", description="Compute the points of a study that are not there yet.")
     parser.add_argument("folder", help="folder of a study, as Study.run or Study.prepare has written it")
     told = "every 64th batch, from the 7th: a task of an array job"
     parser.add_argument("--part", type=_part, default=(1, 1), metavar="7/64", help=told)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, wait
 from typing import Any
 
-from .errors import InputError, SolverError, shown
+from .errors import InputError, SolverError, plain, shown
 from .study_worker import BUSY, OVER, STOPS, compute_batch, follow_client
 
 __all__ = ["compute_all", "cores", "executor_of"]
@@ -67,8 +67,9 @@ def compute_all(
             tell()
             looks += 1
             if looks == _LOOKS:
-                warnings.warn(f"{len(left)} batches are claimed by other processes, as the files in {folder}/claims tell: waiting "
-                              "for them", stacklevel=2)
+                words = f"{len(left)} batches are claimed by other processes, as the files in {folder}/claims tell: waiting "
+                words += "for them"
+                warnings.warn(plain(words), stacklevel=2)
             time.sleep(_PATIENCE)
 
 

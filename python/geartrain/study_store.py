@@ -7,6 +7,7 @@ any machines may write at once. A claim is a file that its owner touches; the cl
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import json
 import os
 import socket
@@ -21,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._sealed import DamagedError, distrust, seal, unseal
+from .errors import plain
 from .quantity import Quantity
 from .study_plan import Plan, is_key
 
@@ -78,8 +80,10 @@ class Store:
             path.mkdir(parents=True, exist_ok=True)
         now = self._now()
         for path in self.folder.glob("*/*.tmp"):
-            with contextlib.suppress(FileNotFoundError):
-                if now - path.stat().st_mtime > _LEFT:
+            with contextlib.suppress(OSError):
+                # Claims are moved aside for moments only, without a lock.
+                is_old = now - path.stat().st_mtime > _LEFT
+                if is_old or (path.parent != self.claims and _has_no_writer(path)):
                     path.unlink()
 
     def _now(self) -> float:
@@ -91,22 +95,33 @@ class Store:
         return now
 
     def _put(self, path: Path, text: bytes, anew: bool = True) -> None:
-        """Write a file beside and rename it; leave one that is there alone where it is not to be written ``anew``."""
-        beside = path.with_name(f"{uuid.uuid4().hex}.tmp")
-        try:
-            with beside.open("xb") as file:
-                file.write(text)
-                file.flush()
-                os.fsync(file.fileno())
-            if not anew:
-                with contextlib.suppress(OSError):  # a file system without links
-                    os.link(beside, path)
-                if path.exists():
+        """Write a file beside and rename it; leave one that is there alone where it is not to be written ``anew``.
+
+        The file beside has a lock until it has its name: by that another process knows that its writer lives.
+        """
+        while True:
+            beside = path.with_name(f"{uuid.uuid4().hex}.tmp")
+            try:
+                with beside.open("xb") as file:
+                    with contextlib.suppress(OSError):  # a file system without locks
+                        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                    file.write(text)
+                    file.flush()
+                    os.fsync(file.fileno())
+                    if not anew:
+                        with contextlib.suppress(OSError):  # a file system without links
+                            os.link(beside, path)
+                        if path.exists():
+                            return
+                    os.replace(beside, path)
                     return
-            os.replace(beside, path)
-        finally:
-            with contextlib.suppress(OSError):
-                beside.unlink()
+            except FileNotFoundError:
+                # Removed between its making and its lock, or the folder is gone.
+                if not path.parent.exists():
+                    raise
+            finally:
+                with contextlib.suppress(OSError):
+                    beside.unlink()
 
     # ------------------------------------------------------------------------------------------------ plans
 
@@ -126,13 +141,14 @@ class Store:
         known = [self.plans / f"{digest}.npz"] if digest else self.plans.glob("*.npz")
         paths = [*known] if digest else sorted(known, key=lambda path: path.stat().st_mtime)
         if not paths:
-            raise FileNotFoundError(f"{self.folder}: holds no study")
+            raise FileNotFoundError(plain(f"{self.folder}: holds no study"))
         try:
             return Plan.load(paths[-1].read_bytes())
         except FileNotFoundError:
             raise
         except _DAMAGED as error:
-            raise OSError(f"{paths[-1]}: is damaged ({error}): run the study again from Python, which writes it anew") from None
+            words = f"{paths[-1]}: is damaged ({error}): run the study again from Python, which writes it anew"
+            raise OSError(plain(words)) from None
 
     # ---------------------------------------------------------------------------------------------- batches
 
@@ -159,7 +175,7 @@ class Store:
         try:
             names = sorted(os.listdir(self.batches))
         except FileNotFoundError:
-            raise FileNotFoundError(f"{self.folder}: is no folder of a study, or has vanished") from None
+            raise FileNotFoundError(plain(f"{self.folder}: is no folder of a study, or has vanished")) from None
         return [self.batches / name for name in names if name.endswith(".npz") and name.startswith(prefix)]
 
     def read(self, path: Path) -> Batch | None:
@@ -168,7 +184,8 @@ class Store:
             return _batch(path.read_bytes())
         except _DAMAGED as error:
             if path.exists():
-                warnings.warn(f"{path}: is damaged ({error}): its points count as not computed", stacklevel=2)
+                words = plain(f"{path}: is damaged ({error}): its points count as not computed")
+                warnings.warn(words, stacklevel=2)
             return None
 
     def messages(self, keys: Collection[bytes]) -> dict[bytes, str]:
@@ -180,7 +197,7 @@ class Store:
                 if (batch.status != DONE).any():
                     rows = zip(batch.keys.tolist(), batch.status.tolist(), batch.message.tolist())
                     found |= {key: message for key, status, message in rows if key in keys and status != DONE}
-        return found
+        return {key: plain(message, lines=True) for key, message in found.items()}
 
     def mend(self) -> None:
         """Read every batch; a damaged one is renamed, and with that its points are to be computed again."""
@@ -277,6 +294,16 @@ class Store:
             (self.suspects / key.decode()).touch()
         aside.unlink()
         return True
+
+
+def _has_no_writer(path: Path) -> bool:
+    """Whether a temporary file has no lock: its writer was killed."""
+    with path.open("r+b") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            return False
+    return True
 
 
 _OWNER = 160  # characters of a claim that say whose it is; after them stands the key of the point that is computed

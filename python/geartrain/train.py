@@ -381,8 +381,8 @@ class Train(Description):
         >>> found = train.attractors(frequency=0.6, starts=20)
         >>> for motion in found:
         ...     print(f"{motion.share:.2f} {motion.rms.round(3)}")
-        0.55 [0.166 0.212]
-        0.45 [0.493 2.133]
+        0.70 [0.166 0.212]
+        0.30 [0.493 2.133]
         >>> found.unsettled
         0.0
         """

@@ -49,7 +49,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "bore": Variable("bore", "reals", "Series", None, False, "Bores of the sections; none: 0, one: of all; [m]; >= 0"),
         "length": Variable("length", "reals", "Series", None, False, "Lengths of the sections; [m]; > 0"),
         "shear_modulus": Variable("shear_modulus", "real", "float", 8.0e10, False, "Shear modulus, G; [N/m^2]; > 0"),
-        "damping_ratio": Variable("damping_ratio", "real", "float", 0.0, False, "c/(2 sqrt(k m)) with 1/m = 1/I_a + 1/I_b of the inertias at the ends; >= 0"),
+        "damping_ratio": Variable("damping_ratio", "real", "float", 0.0, False, "c/(2 sqrt(k m)) with 1/m = 1/I_a + 1/I_b of the bodies at the ends, without what is rigidly joined to them; of a train without &body with it; >= 0"),
         "damping": Variable("damping", "real", "float", None, False, "Damping coefficient, instead of damping_ratio; [N m s/rad]; >= 0"),
     },
     "mesh": {
@@ -125,7 +125,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
     "attractors": {
         "frequency": Variable("frequency", "real", "float", None, True, "Lambda, or in `unit; > 0"),
         "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Unit of the frequencies of the group: Lambda; rpm, the speed, of a train whose meshes all have teeth; Hz, of the fundamental; 'Lambda', 'rpm' or 'Hz'"),
-        "starts": Variable("starts", "integer", "int", 200, False, "Random starts: mesh displacements and velocities within three times the resting displacement; >= 1 and <= 1.0e6"),
+        "starts": Variable("starts", "integer", "int", 200, False, "Random starts: mesh displacements within three times the resting displacement, velocities within those of a vibration of the mesh alone that goes as far; >= 1 and <= 1.0e6"),
         "random_seed": Variable("random_seed", "integer", "int", 0, False, "The same seed gives the same starts"),
         "follow": Variable("follow", "logical", "bool", False, False, "Each motion found that lies on no branch of the case yet is followed as one, over the range of &response and with its settings"),
         "harmonics": Variable("harmonics", "integer", "int", 0, False, "Harmonics of Lambda that are stored of each motion; 0: 16 of the highest mesh order; >= 1 and <= 20000, or 0"),
@@ -140,7 +140,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "displacement_start": Variable("displacement_from", "real", "float", 0.0, False, "One end of the range of the displacement over the characteristic length; both 0: three times that at rest either way"),
         "displacement_stop": Variable("displacement_to", "real", "float", 0.0, False, "Its other end"),
         "displacement_points": Variable("displacement_points", "integer", "int", 200, False, "Starts along it, both ends included; >= 1 and <= 10000"),
-        "velocity_start": Variable("velocity_from", "real", "float", 0.0, False, "One end of the range of the velocity over characteristic length times frequency; both 0: the default range of the displacement"),
+        "velocity_start": Variable("velocity_from", "real", "float", 0.0, False, "One end of the range of the velocity over characteristic length times frequency; both 0: that of a vibration of the mesh alone over the default range of the displacement"),
         "velocity_stop": Variable("velocity_to", "real", "float", 0.0, False, "Its other end"),
         "velocity_points": Variable("velocity_points", "integer", "int", 200, False, "Starts along it, both ends included; >= 1 and <= 10000"),
         "starts": Variable("starts", "integer", "int", 200, False, "Random starts that find the motions first, as of &attractors; >= 1 and <= 1.0e6"),

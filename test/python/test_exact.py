@@ -169,7 +169,7 @@ def test_a_pair_that_becomes_real_is_no_neimark_sacker_point():
         (1.0431315384275248, 1.1165586789485205, 1.4907655727771474, 2.607210431336666, 0.9724102526343334, 0.033643546081675066,
          {"stiffness_cos": 0.3844745927565174, "stiffness_sin": [-0.025947535844472944, -0.015234028751107603],
           "error_cos": 0.1551406145917018}))
-    response = train.response(start=0.35, stop=2.6, harmonics=10, period_doublings=1)
+    response = train.response(start=0.35, stop=2.6, harmonics=10, period_doublings=1, step=0.06)
     found = [special for twice in response.branches for special in twice.special_points if special.kind == "neimark-sacker"]
     exact = 0
     for special in found:

@@ -23,6 +23,8 @@ import geartrain as gt
 
 pytestmark = pytest.mark.full
 
+#: What counts as a results file, by the mark of its seal, and is none.
+OLD = b"old" + b"geartrain sealed" + bytes(16)
 QUICK = "&response from = 0.4, to = 0.6, step = 0.01 /\n"
 #: Some seconds of response, sweep and search: checkpoints come after 0.3 s, then every 2 s at most.
 LONG = (
@@ -45,8 +47,11 @@ def whole(executable, tmp_path_factory):
 
 def test_the_target_exists(executable, tmp_path):
     case, output = write_case(tmp_path, QUICK), tmp_path / "out.h5"
-    output.write_bytes(b"old")
+    gt.read_case(write_case(tmp_path, "&modes /\n")).run().write(output)
+    write_case(tmp_path, QUICK)
     assert run(executable, case, "--output", output).returncode == 0
+    with h5py.File(output) as file:
+        assert "response" in file and "modes" not in file
     assert h5py.is_hdf5(output) and names(tmp_path) == ["case.nml", "out.h5"]
 
 
@@ -74,23 +79,23 @@ def open_folder(executable):
 def test_a_write_protected_target_is_left_alone(open_folder):
     folder, who = open_folder
     output = folder / "out.h5"
-    output.write_bytes(b"old")
+    output.write_bytes(OLD)
     output.chmod(0o444)
     done = run(folder / "geartrain", folder / "case.nml", "--output", output, **who)
     assert done.returncode == 4 and "write-protected" in done.stderr, done.stderr
-    assert output.read_bytes() == b"old" and names(folder) == ["case.nml", "geartrain", "out.h5"]
+    assert output.read_bytes() == OLD and names(folder) == ["case.nml", "geartrain", "out.h5"]
 
 
 def test_a_write_protected_folder_is_told_before_anything_is_computed(open_folder):
     folder, who = open_folder
     output = folder / "out.h5"
-    output.write_bytes(b"old")
+    output.write_bytes(OLD)
     output.chmod(0o666)
     folder.chmod(0o555)
     done = run(folder / "geartrain", folder / "case.nml", "--output", output, **who)
     folder.chmod(0o777)
     assert done.returncode == 4 and "out.h5: error: " in done.stderr and "Response" not in done.stdout, done
-    assert output.read_bytes() == b"old" and names(folder) == ["case.nml", "geartrain", "out.h5"]
+    assert output.read_bytes() == OLD and names(folder) == ["case.nml", "geartrain", "out.h5"]
 
 
 def test_an_unreadable_case_is_told(open_folder):
@@ -132,7 +137,7 @@ def test_the_time_between_checkpoints_is_bounded(executable, tmp_path):
 
 
 FULL_DISK = """
-mount -t tmpfs -o size=40k none "$1" && printf old > "$1/out.h5" || exit 77
+mount -t tmpfs -o size=40k none "$1" && printf 'oldgeartrain sealed0123456789abcdef' > "$1/out.h5" || exit 77
 "$2" "$3" --output "$1/out.h5"
 echo "status $?: $(cat "$1/out.h5"): $(ls "$1")"
 """
@@ -146,16 +151,16 @@ def test_a_full_disk_keeps_the_old_file(executable, tmp_path):
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         pytest.skip(f"this system mounts nothing for us: {done.stderr}")
-    assert "status 4: old: out.h5\n" in done.stdout
+    assert "status 4: oldgeartrain sealed0123456789abcdef: out.h5\n" in done.stdout
     assert "out.h5: error: cannot be written" in done.stderr
 
 
 def test_a_limit_on_the_size_of_files_is_a_full_disk(executable, tmp_path):
     case, output = write_case(tmp_path, QUICK), tmp_path / "out.h5"
-    output.write_bytes(b"old")
+    output.write_bytes(OLD)
     done = run("bash", "-c", 'ulimit -f 8; exec "$@"', "bash", executable, case, "--output", output)
     assert done.returncode == 4 and "out.h5: error: cannot be written" in done.stderr, done
-    assert output.read_bytes() == b"old" and names(tmp_path) == ["case.nml", "out.h5"]
+    assert output.read_bytes() == OLD and names(tmp_path) == ["case.nml", "out.h5"]
 
 
 def test_a_case_is_not_overwritten_however_its_path_is_written(executable, tmp_path):
@@ -217,16 +222,16 @@ def test_killed_at_any_moment_and_resumed(executable, whole, tmp_path):
     """The old file survives until the new one is whole, what there is can be read, and in the end all bits are the same."""
     case, output = write_case(tmp_path, LONG), tmp_path / "out.h5"
     partial = tmp_path / "out.h5.partial"
-    output.write_bytes(b"old")
+    output.write_bytes(OLD)
     moments = random.Random(5)
     kills = 0
     points = 0
     while not kill_after(executable, case, output, moments.uniform(0.05, 2.0 + 0.3 * kills)):
         kills += 1
         assert kills < 60
-        if output.read_bytes() != b"old":  # killed between the last of the writing and the end
+        if output.read_bytes() != OLD:  # killed between the last of the writing and the end
             assert_equal_files(whole, output)
-            output.write_bytes(b"old")
+            output.write_bytes(OLD)
             points = 0
         if partial.exists():
             with h5py.File(partial) as file:

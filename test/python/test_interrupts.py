@@ -50,6 +50,7 @@ HUGE = "points=10000, parameter_points=10000"
     (300, "attractors(frequency=0.9)", (0.2, 2.0)),
     pytest.param(300, "sweep(start=0.5, stop=1.0)", (1.0,), marks=pytest.mark.nightly),
     (300, "integrate(0.9)", (1.0,)),
+    (300, "response(start=0.9, stop=0.9001, harmonics=1, max_points=3, stability=False).audit(points=3)", (1.0, 3.0)),
     (300, "run_up(start=0.5, stop=1.0, duration=0.5)", (1.0,)),
     (2, "run_up(start=0.5, stop=1.0, duration=100.0, samples=1)", (0.2, 2.0)),
     (2, MAP.format(HUGE), (0.2, 2.0)),
@@ -68,6 +69,34 @@ def test_within_a_second(meshes, call, waits):
         assert done.returncode == 0, done.stderr
         assert float(done.stdout.split()[0]) < PATIENCE, (wait, done.stdout)
         assert "stopped by Ctrl-C" in done.stdout
+
+
+PAGE = """
+import os, signal, threading, time
+import geartrain as gt
+signal.signal(signal.SIGINT, signal.default_int_handler)
+train = gt.read_case({case!r}).train
+branch = train.response(start=0.2, stop=2.6, step=0.0005, max_points=100000)
+sent = []
+def interrupt():
+    time.sleep({wait})
+    sent.append(time.monotonic())
+    os.kill(os.getpid(), signal.SIGINT)
+threading.Thread(target=interrupt).start()
+try:
+    gt.page(branch)
+except KeyboardInterrupt:
+    print(len(branch), time.monotonic() - sent[0])
+"""
+
+
+@pytest.mark.parametrize("wait", [1.0, 2.5, 4.0])
+def test_a_page_of_a_large_branch(tmp_path, wait):
+    """Compressing 100 MB takes seconds."""
+    code = PAGE.format(case=str(write_case(tmp_path, "&modes /\n")), wait=wait)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    points, seconds = done.stdout.split()
+    assert int(points) > 20_000 and float(seconds) < PATIENCE, done
 
 
 def test_a_huge_map_takes_memory_as_it_grows():

@@ -13,8 +13,8 @@ from conftest import ROOT, paper_train
 
 import geartrain as gt
 
-#: No break, emoji with joiner, a line separator that is no control character, next line, right to left, no character yet.
-TEXTS = ("a\u00a0b", "\U0001f469\u200d\U0001f52c", "a\u2028b", "a\u0085b", "\u05d0\u200f", "\U000323b0", "\u00ad", "it's")
+#: No break, emoji with joiner, right to left, no character yet, soft hyphen.
+TEXTS = ("a\u00a0b", "\U0001f469\u200d\U0001f52c", "\u05d0\u200f", "\U000323b0", "\u00ad", "it's")
 
 
 @pytest.mark.parametrize("text", TEXTS)
@@ -33,7 +33,9 @@ def test_read_case_takes_what_the_executable_takes(executable, tmp_path, text):
     assert gt.read_case(path).train == case.train
 
 
-@pytest.mark.parametrize("text", ["a\nb", "\t", "\x7f", "\x00", "\x1c", "\ud800"])
+@pytest.mark.parametrize("text", [
+    "a\nb", "\t", "\x7f", "\x00", "\x1c", "\ud800", "a\u2028b", "a\u0085b", "a\u202eb", "\u2066", "\ufeffa",
+])
 def test_control_characters_are_told(text):
     with pytest.raises(gt.InputError, match=r"title = .*without control characters"):
         paper_train(title=text)

@@ -28,6 +28,7 @@ module geartrain_analyses_attractors
    use geartrain_model_limits, only: check_frequency, check_harmonics
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
+   use geartrain_model_units, only: mesh_frequencies
    implicit none (type, external)
    private
    public :: attractors, attractors_analysis_type, attractors_row, attractors_settings_type, attractors_type, check_attractors, &
@@ -102,8 +103,9 @@ contains
       call v%enter('attractors', 1)
       call v%on_real(row('frequency', '', 'Lambda, or in `unit`', required=.true., above=zero), settings%frequency)
       call visit_unit(settings%unit, v)
-      call v%on_integer(row('starts', '', 'random starts: mesh displacements and velocities within three times the resting &
-                            &displacement', least=one, most=1e6*one), settings%starts)
+      call v%on_integer(row('starts', '', 'random starts: mesh displacements within three times the resting displacement, &
+                            &velocities within those of a vibration of the mesh alone that goes as far', least=one, &
+                            most=1e6*one), settings%starts)
       call v%on_integer(row('random_seed', '', 'the same seed gives the same starts'), settings%random_seed)
       call v%on_logical(row('follow', '', 'each motion found that lies on no branch of the case yet is followed as one, over the &
                             &range of &response and with its settings'), settings%follow)
@@ -259,25 +261,27 @@ contains
 
    end subroutine attractors
 
-   !> Mesh displacements and velocities uniform within three times the resting displacement; shafts untwisted.
+   !> Mesh displacements uniform within three times the resting displacement, or half backlash where that is 0; velocities within
+   !> those of a vibration of the mesh alone that goes as far; shafts untwisted.
    function random_state(system, seed, start) result(state)
       type(system_type), intent(in) :: system
       integer, intent(in) :: seed, start
       real(dp), allocatable :: state(:)
-      real(dp) :: reach
+      real(dp) :: reach, frequency(system%meshes)
       type(generator_type) :: generator
       integer :: j
 
       generator = begin_random(seed, start)
       allocate (state(system%states))
       state = resting_state(system)
+      frequency = mesh_frequencies(system)
       do j = 1, system%meshes
          associate (n => system%mesh_element(j))
             ! The displacement of a mesh that closes a loop follows from the other meshes.
             if (n > system%coordinates) cycle
-            reach = 3*abs(state(n))
+            reach = 3*max(abs(state(n)), system%half_backlash(j))
             state(n) = reach*(2*generator%uniform() - 1)
-            state(system%displacements + n) = reach*(2*generator%uniform() - 1)
+            state(system%displacements + n) = reach*frequency(j)*(2*generator%uniform() - 1)
          end associate
       end do
    end function random_state

@@ -12,6 +12,7 @@ module geartrain_analyses_audit
    use geartrain_continuation_branch, only: branch_type
    use geartrain_continuation_decided, only: rests_on_undecided
    use geartrain_continuation_orbit_corrector, only: orbit_corrector_type, orbit_type
+   use geartrain_continuation_points, only: repeats_of
    use geartrain_model_check, only: check_train
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
@@ -65,7 +66,8 @@ contains
       !$omp parallel
       call audit_share(train, branch, system, chosen, audit%rows, exact, is_done, keep_going, observer)
       !$omp end parallel
-      call corrector%setup(system, branch%subharmonic)
+      n = repeats_of(branch, system)
+      call corrector%setup(system, branch%subharmonic, n)
       call mark_twins(corrector, branch, exact, audit%rows)
       audit%cancelled = .not. keep_going
       audit%rows = pack(audit%rows, is_done)
@@ -90,7 +92,7 @@ contains
       logical :: go
 
       own = system
-      call corrector%setup(own, branch%subharmonic)
+      call corrector%setup(own, branch%subharmonic, repeats_of(branch, system))
       !$omp do schedule(dynamic)
       do i = 1, size(rows)
          !$omp atomic read

@@ -62,6 +62,7 @@ contains
          row%doubtful = branch%estimate_doubtful(i)
          call guess_from_point(corrector, branch, i, orbit)
          call corrector%solve_at(orbit, found)
+         if (corrector%system%interrupt%raised()) return
          if (found) call compare(corrector, branch, orbit, .false., row)
          if (allocated(branch%stable)) then
             row%verdict = merge('stable  ', 'unstable', branch%stable(i))

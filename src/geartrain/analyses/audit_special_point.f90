@@ -5,7 +5,7 @@ module geartrain_analyses_audit_special_point
    use geartrain_analyses_audit_result, only: audit_row_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
-   use geartrain_continuation_branch, only: branch_type
+   use geartrain_continuation_branch, only: branch_type, multipliers_at
    use geartrain_continuation_decided, only: nearest_decided
    use geartrain_continuation_exact_search, only: ends_of, find_exact
    use geartrain_continuation_orbit_corrector, only: orbit_corrector_type, orbit_type
@@ -51,8 +51,8 @@ contains
       sides = 0
       if (allocated(branch%stable)) then
          sides = [nearest_decided(branch, special, -1), nearest_decided(branch, special, 1)]
-         associate (before => branch%multipliers(:, merge(sides(1), ends(1), sides(1) > 0)), &
-                    after => branch%multipliers(:, merge(sides(2), ends(2), sides(2) > 0)))
+         associate (before => multipliers_at(branch, merge(sides(1), ends(1), sides(1) > 0)), &
+                    after => multipliers_at(branch, merge(sides(2), ends(2), sides(2) > 0)))
             change = critical(row%kind, after) - critical(row%kind, before)
             row%verdict = counts(before, after)
          end associate
@@ -92,7 +92,7 @@ contains
          if (branch%correction(i) >= 0) return
       end if
       contradicts = (branch%stable(i) .neqv. outside(orbit%multipliers) == 0) &
-                    .and. critical(kind, branch%multipliers(:, i)) /= critical(kind, orbit%multipliers)
+                    .and. critical(kind, multipliers_at(branch, i)) /= critical(kind, orbit%multipliers)
    end function contradicts
 
    !> Whether a special point shares its step of the branch with the special point before it, and with the special point after it.

@@ -29,6 +29,7 @@ module geartrain_analyses_basins
    use geartrain_model_check, only: check_train
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
+   use geartrain_model_units, only: mesh_frequencies
    implicit none (type, external)
    private
    public :: basins, basins_analysis_type, basins_row
@@ -170,7 +171,7 @@ contains
       ! Number of copies: the labels, the fields, a field on its way, the file that HDF5 makes of them and its bytes.
       integer, parameter :: times = 5
       type(basins_type) :: empty
-      real(dp) :: rest
+      real(dp) :: farthest, frequency(system%meshes)
 
       found = empty
       call need(4.0_dp*times*settings%displacement_points*settings%velocity_points, 'basins: no memory for '// &
@@ -190,19 +191,20 @@ contains
       found%displacement_place = system%mesh_element(settings%mesh)
       found%velocity_place = system%displacements + found%displacement_place
       found%base = resting_state(system)
-      rest = abs(found%base(found%displacement_place))
+      farthest = reach*max(abs(found%base(found%displacement_place)), system%half_backlash(settings%mesh))
+      frequency = mesh_frequencies(system)
       if (present(start)) call state_of(system, start, found%base)
       associate (s => settings)
-         found%displacement = spaced(s%displacement_start, s%displacement_stop, s%displacement_points)
-         found%velocity = spaced(s%velocity_start, s%velocity_stop, s%velocity_points)
+         found%displacement = spaced(s%displacement_start, s%displacement_stop, s%displacement_points, farthest)
+         found%velocity = spaced(s%velocity_start, s%velocity_stop, s%velocity_points, frequency(s%mesh)*farthest)
          allocate (found%label(s%displacement_points, s%velocity_points), source=not_done)
       end associate
 
    contains
 
       !> Equally spaced values, ends exact; by default over the range of the random starts.
-      pure function spaced(from, to, points) result(values)
-         real(dp), intent(in) :: from, to
+      pure function spaced(from, to, points, farthest) result(values)
+         real(dp), intent(in) :: from, to, farthest
          integer, intent(in) :: points
          real(dp) :: values(points), first, last
          integer :: i
@@ -210,8 +212,8 @@ contains
          first = from
          last = to
          if (.not. (abs(from) > 0 .or. abs(to) > 0)) then
-            first = -reach*rest
-            last = reach*rest
+            first = -farthest
+            last = farthest
          end if
          values = [(first + (last - first)*(i - 1)/max(1, points - 1), i=1, points)]
          if (points > 1) values(points) = last

@@ -312,7 +312,7 @@ contains
       call response(train, branch_settings, branch, error)
       row%whole = branch%complete .and. .not. allocated(error)
       if (allocated(error)) return
-      call begin_trace(train, branch_settings, systems, tracer)
+      call begin_trace(train, branch_settings, systems, tracer, branch)
       call tracer%recorder%setup(tracer%corrector%balance, .true., found)
       do k = 1, size(frequency_ratio)
          if (train%interrupt%raised()) return

@@ -45,7 +45,7 @@ module geartrain_balance_balance
 contains
 
    !> Prepares the balance; samples = 0: exact coefficients.
-   subroutine setup(self, system, highest, eta, samples, chosen)
+   subroutine setup(self, system, highest, eta, samples, chosen, repeats)
       class(balance_type), intent(inout) :: self
       !> Dimensionless system of the train.
       type(system_type), pointer, intent(in) :: system
@@ -53,14 +53,16 @@ contains
       integer, intent(in) :: highest, eta, samples
       !> Harmonics to carry, ascending, up to `highest`; absent: those that the excitation reaches.
       integer, intent(in), optional :: chosen(:)
+      !> How often the motions go through their waveform within the period, see `mesh_forces_type`.
+      integer, intent(in), optional :: repeats
       logical :: misses(3*highest)
       integer :: r
 
-      call self%mesh_forces_type%setup(system, highest, eta, samples, chosen)
+      call self%mesh_forces_type%setup(system, highest, eta, samples, chosen, repeats)
       misses = .true.
       misses(self%harmonic) = .false.
       self%missing = pack([(r, r=1, 3*highest)], misses)
-      if (eta == 1) self%missing = pack(self%missing, mod(self%missing, system%excitation_order) == 0)
+      self%missing = pack(self%missing, mod(self%missing, self%repeats) == 0)
       self%left_out = eta*excited_harmonics(system)
       self%left_out = pack(self%left_out, self%left_out > highest)
       if (allocated(self%residual)) deallocate (self%residual, self%d_frequency, self%receptance)

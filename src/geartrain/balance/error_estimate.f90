@@ -184,8 +184,7 @@ contains
          self%harmonic(:self%count) = balance%left_out
          return
       end if
-      step = 1
-      if (balance%eta == 1) step = balance%system%excitation_order
+      step = balance%repeats
       taken = .false.
       taken(balance%missing) = .true.
       taken(pack(balance%left_out, balance%left_out <= size(taken))) = .true.

@@ -20,13 +20,14 @@ module geartrain_balance_harmonic_set
 contains
 
    !> Whether balances of a train carry sets of harmonics where the program chooses their number.
-   pure logical function has_sparse_motions(system, subharmonic)
+   pure logical function has_sparse_motions(system, subharmonic, repeats)
       !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
-      !> Sub-harmonic index, period over mesh period.
-      integer, intent(in) :: subharmonic
+      !> Sub-harmonic index, period over mesh period; how often the motions go through their waveform within it.
+      integer, intent(in) :: subharmonic, repeats
 
-      has_sparse_motions = subharmonic == 1 .and. reach_of_sources(system) > lowest_sparse*system%excitation_order
+      has_sparse_motions = subharmonic == 1 .and. repeats == system%excitation_order .and. &
+                           reach_of_sources(system) > lowest_sparse*repeats
    end function has_sparse_motions
 
    !> Harmonics to begin with, ascending: the excitation, and sums and differences of two of its harmonics.

@@ -59,7 +59,7 @@ module geartrain_balance_mesh_forces
 contains
 
    !> Chooses the carried harmonics and prepares work space and plans for `find_forces`.
-   subroutine setup(self, system, highest, eta, samples, chosen)
+   subroutine setup(self, system, highest, eta, samples, chosen, repeats)
       class(mesh_forces_type), intent(inout) :: self
       !> Dimensionless system of the train.
       type(system_type), pointer, intent(in) :: system
@@ -67,17 +67,22 @@ contains
       integer, intent(in) :: highest, eta, samples
       !> Harmonics to carry, ascending, up to `highest`; absent: those that the excitation reaches.
       integer, intent(in), optional :: chosen(:)
+      !> How often the motions go through their waveform within the period, a divisor of the excitation's: multiples of it are
+      !> carried; absent: as often as the excitation where eta is 1, else once.
+      integer, intent(in), optional :: repeats
       integer :: i, r
 
       self%system => system
       self%eta = eta
       self%highest = highest
       self%samples = samples
-      self%harmonic = [(r, r=1, highest)]
+      self%repeats = merge(system%excitation_order, 1, eta == 1)
+      if (present(repeats)) self%repeats = repeats
+      self%harmonic = [(r, r=self%repeats, highest, self%repeats)]
       self%chosen = present(chosen)
       if (present(chosen)) then
          self%harmonic = chosen
-      else if (eta == 1) then
+      else if (eta == 1 .and. self%repeats == system%excitation_order) then
          self%harmonic = needed_harmonics(system, highest)
       end if
       self%block = 1 + 2*size(self%harmonic)

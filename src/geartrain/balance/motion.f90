@@ -26,6 +26,9 @@ module geartrain_balance_motion
       real(dp), allocatable :: state(:)
       !> Floquet multipliers over one period of the motion [1]; allocated where they were asked for.
       complex(dp), allocatable :: multipliers(:)
+      !> Over one repetition of the waveform, of which `multipliers` are powers [1]; allocated where shooting found a motion that
+      !> repeats itself within its period.
+      complex(dp), allocatable :: repetition_multipliers(:)
       !> All multipliers are inside the unit circle by more than their rounding.
       logical :: stable = .false.
       !> `stable` is a guess: the largest multiplier is as near to the unit circle as it is uncertain.

@@ -1,58 +1,62 @@
 !> Motions that repeat themselves within their period. If only multiples of an order g excite a train, a motion of period 1 goes
-!> g times through its waveform. A train with all orders divided by g goes through the waveform once, at g times the Lambda.
+!> g times through its waveform, or after period doublings g/2 times, and so on. A train with all orders divided by this number goes
+!> through the waveform once, at so many times the Lambda.
 !> Shooting over one waveform multiplies an error by its multiplier, over the whole period by the multiplier to the power g.
 module geartrain_balance_repetition
+   use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp
-   use geartrain_base_series, only: series_type
+   use geartrain_model_kinematics, only: greatest_divisor
    use geartrain_floquet_multipliers, only: power
-   use geartrain_mesh_law_law, only: law_type
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: repetitions_of, divide_orders, take_one, repeat_motion
+   public :: repetitions_in, repetitions_of, take_one, repeat_motion
 
-   !> Share of the amplitude at harmonics that are no multiple of g, up to which a motion repeats itself [1].
+   !> Share of the amplitude at a harmonic that is no multiple of g, up to which a motion repeats itself [1].
    real(dp), parameter :: negligible = 1e-9_dp
 
 contains
 
-   !> How often a motion goes through its waveform within its period; 1 where `motion` has no coefficients.
+   !> How often motions go through their waveform within the period of the fundamental: the greatest common divisor of the harmonics
+   !> that they have and that the train excites.
+   pure integer function repetitions_in(system, harmonic, coefficients) result(times)
+      !> Dimensionless system of the train.
+      type(system_type), intent(in) :: system
+      !> Harmonics of Lambda of the coefficients, (harmonic).
+      integer, intent(in) :: harmonic(:)
+      !> Coefficients of the motions [1], (1 + 2*harmonics, mesh, motion).
+      real(dp), intent(in) :: coefficients(:, :, :)
+      integer :: i, k
+
+      times = system%excitation_order
+      do i = 1, size(coefficients, 3)
+         if (times == 1) return
+         associate (least => negligible*norm2(coefficients(2:, :, i)))
+            do k = 1, size(harmonic)
+               if (mod(harmonic(k), times) == 0) cycle
+               if (norm2(coefficients(2*k:2*k + 1, :, i)) > least) &
+                  times = int(greatest_divisor(int(times, int64), int(harmonic(k), int64)))
+            end do
+         end associate
+      end do
+   end function repetitions_in
+
+   !> How often a motion goes through its waveform within its period; 1 where `motion` has no coefficients, or a period of several
+   !> periods of the fundamental.
    pure integer function repetitions_of(system, motion) result(times)
       !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
       !> Motion with its coefficients and period.
       type(motion_type), intent(in) :: motion
-      real(dp) :: others
       integer :: r
 
       times = 1
       if (motion%period /= 1 .or. system%excitation_order == 1 .or. .not. allocated(motion%coefficients)) return
-      others = 0
-      do r = 1, (size(motion%coefficients, 1) - 1)/2
-         if (mod(r, system%excitation_order) /= 0) others = others + sum(motion%coefficients(2*r:2*r + 1, :)**2)
-      end do
-      if (sqrt(others) <= negligible*norm2(motion%coefficients(2:, :))) times = system%excitation_order
+      associate (c => motion%coefficients)
+         times = repetitions_in(system, [(r, r=1, (size(c, 1) - 1)/2)], reshape(c, [size(c, 1), size(c, 2), 1]))
+      end associate
    end function repetitions_of
-
-   !> Divides all orders of a train; harmonics without an amplitude, which need not be multiples of the divisor, are dropped.
-   pure subroutine divide_orders(times, system)
-      !> Common divisor of the orders.
-      integer, intent(in) :: times
-      !> Dimensionless system of the train.
-      type(system_type), intent(inout) :: system
-      integer :: j
-
-      if (times == 1) return
-      do j = 1, size(system%torque)
-         call divide(times, system%torque(j))
-      end do
-      do j = 1, system%meshes
-         call divide_law(times, system%law(j))
-         call divide(times, system%transmission_error(j))
-      end do
-      system%excitation_order = system%excitation_order/times
-   end subroutine divide_orders
 
    !> Turns a motion of period 1 into the motion of the train with divided orders: Lambda and coefficients.
    pure subroutine take_one(times, motion)
@@ -72,31 +76,6 @@ contains
       call move_alloc(coefficients, motion%coefficients)
    end subroutine take_one
 
-   pure subroutine divide_law(times, law)
-      integer, intent(in) :: times
-      type(law_type), intent(inout) :: law
-      complex(dp), allocatable :: amplitude(:, :)
-      logical :: kept(size(law%harmonic))
-      integer :: s
-
-      kept = any(abs(law%amplitude) > 0, 2)
-      allocate (amplitude(count(kept), law%lowest:law%highest))
-      do s = law%lowest, law%highest
-         amplitude(:, s) = pack(law%amplitude(:, s), kept)
-      end do
-      call move_alloc(amplitude, law%amplitude)
-      law%harmonic = pack(law%harmonic, kept)/times
-      law%order = law%order/times
-   end subroutine divide_law
-
-   pure subroutine divide(times, series)
-      integer, intent(in) :: times
-      type(series_type), intent(inout) :: series
-
-      series%harmonic = pack(series%harmonic, abs(series%amplitude) > 0)/times
-      series%amplitude = pack(series%amplitude, abs(series%amplitude) > 0)
-   end subroutine divide
-
    !> The inverse of `take_one`: Lambda, coefficients and multipliers.
    pure subroutine repeat_motion(times, highest, motion)
       !> Divisor of the orders; highest harmonic of the coefficients afterwards.
@@ -113,7 +92,9 @@ contains
          coefficients(2*r*times:2*r*times + 1, :) = motion%coefficients(2*r:2*r + 1, :)
       end do
       call move_alloc(coefficients, motion%coefficients)
-      if (allocated(motion%multipliers)) motion%multipliers = power(motion%multipliers, times)
+      if (.not. allocated(motion%multipliers)) return
+      motion%repetition_multipliers = motion%multipliers
+      motion%multipliers = power(motion%repetition_multipliers, times)
    end subroutine repeat_motion
 
 end module geartrain_balance_repetition

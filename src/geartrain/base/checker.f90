@@ -2,6 +2,7 @@
 module geartrain_base_checker
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
+   use geartrain_base_plain_text, only: not_plain
    use geartrain_base_problems, only: problems_type
    use geartrain_base_variable, only: variable_type, visitor_type
    implicit none (type, external)
@@ -21,6 +22,9 @@ module geartrain_base_checker
       procedure :: lacks
       procedure :: drawing_is_wrong
    end type checker_type
+
+   !> Bytes of a text that a message shows.
+   integer, parameter :: longest_shown = 60
 
    !> Variables of a drawing, from which others follow.
    character(*), parameter :: drawn(*) = [character(15) :: 'teeth', 'normal_module', 'pressure_angle', 'helix_angle', &
@@ -78,7 +82,7 @@ contains
       if (.not. allocated(value)) return
       if (variable%allows_text(value)) return
       if (variable%choices == '') then
-         call self%complain(variable%name, "'...'", 'must be one line of UTF-8 text without control characters')
+         call self%complain(variable%name, quoted(value), trim(not_plain(value)))
       else
          call self%complain(variable%name, "'"//value//"'", trim(variable%expectation()))
       end if
@@ -110,9 +114,18 @@ contains
 
       do i = 1, size(value)
          if (.not. variable%allows_text(value(i))) &
-            call self%complain(variable%name, "'...'", 'must be one line of UTF-8 text without control characters')
+            call self%complain(variable%name, quoted(trim(value(i))), trim(not_plain(value(i))))
       end do
    end subroutine check_names
+
+   !> A text in quotes, '...' where it is long.
+   pure function quoted(value) result(text)
+      character(*), intent(in) :: value
+      character(2 + merge(3, len(value), len(value) > longest_shown)) :: text
+
+      text = "'...'"
+      if (len(value) <= longest_shown) text = "'"//value//"'"
+   end function quoted
 
    !> Adds the problem 'name = value: expectation' unless the variable has a problem already.
    subroutine complain(self, name, value, expectation, place)

@@ -1,5 +1,6 @@
 !> Errors as values: a message and an exit status.
 module geartrain_base_error
+   use geartrain_base_plain_text, only: escaped, escaped_lines
    implicit none (type, external)
    private
    public :: error_type, fatal, status_input, status_ended_early, status_file, status_memory
@@ -17,20 +18,32 @@ module geartrain_base_error
 
 contains
 
-   !> Allocates `error`, or adds a line to an allocated one, so that all problems are told at once.
-   subroutine fatal(error, message, status)
+   !> Allocates `error`, or adds a line to an allocated one, so that all problems are told at once. The message is escaped here:
+   !> names of files and texts read from files may contain anything.
+   subroutine fatal(error, message, status, lines)
       type(error_type), allocatable, intent(inout) :: error
-      !> A line of text.
+      !> A line of text; with `lines` the message of another error.
       character(*), intent(in) :: message
       !> Exit status of a new error: status_input (where absent), status_ended_early, status_file or
       !> status_memory.
       integer, intent(in), optional :: status
+      !> Whether the message has several lines, whose newlines stay; absent: .false.
+      logical, intent(in), optional :: lines
+      character(:), allocatable :: text
+      logical :: several
 
+      several = .false.
+      if (present(lines)) several = lines
+      if (several) then
+         text = escaped_lines(message)
+      else
+         text = escaped(message)
+      end if
       if (allocated(error)) then
-         error%message = error%message//new_line('a')//message
+         error%message = error%message//new_line('a')//text
       else
          allocate (error)
-         error%message = message
+         error%message = text
          if (present(status)) error%status = status
       end if
    end subroutine fatal

@@ -3,9 +3,9 @@ module geartrain_base_problems
    use geartrain_base_error, only: error_type, fatal
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text
+   use geartrain_base_plain_text, only: escaped
    use geartrain_base_sorting, only: ascending
-   use geartrain_base_variable, only: is_utf_8
-   implicit none (type, external)
+      implicit none (type, external)
    private
    public :: problems_type, group_label
 
@@ -126,34 +126,21 @@ contains
       if (self%untold > 0) call fatal(error, 'and '//integer_text(self%untold)//' more')
    end subroutine raise
 
-   !> The text itself where it is UTF-8, else with a question mark for each byte that is not ASCII.
-   pure function readable(text) result(whole)
-      character(*), intent(in) :: text
-      character(len(text)) :: whole
-      integer :: i
-
-      whole = text
-      if (is_utf_8(text)) return
-      do i = 1, len(text)
-         if (iachar(text(i:i)) >= 128) whole(i:i) = '?'
-      end do
-   end function readable
-
    !> The message of a problem with its place: 'file:line:column: error: &group: text'.
    pure subroutine message(problem, file, text)
       type(problem_type), intent(in) :: problem
       character(*), intent(in) :: file
       character(:), allocatable, intent(out) :: text
 
-      text = readable(problem%text)
+      text = escaped(problem%text)
       if (problem%group /= '' .and. .not. problem%names_group) then
          text = group_label(problem%group, problem%index)//': '//text
       end if
       if (file == '') return
       if (problem%line > 0) then
-         text = file//':'//integer_text(problem%line)//':'//integer_text(problem%column)//': error: '//text
+         text = escaped(file)//':'//integer_text(problem%line)//':'//integer_text(problem%column)//': error: '//text
       else
-         text = file//': error: '//text
+         text = escaped(file)//': error: '//text
       end if
    end subroutine message
 

@@ -6,9 +6,10 @@ module geartrain_base_variable
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
+   use geartrain_base_plain_text, only: is_plain
    implicit none (type, external)
    private
-   public :: variable_type, visitor_type, is_utf_8, smallest, largest
+   public :: variable_type, visitor_type, smallest, largest
 
    !> Range of the magnitude of every number except 0: products of several such numbers do not overflow, and no train in SI units
    !> comes near. Lists may hold smaller numbers, which rounding makes of 0.
@@ -165,46 +166,18 @@ contains
       if (allows_number) allows_number = abs(value) >= smallest .or. abs(value) <= 0
    end function allows_number
 
-   !> Whether a text is one of the choices; without choices, whether it is UTF-8 without control characters.
+   !> Whether a text is one of the choices; without choices, whether it is plain.
    pure logical function allows_text(self, value)
       class(variable_type), intent(in) :: self
       !> Any bytes.
       character(*), intent(in) :: value
-      integer :: i
 
       if (self%choices == '') then
-         allows_text = all([(iachar(value(i:i)) >= 32 .and. iachar(value(i:i)) /= 127, i = 1, len(value))]) .and. is_utf_8(value)
+         allows_text = is_plain(value)
       else
          allows_text = value /= '' .and. scan(trim(value), ' ') == 0 .and. index(' '//self%choices//' ', ' '//trim(value)//' ') > 0
       end if
    end function allows_text
-
-   !> Whether a text is UTF-8, as all texts for HDF5 and Python must be.
-   pure logical function is_utf_8(text)
-      !> Any bytes.
-      character(*), intent(in) :: text
-      integer, parameter :: shortest(3) = [128, 2048, 65536]
-      integer :: i, k, byte, more, code
-
-      is_utf_8 = .false.
-      i = 1
-      do while (i <= len(text))
-         byte = iachar(text(i:i))
-         more = count(byte >= [192, 224, 240])
-         if (byte >= 128 .and. more == 0 .or. byte >= 248 .or. i + more > len(text)) return
-         code = iand(byte, merge(127, 63/2**more, more == 0))
-         do k = i + 1, i + more
-            byte = iachar(text(k:k))
-            if (iand(byte, 192) /= 128) return
-            code = 64*code + iand(byte, 63)
-         end do
-         ! Neither an overlong form nor a surrogate, and within Unicode.
-         if (more > 0 .and. code < shortest(max(1, more))) return
-         if (code >= 55296 .and. code <= 57343 .or. code > 1114111) return
-         i = i + more + 1
-      end do
-      is_utf_8 = .true.
-   end function is_utf_8
 
    !> The range as text: '> 0', '>= 1, or 0', "'up', 'down' or 'both'"; '' where every value is allowed. To be trimmed.
    pure function range_text(self) result(text)

@@ -72,13 +72,16 @@ contains
          if (samples == 0) samples = max(1024, transform_length(16*harmonics))
       end if
       chosen = self%chooses_sets .and. present(set)
-      if (chosen) then
-         call self%corrector%balance%setup(system, harmonics, self%settings%subharmonic, samples, set)
-      else
-         call self%corrector%balance%setup(system, harmonics, self%settings%subharmonic, samples)
-      end if
+      associate (own => self%settings)
+         if (chosen) then
+            call self%corrector%balance%setup(system, harmonics, own%subharmonic, samples, set, own%repeats)
+         else
+            call self%corrector%balance%setup(system, harmonics, own%subharmonic, samples, repeats=own%repeats)
+         end if
+      end associate
       if (allocated(self%corrector%balance%path)) self%exact%path = self%corrector%balance%path
-      if (samples > 0) call self%exact%setup(system, harmonics, self%settings%subharmonic, 0)
+      if (samples > 0) call self%exact%setup(system, harmonics, self%settings%subharmonic, 0, &
+                                               repeats=self%settings%repeats)
       call self%corrector%setup()
       self%corrector%local_control = self%settings%control == 'local'
    end subroutine prepare
@@ -123,7 +126,7 @@ contains
       if (self%settings%harmonics > 0) return
       first = self%corrector%balance%highest
       first_set = self%corrector%balance%harmonic
-      most = most_harmonics(self%system, self%settings%subharmonic)
+      most = most_harmonics(self%system, self%settings%subharmonic, self%settings%repeats)
       before(1) = solution
       if (present(here)) before(2) = here
       if (present(origin)) before(3) = origin
@@ -138,7 +141,7 @@ contains
             call self%prepare(larger(size(larger)), larger)
          else
             if (highest >= most) return
-            call self%prepare(min(most, max(highest + self%system%excitation_order, harmonics_for(self%estimate, &
+            call self%prepare(min(most, max(highest + self%settings%repeats, harmonics_for(self%estimate, &
                                             tolerance_share*self%settings%tolerance/self%estimate%limited))))
          end if
          call self%corrector%refit(solution)
@@ -189,7 +192,8 @@ contains
       highest = self%corrector%balance%highest
       share = tolerance_share*self%settings%tolerance/max(self%estimate%limited, tiny(1.0_dp))
       set = self%corrector%balance%harmonic
-      fewer = max(fewest_harmonics(self%system, self%settings%subharmonic), highest/2, harmonics_for(self%estimate, share))
+      fewer = max(fewest_harmonics(self%system, self%settings%subharmonic, self%settings%repeats), highest/2, &
+                  harmonics_for(self%estimate, share))
       if (self%chooses_sets) then
          share = set_share*self%settings%tolerance/max(self%estimate%limited, tiny(1.0_dp))
          if (share < 1) return

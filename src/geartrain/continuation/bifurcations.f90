@@ -9,10 +9,9 @@ module geartrain_continuation_bifurcations
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_critical_point, only: find_critical, find_meeting
    use geartrain_continuation_same_solution, only: same_solution
-   use geartrain_continuation_start, only: begin_trace
+   use geartrain_continuation_start, only: begin_trace, doubled_settings
    use geartrain_continuation_switching, only: trace_switched
    use geartrain_continuation_tracer, only: tracer_type
-   use geartrain_model_units, only: units_type
    use geartrain_continuation_variables, only: settings_for
    use geartrain_model_check, only: check_train
    use geartrain_model_system, only: system_type
@@ -27,7 +26,7 @@ module geartrain_continuation_bifurcations
    !> A solution point at which two branches cross, or at which a period-doubled branch begins or ends.
    type :: meeting_type
       type(solution_point_type) :: solution
-      !> Period of the balance that `solution` solves [periods of the fundamental].
+      !> Period of whose frequency the harmonics of `solution` are multiples [periods of the excitation].
       integer :: period = 0
       !> Two branches of equal period cross; else a period-doubled branch begins or ends.
       logical :: crossing = .false.
@@ -57,7 +56,7 @@ contains
       type(branch_type), allocatable :: earlier(:)
       type(branch_type) :: parent
       type(meeting_type), allocatable :: meetings(:)
-      integer :: first, i
+      integer :: first, i, longest
 
       if (.not. allocated(branches)) allocate (branches(0))
       call check_train(train, error)
@@ -65,28 +64,31 @@ contains
       allocate (earlier(0), meetings(0))
       if (present(known)) earlier = known
       first = size(branches)
-      call follow(train, settings, branch, 'the response', 0, settings%subharmonic, branches, meetings, earlier, observer)
+      longest = 0
+      call follow(train, settings, branch, 'the response', 0, longest, branches, meetings, earlier, observer)
       ! `branches` grows within the loop.
       i = first + 1
       do while (i <= size(branches))
          if (branches(size(branches))%cancelled) return
          ! A copy: `branches` moves in memory when it grows.
          parent = branches(i)
-         call follow(train, settings_for(settings, parent%subharmonic), parent, 'branch '//text(i), i, settings%subharmonic, &
-                     branches, meetings, earlier, observer)
+         call follow(train, settings_for(settings, parent%subharmonic), parent, 'branch '//text(i), i, longest, branches, &
+                     meetings, earlier, observer)
          i = i + 1
       end do
    end subroutine follow_bifurcations
 
    !> Appends to `branches` the branches that leave `parent`.
-   subroutine follow(train, settings, parent, name, number, period, branches, meetings, known, observer)
+   subroutine follow(train, settings, parent, name, number, longest, branches, meetings, known, observer)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
       type(branch_type), intent(in) :: parent
       !> `parent` in words.
       character(*), intent(in) :: name
-      !> Number of `parent`, 0 for the response; period of the response [periods of the fundamental].
-      integer, intent(in) :: number, period
+      !> Number of `parent`, 0 for the response.
+      integer, intent(in) :: number
+      !> Longest period of the branches that are followed [periods of the excitation]: found where `parent` is the response.
+      integer, intent(inout) :: longest
       type(branch_type), allocatable, intent(inout), target :: branches(:)
       !> Meetings known so far.
       type(meeting_type), allocatable, intent(inout) :: meetings(:)
@@ -97,28 +99,28 @@ contains
       type(meeting_type) :: here
       type(system_type), target :: systems(2)
       type(tracer_type) :: tracer
-      type(units_type) :: units
       logical :: found, met, doubles, again
-      integer :: i, n, times
+      type(response_settings_type) :: doubled
+      integer :: i, n
 
       if (.not. allocated(parent%special_points)) return
-      call begin_trace(train, settings, systems, tracer)
-      units = tracer%corrector%units
-      times = 2**settings%period_doublings
+      call begin_trace(train, settings, systems, tracer, parent)
+      if (number == 0) longest = tracer%corrector%balance%waves()*2**settings%period_doublings
+      doubled = doubled_settings(train, settings, parent)
       allocate (taken(0))
       do i = 1, size(parent%special_points)
          if (train%interrupt%raised()) return
          associate (special => parent%special_points(i))
             doubles = special%kind == 'period doubling'
-            if (doubles .and. parent%subharmonic >= period*times) cycle
+            if (doubles .and. tracer%corrector%balance%waves() >= longest) cycle
             if (.not. doubles .and. .not. (special%kind == 'branch point' .and. settings%branch_points)) cycle
             call find_critical(train, settings, parent, i, solution, found, taken=taken, again=again)
             ! A branch may pass a branch point twice, the second time shifted by some periods of the fundamental.
             if (again .and. .not. (found .or. doubles)) cycle
             if (found) then
                taken = [taken, solution]
-               here = meeting_type(solution, merge(2, 1, doubles)*parent%subharmonic, .not. doubles, number)
-               met = is_known(train, settings, parent, i, here, meetings, units)
+               here = meeting_type(solution, period(doubles), .not. doubles, number)
+               met = is_known(train, settings, parent, i, here, meetings, tracer)
                if (.not. met .or. here%crossing) meetings = [meetings, here]
                if (met) cycle
             end if
@@ -132,22 +134,31 @@ contains
          end if
          if (branches(n)%cancelled) return
          if (doubles) then
-            call find_meeting(train, settings_for(settings, 2*parent%subharmonic), branches(n), solution, met)
-            here = meeting_type(solution, 2*parent%subharmonic, .false., n)
+            call find_meeting(train, doubled, branches(n), solution, met)
+            here = meeting_type(solution, period(doubles), .false., n)
             ! From a variable: gfortran 12 never frees a structure constructor within an array constructor.
             if (met) meetings = [meetings, here]
          else
-            call note_crossings(train, settings, branches(n), n, meetings)
+            call note_crossings(train, settings, branches(n), n, period(doubles), meetings)
          end if
       end do
+
+   contains
+
+      pure integer function period(doubles)
+         logical, intent(in) :: doubles
+
+         period = merge(doubled%subharmonic, parent%subharmonic, doubles)*tracer%system%excitation_order
+      end function period
+
    end subroutine follow
 
    !> Adds to `meetings` the branch points of `branch`, which was just traced from a branch point.
-   subroutine note_crossings(train, settings, branch, number, meetings)
+   subroutine note_crossings(train, settings, branch, number, period, meetings)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
       type(branch_type), intent(in) :: branch
-      integer, intent(in) :: number
+      integer, intent(in) :: number, period
       type(meeting_type), allocatable, intent(inout) :: meetings(:)
       type(solution_point_type) :: solution
       type(meeting_type) :: here
@@ -158,7 +169,7 @@ contains
       do i = 1, size(branch%special_points)
          if (branch%special_points(i)%kind /= 'branch point') cycle
          call find_critical(train, settings, branch, i, solution, found)
-         here = meeting_type(solution, branch%subharmonic, .true., number)
+         here = meeting_type(solution, period, .true., number)
          if (found) meetings = [meetings, here]
       end do
    end subroutine note_crossings
@@ -166,13 +177,14 @@ contains
    !> Whether the branch that leaves `parent` at its special point number `special` is known: whether `here` is among `meetings`.
    !> Where the program chooses the number of harmonics, a bifurcation point moves with the number: `here` is then found again
    !> with as many harmonics as the meeting it is compared with.
-   logical function is_known(train, settings, parent, special, here, meetings, units)
+   logical function is_known(train, settings, parent, special, here, meetings, tracer)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
       type(branch_type), intent(in) :: parent
       integer, intent(in) :: special
       type(meeting_type), intent(in) :: here, meetings(:)
-      type(units_type), intent(in) :: units
+      !> Of `parent`.
+      type(tracer_type), intent(in) :: tracer
       type(solution_point_type) :: again
       logical :: found
       integer :: i, times
@@ -180,7 +192,7 @@ contains
       is_known = .false.
       times = merge(1, 2, here%crossing)
       do i = 1, size(meetings)
-         associate (other => meetings(i))
+         associate (other => meetings(i), units => tracer%corrector%units)
             if (other%period /= here%period .or. (other%crossing .neqv. here%crossing)) cycle
             if (here%crossing .and. other%branch == here%branch) cycle
             is_known = same_solution(here%solution, other%solution, here%period, units, .not. here%crossing)
@@ -188,7 +200,7 @@ contains
             if (size(here%solution%u, 1) == size(other%solution%u, 1)) cycle
             if (abs(here%solution%frequency_ratio - other%solution%frequency_ratio) > near*units%frequency_ratio) cycle
             call find_critical(train, settings, parent, special, again, found, &
-                               harmonics=(size(other%solution%u, 1) - 1)/(2*times))
+                               harmonics=tracer%settings%repeats*((size(other%solution%u, 1) - 1)/(2*times)))
             if (found) is_known = same_solution(again, other%solution, here%period, units, .not. here%crossing)
             if (is_known) return
          end associate

@@ -13,7 +13,7 @@ module geartrain_continuation_branch
    implicit none (type, external)
    private
    public :: arrange_points, branch_type, carried_by, coefficients_of, contact_edge_type, dense_coefficients, gap_along, has_sets, &
-      response_settings_type, special_point_type, trace_state_type, visit_points, widen
+      multipliers_at, response_settings_type, special_point_type, trace_state_type, visit_points, widen
 
    !> The variables of &response; from and to are `start` and `stop`.
    type :: response_settings_type
@@ -28,6 +28,9 @@ module geartrain_continuation_branch
       integer :: harmonics = 6
       !> Period of the motions in periods of the fundamental.
       integer :: subharmonic = 1
+      !> How often the motions go through their waveform within the period, a divisor of `excitation_order` of the train; 0: as
+      !> often as a motion that is given, else as the excitation where subharmonic is 1, else once. No variable of &response.
+      integer :: repeats = 0
       !> Whether the torque of every shaft is computed at each point.
       logical :: shaft_torque = .true.
       !> Whether Floquet multipliers are computed at each point.
@@ -135,6 +138,9 @@ module geartrain_continuation_branch
       real(dp), allocatable :: half_backlash_at(:, :)
       !> Floquet multipliers, (state, point); not allocated: stability was not asked for.
       complex(dp), allocatable :: multipliers(:, :)
+      !> Floquet multipliers over one repetition of the waveform, (state, point), of which `multipliers` are powers; allocated where
+      !> the motions repeat themselves within the period and stability was asked for.
+      complex(dp), allocatable :: repetition_multipliers(:, :)
       !> Whether all multipliers are inside the unit circle, (point); not allocated: stability was not asked for.
       logical, allocatable :: stable(:)
       !> Whether `stable` is a guess, because the largest multiplier is as near to the unit circle as it is uncertain, (point), see
@@ -259,6 +265,21 @@ contains
       harmonic = pack(branch%orders, [(any(abs(branch%coefficients(2*k:2*k + 1, :, i)) > 0) .or. &
                                        any(abs(branch%coefficients(2*k:2*k + 1, :, j)) > 0), k=1, size(branch%orders))])
    end function carried_by
+
+   !> Multipliers of a point over one repetition of its waveform [1], (state).
+   pure function multipliers_at(branch, i) result(multipliers)
+      !> A branch with stability.
+      type(branch_type), intent(in) :: branch
+      !> Index of the point.
+      integer, intent(in) :: i
+      complex(dp) :: multipliers(branch%states)
+
+      if (allocated(branch%repetition_multipliers)) then
+         multipliers = branch%repetition_multipliers(:, i)
+      else
+         multipliers = branch%multipliers(:, i)
+      end if
+   end function multipliers_at
 
    !> Coefficients of every harmonic up to the highest, (1 + 2*harmonics, mesh), from those of `orders`.
    pure function dense_coefficients(branch, coefficients) result(dense)
@@ -413,6 +434,10 @@ contains
                  branch%second_estimate)
       call carry(fields, row('multipliers', 'point state complex', '1', about_multipliers//'; of a train of 160 states &
                              &(41 flexible shafts) or more the 16 of largest magnitude', on_stability), branch%multipliers)
+      if (fields%has('repetition_multipliers', allocated(branch%repetition_multipliers))) &
+         call carry(fields, row('repetition_multipliers', 'point state complex', '1', 'Floquet multipliers over one repetition of &
+                                &the waveform, of which `multipliers` are powers', on_stability//', where all orders have a &
+                                &common divisor', optional=.true.), branch%repetition_multipliers)
    end subroutine visit_stability
 
 end module geartrain_continuation_branch

@@ -24,7 +24,7 @@ module geartrain_continuation_contact_edges
    integer, parameter :: most_steps = 20
    !> Depth at an edge on the polynomial, over half the backlash [1]; square of the last step on the branch over the length of the
    !> piece, about the error of the edge [units_type].
-   real(dp), parameter :: located = 1e-7_dp, nearly = 1e-10_dp
+   real(dp), parameter :: located = 1e-7_dp, nearly = 1e-13_dp
    !> A point closer to its neighbour than this share of the piece is no node of the polynomial [1].
    real(dp), parameter :: nearest = 0.03_dp
 
@@ -71,7 +71,7 @@ contains
       if (.not. any(gap > 0)) return
       allocate (edges(most_edges))
       n = 0
-      call begin_trace(train, settings, systems, tracer)
+      call begin_trace(train, settings, systems, tracer, branch)
       do i = 1, branch%points - 1
          if (.not. joined(branch, i)) cycle
          ready = .false.

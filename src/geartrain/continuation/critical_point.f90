@@ -56,7 +56,7 @@ contains
       integer :: highest
 
       if (present(again)) again = .false.
-      call begin_trace(train, settings, systems, tracer)
+      call begin_trace(train, settings, systems, tracer, branch)
       highest = settings%harmonics
       if (highest == 0) then
          highest = harmonics_at(branch, special)
@@ -92,10 +92,10 @@ contains
 
       met = .false.
       if (branch%points < 2) return
-      call begin_trace(train, settings, systems, tracer)
-      associate (n => branch%points - 1)
+      call begin_trace(train, settings, systems, tracer, branch)
+      associate (n => branch%points - 1, step => 2*tracer%settings%repeats)
          ! An even number: the balance of half the period has half as many harmonics.
-         if (settings%harmonics == 0) call tracer%prepare(2*((maxval(branch%point_harmonics(n:n + 1)) + 1)/2))
+         if (settings%harmonics == 0) call tracer%prepare(step*((maxval(branch%point_harmonics(n:n + 1)) + step - 1)/step))
          ! The step is measured along the branch, whatever the control of the trace, which `prepare` sets.
          tracer%corrector%local_control = .false.
          call take_chord(tracer, branch, n, here, next, chord)
@@ -111,7 +111,7 @@ contains
             call take_chord(tracer, branch, branch%points - 1, here, next, chord)
          end if
       end if
-      met = passes_half_period(here, next, branch%subharmonic)
+      met = passes_half_period(here, next, tracer%corrector%balance%waves())
       if (.not. met) return
       call locate_half_period(tracer%corrector, here, next, chord, solution)
       solution%tangent = here%u

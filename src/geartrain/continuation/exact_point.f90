@@ -7,14 +7,15 @@ module geartrain_continuation_exact_point
    use geartrain_base_observer, only: observer_type
    use geartrain_continuation_augmented_point, only: augmented_point_type, trains_type
    use geartrain_continuation_augmented_system, only: augmented_system_type
-   use geartrain_continuation_branch, only: branch_type, special_point_type
+   use geartrain_continuation_branch, only: branch_type, multipliers_at, special_point_type
    use geartrain_continuation_decided, only: joined, nearest_decided
    use geartrain_continuation_exact_search, only: ends_of, find_exact
    use geartrain_continuation_normal_form, only: degenerate, doubling_coefficient, neimark_sacker_coefficient
    use geartrain_continuation_orbit_corrector, only: orbit_corrector_type, orbit_type
    use geartrain_continuation_orbit_tests, only: back_contact, critical, is_onset, outside, separation
+   use geartrain_continuation_points, only: repeats_of
    use geartrain_continuation_refinement, only: cancel_refinement
-   use geartrain_floquet_multipliers, only: is_stable
+   use geartrain_floquet_multipliers, only: is_stable, power
    use geartrain_flow_multiple_shooting, only: most_parts, section_states
    use geartrain_flow_orbit, only: measure
    use geartrain_flow_sections, only: sections_type
@@ -102,7 +103,7 @@ contains
       end if
       call build_system(train, system)
       divided = system
-      call corrector%setup(divided, branch%subharmonic)
+      call corrector%setup(divided, branch%subharmonic, repeats_of(branch, system))
       call find_exact(corrector, branch, special, change_at(branch, number, special), orbit, found)
       if (train%interrupt%raised()) found = .false.
       if (.not. found) then
@@ -205,7 +206,7 @@ contains
       ends = ends_of(branch, special)
       sides = [nearest_decided(branch, number, -1), nearest_decided(branch, number, 1)]
       sides = merge(sides, ends, sides > 0)
-      change = critical(special%kind, branch%multipliers(:, sides(2))) - critical(special%kind, branch%multipliers(:, sides(1)))
+      change = critical(special%kind, multipliers_at(branch, sides(2))) - critical(special%kind, multipliers_at(branch, sides(1)))
    end function change_at
 
    !> Takes the motion from the orbit at a special point, solved for both conditions at once, and counts multipliers beside it.
@@ -217,6 +218,7 @@ contains
       !> Of a branch point, of which the search only has a guess, whether it was solved for; of a Neimark-Sacker point whether a
       !> pair crosses the unit circle there: the product of a pair jumps where it becomes real.
       logical, intent(out) :: found
+      complex(dp), allocatable :: multipliers(:)
       logical :: polished
 
       associate (motion => exact%motion)
@@ -224,7 +226,9 @@ contains
          motion%period = corrector%period
          motion%state = orbit%states(:, 1)
          motion%multipliers = orbit%multipliers
-         call polish(system, exact, polished)
+         call polish(corrector, exact, polished)
+         multipliers = motion%multipliers
+         motion%multipliers = power(multipliers, corrector%times)
          found = polished .or. exact%kind /= 'branch point'
          if (.not. found) return
          call measure(system, 0, motion)
@@ -235,10 +239,8 @@ contains
          exact%frequency_ratio = motion%frequency_ratio
       end associate
       call count_beside(corrector, orbit, exact)
-      associate (multipliers => exact%motion%multipliers)
-         if (exact%kind == 'neimark-sacker') found = exact%before /= exact%after .or. &
-            any(multipliers%im > 0 .and. abs(abs(multipliers) - 1) < on_circle)
-      end associate
+      if (exact%kind == 'neimark-sacker') found = exact%before /= exact%after .or. &
+         any(multipliers%im > 0 .and. abs(abs(multipliers) - 1) < on_circle)
    end subroutine take_orbit
 
    !> Counts the multipliers outside the unit circle on either side, as near as it takes for those alone to cross that must.
@@ -269,22 +271,26 @@ contains
 
    !> Solves the augmented system, from the special point of the search, whose error is that of a bracket. Where the system is
    !> singular, as where multipliers coincide by symmetry, the point stays as it is.
-   subroutine polish(system, exact, success)
-      type(system_type), target, intent(in) :: system
+   subroutine polish(corrector, exact, success)
+      type(orbit_corrector_type), intent(in) :: corrector
+      !> Its motion has Lambda, period, state and the multipliers over one repetition.
       type(exact_point_type), intent(inout) :: exact
       logical, intent(out) :: success
       type(trains_type), target :: trains
       type(augmented_system_type) :: augmented
       type(augmented_point_type) :: point
+      type(motion_type) :: one
       type(sections_type) :: sections
       real(dp) :: coefficient
       integer :: i, info
 
-      associate (motion => exact%motion)
+      associate (motion => exact%motion, system => corrector%system, times => corrector%times)
          call augmented%setup(trains, system, motion%period, exact%kind, exact%mesh)
          call sections%setup(system, motion%period, most_parts(system, motion%period), moves=.false.)
-         call section_states(system, motion, sections, point%states)
-         point%frequency_ratio = motion%frequency_ratio
+         one = motion
+         one%frequency_ratio = times*motion%frequency_ratio
+         call section_states(system, one, sections, point%states)
+         point%frequency_ratio = one%frequency_ratio
          call augmented%solve(point, .false., success)
          ! The form that stands for the symmetry is exact only at the branch point itself.
          do i = 1, 2
@@ -292,10 +298,10 @@ contains
             call augmented%find_borders(point, info)
             if (info == 0) call augmented%solve(point, .false., success)
          end do
-         if (success) success = abs(point%frequency_ratio - motion%frequency_ratio) &
+         if (success) success = abs(point%frequency_ratio - one%frequency_ratio) &
                                 < merge(beside, near, exact%kind == 'branch point')*augmented%metric%units%frequency_ratio
          if (.not. success) return
-         motion%frequency_ratio = point%frequency_ratio
+         motion%frequency_ratio = point%frequency_ratio/times
          motion%state = point%states(:, 1)
          motion%multipliers = point%multipliers
          exact%slowest_event = point%slowest_event

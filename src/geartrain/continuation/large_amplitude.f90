@@ -133,7 +133,7 @@ contains
          if (outcome /= lost) return
          if (size < far*tracer%amplitude_limit .or. inner(solution%tangent, solution%u) < 0) cycle
          ! A shift by half the period changes the sign of the odd harmonics; phi has only odd or only even harmonics.
-         if (mod(tracer%settings%subharmonic, 2) == 0 .and. 2*odd_product(solution, solution) > sum(solution%u**2)) then
+         if (mod(tracer%corrector%balance%waves(), 2) == 0 .and. 2*odd_product(solution, solution) > sum(solution%u**2)) then
             outcome = came_mirrored
             return
          end if

@@ -3,6 +3,7 @@ module geartrain_continuation_linearized_motion
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_balance_needed_harmonics, only: needed_harmonics
+   use geartrain_balance_repetition, only: repetitions_of
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
    use geartrain_model_units, only: units_of
@@ -29,16 +30,18 @@ contains
       !> A periodic motion with its coefficients.
       type(motion_type), intent(in) :: motion
       integer, allocatable :: carried(:)
-      integer :: k, highest
+      integer :: k, highest, repeats
 
       highest = max(1, (size(motion%coefficients, 1) - 1)/2)
       carried = pack([(k, k=1, highest)], [(any(abs(motion%coefficients(2*k:2*k + 1, :)) > 0), k=1, highest)])
       corrector%units = units_of(system)
+      repeats = repetitions_of(system, motion)
       ! Of many harmonics only those that the motion has: the rest of a set is not carried.
-      if (size(carried) > 0 .and. motion%period == 1 .and. size(needed_harmonics(system, highest)) > most_explicit) then
-         call corrector%balance%setup(system, highest, motion%period, 0, carried)
+      if (size(carried) > 0 .and. motion%period == 1 .and. repeats == system%excitation_order .and. &
+          size(needed_harmonics(system, highest)) > most_explicit) then
+         call corrector%balance%setup(system, highest, motion%period, 0, carried, repeats)
       else
-         call corrector%balance%setup(system, highest, motion%period, 0)
+         call corrector%balance%setup(system, highest, motion%period, 0, repeats=repeats)
       end if
       call corrector%setup()
    end subroutine prepare

@@ -2,6 +2,7 @@
 !> conditions meet.
 module geartrain_continuation_locus
    use geartrain_balance_motion, only: motion_type
+   use geartrain_balance_repetition, only: repetitions_of
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: real_text, text
@@ -11,7 +12,9 @@ module geartrain_continuation_locus
    use geartrain_continuation_locus_result, only: locus_type
    use geartrain_continuation_locus_side, only: side_type, trace_side
    use geartrain_flow_multiple_shooting, only: most_parts, section_states
+   use geartrain_floquet_multipliers, only: power
    use geartrain_flow_sections, only: sections_type
+   use geartrain_flow_start_state, only: state_of
    use geartrain_model_check, only: check_train
    use geartrain_model_parameter_path, only: parameter_path_type
    use geartrain_model_system, only: build_system, system_type
@@ -54,6 +57,7 @@ contains
       type(system_type), target :: system
       type(sections_type) :: sections
       type(motion_type) :: guess
+      real(dp), allocatable :: state(:)
       integer :: info, k, done
       logical :: success, keep_going
 
@@ -62,9 +66,18 @@ contains
       call find_path(train, name, motion%frequency_ratio, start, stop, path, error)
       if (allocated(error)) return
       call build_system(train, system)
+      guess = motion
+      path%repeats = repetitions_of(system, motion)
+      if (path%repeats > 1) then
+         allocate (state(system%states))
+         call state_of(system, motion, state)
+         associate (n => system%displacements)
+            guess%state = [state(:n), state(n + 1:)/path%repeats]
+         end associate
+         call path%system_at(path%own_value, system)
+      end if
       call augmented%setup(trains, system, motion%period, kind, mesh, path, path%own_value)
       call sections%setup(system, motion%period, most_parts(system, motion%period), moves=.false.)
-      guess = motion
       call section_states(system, guess, sections, first%states)
       first%frequency_ratio = motion%frequency_ratio
       call augmented%find_borders(first, info)
@@ -102,7 +115,7 @@ contains
          side(3 - k)%closed = .false.
          side(3 - k)%ended = side(k)%ended
       end do
-      call gather(augmented, first, [min(start, stop), max(start, stop)], side, locus)
+      call gather(augmented, first, [min(start, stop), max(start, stop)], side, path%repeats, system%displacements, locus)
       locus%kind = kind
       locus%mesh = mesh
       locus%name = trim(adjustl(name))
@@ -142,12 +155,14 @@ contains
    end subroutine find_path
 
    !> Puts both sides together.
-   subroutine gather(augmented, first, range, side, locus)
+   subroutine gather(augmented, first, range, side, repeats, displacements, locus)
       type(augmented_system_type), intent(in) :: augmented
       type(augmented_point_type), intent(in) :: first
       !> Ends of the range of the parameter [its unit]: a point at one is exactly there.
       real(dp), intent(in) :: range(2)
       type(side_type), intent(in) :: side(2)
+      !> Of the path; number of the displacements in a state.
+      integer, intent(in) :: repeats, displacements
       type(locus_type), intent(inout) :: locus
       integer :: i, n
 
@@ -187,7 +202,8 @@ contains
          if (minval(abs(locus%parameter(k) - range)) < rounding*augmented%scale) &
             locus%parameter(k) = range(minloc(abs(locus%parameter(k) - range), 1))
          locus%state(:, k) = point%states(:, 1)
-         locus%multipliers(:, k) = point%multipliers
+         locus%state(displacements + 1:, k) = repeats*locus%state(displacements + 1:, k)
+         locus%multipliers(:, k) = power(point%multipliers, repeats)
       end subroutine put
 
    end subroutine gather

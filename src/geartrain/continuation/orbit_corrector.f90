@@ -1,11 +1,12 @@
 !> The exact branch, to check a branch of the balance against: orbits by shooting as a curve in state and Lambda, through folds.
 module geartrain_continuation_orbit_corrector
    use geartrain_balance_motion, only: motion_type
-   use geartrain_balance_repetition, only: divide_orders, take_one
+   use geartrain_balance_repetition, only: take_one
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_contact_ranges, only: depth_below
+   use geartrain_model_divide_orders, only: divide_orders
    use geartrain_model_units, only: units_of, units_type
-   use geartrain_floquet_multipliers, only: eigenvalues, power
+   use geartrain_floquet_multipliers, only: eigenvalues
    use geartrain_flow_multiple_shooting, only: find_orbit_in_sections, most_parts, section_states
    use geartrain_flow_sections, only: sections_type
    use geartrain_linalg_bracket, only: between, shrink
@@ -31,7 +32,7 @@ module geartrain_continuation_orbit_corrector
       !> Unit tangent: its parts of Lambda and of the states, (state, section).
       real(dp) :: tangent_frequency = 0
       real(dp), allocatable :: tangent(:, :)
-      !> Multipliers over the whole period, largest magnitude first, (state).
+      !> Multipliers over one repetition, largest magnitude first, (state).
       complex(dp), allocatable :: multipliers(:)
       !> Distance of the displacement of the watched mesh from the contact that is watched, negative with this contact [1].
       real(dp) :: depth = 0
@@ -86,19 +87,18 @@ module geartrain_continuation_orbit_corrector
 contains
 
    !> Prepares for the orbits of a branch.
-   subroutine setup(self, system, period)
+   subroutine setup(self, system, period, times)
       ! A thread's private variable has garbage where its type has default values (gfortran 12): intent(out) sets them.
       class(orbit_corrector_type), intent(out) :: self
       !> The train, a copy for this corrector alone: its orders are divided by `times`.
       type(system_type), pointer, intent(in) :: system
-      !> Period of the branch [periods of the fundamental].
-      integer, intent(in) :: period
+      !> Period of the branch [periods of the fundamental]; how often its motions go through their waveform within it.
+      integer, intent(in) :: period, times
       integer :: parts
 
       self%system => system
       self%period = period
-      self%times = 1
-      if (period == 1) self%times = system%excitation_order
+      self%times = times
       call divide_orders(self%times, self%system)
       self%units = units_of(system)
       parts = most_parts(system, period)
@@ -212,7 +212,6 @@ contains
 
       if (.not. allocated(orbit%multipliers)) allocate (orbit%multipliers(size(orbit%states, 1)))
       call eigenvalues(sections%monodromy, orbit%multipliers)
-      if (self%times > 1) orbit%multipliers = power(orbit%multipliers, self%times)
    end subroutine find_multipliers
 
    !> One step along the branch: predictor and corrector.

@@ -1,12 +1,14 @@
 !> The points of a branch as a list: reversed, shortened, compared, taken as motions.
 module geartrain_continuation_points
    use geartrain_balance_motion, only: motion_type
+   use geartrain_balance_repetition, only: repetitions_in
    use geartrain_balance_same_motion, only: is_same_motion
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: arrange_points, branch_type, coefficients_of, has_sets, special_point_type
+   use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: drop_first, is_same_point, motion_of, put_in_front
+   public :: drop_first, is_same_point, motion_of, put_in_front, repeats_of
 
 contains
 
@@ -21,6 +23,19 @@ contains
       motion%frequency_ratio = branch%frequency_ratio(i)
       motion%coefficients = coefficients_of(branch, i)
    end function motion_of
+
+   !> How often the motions of a branch go through their waveform within the period.
+   pure integer function repeats_of(branch, system)
+      !> A branch.
+      type(branch_type), intent(in) :: branch
+      !> Dimensionless system of its train.
+      type(system_type), intent(in) :: system
+
+      repeats_of = 1
+      if (branch%subharmonic > 1) return
+      repeats_of = system%excitation_order
+      if (branch%points > 0) repeats_of = repetitions_in(system, branch%orders, branch%coefficients(:, :, :branch%points))
+   end function repeats_of
 
    !> Reverses the points after number `forward` and puts them before the others, so that the branch is one curve.
    subroutine put_in_front(branch, forward)

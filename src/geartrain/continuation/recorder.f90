@@ -9,6 +9,7 @@ module geartrain_continuation_recorder
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_stability_assessment, only: assess, assessment_type
    use geartrain_floquet_monodromy, only: monodromy_type
+   use geartrain_floquet_multipliers, only: power
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: extremes, fine_samples, rms
    implicit none (type, external)
@@ -20,7 +21,7 @@ module geartrain_continuation_recorder
       logical :: stability = .false., shaft_torque = .false.
       !> Work space; the monodromy matrix of the latest point.
       type(monodromy_type) :: monodromy
-      !> Multipliers of the latest point, (branch%states).
+      !> Multipliers of the latest point over one repetition of its waveform, (branch%states).
       complex(dp), allocatable :: multipliers(:)
       type(transform_type), private :: transform
       type(force_reader_type), private :: reader
@@ -67,6 +68,7 @@ contains
          call self%monodromy%setup(balance%system)
          branch%states = self%monodromy%given
          allocate (self%multipliers(branch%states), branch%stable(0))
+         if (balance%repeats > 1) allocate (branch%repetition_multipliers(branch%states, 0))
       end if
       if (self%shaft_torque) allocate (branch%shaft_torque_mean(0, 0))
       call arrange_points(branch, [integer ::], 16)
@@ -146,6 +148,10 @@ contains
          call self%monodromy%integrate(balance, balance%frequency_ratio)
          call self%monodromy%multipliers(self%multipliers)
          branch%multipliers(:, n) = self%multipliers
+         if (balance%repeats > 1) then
+            branch%repetition_multipliers(:, n) = self%multipliers
+            branch%multipliers(:, n) = power(self%multipliers, balance%repeats)
+         end if
          call assess(self%monodromy, balance, solution%u, balance%frequency_ratio, estimate, self%multipliers, assessment)
          branch%stable(n) = assessment%stable
          branch%undecided(n) = assessment%undecided

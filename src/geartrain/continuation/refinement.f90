@@ -6,10 +6,12 @@ module geartrain_continuation_refinement
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_continuation_branch, only: branch_type, coefficients_of
+   use geartrain_continuation_points, only: repeats_of
    use geartrain_continuation_waveform_error, only: harmonics_told, waveform_error
    use geartrain_flow_shooting, only: refine
    use geartrain_model_check, only: check_train
    use geartrain_model_parameter_path, only: parameter_path_type
+   use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -37,9 +39,10 @@ contains
       !> Told of each point of 'refinement', by one thread at a time; may end it.
       class(observer_type), intent(inout), optional :: observer
       type(motion_type) :: motion
-      integer :: i, done
+      integer :: i, done, repeats
       logical :: keep_going, go
       type(parameter_path_type) :: path
+      type(system_type) :: system
       real(dp) :: correction
 
       call check_train(train, error)
@@ -49,6 +52,8 @@ contains
          end associate
       end if
       if (allocated(error)) return
+      call build_system(train, system)
+      repeats = repeats_of(branch, system)
       if (.not. allocated(branch%correction)) allocate (branch%correction(branch%points), source=untried)
       done = count(branch%correction > untried)
       keep_going = .true.
@@ -57,7 +62,7 @@ contains
          !$omp atomic read
          go = keep_going
          if (.not. go .or. branch%correction(i) > untried) cycle
-         call refine_point(train, path, branch, i, motion, correction)
+         call refine_point(train, path, branch, i, repeats, motion, correction)
          if (train%interrupt%raised()) then
             !$omp atomic write
             keep_going = .false.
@@ -116,12 +121,12 @@ contains
    end subroutine refine_motions
 
    !> Finds the orbit near point i; a negative correction means that there is none.
-   subroutine refine_point(given, path, branch, i, motion, correction)
+   subroutine refine_point(given, path, branch, i, repeats, motion, correction)
       type(train_type), intent(in) :: given
       !> Trains of a branch over a parameter.
       type(parameter_path_type), intent(in) :: path
       type(branch_type), intent(in) :: branch
-      integer, intent(in) :: i
+      integer, intent(in) :: i, repeats
       type(motion_type), intent(out) :: motion
       real(dp), intent(out) :: correction
       type(error_type), allocatable :: error
@@ -145,7 +150,7 @@ contains
          motion%coefficients = coefficients_of(branch, i)
          if (allocated(motion%state)) deallocate (motion%state)
          call refine(train, motion, error, attempt == 2, &
-                     harmonics_told(coefficients_of(branch, i), branch%subharmonic))
+                     harmonics_told(coefficients_of(branch, i), branch%subharmonic), repeats)
          if (allocated(error)) cycle
          correction = waveform_error(coefficients_of(branch, i), motion%coefficients)
          if (correction <= max(another*branch%error_estimate(i), rounding)) return
@@ -181,6 +186,8 @@ contains
       if (.not. allocated(branch%stable)) return
       ! Multipliers are in descending order; of a train of many states a branch has the leading multipliers only.
       branch%multipliers(:, i) = motion%multipliers(:size(branch%multipliers, 1))
+      if (allocated(branch%repetition_multipliers)) &
+         branch%repetition_multipliers(:, i) = motion%repetition_multipliers(:size(branch%multipliers, 1))
       branch%stable(i) = motion%stable
       branch%undecided(i) = .false.
       branch%count_undecided(i) = .false.

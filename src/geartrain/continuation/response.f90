@@ -64,12 +64,13 @@ contains
       if (.not. allocated(error)) call check_response(train, settings, present(seed), error)
       if (.not. allocated(error) .and. present(seed)) call check_seed(train, seed, error)
       if (allocated(error)) return
-      call begin_trace(train, settings, systems, tracer)
       if (present(seed)) then
+         call begin_trace(train, settings, systems, tracer, motion=seed)
          call tracer%recorder%setup(tracer%corrector%balance, settings%stability, branch, settings%shaft_torque)
          tracer%analysis = 'branch'
          call trace_from_seed(tracer, seed, branch, observer)
       else
+         call begin_trace(train, settings, systems, tracer)
          if (resumed) then
             ! `branch` has points already: the recorder is set up with an empty branch.
             call tracer%recorder%setup(tracer%corrector%balance, settings%stability, empty, settings%shaft_torque)

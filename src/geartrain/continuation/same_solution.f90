@@ -19,7 +19,7 @@ contains
    pure logical function same_solution(one, other, period, units, by_direction)
       !> Solution points to compare.
       type(solution_point_type), intent(in) :: one, other
-      !> Period of the balance that both points solve [periods of the fundamental].
+      !> Period of whose frequency the harmonics of both points are multiples [periods of the excitation].
       integer, intent(in) :: period
       !> Units of the branch.
       type(units_type), intent(in) :: units

@@ -55,25 +55,31 @@ contains
 
       self%doubles = doubles
       associate (balance => corrector%balance)
-         call plan(self%single, systems(1), balance%highest, balance%eta)
-         if (doubles) call plan(self%double, systems(2), 2*balance%highest, 2*balance%eta)
+         call plan(self%single, systems(1), 1, balance%repeats)
+         if (.not. doubles) return
+         if (mod(balance%repeats, 2) == 0) then
+            call plan(self%double, systems(2), 1, balance%repeats/2)
+         else
+            call plan(self%double, systems(2), 2, 1)
+         end if
       end associate
 
    contains
 
-      subroutine plan(own, system, highest, eta)
+      !> Plans a balance of `times` the sub-harmonic index, whose motions go `repeats` times through their waveform.
+      subroutine plan(own, system, times, repeats)
          type(corrector_type), intent(inout) :: own
          type(system_type), target, intent(inout) :: system
-         integer, intent(in) :: highest, eta
+         integer, intent(in) :: times, repeats
 
          own%units = corrector%units
          if (allocated(corrector%balance%path)) own%balance%path = corrector%balance%path
          associate (balance => corrector%balance)
             system = balance%system
-            if (balance%chosen .and. eta == balance%eta) then
-               call own%balance%setup(system, highest, eta, balance%samples, balance%harmonic)
+            if (balance%chosen .and. times == 1 .and. repeats == balance%repeats) then
+               call own%balance%setup(system, balance%highest, balance%eta, balance%samples, balance%harmonic, repeats)
             else
-               call own%balance%setup(system, highest, eta, balance%samples*eta/balance%eta)
+               call own%balance%setup(system, times*balance%highest, times*balance%eta, times*balance%samples, repeats=repeats)
             end if
          end associate
          call own%setup()
@@ -81,11 +87,13 @@ contains
 
    end subroutine setup
 
-   !> Period of the critical points, in periods of the fundamental.
+   !> Period of whose frequency the harmonics of the critical points are multiples, in periods of the excitation.
    pure integer function period(self)
       class(singular_type), intent(in) :: self
 
-      period = merge(2, 1, self%doubles)*self%single%balance%eta
+      period = self%single%balance%eta
+      if (self%doubles) period = self%double%balance%eta
+      period = period*self%single%balance%system%excitation_order
    end function period
 
    !> Factors the matrix at a solution point of the branch, whether it is regular or not: rounding keeps the factors finite.
@@ -138,7 +146,8 @@ contains
          allocate (twice%u(balance%block, balance%unknowns), twice%tangent(balance%block, balance%unknowns), source=0.0_dp)
          twice%u(1, :) = solution%u(1, :)
          do k = 1, size(harmonic)
-            r = 2*harmonic(k)
+            ! The balance of twice the period carries every harmonic that it can have.
+            r = harmonic(k)*(balance%eta/self%single%balance%eta)/balance%repeats
             twice%u(2*r:2*r + 1, :) = solution%u(2*k:2*k + 1, :)
          end do
          twice%frequency_ratio = solution%frequency_ratio
@@ -172,7 +181,7 @@ contains
       allocate (self%b(rows, columns, most_modes), self%b_frequency(most_modes))
       do j = 1, most_modes
          call generic_vector(j, self%b(:, :, j), self%b_frequency(j))
-         if (self%doubles) call keep_odd(self%double%balance%harmonic, self%b(:, :, j))
+         if (self%doubles) call keep_odd(self%double%balance%harmonic/self%double%balance%repeats, self%b(:, :, j))
          if (self%doubles) self%b_frequency(j) = 0
       end do
       if (self%doubles) call find_eigenvectors(self)

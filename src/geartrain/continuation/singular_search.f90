@@ -15,6 +15,8 @@ module geartrain_continuation_singular_search
    !> Length of branch searched on each side, in the metric of the branch, and most steps of a search.
    real(dp), parameter :: farthest = 0.25_dp
    integer, parameter :: max_steps = 60
+   !> Longer steps that are tried, each three times the one before, where a step fails.
+   integer, parameter :: most_leaps = 3
    !> Length of a piece of a branch on which the cubic through the ends is as exact as the points.
    real(dp), parameter :: cubic = 2e-4_dp
    !> Share of a motion below which odd harmonics are 0 within the accuracy of a critical point [1].
@@ -78,8 +80,13 @@ contains
       do i = 1, max_steps
          k = minloc(way, 1, open_end)
          if (k == 0) exit
-         call matrix%single%advance(side(k), step(k), next, success)
-         if (success) success = cosine(side(k), next, matrix%single%units) > 0.8_dp
+         ! Newton's method fails next to a branch point, but not beyond it.
+         do j = 0, most_leaps
+            call matrix%single%advance(side(k), 3.0_dp**j*step(k), next, success)
+            if (success) success = cosine(side(k), next, matrix%single%units) > 0.8_dp
+            if (success) exit
+         end do
+         if (success) step(k) = 3.0_dp**j*step(k)
          if (.not. success) then
             step(k) = step(k)/3
             open_end(k) = step(k) > 1e-6_dp
@@ -89,8 +96,9 @@ contains
          do j = 1, size(f_next)
             if (f_next(j)*f(j, k) > 0) cycle
             call find_zero(matrix, j, side(k), next, step(k), f(j, k), f_next(j), solution, success)
+            if (matrix%doubles) solution%harmonic = matrix%double%balance%harmonic
             ! A branch of even period crosses the branch of half its period where it begins and ends.
-            if (success .and. .not. matrix%doubles .and. mod(matrix%period(), 2) == 0) &
+            if (success .and. .not. matrix%doubles .and. mod(matrix%single%balance%waves(), 2) == 0) &
                success = odd_share(solution%u) > half_period**2
             ! A fold next to a period doubling is a zero of the doubled balance too; the critical vector tells them apart.
             if (success .and. matrix%doubles) success = odd_share(solution%tangent) > 0.5_dp

@@ -1,6 +1,7 @@
 !> Every solution of a branch at exactly one frequency, and whether a motion lies on a branch.
 module geartrain_continuation_solutions
    use geartrain_balance_motion, only: motion_type
+   use geartrain_balance_repetition, only: repetitions_of
    use geartrain_balance_same_motion, only: is_same_motion
    use geartrain_base_error, only: error_type, fatal
    use geartrain_base_kinds, only: dp
@@ -43,7 +44,7 @@ contains
       allocate (motions(0))
       call check_train(train, error)
       if (allocated(error)) return
-      call begin_trace(train, settings, systems, tracer)
+      call begin_trace(train, settings, systems, tracer, branch)
       if (.not. tracer%corrector%balance%reaches(frequency_ratio)) then
          if (.not. allocated(branch%parameter)) call fatal(error, 'at: frequency = '//text(frequency_ratio)//': must be > 0')
          return
@@ -226,7 +227,8 @@ contains
       same_balance%stability = .false.
       ! Balances of sets differ by their sets, and so by their errors.
       if (settings%harmonics == 0 .and. .not. has_sets(branch)) same_balance%harmonics = branch%harmonics
-      call begin_trace(train, same_balance, systems, tracer)
+      call begin_trace(train, same_balance, systems, tracer, branch)
+      if (mod(repetitions_of(tracer%system, motion), tracer%settings%repeats) /= 0) return
       solution = solution_of(tracer, motion)
       call tracer%corrector%solve_at(solution, success)
       if (.not. success) return

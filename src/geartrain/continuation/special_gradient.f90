@@ -14,6 +14,7 @@ module geartrain_continuation_special_gradient
    use geartrain_continuation_linearized_motion, only: add_tangent, factor, grazes, prepare, solution_on
    use geartrain_continuation_points, only: motion_of
    use geartrain_continuation_special_points, only: generic_vector
+   use geartrain_continuation_start, only: doubled_settings
    use geartrain_model_units, only: units_of
    use geartrain_model_gradient, only: begin_gradient, gradient_type, parameters_type
    use geartrain_model_system_rate, only: system_rate_type
@@ -42,6 +43,7 @@ contains
       type(parameters_type), target :: given
       type(corrector_type) :: corrector
       type(solution_point_type) :: solution
+      type(response_settings_type) :: doubled
       integer :: highest
       logical :: success
 
@@ -61,7 +63,9 @@ contains
             if (success) then
                highest = merge(settings%harmonics, harmonics_at(branch, special), settings%harmonics > 0)
                corrector%units = units_of(given%system)
-               call corrector%balance%setup(given%system, 2*highest, 2*branch%subharmonic, 0)
+               doubled = doubled_settings(train, settings, branch)
+               call corrector%balance%setup(given%system, highest*(doubled%subharmonic/branch%subharmonic), doubled%subharmonic, &
+                                            0, repeats=max(1, doubled%repeats))
                call corrector%setup()
                call doubling_rates()
             end if

@@ -6,7 +6,7 @@
 !> damping, are never outside. Real multipliers pass +1 at folds and branch points, which the balance locates more exactly.
 module geartrain_continuation_stability_changes
    use geartrain_base_kinds, only: dp
-   use geartrain_continuation_branch, only: branch_type
+   use geartrain_continuation_branch, only: branch_type, multipliers_at
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
    use geartrain_continuation_special_points, only: add_special_point, go_along, rms_of
    use geartrain_floquet_monodromy, only: monodromy_type
@@ -27,6 +27,8 @@ module geartrain_continuation_stability_changes
    !> Distance of changes, as a share of the step, below which changes are simultaneous; distance of a multiplier from the unit
    !> circle up to which a chord through the latest two steps is exact enough.
    real(dp), parameter :: together = 1e-6_dp, nearly = 1e-5_dp
+   !> Width of the bracket of a change, as a share of the step, at which it is located where chords are not exact.
+   real(dp), parameter :: located = 1e-9_dp
    integer, parameter :: most_steps = 60
 
    !> A piece of a branch between two solution points with tangents, and its length in the metric of the branch.
@@ -54,8 +56,8 @@ contains
       type(piece_type) :: piece
       complex(dp) :: first(branch%states), last(branch%states)
 
-      first = branch%multipliers(:, before)
-      last = branch%multipliers(:, after)
+      first = multipliers_at(branch, before)
+      last = multipliers_at(branch, after)
       if (.not. (are_numbers(first) .and. are_numbers(last))) return
       ! The multipliers are sorted by magnitude: none is outside, which is the rule.
       if (max(abs(first(1)), abs(last(1))) <= 1) return
@@ -177,7 +179,7 @@ contains
             return
          end if
          call shrink(a, b, fa, fb, s, f, kept)
-         if (b - a < together*(to - from)) return
+         if (b - a < located*(to - from)) return
          f_before = f
          s_before = s
       end do

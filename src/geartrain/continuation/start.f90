@@ -4,11 +4,14 @@ module geartrain_continuation_start
    use geartrain_balance_error_estimate, only: resonance_ratio
    use geartrain_balance_harmonic_set, only: first_set, has_sparse_motions
    use geartrain_balance_motion, only: motion_type
+   use geartrain_balance_repetition, only: repetitions_of
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
-   use geartrain_continuation_branch, only: response_settings_type
+   use geartrain_continuation_branch, only: branch_type, response_settings_type
    use geartrain_continuation_corrector, only: solution_point_type
+   use geartrain_continuation_points, only: repeats_of
    use geartrain_continuation_tracer, only: tracer_type
+   use geartrain_continuation_variables, only: settings_for
    use geartrain_model_units, only: largest_unit, length_unit_of, units_of
    use geartrain_model_frequency_unit, only: lambda_per
    use geartrain_model_modes, only: natural_frequency_ranges
@@ -16,7 +19,7 @@ module geartrain_continuation_start
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: begin_trace, motion_at, resting, solution_of
+   public :: begin_trace, doubled_settings, motion_at, resting, solution_of
 
    !> Amplitude limits where the settings give none, rms in the unit of motions that cross the gap [1]: with backlash; and of a
    !> linear train, whose branch is merely not recorded near a multiplier +1, where its amplitude is infinite.
@@ -25,7 +28,7 @@ module geartrain_continuation_start
 contains
 
    !> Prepares a tracer: system, units, amplitude limit, first number of harmonics.
-   subroutine begin_trace(train, settings, systems, tracer)
+   subroutine begin_trace(train, settings, systems, tracer, branch, motion)
       !> A checked train.
       type(train_type), intent(in) :: train
       !> Settings to trace with.
@@ -34,6 +37,10 @@ contains
       type(system_type), pointer, intent(in) :: systems(:)
       !> Becomes ready to solve, its settings in Lambda; its recorder is set up separately.
       type(tracer_type), intent(inout) :: tracer
+      !> A branch that the tracer is to work on: its motions repeat themselves as often.
+      type(branch_type), intent(in), optional :: branch
+      !> Likewise a motion.
+      type(motion_type), intent(in), optional :: motion
       type(error_type), allocatable :: checked
       type(system_type) :: at_end
       integer, allocatable :: set(:)
@@ -72,6 +79,7 @@ contains
             units%frequency_ratio = balance%path%length
          end if
       end associate
+      call choose_repeats()
       if (settings%amplitude_limit > 0) then
          tracer%amplitude_limit = settings%amplitude_limit
       else if (gaps) then
@@ -80,15 +88,49 @@ contains
          tracer%amplitude_limit = linear_amplitude_limit*largest
       end if
       tracer%estimate%resonance = natural_frequency_ranges(tracer%system, resonance_ratio)
-      tracer%chooses_sets = settings%harmonics == 0 .and. has_sparse_motions(tracer%system, settings%subharmonic)
+      tracer%chooses_sets = settings%harmonics == 0 .and. has_sparse_motions(tracer%system, settings%subharmonic, &
+                                                                          tracer%settings%repeats)
       if (tracer%chooses_sets) then
          set = first_set(tracer%system)
          call tracer%prepare(set(size(set)), set)
       else
-         call tracer%prepare(merge(settings%harmonics, first_harmonics(tracer%system, settings%subharmonic), &
-                                   settings%harmonics > 0))
+         call tracer%prepare(merge(settings%harmonics, first_harmonics(tracer%system, settings%subharmonic, &
+                                                                       tracer%settings%repeats), settings%harmonics > 0))
       end if
+
+   contains
+
+      subroutine choose_repeats()
+         associate (repeats => tracer%settings%repeats, system => tracer%system)
+            if (repeats > 0) return
+            repeats = merge(system%excitation_order, 1, settings%subharmonic == 1)
+            if (present(motion) .and. repeats > 1) repeats = repetitions_of(system, motion)
+            if (present(branch)) repeats = repeats_of(branch, system)
+         end associate
+      end subroutine choose_repeats
    end subroutine begin_trace
+
+   !> Settings for the branch that leaves a branch at a period doubling: of motions that go half as often through their waveform
+   !> within the period or, where this is no whole number, of twice the period.
+   function doubled_settings(train, settings, branch) result(doubled)
+      !> A checked train.
+      type(train_type), intent(in) :: train
+      !> Settings of the branch.
+      type(response_settings_type), intent(in) :: settings
+      !> The branch.
+      type(branch_type), intent(in) :: branch
+      type(response_settings_type) :: doubled
+      type(system_type), target :: systems(2)
+      type(tracer_type) :: tracer
+
+      if (branch%subharmonic == 1 .and. branch%points > 0) then
+         call begin_trace(train, settings, systems, tracer, branch)
+         doubled = settings
+         doubled%repeats = tracer%settings%repeats/2
+         if (2*doubled%repeats == tracer%settings%repeats) return
+      end if
+      doubled = settings_for(settings, 2*branch%subharmonic)
+   end function doubled_settings
 
    !> A solution point as a motion, with the coefficients of all meshes.
    function motion_at(tracer, solution) result(motion)

@@ -76,11 +76,11 @@ contains
 
    !> Whether the odd harmonics of a motion of even period vanish from one point to the next: a jump onto the branch of half the
    !> period.
-   pure logical function loses_odd(here, next, subharmonic, units)
+   pure logical function loses_odd(here, next, waves, units)
       !> Solution points at the beginning and the end of a step.
       type(solution_point_type), intent(in) :: here, next
-      !> Sub-harmonic index, period over period of the fundamental.
-      integer, intent(in) :: subharmonic
+      !> Period of the motions in periods of the excitation.
+      integer, intent(in) :: waves
       !> Units of the metric of the branch.
       type(units_type), intent(in) :: units
       !> Sum of squares of the odd harmonics that is rounding [1]: over the square of the unit of length, or over the sum at `here`.
@@ -88,23 +88,23 @@ contains
       real(dp) :: before
 
       loses_odd = .false.
-      if (mod(subharmonic, 2) /= 0) return
+      if (mod(waves, 2) /= 0) return
       before = odd_product(here, here)
       loses_odd = before > none*units%length**2 .and. odd_product(next, next) < none*before
    end function loses_odd
 
    !> Whether the odd harmonics of a motion of even period change sign between two points: there the branch passes through a motion
    !> of half its period and goes on as its own mirror image, shifted by half a period.
-   pure logical function passes_half_period(here, next, subharmonic)
+   pure logical function passes_half_period(here, next, waves)
       !> Neighbouring solution points.
       type(solution_point_type), intent(in) :: here, next
-      !> Sub-harmonic index, period over period of the fundamental.
-      integer, intent(in) :: subharmonic
+      !> Period of the motions in periods of the excitation.
+      integer, intent(in) :: waves
       !> Share of the motion below which odd harmonics are rounding [1]: a motion of half the period has none.
       real(dp), parameter :: none = 1e-7_dp
 
       passes_half_period = .false.
-      if (mod(subharmonic, 2) /= 0) return
+      if (mod(waves, 2) /= 0) return
       passes_half_period = odd_product(here, next) < 0 .and. odd_product(next, next) > none**2*sum(next%u**2)
    end function passes_half_period
 

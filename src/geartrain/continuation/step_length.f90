@@ -32,7 +32,7 @@ contains
       real(dp), intent(in) :: h
 
       acceptable = corrector%correction < correction_limit .and. cosine(here, next, corrector%units) > cosine_limit
-      acceptable = acceptable .and. .not. loses_odd(here, next, corrector%balance%eta, corrector%units)
+      acceptable = acceptable .and. .not. loses_odd(here, next, corrector%balance%waves(), corrector%units)
       if (corrector%local_control) return
       acceptable = acceptable .and. (h < jump_step .or. .not. crosses_branch(here, next))
    end function acceptable
@@ -57,7 +57,7 @@ contains
       real(dp) :: angle
       integer :: i
 
-      i = merge(1, 2, corrector%balance%eta == 1 .and. corrector%length_of(next%u) < large)
+      i = merge(1, 2, corrector%balance%waves() == 1 .and. corrector%length_of(next%u) < large)
       if (i == 1 .and. corrector%balance%chosen) i = 3
       angle = acos(max(-1.0_dp, min(1.0_dp, cosine(here, next, corrector%units))))
       next_step = h*max(0.4_dp, min(1.8_dp, angle_aim(i)/max(angle, 1e-8_dp), &

@@ -14,9 +14,8 @@ module geartrain_continuation_switching
    use geartrain_continuation_critical_point, only: find_critical, harmonics_at
    use geartrain_continuation_interruption, only: drop_step
    use geartrain_continuation_large_amplitude, only: followed_out, trace_through
-   use geartrain_continuation_start, only: begin_trace
+   use geartrain_continuation_start, only: begin_trace, doubled_settings
    use geartrain_continuation_tracer, only: tracer_type
-   use geartrain_continuation_variables, only: settings_for
    use geartrain_model_check, only: check_train
    use geartrain_model_system, only: system_type
    use geartrain_model_train, only: train_type
@@ -34,7 +33,7 @@ contains
    subroutine period_doubled(train, settings, branch, special, doubled, error, observer)
       !> Train of the branch.
       type(train_type), intent(in) :: train
-      !> Settings with which `branch` was traced: the period-doubled branch has twice the harmonics and twice the subharmonic.
+      !> Settings with which `branch` was traced: the period-doubled branch has twice as many harmonics.
       type(response_settings_type), intent(in) :: settings
       !> Traced branch.
       type(branch_type), intent(in) :: branch
@@ -87,17 +86,22 @@ contains
       type(tracer_type) :: tracer
       type(branch_type) :: empty
       type(solution_point_type) :: solution, other, began
-      integer :: outcome, times
-      logical :: success
+      integer :: outcome
+      logical :: success, doubles
 
       ! Everything but `origin` is new.
       call move_alloc(switched%origin, empty%origin)
       switched = empty
       associate (kind => branch%special_points(special)%kind, at => branch%special_points(special)%frequency_ratio)
-         times = merge(2, 1, kind == 'period doubling')
-         call begin_trace(train, settings_for(settings, times*settings%subharmonic), systems, tracer)
+         doubles = kind == 'period doubling'
+         if (doubles) then
+            call begin_trace(train, doubled_settings(train, settings, branch), systems, tracer)
+         else
+            call begin_trace(train, settings, systems, tracer, branch)
+         end if
          tracer%analysis = 'branch'
-         if (settings%harmonics == 0) call tracer%prepare(times*harmonics_at(branch, special))
+         if (settings%harmonics == 0) &
+            call tracer%prepare(harmonics_at(branch, special)*(tracer%settings%subharmonic/settings%subharmonic))
          call tracer%recorder%setup(tracer%corrector%balance, settings%stability, switched, settings%shaft_torque)
          if (.not. found) then
             switched%ended = 'the balance has no '//trim(kind)//' of its own near Lambda = '//text(at) &
@@ -108,7 +112,7 @@ contains
          end if
       end associate
       call step_off(tracer, critical, 1, solution, success)
-      if (success .and. times == 1) call step_off(tracer, critical, -1, other, success)
+      if (success .and. .not. doubles) call step_off(tracer, critical, -1, other, success)
       if (.not. success) then
          call tracer%recorder%finish(switched)
          switched%ended = 'no branch found along the critical vector at Lambda = '//text(critical%frequency_ratio)
@@ -117,7 +121,7 @@ contains
       end if
       call tracer%adapt(solution, success)
       call tracer%record(solution, switched)
-      if (times == 2) then
+      if (doubles) then
          began = solution
          call trace_through(tracer, solution, tracer%settings%stop, switched, outcome, switched%ended, observer, began)
          switched%complete = followed_out(outcome)

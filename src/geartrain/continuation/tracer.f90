@@ -140,7 +140,7 @@ contains
 
          fold_at = 0
          ! A branch that meets the branch of half its period goes on as its own mirror image: Lambda only seems to turn there.
-         meets = passes_half_period(here, next, self%settings%subharmonic)
+         meets = passes_half_period(here, next, self%corrector%balance%waves())
          if (sense*sense_of(next, self%corrector%units) < 0 .and. .not. (meets .or. crosses)) then
             call self%add_fold(here, next, origin, way, at_bound, before, fold, fold_at, branch, success)
             if (.not. success) then

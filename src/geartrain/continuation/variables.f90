@@ -208,6 +208,7 @@ contains
 
       other = settings
       other%subharmonic = period
+      other%repeats = 0
       if (settings%harmonics > 0) &
          other%harmonics = max(period, min(most_harmonics, settings%harmonics*period/settings%subharmonic))
       if (settings%samples > 0) other%samples = max(fewest_samples(other%harmonics), &

@@ -6,7 +6,7 @@ module geartrain_floquet_monodromy
    use geartrain_base_kinds, only: dp, pi
    use geartrain_floquet_leading_multipliers, only: leading, leading_multipliers_type
    use geartrain_floquet_motion_contacts, only: motion_contacts_type
-   use geartrain_floquet_multipliers, only: eigenvalues, power
+   use geartrain_floquet_multipliers, only: eigenvalues
    use geartrain_floquet_propagator, only: propagator_type
    use geartrain_floquet_time_reversal, only: time_reversal_type
    use geartrain_linalg_elimination, only: factor_matrix
@@ -47,9 +47,6 @@ module geartrain_floquet_monodromy
       !> Finds multipliers without the matrix; the multipliers that were found so.
       type(leading_multipliers_type), private :: search
       complex(dp), allocatable, private :: found(:)
-      !> How often the motion repeats itself within its period: the matrix is that of one repetition, the multipliers are powers of
-      !> its eigenvalues. A mesh of order 71 that gains 1.5 a tooth has one of 1e12, in whose rounding all others would drown.
-      integer, private :: repetitions = 1
       !> What makes a whole of a half.
       type(time_reversal_type), private :: reversal
       !> `transposed` holds nothing yet: it stands for the identity. The open piece has met a wall at which a force jumps.
@@ -126,7 +123,9 @@ contains
       call self%reversal%setup(system)
    end subroutine take_train
 
-   !> Monodromy matrix over the period 2 pi eta/Lambda of a motion, or its leading multipliers alone.
+   !> Monodromy matrix of a motion, or its leading multipliers alone: over the period 2 pi eta/Lambda or, where the motion repeats
+   !> itself within it, over one repetition. A mesh of order 71 that gains 1.5 a tooth has a multiplier of 1e12 over the period, in
+   !> whose rounding all others would drown.
    subroutine integrate(self, motion, frequency_ratio, shift)
       class(monodromy_type), intent(inout) :: self
       !> Contacts of the motion over its period.
@@ -148,12 +147,13 @@ contains
          call self%collect_events(motion, period, events)
       end if
       self%confirmed = .true.
-      self%repetitions = 1
-      if (motion%eta == 1) self%repetitions = motion%system%excitation_order
-      ! Two contacts may differ by rounding at a grazing one.
-      if (mod(events, self%repetitions) /= 0) self%repetitions = 1
-      period = period/self%repetitions
-      events = events/self%repetitions
+      period = period/motion%repeats
+      if (mod(events, motion%repeats) == 0) then
+         events = events/motion%repeats
+      else
+         ! Two contacts may differ by rounding at a grazing one.
+         events = count(self%instant(:events) < period)
+      end if
       self%now = 1
       if (allocated(self%found)) deallocate (self%found)
       if (self%given < size(self%kept)) then
@@ -362,7 +362,6 @@ contains
          call eigenvalues(matrix, all_of_them)
          values = all_of_them(:size(values))
       end if
-      if (self%repetitions > 1) values = power(values, self%repetitions)
    end subroutine multipliers
 
 end module geartrain_floquet_monodromy

@@ -13,11 +13,24 @@ module geartrain_floquet_motion_contacts
       logical :: varies = .false.
       !> Sub-harmonic index: theta = Lambda t/eta.
       integer :: eta = 1
+      !> How often the motions go through their waveform within the period.
+      integer :: repeats = 1
       !> Number of unknown meshes, and their numbers in the train, (unknown).
       integer :: unknowns = 0
       integer, allocatable :: mesh(:)
       !> Contact of each unknown mesh over the period, (unknown).
       type(contact_type), allocatable :: contact(:)
+   contains
+      procedure :: waves
    end type motion_contacts_type
+
+contains
+
+   !> Period of the motions in periods of the excitation.
+   pure integer function waves(self)
+      class(motion_contacts_type), intent(in) :: self
+
+      waves = self%eta*(self%system%excitation_order/self%repeats)
+   end function waves
 
 end module geartrain_floquet_motion_contacts

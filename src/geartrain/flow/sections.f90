@@ -154,7 +154,8 @@ contains
          self%drift(:, k + 1) = self%own_drift(:, k)
          if (self%apart > 0) self%parameter_drift(:, k + 1) = self%own_parameter_drift(:, k)
          self%monodromy = own
-         if (k > 1) then
+         ! In a train of 300 meshes the products of all sections take seconds. After an interrupt the flight is of no use.
+         if (k > 1 .and. .not. self%interrupted()) then
             self%monodromy = matmul(own, self%transfer(:, :, k))
             self%missed(:, k + 1) = self%missed(:, k + 1) + matmul(own, self%missed(:, k))
             self%drift(:, k + 1) = self%drift(:, k + 1) + matmul(own, self%drift(:, k))

@@ -3,7 +3,7 @@
 !> derivative.
 module geartrain_flow_shooting
    use geartrain_balance_motion, only: motion_type
-   use geartrain_balance_repetition, only: divide_orders, repeat_motion, repetitions_of, take_one
+   use geartrain_balance_repetition, only: repeat_motion, repetitions_of, take_one
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
@@ -14,6 +14,7 @@ module geartrain_flow_shooting
    use geartrain_flow_sections, only: sections_type
    use geartrain_flow_start_state, only: state_of
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
+   use geartrain_model_divide_orders, only: divide_orders
    use geartrain_model_check, only: check_train
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
@@ -25,7 +26,7 @@ contains
 
    !> Refines a motion to a relative error of about 1e-11, with multipliers and the state at time 0. On failure the motion is
    !> unchanged and the error says why.
-   subroutine refine(train, motion, error, in_sections, harmonics)
+   subroutine refine(train, motion, error, in_sections, harmonics, repeats)
       !> The train.
       type(train_type), intent(in) :: train
       !> A motion with a period and a state or coefficients, then the refined motion.
@@ -36,6 +37,8 @@ contains
       logical, intent(in), optional :: in_sections
       !> Harmonics of Lambda in the refined motion; unless it is given as many as `motion` has, at least `stored_harmonics`.
       integer, intent(in), optional :: harmonics
+      !> How often the motion goes through its waveform within its period; absent: as its coefficients tell.
+      integer, intent(in), optional :: repeats
       type(system_type), target :: system
       type(sections_type) :: sections
       type(motion_type) :: guess, refined
@@ -67,6 +70,7 @@ contains
       if (present(harmonics)) kept = harmonics
       guess = motion
       times = repetitions_of(system, motion)
+      if (present(repeats)) times = repeats
       if (times > 1) then
          call divide_orders(times, system)
          call take_one(times, guess)

@@ -2,6 +2,7 @@
 module geartrain_flow_start_state
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_motion, only: motion_type
+   use geartrain_balance_repetition, only: repetitions_of
    use geartrain_base_kinds, only: dp, pi
    use geartrain_model_receptance, only: linear_displacements
    use geartrain_model_system, only: system_type
@@ -61,7 +62,7 @@ contains
       integer :: highest, i, k
 
       highest = (size(motion%coefficients, 1) - 1)/2
-      call balance%setup(system, highest, motion%period, 0)
+      call balance%setup(system, highest, motion%period, 0, repeats=repetitions_of(system, motion))
       allocate (u(balance%block, balance%unknowns), amplitudes(system%elements, size(balance%harmonic)))
       do i = 1, balance%unknowns
          u(1, i) = motion%coefficients(1, balance%mesh(i))

@@ -1,6 +1,6 @@
 !> A position in the text of a case file, and steps through the text.
 module geartrain_input_cursor
-   use geartrain_base_variable, only: is_utf_8
+   use geartrain_base_plain_text, only: is_utf_8
    implicit none (type, external)
    private
    public :: cursor_type, lower, shortened, blanks, digits, letters, newline

@@ -1,5 +1,6 @@
 !> A case to begin with: the drawing of a gear reducer, every line with its comment.
 module geartrain_input_new_case
+   use geartrain_base_plain_text, only: escaped
    implicit none (type, external)
    private
    public :: new_case_text
@@ -93,7 +94,7 @@ contains
       do i = 1, size(lines)
          at = index(lines(i), 'FILE')
          if (at > 0) then
-            text = text//lines(i)(:at - 1)//file//trim(lines(i)(at + 4:))//new_line('a')
+            text = text//lines(i)(:at - 1)//escaped(file)//trim(lines(i)(at + 4:))//new_line('a')
          else
             text = text//trim(lines(i))//new_line('a')
          end if

@@ -2,14 +2,16 @@
 !> involute, where the magnitude of a number is that of another unit, and where parts do not fit one another.
 module geartrain_model_drawing_warnings
    use geartrain_base_field, only: text_type
-   use geartrain_base_kinds, only: dp
+   use geartrain_base_kinds, only: dp, pi
    use geartrain_base_numbers, only: integer_text, real_text, short => text
    use geartrain_base_problems, only: group_label
-   use geartrain_model_bodies, only: find_ends
+   use geartrain_mesh_law_law, only: law_type
+   use geartrain_model_bodies, only: bodies_of, body_count, find_ends
    use geartrain_model_body, only: body_type
    use geartrain_model_drawing, only: has_discs, has_geometry, has_sections, has_stiffness, pair_of, plain_train, reduce_light_loads
    use geartrain_model_gear_pair, only: find_geometry, find_stiffness, light_load, pair_geometry_type, pair_stiffness_type
-   use geartrain_model_mesh, only: is_given, mesh_type
+   use geartrain_model_mesh, only: is_given, mesh_type, put_law
+   use geartrain_model_network, only: join_rigid, network_type, vibrating
    use geartrain_model_shaft, only: shaft_type
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
@@ -29,6 +31,10 @@ module geartrain_model_drawing_warnings
    real(dp), parameter :: critical = 1
    !> Factor by which a given mesh stiffness is hardly ever off that of the drawing [1].
    real(dp), parameter :: far_off = 20
+   !> Samples of a mesh stiffness for each harmonic.
+   integer, parameter :: samples_per_harmonic = 32
+   !> Rigidly joined inertias over those of the bodies alone from which on it is told to what a damping ratio refers.
+   real(dp), parameter :: worth_telling = 1.1_dp
    character(*), parameter :: in_metres = 'metres are meant '
 
 contains
@@ -70,9 +76,11 @@ contains
       do i = 1, size(train%shafts)
          if (has_sections(train%shafts(i))) call warn_of_shaft(train%shafts(i), i, warnings)
       end do
+      call plain_train(train, plain)
+      call warn_of_negative_stiffness(plain, warnings)
+      call warn_of_joined_inertias(train, plain, warnings)
       if (.not. any([(has_geometry(train%meshes(i)), i=1, size(train%meshes))])) return
       call warn_of_shafts_in_gears(train, warnings)
-      call plain_train(train, plain)
       call warn_of_gaps(plain, warnings)
       call reduce_light_loads(plain, light)
       call build_system(train, system)
@@ -94,6 +102,71 @@ contains
       warning%text = group_label(group, i)//': '//sentence
       warnings = [warnings, warning]
    end subroutine add_warning
+
+   !> Amplitudes that make a mesh push where it should pull are those in another unit: N/m in place of shares of the mean stiffness.
+   subroutine warn_of_negative_stiffness(plain, warnings)
+      type(train_type), intent(in) :: plain
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+      type(law_type) :: law
+      real(dp) :: least
+      integer :: i, k, s, samples
+
+      do i = 1, size(plain%meshes)
+         call put_law(plain%meshes(i), plain%characteristic_length, law)
+         if (size(law%harmonic) == 0) cycle
+         samples = samples_per_harmonic*maxval(law%harmonic)
+         do s = law%lowest, law%highest
+            if (.not. law%stiffness(s) > 0) cycle
+            least = minval([(law%stiffness_at(s, 2*pi*k/samples), k=1, samples)])/law%stiffness(s)
+            if (least > 0) cycle
+            call add_warning(warnings, 'mesh', i, 'the mesh stiffness falls to '//short(least)//' times its mean: &
+                             &stiffness_cos and stiffness_sin are shares of the mean stiffness')
+            exit
+         end do
+      end do
+   end subroutine warn_of_negative_stiffness
+
+   !> A damping ratio refers to the bodies alone: with what is rigidly joined to them the same damping may be another ratio.
+   subroutine warn_of_joined_inertias(train, plain, warnings)
+      type(train_type), intent(in) :: train, plain
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+      type(network_type) :: network
+      integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
+      real(dp), dimension(body_count(plain)) :: inertia, torque
+      integer :: i, balancing
+
+      if (.not. allocated(plain%bodies)) return
+      call bodies_of(plain, inertia, torque, balancing)
+      call find_ends(plain, shaft_ends, mesh_ends)
+      call join_rigid(plain, network)
+      do i = 1, size(train%shafts)
+         associate (shaft => train%shafts(i))
+            if (.not. (shaft%rigid .or. shaft%damping_given) .and. shaft%damping_ratio > 0) &
+               call compare('shaft', shaft%damping_ratio, shaft_ends(:, i), [1.0_dp, 1.0_dp])
+         end associate
+      end do
+      do i = 1, size(train%meshes)
+         associate (mesh => train%meshes(i), made => plain%meshes(i))
+            if (.not. mesh%damping_given .and. mesh%damping_ratio > 0) &
+               call compare('mesh', mesh%damping_ratio, mesh_ends(:, i), [made%driving_radius, made%driven_radius])
+         end associate
+      end do
+
+   contains
+
+      subroutine compare(group, ratio, ends, radius)
+         character(*), intent(in) :: group
+         real(dp), intent(in) :: ratio, radius(2)
+         integer, intent(in) :: ends(2)
+         real(dp) :: alone, joined
+
+         alone = sum(radius**2/vibrating(network, inertia, ends, .true.))
+         joined = sum(radius**2/network%inertia(network%node(ends)))
+         if (alone > worth_telling*joined) call add_warning(warnings, group, i, 'damping_ratio = '//real_text(ratio)//' of the &
+            &bodies alone: with what is rigidly joined to them the same damping is '//short(ratio*sqrt(joined/alone)))
+      end subroutine compare
+
+   end subroutine warn_of_joined_inertias
 
    subroutine warn_of_body(body, i, warnings)
       type(body_type), intent(in) :: body

@@ -9,7 +9,8 @@ module geartrain_model_network
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: network_type, element_type, accelerate, base_radius, build_network, join_rigid, measuring_gear, state_count, stiffening
+   public :: network_type, element_type, accelerate, base_radius, build_network, join_rigid, measuring_gear, state_count, &
+      stiffening, vibrating
 
    !> A shaft or a mesh with the displacement p = radius(1) theta_from - radius(2) theta_to; or damping to ground.
    type :: element_type
@@ -166,7 +167,7 @@ contains
          if (i <= size(train%shafts)) then
             if (.not. train%shafts(i)%rigid) then
                n = n + 1
-               call make_shaft(train, network, i, shaft_ends(:, i), mesh_ends, elements(n))
+               call make_shaft(train, network, i, shaft_ends(:, i), mesh_ends, inertia, elements(n))
             end if
          end if
          if (i > size(train%meshes)) cycle
@@ -175,11 +176,13 @@ contains
       end do
    end subroutine list_elements
 
-   pure subroutine make_shaft(train, network, i, ends, mesh_ends, element)
+   pure subroutine make_shaft(train, network, i, ends, mesh_ends, inertia, element)
       type(train_type), intent(in) :: train
       type(network_type), intent(in) :: network
       !> Number of the shaft; its two bodies; the two bodies of each mesh, (2, mesh).
       integer, intent(in) :: i, ends(2), mesh_ends(:, :)
+      !> Of the bodies [kg m^2], (body).
+      real(dp), intent(in) :: inertia(:)
       type(element_type), intent(inout) :: element
 
       element%shaft = i
@@ -188,7 +191,8 @@ contains
       element%radius = base_radius(train, measuring_gear(network%node, mesh_ends, [element%from, element%to]))
       associate (shaft => train%shafts(i))
          element%stiffness = shaft%stiffness/element%radius(1)**2
-         element%damping = 2*shaft%damping_ratio*sqrt(shaft%stiffness/sum(1/network%inertia([element%from, element%to])))
+         element%damping = 2*shaft%damping_ratio*sqrt(shaft%stiffness/sum(1/vibrating(network, inertia, ends, &
+                                                                                                  allocated(train%bodies))))
          if (shaft%damping_given) element%damping = shaft%damping
          element%damping = element%damping/element%radius(1)**2
       end associate
@@ -209,7 +213,8 @@ contains
       associate (mesh => train%meshes(i))
          element%radius = [mesh%driving_radius, mesh%driven_radius]
          element%stiffness = mesh%stiffness
-         element%damping = 2*mesh%damping_ratio*sqrt(mesh%stiffness/sum(element%radius**2/inertia(ends)))
+         element%damping = 2*mesh%damping_ratio*sqrt(mesh%stiffness/sum(element%radius**2/vibrating(network, inertia, ends, &
+                                                                                                    .true.)))
          if (mesh%damping_given) element%damping = mesh%damping
          element%unknown = mesh%half_backlash > 0 .or. varies(mesh%stiffness_cos) .or. varies(mesh%stiffness_sin)
       end associate
@@ -224,6 +229,23 @@ contains
       end function varies
 
    end subroutine make_mesh
+
+   !> Inertias at the ends of an element to which a damping ratio refers [kg m^2]: those of the bodies as they are given. Where a
+   !> body has none, and at the ends of the shafts of a train without &body, those of all that is rigidly joined.
+   pure function vibrating(network, inertia, ends, own)
+      !> Network with its nodes.
+      type(network_type), intent(in) :: network
+      !> Of the bodies [kg m^2], (body).
+      real(dp), intent(in) :: inertia(:)
+      !> The two bodies.
+      integer, intent(in) :: ends(2)
+      !> The inertias of the bodies themselves count.
+      logical, intent(in) :: own
+      real(dp) :: vibrating(2)
+
+      vibrating = network%inertia(network%node(ends))
+      if (own) vibrating = merge(inertia(ends), vibrating, inertia(ends) > 0)
+   end function vibrating
 
    !> The gear along whose base radius the twist of a shaft is measured, as mesh and end (1: driving): a driving gear on one of the
    !> nodes of the shaft; else a driven gear there; else the first driving gear.

@@ -2,7 +2,7 @@
 module geartrain_model_network_rate
    use geartrain_base_kinds, only: dp
    use geartrain_model_bodies, only: bodies_of, body_count, find_ends
-   use geartrain_model_network, only: base_radius, measuring_gear, network_type
+   use geartrain_model_network, only: base_radius, measuring_gear, network_type, vibrating
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -22,8 +22,8 @@ module geartrain_model_network_rate
       logical :: locks = .false.
       !> Largest relative rate of anything.
       real(dp) :: fastest = 0
-      !> The two bodies of each mesh, (2, mesh).
-      integer, allocatable, private :: mesh_ends(:, :)
+      !> The two bodies of each shaft, (2, shaft), and of each mesh, (2, mesh).
+      integer, allocatable, private :: shaft_ends(:, :), mesh_ends(:, :)
    end type network_rate_type
 
 contains
@@ -37,7 +37,7 @@ contains
       !> The derivatives [1/unit of the parameter]; of the same network from call to call.
       type(network_rate_type), intent(inout) :: d
       real(dp), dimension(body_count(train)) :: inertia, d_inertia, torque, d_torque
-      real(dp) :: middle, d_middle
+      real(dp) :: middle, d_middle, own(2), d_own(2)
       integer :: balancing, b, n
 
       call bodies_of(train, inertia, torque, balancing)
@@ -65,8 +65,10 @@ contains
                   dr = base_radius(rate, measuring_gear(network%node, d%mesh_ends, ends))
                   dk = d_shaft%stiffness/element%radius(1)**2
                   ! Twice the root of stiffness times equivalent inertia is damping over damping ratio.
-                  middle = sum(1/network%inertia(ends))
-                  d_middle = -sum(d%inertia(ends)/network%inertia(ends)**2)
+                  own = vibrating(network, inertia, d%shaft_ends(:, element%shaft), allocated(train%bodies))
+                  d_own = rate_of(d%shaft_ends(:, element%shaft), allocated(train%bodies))
+                  middle = sum(1/own)
+                  d_middle = -sum(d_own/own**2)
                   dc = 2*d_shaft%damping_ratio*sqrt(shaft%stiffness/middle)/element%radius(1)**2 &
                        + 0.5_dp*c*(d_shaft%stiffness/shaft%stiffness - d_middle/middle)
                   if (shaft%damping_given) dc = d_shaft%damping/element%radius(1)**2
@@ -74,8 +76,9 @@ contains
                   dc = dc - 2*c*dr(1)/element%radius(1)
                end associate
             else if (element%mesh > 0) then
-               associate (mesh => train%meshes(element%mesh), d_mesh => rate%meshes(element%mesh), &
-                          own => inertia(d%mesh_ends(:, element%mesh)), d_own => d_inertia(d%mesh_ends(:, element%mesh)))
+               associate (mesh => train%meshes(element%mesh), d_mesh => rate%meshes(element%mesh))
+                  own = vibrating(network, inertia, d%mesh_ends(:, element%mesh), .true.)
+                  d_own = rate_of(d%mesh_ends(:, element%mesh), .true.)
                   dr = [d_mesh%driving_radius, d_mesh%driven_radius]
                   dk = d_mesh%stiffness
                   middle = sum(element%radius**2/own)
@@ -98,6 +101,19 @@ contains
             if (elements(n)%damping > 0) d%fastest = max(d%fastest, abs(d%element_damping(n))/elements(n)%damping)
          end do
       end associate
+
+   contains
+
+      !> Of what `vibrating` gives.
+      pure function rate_of(bodies, own)
+         integer, intent(in) :: bodies(2)
+         logical, intent(in) :: own
+         real(dp) :: rate_of(2)
+
+         rate_of = d%inertia(network%node(bodies))
+         if (own) rate_of = merge(d_inertia(bodies), rate_of, inertia(bodies) > 0)
+      end function rate_of
+
    end subroutine find_network_rate
 
    !> Makes room.
@@ -105,9 +121,8 @@ contains
       type(train_type), intent(in) :: train
       type(network_type), intent(in) :: network
       type(network_rate_type), intent(inout) :: d
-      integer, allocatable :: shaft_ends(:, :)
 
-      call find_ends(train, shaft_ends, d%mesh_ends)
+      call find_ends(train, d%shaft_ends, d%mesh_ends)
       allocate (d%inertia, d%torque, d%damping, d%radius, d%mass, d%drag, mold=network%inertia)
       associate (n => size(network%elements))
          allocate (d%element_radius(2, n), d%stiffness(n), d%element_damping(n), d%gain(n))

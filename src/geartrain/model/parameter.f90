@@ -62,7 +62,7 @@ contains
             first = refused
          end if
       end do
-      if (size(parameters) == 0) call fatal(error, first%message)
+      if (size(parameters) == 0) call fatal(error, first%message, lines=.true.)
    end subroutine find_parameters
 
    !> Number of groups of a kind; 0 also for the group &train.

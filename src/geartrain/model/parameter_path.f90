@@ -6,6 +6,7 @@ module geartrain_model_parameter_path
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: real_text
    use geartrain_model_check, only: check_train
+   use geartrain_model_divide_orders, only: divide_orders
    use geartrain_model_drawing, only: plain_train, reduce_light_loads
    use geartrain_model_limits, only: check_frequency
    use geartrain_model_mesh, only: has_table, is_given
@@ -40,6 +41,9 @@ module geartrain_model_parameter_path
       logical :: holds_train = .true.
       !> Meshes that are unknowns of the balance, (mesh): those that have backlash or a varying stiffness anywhere between the ends.
       logical, allocatable :: unknown(:)
+      !> How often the motions go through their waveform in a period: the systems have the orders divided by it and so many times
+      !> the characteristic frequency, so that Lambda is as before.
+      integer :: repeats = 1
       type(train_type), private :: train
       !> The variables that take the value, with * one of each group.
       type(parameter_type), allocatable, private :: parameter(:)
@@ -234,11 +238,13 @@ contains
       type(train_type) :: train
 
       call self%train_at(value, train)
+      train%characteristic_frequency = self%repeats*train%characteristic_frequency
       if (allocated(self%unknown)) then
          call build_system(train, system, unknown=self%unknown)
       else
          call build_system(train, system)
       end if
+      call divide_orders(self%repeats, system)
    end subroutine system_at
 
 end module geartrain_model_parameter_path

@@ -1,19 +1,21 @@
-!> Units of the metric of a branch: powers of ten nearest to the displacements of the train and to the Lambda at which a mesh
-!> excites its own vibration. Steps, tolerances and guards so depend neither on characteristic values nor on the size of a train.
+!> Units of the metric of a branch: the displacements of the train and the Lambda at which a mesh excites its own vibration. Steps,
+!> tolerances, guards and random starts so depend neither on characteristic values nor on the size of a train.
 module geartrain_model_units
    use geartrain_base_kinds, only: dp
    use geartrain_model_network, only: stiffening
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: largest_drive, largest_load, largest_unit, length_unit_of, units_of, units_type
+   public :: largest_drive, largest_load, largest_unit, length_unit_of, mesh_frequencies, units_of, units_type
 
    !> Displacement of a train that rattles under a small load, over its deflection [1]: it does not reach the other flank.
    real(dp), parameter :: rattle = 5
+   !> Frequency of a vibration in which all meshes of a train take part, over that of a mesh alone [1].
+   real(dp), parameter :: slower = 0.5_dp
 
    type :: units_type
-      !> Unit of mesh displacement over characteristic length [1], and of Lambda [1]; both 1 where the characteristic values fit the
-      !> train. Along a path in a parameter the length of the path in place of that of Lambda [unit of the parameter].
+      !> Unit of mesh displacement over characteristic length [1], and of Lambda [1]. Along a path in a parameter the length of the
+      !> path in place of that of Lambda [unit of the parameter].
       real(dp) :: length = 1, frequency_ratio = 1
    end type units_type
 
@@ -23,14 +25,35 @@ contains
    pure type(units_type) function units_of(system) result(units)
       !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
-      real(dp) :: stiff(system%elements)
-      integer :: j
 
       units%length = length_unit_of(system)
-      stiff = stiffening(system%network)
-      units%frequency_ratio = decade(minval([(sqrt(system%own(system%mesh_element(j))*stiff(system%mesh_element(j))) &
-                                              /system%law(j)%order, j=1, system%meshes)]))
+      units%frequency_ratio = slower*minval(mesh_frequencies(system)/system%law%order)
    end function units_of
+
+   !> Frequency at which each mesh vibrates alone on the flank that bears its mean load, over characteristic frequency [1], (mesh).
+   pure function mesh_frequencies(system) result(frequency)
+      !> Dimensionless system of the train.
+      type(system_type), intent(in) :: system
+      real(dp) :: frequency(system%meshes), stiff(system%elements)
+
+      stiff = stiffening(system%network)
+      associate (n => system%mesh_element)
+         frequency = sqrt(system%own(n)*stiff(n)*bearing_stiffness(system))
+      end associate
+   end function mesh_frequencies
+
+   !> Stiffness of the flank that bears the mean load of each mesh, over its stiffness [1], (mesh).
+   pure function bearing_stiffness(system) result(stiffness)
+      type(system_type), intent(in) :: system
+      real(dp) :: stiffness(system%meshes)
+      integer :: j
+
+      do j = 1, system%meshes
+         associate (law => system%law(j))
+            stiffness(j) = law%stiffness(law%bearing(system%static_force(system%mesh_element(j))))
+         end associate
+      end do
+   end function bearing_stiffness
 
    !> Unit of displacement of the motions of a train, over characteristic length [1].
    pure real(dp) function length_unit_of(system) result(length)
@@ -41,7 +64,8 @@ contains
       drive = max(largest_load(system), largest_error(system))
       gap = maxval(system%half_backlash)
       if (drive > 0) gap = min(gap, rattle*drive)
-      length = decade(max(drive, gap))
+      length = max(drive, gap)
+      if (.not. length > 0) length = 1
    end function length_unit_of
 
    !> Unit of displacement of motions that cross the gap, over characteristic length [1]: amplitude limits are multiples of it.
@@ -49,7 +73,8 @@ contains
       !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
 
-      largest_unit = decade(max(largest_load(system), maxval(system%half_backlash)))
+      largest_unit = max(largest_load(system), maxval(system%half_backlash))
+      if (.not. largest_unit > 0) largest_unit = 1
    end function largest_unit
 
    !> Largest deflection of a mesh under the mean load, over characteristic length [1].
@@ -57,7 +82,7 @@ contains
       !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
 
-      largest_load = maxval(abs(system%static_force(system%mesh_element)))
+      largest_load = maxval(abs(system%static_force(system%mesh_element))/bearing_stiffness(system))
    end function largest_load
 
    !> Largest displacement that a mean load, a transmission error or, in time with the meshes, a fluctuating torque would cause,
@@ -86,13 +111,5 @@ contains
          largest_error = max(largest_error, sum(abs(system%transmission_error(j)%amplitude)))
       end do
    end function largest_error
-
-   !> The power of ten nearest to x; 1 for x = 0.
-   pure real(dp) function decade(x)
-      real(dp), intent(in) :: x
-
-      decade = 1
-      if (x > 0) decade = 10.0_dp**nint(log10(x))
-   end function decade
 
 end module geartrain_model_units

@@ -133,7 +133,8 @@ contains
       call v%on_list(row('length', 'm', 'lengths of the sections', above=zero), shaft%length)
       call v%on_real(row('shear_modulus', 'N/m^2', 'shear modulus, G', above=zero), shaft%shear_modulus)
       by_ratio = .not. shaft%rigid .and. .not. shaft%damping_given
-      call v%on_real(row('damping_ratio', '', 'c/(2 sqrt(k m)) with 1/m = 1/I_a + 1/I_b of the inertias at the ends', &
+      call v%on_real(row('damping_ratio', '', 'c/(2 sqrt(k m)) with 1/m = 1/I_a + 1/I_b of the bodies at the ends, without &
+                         &what is rigidly joined to them; of a train without &body with it', &
                          least=zero), shaft%damping_ratio, by_ratio)
       call v%on_real(row('damping', 'N m s/rad', 'damping coefficient, instead of damping_ratio', least=zero, &
                          excludes='damping_ratio'), shaft%damping, shaft%damping_given)

@@ -7,7 +7,7 @@ module geartrain_results_file
    use geartrain_base_regular_file, only: is_regular_file
    implicit none (type, external)
    private
-   public :: check_place, exists, read_bytes, remove_file, replace_file
+   public :: check_place, exists, read_bytes, remove_file, remove_temporary_files, replace_file
 
    interface
       integer(c_int) function c_rename(from, to) bind(c, name='rename')
@@ -55,37 +55,77 @@ module geartrain_results_file
          implicit none (type, external)
          character(kind=c_char), intent(in) :: path(*)
       end function c_remove
+
+      !> In temporary_files.c, like the next: locks a temporary file; -1 where another process removes it.
+      integer(c_int) function c_lock_temporary(path) bind(c, name='geartrain_lock_temporary')
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+      end function c_lock_temporary
+
+      subroutine c_remove_left(path) bind(c, name='geartrain_remove_left')
+         import :: c_char
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+      end subroutine c_remove_left
    end interface
 
 contains
 
    !> Writes a temporary file beside the file and renames it; on failure only the old file is left. Where two runs write a file at
    !> once, each has its own temporary file, and the file of the later run stays. A link is replaced, its target is not changed.
+   !> Temporary files of killed writers are removed.
    subroutine replace_file(path, content, error)
       !> Path of the file.
       character(*), intent(in) :: path
       !> All bytes of the new file.
       integer(int8), intent(in) :: content(:)
       type(error_type), allocatable, intent(inout) :: error
-      character(:), allocatable :: why, temporary
-      integer(int64) :: bytes
-      integer :: unit
+      character(:), allocatable :: why
+      integer, parameter :: most_attempts = 3
+      integer :: attempt
+      logical :: vanished
 
       call check_kind(path, error)
       if (allocated(error)) return
-      call open_temporary(path, temporary, unit, error)
+      do attempt = 1, most_attempts
+         call write_and_rename(path, content, why, vanished, error)
+         if (allocated(error)) return
+         if (.not. vanished) exit
+      end do
+      call remove_temporary_files(path)
+      if (allocated(why)) call fatal(error, path//': error: cannot be written: '//why, status_file)
+   end subroutine replace_file
+
+   subroutine write_and_rename(path, content, why, vanished, error)
+      character(*), intent(in) :: path
+      integer(int8), intent(in) :: content(:)
+      !> Why the file is not written; not allocated: it is.
+      character(:), allocatable, intent(out) :: why
+      !> Another process removed the temporary file.
+      logical, intent(out) :: vanished
+      type(error_type), allocatable, intent(inout) :: error
+      character(:), allocatable :: temporary
+      integer(int64) :: bytes
+      integer(c_int) :: lock
+      integer :: unit
+
+      vanished = .false.
+      call open_temporary(path, temporary, unit, lock, error)
       if (allocated(error)) return
       call fill(unit, content, why)
       inquire (file=temporary, size=bytes)
       if (.not. allocated(why) .and. bytes /= size(content, kind=int64)) why = 'not all bytes were taken; is the disk full?'
       if (.not. allocated(why)) call put_on_disk(temporary, why)
-      if (.not. allocated(why)) then
-         if (c_rename(temporary//c_null_char, path//c_null_char) /= 0) why = temporary//' cannot be renamed'
-      end if
-      if (.not. allocated(why)) return
+      if (allocated(why)) call remove_file(temporary)
+      ! The lock stays with the file that is renamed, and HDF5 opens no file that another process has locked.
+      lock = c_close(lock)
+      if (allocated(why)) return
+      if (c_rename(temporary//c_null_char, path//c_null_char) == 0) return
+      why = temporary//' cannot be renamed'
+      vanished = .not. exists(temporary)
       call remove_file(temporary)
-      call fatal(error, path//': error: cannot be written: '//why, status_file)
-   end subroutine replace_file
+   end subroutine write_and_rename
 
    !> Fails where `replace_file` would fail; to be called before hours of computing.
    subroutine check_place(path, error)
@@ -93,13 +133,24 @@ contains
       character(*), intent(in) :: path
       type(error_type), allocatable, intent(inout) :: error
       character(:), allocatable :: temporary
+      integer(c_int) :: lock
       integer :: unit
 
       call check_kind(path, error)
       if (allocated(error)) return
-      call open_temporary(path, temporary, unit, error)
-      if (.not. allocated(error)) close (unit, status='delete')
+      call open_temporary(path, temporary, unit, lock, error)
+      if (allocated(error)) return
+      close (unit, status='delete')
+      lock = c_close(lock)
    end subroutine check_place
+
+   !> Removes the temporary files of a path that killed writers have left; files that are being written stay.
+   subroutine remove_temporary_files(path)
+      !> Path of the file that the temporary files were to become.
+      character(*), intent(in) :: path
+
+      call c_remove_left(path//c_null_char)
+   end subroutine remove_temporary_files
 
    !> Removes a file, if there is one.
    subroutine remove_file(path)
@@ -178,12 +229,14 @@ contains
    end subroutine check_kind
 
    !> Opens a temporary file beside a file, with status 'new', which excludes files of others and targets of links; where the name
-   !> is taken, tries another name.
-   subroutine open_temporary(path, temporary, unit, error)
+   !> is taken, tries another name. The lock shows other processes that the file is being written.
+   subroutine open_temporary(path, temporary, unit, lock, error)
       character(*), intent(in) :: path
       !> Path of the temporary file.
       character(:), allocatable, intent(out) :: temporary
       integer, intent(out) :: unit
+      !> Descriptor that holds the lock, to be closed before the renaming.
+      integer(c_int), intent(out) :: lock
       type(error_type), allocatable, intent(inout) :: error
       integer, parameter :: most_attempts = 100
       character(512) :: message
@@ -193,7 +246,14 @@ contains
          temporary = path//'.'//random_name(attempt)//'.tmp'
          open (newunit=unit, file=temporary, access='stream', form='unformatted', status='new', action='write', iostat=status, &
                iomsg=message)
-         if (status == 0) return
+         if (status == 0) then
+            lock = c_lock_temporary(temporary//c_null_char)
+            if (lock >= 0) return
+            ! Between creation and lock the file had no owner, and another process took it for a killed writer's.
+            close (unit, status='delete', iostat=status)
+            message = 'its temporary files are removed by another process'
+            cycle
+         end if
          if (.not. exists(temporary)) exit
       end do
       call fatal(error, path//': error: cannot be written: '//trim(message), status_file)

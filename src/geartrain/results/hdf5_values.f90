@@ -4,6 +4,7 @@ module geartrain_results_hdf5_values
       c_null_ptr, c_ptr, c_size_t
    use, intrinsic :: iso_fortran_env, only: int64
    use hdf5, only: h5aread_f, h5dread_f, h5p_dataset_xfer_f, h5pclose_f, h5pcreate_f, hid_t
+   use geartrain_base_plain_text, only: escaped_lines
    use geartrain_base_field, only: text_type
    implicit none (type, external)
    private
@@ -123,6 +124,8 @@ contains
          do k = 1, k
             texts(i)%text(k:k) = bytes(k)
          end do
+         ! Tables, plots and reports show these texts; the title in the file may be older than the rules for titles.
+         texts(i)%text = escaped_lines(texts(i)%text)
       end do
       if (attribute .and. status >= 0) &
          ignored = h5dvlen_reclaim(int(kind, c_int64_t), int(space, c_int64_t), 0_c_int64_t, c_loc(items))

@@ -3,10 +3,11 @@
 module geartrain_results_seal
    use, intrinsic :: iso_fortran_env, only: int8, int64
    use geartrain_base_checksum, only: crc64
+   use geartrain_base_error, only: error_type, fatal, status_file
    use geartrain_results_file, only: read_bytes
    implicit none (type, external)
    private
-   public :: add_seal, is_whole, read_seal, seal_bytes
+   public :: add_seal, check_replaceable, is_whole, read_seal, seal_bytes
 
    character(*), parameter :: mark = 'geartrain sealed'
    !> Bytes of a seal: the mark, the number of bytes before it and their checksum.
@@ -34,6 +35,26 @@ contains
       is_whole = n >= 0
       if (is_whole) is_whole = all(content(n + 1:) == seal_of(content(:n)))
    end function is_whole
+
+   !> Fails where there is a file that is no results file: a slip in the name of the output must not cost another file.
+   subroutine check_replaceable(path, error)
+      !> Path of the file that is to be written.
+      character(*), intent(in) :: path
+      type(error_type), allocatable, intent(inout) :: error
+      integer(int8), allocatable :: seal(:)
+      logical :: there, is_folder
+
+      ! A link without target is replaced; writing tells of a folder.
+      inquire (file=path, exist=there)
+      inquire (file=path//'/.', exist=is_folder)
+      if (.not. there .or. is_folder) return
+      call read_seal(path, seal)
+      if (allocated(seal)) then
+         if (all(seal(:len(mark)) == transfer(mark, seal))) return
+      end if
+      call fatal(error, path//': error: cannot be written: there is a file that is no results file of geartrain, and it is not &
+                 &overwritten: remove or rename it, or name another file', status_file)
+   end subroutine check_replaceable
 
    !> The seal of the bytes before it.
    pure function seal_of(content) result(seal)

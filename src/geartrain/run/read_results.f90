@@ -31,7 +31,7 @@ contains
       end if
       if (wrong == '') call take_results(fields, case, results, wrong)
       if (allocated(error)) deallocate (error)
-      if (wrong /= '') call fatal(error, path//': error: cannot be read as results: '//wrong, status)
+      if (wrong /= '') call fatal(error, path//': error: cannot be read as results: '//wrong, status, lines=.true.)
    end subroutine read_results
 
 end module geartrain_run_read_results

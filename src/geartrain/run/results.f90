@@ -11,6 +11,7 @@ module geartrain_run_results
    use geartrain_base_kinds, only: dp, version
    use geartrain_base_memory, only: need
    use geartrain_base_numbers, only: text
+   use geartrain_base_plain_text, only: escaped
    use geartrain_input_text, only: case_text
    use geartrain_model_drawing, only: plain_train
    use geartrain_model_drawing_warnings, only: warnings_text
@@ -21,7 +22,7 @@ module geartrain_run_results
    use geartrain_results_file, only: replace_file
    use geartrain_results_hdf5_reader, only: read_groups
    use geartrain_results_hdf5_writer, only: hdf5_content
-   use geartrain_results_seal, only: add_seal, seal_bytes
+   use geartrain_results_seal, only: add_seal, check_replaceable, seal_bytes
    implicit none (type, external)
    private
    public :: open_results, results_bytes, take_results, visit_results, visit_root, write_results
@@ -33,7 +34,8 @@ module geartrain_run_results
 
 contains
 
-   !> Writes an HDF5 file. A file at `path` is replaced once the new file is complete, and kept if writing fails.
+   !> Writes an HDF5 file. A results file at `path` is replaced once the new file is complete, and kept if writing fails; any other
+   !> file is not replaced.
    subroutine write_results(path, case, results, error, seal)
       !> Path of the file.
       character(*), intent(in) :: path
@@ -47,6 +49,8 @@ contains
       integer(int8), allocatable :: content(:)
       type(fields_type) :: fields
 
+      call check_replaceable(path, error)
+      if (allocated(error)) return
       ! The fields, the file that HDF5 makes of them in memory, and its bytes.
       call need(3.0_dp*results_bytes(results, case), path//': error: cannot be written: there is no memory for the results', &
                 'compute fewer, or allow more memory', error)
@@ -55,7 +59,7 @@ contains
       call visit_results(results, case, fields, summary=.true.)
       call hdf5_content(fields, content, error)
       if (allocated(error)) then
-         error%message = path//': error: '//error%message
+         error%message = escaped(path)//': error: '//error%message
          return
       end if
       call add_seal(content)

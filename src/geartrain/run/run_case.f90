@@ -11,7 +11,8 @@ module geartrain_run_run_case
    use geartrain_base_observer, only: observer_type
    use geartrain_continuation_branch, only: branch_type
    use geartrain_input_check, only: check_case
-   use geartrain_results_file, only: check_place
+   use geartrain_results_file, only: check_place, remove_temporary_files
+   use geartrain_results_seal, only: check_replaceable
    use geartrain_run_checkpoint, only: check_partial, checkpoint_type, take_up_checkpoint
    use geartrain_run_results, only: write_results
    implicit none (type, external)
@@ -47,11 +48,16 @@ contains
       resumed = .false.
       if (present(resume)) resumed = resume == path//'.partial'
       if (path /= '') call check_place(path, error)
+      if (path /= '' .and. .not. allocated(error)) call check_replaceable(path, error)
       if (path /= '' .and. .not. (resumed .or. allocated(error))) call check_partial(path//'.partial', error)
       if (allocated(error)) return
       if (present(resume)) then
          if (resume /= '') call take_up_checkpoint(resume, case, results, error)
          if (allocated(error)) return
+      end if
+      if (resumed) then
+         call remove_temporary_files(path)
+         call remove_temporary_files(path//'.partial')
       end if
       if (present(observer)) checkpoint%observer => observer
       checkpoint%case => case
@@ -63,12 +69,13 @@ contains
       if (allocated(error)) return
       if (path /= '') call write_results(path, case, results, error)
       if (.not. allocated(error)) call checkpoint%remove()
+      if (path /= '') call remove_temporary_files(path//'.partial')
       if (checkpoint%room%lacks) call out_of_memory(early)
       if (.not. allocated(early)) return
       told = frequency_text(case%train, 'Lambda', 0.0_dp)
       if (allocated(case%response)) told = frequency_text(case%train, case%response%unit, 0.0_dp)
       call told%of_words(early%message, message)
-      call fatal(error, message, early%status)
+      call fatal(error, message, early%status, lines=.true.)
    end subroutine run_case
 
    !> Runs analysis by analysis, from the results so far on; a further branch that was under way is traced again. `early` tells
@@ -95,7 +102,7 @@ contains
          call analysis%run(case%train, error, checkpoint)
          if (ended_early(error)) then
             ! The next analysis runs although this analysis has no result.
-            call fatal(early, error%message, error%status)
+            call fatal(early, error%message, error%status, lines=.true.)
             early%status = max(early%status, error%status)
             deallocate (error)
             call leave_out(i, results=results)
