@@ -112,7 +112,8 @@ contains
       integer :: i, k, s, samples
 
       do i = 1, size(plain%meshes)
-         call put_law(plain%meshes(i), plain%characteristic_length, law)
+         ! The unit of displacement does not matter for kappa.
+         call put_law(plain%meshes(i), 1.0_dp, law)
          if (size(law%harmonic) == 0) cycle
          samples = samples_per_harmonic*maxval(law%harmonic)
          do s = law%lowest, law%highest
