@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from conftest import single_pair
+from conftest import paper_train, single_pair
 
 import geartrain as gt
 
@@ -215,3 +215,18 @@ def test_drawn_over_a_stability_map(pair, branch):
         chart.plot(curves=[other])
     with pytest.raises(gt.InputError, match="across"):
         locus.plot(across="speed")
+
+
+@pytest.mark.parametrize("frequency", [1e-6, 1e-3, 1e3, 1e6])
+def test_curves_do_not_depend_on_the_characteristic_frequency(frequency):
+    """Special points of the exact motion, and steps along a curve, are those of other units of Lambda and velocity."""
+    found = []
+    for unit in (1.0, frequency):
+        train = paper_train(characteristic_frequency=9870.0 * unit)
+        fold = train.response(start=0.5 / unit, stop=0.9 / unit).special_points[0]
+        curve = train.locus(fold, parameter="stiffness_variation", start=0.28, stop=0.32)
+        assert curve.complete
+        found.append((fold.exact().frequency * unit, len(curve.parameter), curve.frequency[-1] * unit))
+    assert found[1][0] == pytest.approx(found[0][0], rel=1e-10)
+    assert found[1][1] == found[0][1]
+    assert found[1][2] == pytest.approx(found[0][2], rel=1e-9)

@@ -204,7 +204,7 @@ contains
          if (self%moving%interrupted()) return
          call find_directions(self%moving, self%plus, allocated(self%path), step, point%h, info)
          if (info /= 0) return
-         missed = point%h(1)
+         missed = point%h(1)/self%metric%units%length
          if (self%kind == branch_point) then
             point%h = [0, 0, 0, 1]
             if (self%is_symmetric) then
@@ -234,9 +234,9 @@ contains
          if (info /= 0) return
          call solve_factored(3, 2, matrix, pivot, right)
          step(:, :, 1) = step(:, :, 1) + right(1, 1)*step(:, :, 2) + right(2, 1)*step(:, :, 3) + right(3, 1)*step(:, :, 4)
-         scale = max(maxval(abs(point%states)), tiny(1.0_dp))
-         gap = maxval(abs(self%moving%missed))/scale
-         length = max(maxval(abs(step(:, :, 1)))/scale, abs(right(1, 1))/self%metric%units%frequency_ratio, abs(right(2, 1)))
+         scale = self%moving%size_of(point%states)
+         gap = self%moving%size_of(self%moving%missed)/scale
+         length = maxval([self%moving%size_of(step(:, :, 1))/scale, abs(right(:2, 1))/[self%metric%units%frequency_ratio, 1.0_dp]])
          if (.not. length < 10) return
          point%states = point%states + step(:, :, 1)
          point%frequency_ratio = point%frequency_ratio + right(1, 1)
@@ -383,7 +383,7 @@ contains
       logical :: quick
 
       g(rest) = 0
-      if (again .and. maxval(abs(step(:, :, rest))) < negligible*self%metric%units%length) return
+      if (again .and. self%moving%size_of(step(:, :, rest)) < negligible) return
       quick = self%kind == 'fold' .or. self%kind == branch_point .or. self%kind == 'period doubling'
       if (quick) border = self%plus
       if (self%kind == 'period doubling') border = self%minus
@@ -402,7 +402,7 @@ contains
       end associate
       do d = 1, merge(1, 4, again)
          if (d == along_parameter .and. .not. allocated(self%path)) cycle
-         norm = maxval(abs(step(:, :, d)))/self%metric%units%length
+         norm = self%moving%size_of(step(:, :, d))
          if (d == along_lambda) norm = max(norm, 1/self%metric%units%frequency_ratio)
          if (d == along_parameter) norm = max(norm, 1.0_dp)
          ! Of the remaining error the second order is left to the next step.

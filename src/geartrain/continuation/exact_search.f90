@@ -190,7 +190,7 @@ contains
             open_end(k) = step(k) > 1e-7_dp
             cycle
          end if
-         call choose_test(kind, side(k), next, test)
+         call choose_test(kind, corrector%units%frequency_ratio, side(k), next, test)
          if (allocated(test)) then
             rise = test%value(next)
             ! On the way back the change has the opposite sign; for a fold the test function has the opposite sign as well.

@@ -9,7 +9,7 @@ module geartrain_continuation_orbit_tests
    !> Kinds of contact onsets: a mesh begins to separate, its back flanks begin to touch.
    character(*), parameter :: separation = 'separation', back_contact = 'back contact'
    !> A multiplier is outside the unit circle if its magnitude is larger than 1 + neutral; a part of Lambda in the unit tangent
-   !> below `level` counts as 0.
+   !> below `level`, in the unit of Lambda of the metric, counts as 0.
    real(dp), parameter :: neutral = 1e-8_dp, level = 1e-8_dp
 
    !> Test function: the part of Lambda in the unit tangent, which changes sign at a fold.
@@ -105,9 +105,11 @@ contains
    end function is_onset
 
    !> Allocates the test function of the kind if it changes sign between two orbits.
-   subroutine choose_test(kind, first, last, test)
+   subroutine choose_test(kind, frequency_unit, first, last, test)
       !> Kind of the special point.
       character(*), intent(in) :: kind
+      !> Unit of Lambda in the metric [1].
+      real(dp), intent(in) :: frequency_unit
       !> Two orbits of a step.
       type(orbit_type), intent(in) :: first, last
       !> The test function; not allocated where it does not change sign.
@@ -120,7 +122,7 @@ contains
       case ('fold')
          allocate (fold_test_type :: test)
          ! On a vertical curve the sign of the part of Lambda is rounding.
-         changes = min(abs(first%tangent_frequency), abs(last%tangent_frequency)) > level
+         changes = min(abs(first%tangent_frequency), abs(last%tangent_frequency)) > level*frequency_unit
       case ('period doubling')
          allocate (doubling_test_type :: test)
       case ('neimark-sacker')

@@ -82,7 +82,7 @@ contains
       real(dp), intent(in), optional :: row(:, :), row_frequency
       !> With a row: tangent of the branch, states (state, section) and Lambda, whose product with the row is 1.
       real(dp), intent(out), optional :: tangent(:, :), tangent_frequency
-      real(dp) :: first(size(states, 1) + 1, 2), step(size(states, 1)), begun, before, scale, gap
+      real(dp) :: first(size(states, 1) + 1, 2), step(size(states, 1), 1), begun, before, scale, gap
       real(dp), allocatable :: matrix(:, :)
       integer :: pivot(size(states, 1) + 1), i, k, n, m, info
 
@@ -117,14 +117,14 @@ contains
          call factor_matrix(m, matrix, pivot, info)
          if (info /= 0) return
          call solve_factored(m, 1, matrix, pivot, first(:m, 1))
-         scale = max(maxval(abs(states)), tiny(1.0_dp))
-         gap = maxval(abs(sections%missed))/scale
+         scale = sections%size_of(states)
+         gap = sections%size_of(sections%missed)/scale
          length = 0
          do k = 1, sections%sections
-            step = sections%step_at(k, first(:n, 1), first(n + 1, 1))
-            if (k > 1) step = step + sections%missed(:, k)
-            length = max(length, maxval(abs(step))/scale)
-            states(:, k) = states(:, k) + step
+            step(:, 1) = sections%step_at(k, first(:n, 1), first(n + 1, 1))
+            if (k > 1) step(:, 1) = step(:, 1) + sections%missed(:, k)
+            length = max(length, sections%size_of(step)/scale)
+            states(:, k) = states(:, k) + step(:, 1)
          end do
          length = max(length, abs(first(n + 1, 1))/frequency_ratio)
          if (.not. length < 10) return

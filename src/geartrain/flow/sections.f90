@@ -10,6 +10,7 @@ module geartrain_flow_sections
    use geartrain_flow_orbit, only: begin_tangents, flow_order, flow_tolerance
    use geartrain_linalg_bracket, only: between, shrink
    use geartrain_model_system, only: system_type
+   use geartrain_model_units, only: units_of, units_type
    implicit none (type, external)
    private
    public :: sections_type
@@ -25,6 +26,9 @@ module geartrain_flow_sections
       integer :: period = 1, sections = 1
       !> Lambda is variable.
       logical, private :: moves = .false.
+      !> Units of displacements and velocities; number of displacements of a state.
+      type(units_type), private :: units
+      integer, private :: displacements = 0
       !> Derivatives of state k with respect to state 1 [1], (state, state, 2:sections); derivatives with respect to
       !> Lambda and accumulated gaps [1], (state, 2:sections + 1).
       real(dp), allocatable :: transfer(:, :, :), drift(:, :), missed(:, :)
@@ -45,6 +49,7 @@ module geartrain_flow_sections
       real(dp), private :: apart = 0
    contains
       procedure :: setup
+      procedure :: size_of
       procedure :: fly
       procedure :: guess
       procedure :: step_at
@@ -69,10 +74,21 @@ contains
       self%period = period
       self%sections = period*parts
       self%moves = moves
+      self%units = units_of(system)
+      self%displacements = system%displacements
       self%flow%columns = 0
       self%few%columns = 0
       call self%single%setup(system, 1, flow_order, flow_tolerance)
    end subroutine setup
+
+   !> Largest displacement or velocity of states, each in its unit [1]; not below the smallest positive number.
+   pure real(dp) function size_of(self, states)
+      class(sections_type), intent(in) :: self
+      !> States, or their changes [1], (state, section).
+      real(dp), intent(in) :: states(:, :)
+
+      size_of = max(self%units%size_of(self%displacements, states), tiny(1.0_dp))
+   end function size_of
 
    !> Makes a parameter of the train variable; before `setup`.
    subroutine vary(self, above, apart)

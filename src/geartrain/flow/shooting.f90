@@ -18,6 +18,7 @@ module geartrain_flow_shooting
    use geartrain_model_check, only: check_train
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
+   use geartrain_model_units, only: units_of, units_type
    implicit none (type, external)
    private
    public :: find_orbit, newton_step, refine
@@ -140,25 +141,37 @@ contains
       !> Number of flights over the period.
       integer, intent(out), optional :: flights
       real(dp) :: final(size(state)), step(size(state)), before, scale, gap
+      type(units_type) :: units
       integer :: i, info
 
       found = .false.
       length = 0
       before = huge(1.0_dp)
+      units = units_of(system)
       do i = 1, most
          if (present(flights)) flights = i
          call propagate(system, frequency_ratio, period, state, final, monodromy)
          if (system%interrupt%raised()) return
          call newton_step(state, final, monodromy, step, info)
-         scale = max(maxval(abs(state)), tiny(1.0_dp))
-         gap = maxval(abs(final - state))/scale
-         length = maxval(abs(step))/scale
+         scale = max(size_of(state), tiny(1.0_dp))
+         gap = size_of(final - state)/scale
+         length = size_of(step)/scale
          if (info /= 0 .or. .not. length < 10) return
          state = state + step
          found = has_converged(length, before, gap)
          if (found) return
          before = length
       end do
+
+   contains
+
+      !> Size of a state or a change of it, in the units of the train [1].
+      pure real(dp) function size_of(values)
+         real(dp), intent(in) :: values(:)
+
+         size_of = units%size_of(system%displacements, reshape(values, [size(values), 1]))
+      end function size_of
+
    end subroutine find_orbit
 
    !> The step of Newton's method towards a state that the flow carries into itself.

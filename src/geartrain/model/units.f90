@@ -17,6 +17,8 @@ module geartrain_model_units
       !> Unit of mesh displacement over characteristic length [1], and of Lambda [1]. Along a path in a parameter the length of the
       !> path in place of that of Lambda [unit of the parameter].
       real(dp) :: length = 1, frequency_ratio = 1
+   contains
+      procedure :: size_of
    end type units_type
 
 contains
@@ -29,6 +31,19 @@ contains
       units%length = length_unit_of(system)
       units%frequency_ratio = slower*minval(mesh_frequencies(system)/system%law%order)
    end function units_of
+
+   !> Largest displacement or velocity of states, or of changes of states, each in its unit [1]. Without the units the
+   !> characteristic frequency decides which of a displacement and a velocity is the larger number.
+   pure real(dp) function size_of(self, displacements, states)
+      class(units_type), intent(in) :: self
+      !> Number of displacements of a state; the velocities follow.
+      integer, intent(in) :: displacements
+      !> States [1], (state, :).
+      real(dp), intent(in) :: states(:, :)
+
+      size_of = max(maxval(abs(states(:displacements, :))), maxval(abs(states(displacements + 1:, :)))/self%frequency_ratio) &
+                /self%length
+   end function size_of
 
    !> Frequency at which each mesh vibrates alone on the flank that bears its mean load, over characteristic frequency [1], (mesh).
    pure function mesh_frequencies(system) result(frequency)
