@@ -168,10 +168,17 @@ def splitting(train, rng, starts):
         mobility = sum(radius**2 / inertia[name] for name, radius in zip(mesh.between, (mesh.driving_radius, mesh.driven_radius)))
         return replace(mesh, damping_ratio=None, damping=2 * mesh.damping_ratio * (mesh.stiffness / mobility) ** 0.5)
 
+    def twisted(shaft):
+        """The shaft with its damping given, likewise."""
+        if shaft.rigid or not shaft.damping_ratio:
+            return shaft
+        mobility = sum(1 / inertia[name] for name in shaft.between)
+        return replace(shaft, damping_ratio=None, damping=2 * shaft.damping_ratio * (shaft.stiffness / mobility) ** 0.5)
+
     changed = replace(
         train, bodies=[*train.bodies[:place], *parts, *train.bodies[place + 1 :]],
         meshes=[moved(damped(mesh)) for mesh in train.meshes],
-        shafts=[*(moved(shaft) for shaft in train.shafts), gt.Shaft(between=(body.name, "other part"), rigid=True)])
+        shafts=[*(moved(twisted(shaft)) for shaft in train.shafts), gt.Shaft(between=(body.name, "other part"), rigid=True)])
     shafts = len(train.shafts)
     return unchanged(train, changed, shafts=np.append(np.arange(shafts), -1), torque=np.ones(shafts + 1))
 

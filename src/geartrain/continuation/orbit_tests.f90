@@ -10,7 +10,7 @@ module geartrain_continuation_orbit_tests
    character(*), parameter :: separation = 'separation', back_contact = 'back contact'
    !> A multiplier is outside the unit circle if its magnitude is larger than 1 + neutral; a part of Lambda in the unit tangent
    !> below `level`, in the unit of Lambda of the metric, counts as 0.
-   real(dp), parameter :: neutral = 1e-8_dp, level = 1e-8_dp
+   real(dp), parameter :: neutral = 1e-8_dp, level = 1e-11_dp
 
    !> Test function: the part of Lambda in the unit tangent, which changes sign at a fold.
    type, extends(orbit_test_type) :: fold_test_type
