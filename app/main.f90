@@ -64,7 +64,7 @@ contains
       integer, intent(in) :: status
       integer :: whole
 
-      ! No memory is a status of its own for Python alone.
+      ! Only Python distinguishes status_memory from status_file.
       whole = min(status, status_file)
       if (output_lost()) then
          call complain('geartrain: error: standard output is lost: nobody reads it, or the disk behind it is full')

@@ -19,6 +19,16 @@ pytestmark = pytest.mark.full
 #: What may lie between Ctrl-C and the end of the work [s].
 PATIENCE = 1.0
 
+#: Lines of a program that sends itself Ctrl-C.
+INTERRUPT = """
+sent = []
+def interrupt():
+    time.sleep({wait})
+    sent.append(time.monotonic())
+    os.kill(os.getpid(), signal.SIGINT)
+threading.Thread(target=interrupt).start()
+"""
+
 CHILD = """
 import os, signal, sys, threading, time
 import geartrain as gt
@@ -29,12 +39,7 @@ train = gt.Train(
     shafts=[gt.Shaft(stiffness=1e6, damping_ratio=0.01) for _ in range({meshes} + 1)],
     meshes=[gt.Mesh(driving_radius=0.05, driven_radius=0.05, driving_inertia=0.0023, driven_inertia=0.0023, damping_ratio=0.05,
                     stiffness=2.5e8 * (1 + 0.01 * i), half_backlash=30e-6, stiffness_cos=[0.3]) for i in range({meshes})])
-sent = []
-def interrupt():
-    time.sleep({wait})
-    sent.append(time.monotonic())
-    os.kill(os.getpid(), signal.SIGINT)
-threading.Thread(target=interrupt).start()
+""" + INTERRUPT + """\
 try:
     train.{call}
 except gt.Interrupted as stop:
@@ -79,12 +84,7 @@ import geartrain as gt
 signal.signal(signal.SIGINT, signal.default_int_handler)
 train = gt.read_case({case!r}).train
 branch = train.response(start=0.2, stop=2.6, step=0.0005, max_points=100000)
-sent = []
-def interrupt():
-    time.sleep({wait})
-    sent.append(time.monotonic())
-    os.kill(os.getpid(), signal.SIGINT)
-threading.Thread(target=interrupt).start()
+""" + INTERRUPT + """\
 try:
     gt.page(branch)
 except KeyboardInterrupt:

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from metamorphic import Plan, combinations, disagreement, nudged
+from metamorphic import combinations, disagreement, nudged
+from metamorphic_branches import Plan
 from random_trains import random_train
 from transformations import TRANSFORMATIONS, plain, unchanged
 

@@ -103,8 +103,8 @@ contains
       call v%enter('attractors', 1)
       call v%on_real(row('frequency', '', 'Lambda, or in `unit`', required=.true., above=zero), settings%frequency)
       call visit_unit(settings%unit, v)
-      call v%on_integer(row('starts', '', 'random starts: mesh displacements within three times the resting displacement, &
-                            &velocities within those of a vibration of the mesh alone that goes as far', least=one, &
+      call v%on_integer(row('starts', '', 'random starts: mesh displacements up to three times the resting displacement, &
+                            &velocities up to this amplitude times the frequency of the mesh vibrating alone', least=one, &
                             most=1e6*one), settings%starts)
       call v%on_integer(row('random_seed', '', 'the same seed gives the same starts'), settings%random_seed)
       call v%on_logical(row('follow', '', 'each motion found that lies on no branch of the case yet is followed as one, over the &
@@ -261,8 +261,8 @@ contains
 
    end subroutine attractors
 
-   !> Mesh displacements uniform within three times the resting displacement, or half backlash where that is 0; velocities within
-   !> those of a vibration of the mesh alone that goes as far; shafts untwisted.
+   !> A state with uniformly distributed mesh displacements, up to three times the larger of resting displacement and half backlash,
+   !> and velocities, up to this amplitude times the frequency of the mesh vibrating alone. Shafts are untwisted.
    function random_state(system, seed, start) result(state)
       type(system_type), intent(in) :: system
       integer, intent(in) :: seed, start

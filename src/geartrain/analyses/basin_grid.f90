@@ -90,7 +90,7 @@ contains
       call v%on_integer(row('displacement_points', '', 'starts along it, both ends included', least=one, most=most_points), &
                         settings%displacement_points)
       call v%on_real(row('velocity_from', '', 'one end of the range of the velocity over characteristic length times frequency; &
-                         &both 0: that of a vibration of the mesh alone over the default range of the displacement &
+                         &both 0: three times the displacement at rest, times the frequency of the mesh vibrating alone &
                          &(velocity_start in a call)'), settings%velocity_start)
       call v%on_real(row('velocity_to', '', 'its other end (velocity_stop in a call)'), settings%velocity_stop)
       call v%on_integer(row('velocity_points', '', 'starts along it, both ends included', least=one, most=most_points), &

@@ -26,7 +26,7 @@ module geartrain_analyses_stability_map
    use geartrain_continuation_start, only: begin_trace
    use geartrain_continuation_tracer, only: tracer_type
    use geartrain_floquet_monodromy, only: monodromy_type
-   use geartrain_floquet_multipliers, only: is_stable
+   use geartrain_floquet_multipliers, only: is_stable, power
    use geartrain_model_check, only: check_train
    use geartrain_model_frequency_unit, only: lambda_per
    use geartrain_model_system, only: build_system, system_type
@@ -279,13 +279,14 @@ contains
       ! A balance without unknowns: no mesh ever separates.
       balance%system => system
       balance%eta = 1
+      balance%repeats = system%excitation_order
       balance%unknowns = 0
       row%motions = 1
       do k = 1, size(frequency_ratio)
          if (system%interrupt%raised()) return
          call monodromy%integrate(balance, frequency_ratio(k))
          call monodromy%multipliers(multipliers)
-         row%multiplier(k) = multipliers(1)
+         row%multiplier(k) = power(multipliers(1), balance%repeats)
          if (is_stable(multipliers)) row%stable_motions(k) = 1
       end do
    end subroutine compute_linear_row

@@ -13,8 +13,9 @@ module geartrain_balance_repetition
    private
    public :: repetitions_in, repetitions_of, take_one, repeat_motion
 
-   !> Share of the amplitude at a harmonic that is no multiple of g, up to which a motion repeats itself [1].
-   real(dp), parameter :: negligible = 1e-9_dp
+   !> Share of the amplitude at a harmonic that is no multiple of g, up to which a motion repeats itself [1]: above the error of a
+   !> motion that integration settled on. A branch of twice the period has such shares within 1e-12 of its beginning only.
+   real(dp), parameter :: negligible = 1e-6_dp
 
 contains
 

@@ -9,7 +9,7 @@ module geartrain_base_memory
    use omp_lib, only: omp_get_max_threads, omp_set_num_threads
    implicit none (type, external)
    private
-   public :: can_begin, has_room, need
+   public :: c_free, c_malloc, can_begin, has_room, need
 
    !> What must remain beside the memory that is asked for: work arrays of usual trains, buffers of LAPACK, FFTW and HDF5 [bytes].
    integer(int64), parameter :: reserve = 33554432
@@ -19,15 +19,19 @@ module geartrain_base_memory
    integer(int64), parameter :: of_thread = 75497472
 
    interface
+      !> Allocates memory; null where there is none.
       type(c_ptr) function c_malloc(bytes) bind(c, name='malloc')
          import :: c_ptr, c_size_t
          implicit none (type, external)
+         !> Number of bytes.
          integer(c_size_t), value :: bytes
       end function c_malloc
 
+      !> Frees memory.
       subroutine c_free(place) bind(c, name='free')
          import :: c_ptr
          implicit none (type, external)
+         !> Address from `c_malloc`.
          type(c_ptr), value :: place
       end subroutine c_free
    end interface

@@ -55,16 +55,10 @@ contains
    pure logical function is_plain(text)
       !> Any bytes.
       character(*), intent(in) :: text
-      integer :: i, code, bytes
+      integer :: place, bytes
 
-      is_plain = .false.
-      i = 1
-      do while (i <= len(text))
-         call decode(text, i, code, bytes)
-         if (acts(code)) return
-         i = i + bytes
-      end do
-      is_plain = .true.
+      call find_acting(text, place, bytes)
+      is_plain = place == 0
    end function is_plain
 
    !> What a message expects of a text that is not plain, with the first character that is not. To be trimmed.
@@ -72,19 +66,32 @@ contains
       !> Any bytes.
       character(*), intent(in) :: text
       character(80) :: expectation
-      integer :: i, code, bytes
+      integer :: place, bytes
 
       expectation = 'must be one line of UTF-8 text without control characters'
+      call find_acting(text, place, bytes)
+      if (place > 0) expectation = trim(expectation)//', not '//escaped(text(place:place + bytes - 1))
+   end function not_plain
+
+   !> Finds the first character that is not plain.
+   pure subroutine find_acting(text, place, bytes)
+      character(*), intent(in) :: text
+      !> Its first byte, 0 where all characters are plain; the number of its bytes.
+      integer, intent(out) :: place, bytes
+      integer :: i, code
+
+      place = 0
+      bytes = 0
       i = 1
       do while (i <= len(text))
          call decode(text, i, code, bytes)
          if (acts(code)) then
-            expectation = trim(expectation)//', not '//escaped(text(i:i + bytes - 1))
+            place = i
             return
          end if
          i = i + bytes
       end do
-   end function not_plain
+   end subroutine find_acting
 
    !> The text with every character that is not plain as its code: '\x1b', '\u202e', '\U000e0001'; a byte that is not UTF-8 as
    !> '\x' and two digits. Plain text stays as it is, so that a text may be escaped twice.

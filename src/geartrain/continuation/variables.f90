@@ -53,7 +53,7 @@ contains
                         settings%shaft_torque)
       call v%on_real(row('amplitude_limit', '', 'rms over characteristic length beyond which the branch is followed but not &
                          &recorded; -1: 12 with backlash, 10000 for a linear train, where it counts as infinite (both times the &
-                         &power of ten nearest to the larger of the gap and the static deflection)', above=zero, automatic=-one), &
+                         &larger of half backlash and static deflection)', above=zero, automatic=-one), &
                      settings%amplitude_limit)
       word = trim(settings%coefficients)
       call v%on_text(row('coefficients', '', 'Fourier coefficients of the mesh force: exact from the contact events, or sampled &

@@ -1,4 +1,4 @@
-!> The train whose motions go once through the waveform through which those of another go several times in a period.
+!> Divides the orders of a train, so that a motion that repeats its waveform within a period goes through it once.
 module geartrain_model_divide_orders
    use geartrain_base_kinds, only: dp
    use geartrain_base_series, only: series_type

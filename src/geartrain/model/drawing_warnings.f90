@@ -33,7 +33,7 @@ module geartrain_model_drawing_warnings
    real(dp), parameter :: far_off = 20
    !> Samples of a mesh stiffness for each harmonic.
    integer, parameter :: samples_per_harmonic = 32
-   !> Rigidly joined inertias over those of the bodies alone from which on it is told to what a damping ratio refers.
+   !> Warns of a damping ratio where the mobility of the bodies alone exceeds the mobility of the joined bodies by this factor.
    real(dp), parameter :: worth_telling = 1.1_dp
    character(*), parameter :: in_metres = 'metres are meant '
 
@@ -103,7 +103,7 @@ contains
       warnings = [warnings, warning]
    end subroutine add_warning
 
-   !> Amplitudes that make a mesh push where it should pull are those in another unit: N/m in place of shares of the mean stiffness.
+   !> Warns of a mesh stiffness that becomes negative: its amplitudes may be in N/m instead of shares of the mean stiffness.
    subroutine warn_of_negative_stiffness(plain, warnings)
       type(train_type), intent(in) :: plain
       type(text_type), allocatable, intent(inout) :: warnings(:)
@@ -127,7 +127,7 @@ contains
       end do
    end subroutine warn_of_negative_stiffness
 
-   !> A damping ratio refers to the bodies alone: with what is rigidly joined to them the same damping may be another ratio.
+   !> Warns of damping ratios at rigidly joined bodies: the ratio refers to the inertias of the bodies alone.
    subroutine warn_of_joined_inertias(train, plain, warnings)
       type(train_type), intent(in) :: train, plain
       type(text_type), allocatable, intent(inout) :: warnings(:)

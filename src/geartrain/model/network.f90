@@ -230,8 +230,8 @@ contains
 
    end subroutine make_mesh
 
-   !> Inertias at the ends of an element to which a damping ratio refers [kg m^2]: those of the bodies as they are given. Where a
-   !> body has none, and at the ends of the shafts of a train without &body, those of all that is rigidly joined.
+   !> Inertias at the ends of an element to which its damping ratio refers [kg m^2]: the inertia of each body as given. A body
+   !> without inertia, and a shaft end of a train without &body, counts with all bodies that are rigidly joined to it.
    pure function vibrating(network, inertia, ends, own)
       !> Network with its nodes.
       type(network_type), intent(in) :: network

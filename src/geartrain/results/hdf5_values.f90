@@ -4,8 +4,9 @@ module geartrain_results_hdf5_values
       c_null_ptr, c_ptr, c_size_t
    use, intrinsic :: iso_fortran_env, only: int64
    use hdf5, only: h5aread_f, h5dread_f, h5p_dataset_xfer_f, h5pclose_f, h5pcreate_f, hid_t
-   use geartrain_base_plain_text, only: escaped_lines
    use geartrain_base_field, only: text_type
+   use geartrain_base_memory, only: c_free, c_malloc
+   use geartrain_base_plain_text, only: escaped_lines
    implicit none (type, external)
    private
    public :: fetch, fetch_texts
@@ -44,18 +45,6 @@ module geartrain_results_hdf5_values
          implicit none (type, external)
          type(c_ptr), value :: text
       end function c_strlen
-
-      type(c_ptr) function c_malloc(bytes) bind(c, name='malloc')
-         import :: c_ptr, c_size_t
-         implicit none (type, external)
-         integer(c_size_t), value :: bytes
-      end function c_malloc
-
-      subroutine c_free(place) bind(c, name='free')
-         import :: c_ptr
-         implicit none (type, external)
-         type(c_ptr), value :: place
-      end subroutine c_free
    end interface
 
 contains
