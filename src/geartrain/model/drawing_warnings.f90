@@ -115,10 +115,11 @@ contains
          ! The unit of displacement does not matter for kappa.
          call put_law(plain%meshes(i), 1.0_dp, law)
          if (size(law%harmonic) == 0) cycle
-         samples = samples_per_harmonic*maxval(law%harmonic)
+         ! A cycle of the mesh is enough: all harmonics are multiples of its order.
+         samples = samples_per_harmonic*maxval(law%harmonic)/nint(law%order)
          do s = law%lowest, law%highest
             if (.not. law%stiffness(s) > 0) cycle
-            least = minval([(law%stiffness_at(s, 2*pi*k/samples), k=1, samples)])/law%stiffness(s)
+            least = minval([(law%stiffness_at(s, 2*pi*k/(samples*law%order)), k=1, samples)])/law%stiffness(s)
             if (least > 0) cycle
             call add_warning(warnings, 'mesh', i, 'the mesh stiffness falls to '//short(least)//' times its mean: &
                              &stiffness_cos and stiffness_sin are shares of the mean stiffness')
