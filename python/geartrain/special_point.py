@@ -46,6 +46,8 @@ class SpecialPoint:
         The one that it was found on.
     mesh : int or None
         Of a contact onset the number of the mesh.
+    multiplicity : int
+        Multipliers, or pairs, that pass the unit circle together: N - 1 where N equal branches begin to move differently.
     """
 
     kind: str
@@ -59,6 +61,7 @@ class SpecialPoint:
     correction: float | None = None
     branch: Any = field(default=None, repr=False)
     mesh: int | None = None
+    multiplicity: int = 1
 
     def gradient(self, parameters: Sequence[str]) -> Array:
         """Derivatives of Lambda of a fold or a period doubling with respect to parameters of the train.

@@ -6,6 +6,7 @@
 module geartrain_balance_bordered_system
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_fixed_space, only: fixed_space_type
    use geartrain_balance_linear_flow, only: linear_flow_type, suits
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_bordered, only: bordered_type
@@ -44,6 +45,7 @@ module geartrain_balance_bordered_system
       procedure :: setup
       procedure :: linearize
       procedure :: factor
+      procedure :: difference_signs
       procedure :: solve
       procedure :: solves_in_time
       procedure :: solve_tail
@@ -80,6 +82,19 @@ contains
       if (.not. self%flows) call balance%jacobian(self%lowest)
       self%column = balance%d_frequency
    end subroutine linearize
+
+   !> Signs of the determinants of the difference modes of equal branches, of the explicit harmonics, as bits; to be called between
+   !> `linearize` and `factor`.
+   integer function difference_signs(self, balance, fixed) result(signs)
+      class(bordered_system_type), intent(inout) :: self
+      !> Balance as at `linearize`.
+      type(balance_type), intent(in) :: balance
+      !> Which equal branches move equally.
+      type(fixed_space_type), intent(in) :: fixed
+
+      if (self%flows) call balance%jacobian(self%lowest)
+      signs = fixed%signs(self%lowest)
+   end function difference_signs
 
    !> Factors the matrix with its border; `linearize` must have been called since the last `factor`, which overwrites it.
    subroutine factor(self, balance, regular)

@@ -7,7 +7,7 @@ module geartrain_continuation_bifurcations
    use geartrain_base_observer, only: observer_type
    use geartrain_continuation_branch, only: branch_type, response_settings_type
    use geartrain_continuation_corrector, only: solution_point_type
-   use geartrain_continuation_critical_point, only: find_critical, find_meeting
+   use geartrain_continuation_critical_point, only: find_critical, find_meeting, patterns_of
    use geartrain_continuation_same_solution, only: same_solution
    use geartrain_continuation_start, only: begin_trace, doubled_settings
    use geartrain_continuation_switching, only: trace_switched
@@ -32,6 +32,8 @@ module geartrain_continuation_bifurcations
       logical :: crossing = .false.
       !> Number of the branch on which the point was found; 0: the branch that all others come from.
       integer :: branch = 0
+      !> Pattern in which equal branches begin to move differently; 0: any.
+      integer :: pattern = 0
    end type meeting_type
 
 contains
@@ -101,7 +103,7 @@ contains
       type(tracer_type) :: tracer
       logical :: found, met, doubles, again
       type(response_settings_type) :: doubled
-      integer :: i, n
+      integer :: equal, i, pattern
 
       if (.not. allocated(parent%special_points)) return
       call begin_trace(train, settings, systems, tracer, parent)
@@ -114,17 +116,43 @@ contains
             doubles = special%kind == 'period doubling'
             if (doubles .and. tracer%corrector%balance%waves() >= longest) cycle
             if (.not. doubles .and. .not. (special%kind == 'branch point' .and. settings%branch_points)) cycle
-            call find_critical(train, settings, parent, i, solution, found, taken=taken, again=again)
+            call find_critical(train, settings, parent, i, solution, found, taken=taken, again=again, equal=equal)
             ! A branch may pass a branch point twice, the second time shifted by some periods of the fundamental.
             if (again .and. .not. (found .or. doubles)) cycle
+            do pattern = 1, patterns_of(equal, doubles)
+               if (pattern > 1) call find_critical(train, settings, parent, i, solution, found, taken=taken, pattern=pattern)
+               call follow_one()
+               if (size(branches) > 0) then
+                  if (branches(size(branches))%cancelled) return
+               end if
+            end do
+            if (found) taken = [taken, solution]
+         end associate
+      end do
+
+   contains
+
+      !> Follows the branch that leaves at `solution`, unless it is known.
+      subroutine follow_one()
+         character(:), allocatable :: words
+         integer :: n, some(2)
+
+         associate (special => parent%special_points(i))
             if (found) then
-               taken = [taken, solution]
-               here = meeting_type(solution, period(doubles), .not. doubles, number)
+               here = meeting_type(solution, period(doubles), .not. doubles, number, merge(pattern, 0, equal > 0))
                met = is_known(train, settings, parent, i, here, meetings, tracer)
-               if (.not. met .or. here%crossing) meetings = [meetings, here]
-               if (met) cycle
+               ! At a branch point all patterns are followed from here: another branch that comes to it has none left.
+               here%pattern = 0
+               if (pattern == 1 .and. (.not. met .or. here%crossing) .or. doubles .and. .not. met) meetings = [meetings, here]
+               if (met) return
             end if
-            call add_branch(branches, trim(special%kind)//' of '//name//' at Lambda = '//text(special%frequency_ratio))
+            words = ''
+            if (equal > 2) then
+               some = [pattern, equal - pattern]
+               if (pattern > equal/2) some = pattern - equal/2
+               words = ', '//text(some(1))//' of '//text(equal)//' equal branches against '//text(some(2))
+            end if
+            call add_branch(branches, trim(special%kind)//' of '//name//' at Lambda = '//text(special%frequency_ratio)//words)
          end associate
          n = size(branches)
          if (n <= size(known)) then
@@ -139,11 +167,9 @@ contains
             ! From a variable: gfortran 12 never frees a structure constructor within an array constructor.
             if (met) meetings = [meetings, here]
          else
-            call note_crossings(train, settings, branches(n), n, period(doubles), meetings)
+            call note_crossings(train, settings, branches(n), n, period(doubles), merge(pattern, 0, equal > 0), meetings)
          end if
-      end do
-
-   contains
+      end subroutine follow_one
 
       pure integer function period(doubles)
          logical, intent(in) :: doubles
@@ -154,11 +180,13 @@ contains
    end subroutine follow
 
    !> Adds to `meetings` the branch points of `branch`, which was just traced from a branch point.
-   subroutine note_crossings(train, settings, branch, number, period, meetings)
+   subroutine note_crossings(train, settings, branch, number, period, pattern, meetings)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
       type(branch_type), intent(in) :: branch
-      integer, intent(in) :: number, period
+      !> Number of the branch; period of whose frequency the harmonics are multiples [periods of the excitation]; pattern in which
+      !> equal branches move differently on it.
+      integer, intent(in) :: number, period, pattern
       type(meeting_type), allocatable, intent(inout) :: meetings(:)
       type(solution_point_type) :: solution
       type(meeting_type) :: here
@@ -169,7 +197,7 @@ contains
       do i = 1, size(branch%special_points)
          if (branch%special_points(i)%kind /= 'branch point') cycle
          call find_critical(train, settings, branch, i, solution, found)
-         here = meeting_type(solution, period, .true., number)
+         here = meeting_type(solution, period, .true., number, pattern)
          if (found) meetings = [meetings, here]
       end do
    end subroutine note_crossings
@@ -195,12 +223,14 @@ contains
          associate (other => meetings(i), units => tracer%corrector%units)
             if (other%period /= here%period .or. (other%crossing .neqv. here%crossing)) cycle
             if (here%crossing .and. other%branch == here%branch) cycle
+            if (min(here%pattern, other%pattern) > 0 .and. here%pattern /= other%pattern) cycle
             is_known = same_solution(here%solution, other%solution, here%period, units, .not. here%crossing)
             if (is_known) return
             if (size(here%solution%u, 1) == size(other%solution%u, 1)) cycle
             if (abs(here%solution%frequency_ratio - other%solution%frequency_ratio) > near*units%frequency_ratio) cycle
             call find_critical(train, settings, parent, special, again, found, &
-                               harmonics=tracer%settings%repeats*((size(other%solution%u, 1) - 1)/(2*times)))
+                               harmonics=tracer%settings%repeats*((size(other%solution%u, 1) - 1)/(2*times)), &
+                               pattern=max(1, here%pattern))
             if (found) is_known = same_solution(again, other%solution, here%period, units, .not. here%crossing)
             if (is_known) return
          end associate

@@ -17,7 +17,7 @@ contains
 
    !> Traces a branch from its first point in both directions. The points of the backward way are put in front, so that the branch
    !> is one curve. A branch that closes is traced once round.
-   subroutine trace_both_ways(tracer, forward, backward, branch, where_from, observer, between)
+   subroutine trace_both_ways(tracer, forward, backward, branch, where_from, observer, between, multiplicity)
       !> A tracer for the branch.
       type(tracer_type), intent(inout) :: tracer
       !> First points of the two ways: solved, with tangents that point away from each other; changed on return.
@@ -30,6 +30,8 @@ contains
       class(observer_type), intent(inout), optional :: observer
       !> Lambda of the branch point that lies between `forward` and `backward` [1]; absent: the two are one point.
       real(dp), intent(in), optional :: between
+      !> Number of multipliers that pass +1 together there.
+      integer, intent(in), optional :: multiplicity
       type(solution_point_type) :: began
       character(:), allocatable :: reason
       integer :: outcome, first_outcome, first_points
@@ -54,7 +56,7 @@ contains
       began = backward
       tracer%segment = tracer%segment + 1
       if (present(between)) then
-         call add_special_point(branch, 'branch point', between, branch%points, branch%rms(:, 1))
+         call add_special_point(branch, 'branch point', between, branch%points, branch%rms(:, 1), multiplicity)
          call tracer%record(backward, branch)
          call trace_through(tracer, backward, tracer%settings%stop, branch, outcome, reason, observer, began)
       else

@@ -68,6 +68,9 @@ module geartrain_continuation_branch
       integer :: point = 0
       !> Root mean square displacement over characteristic length [1], (mesh).
       real(dp), allocatable :: rms(:)
+      !> Number of multipliers, or of pairs, that pass the unit circle there together: N - 1 where N equal branches begin to move
+      !> differently.
+      integer :: multiplicity = 1
       !> Of a contact onset the number of the mesh.
       integer :: mesh = 0
       !> Change of Lambda by refine_special_points [1]; -1: shooting finds none of its kind near it; -2: not refined.

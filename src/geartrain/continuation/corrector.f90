@@ -4,7 +4,9 @@
 module geartrain_continuation_corrector
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_bordered_system, only: bordered_system_type
+   use geartrain_balance_fixed_space, only: fixed_space_type
    use geartrain_base_kinds, only: dp
+   use geartrain_model_equal_branches, only: equal_branches_type
    use geartrain_model_units, only: units_type
    implicit none (type, external)
    private
@@ -28,8 +30,11 @@ module geartrain_continuation_corrector
       integer, allocatable :: harmonic(:)
       !> Lambda and its part of the tangent [1].
       real(dp) :: frequency_ratio = 0, tangent_frequency = 0
-      !> Sign of the bordered determinant: changes along a branch only at a branch point or by a jump to another branch; 0: unknown.
+      !> Sign of the bordered determinant, in the space in which equal branches move equally: changes along a branch only at a
+      !> branch point or by a jump to another branch; 0: unknown.
       integer :: orientation = 0
+      !> Signs of the determinants of the difference modes of equal branches, as bits; negative: unknown.
+      integer :: differences = -1
    end type solution_point_type
 
    type :: corrector_type
@@ -39,6 +44,9 @@ module geartrain_continuation_corrector
       type(bordered_system_type) :: matrix
       !> Units of the metric.
       type(units_type) :: units
+      !> Equal branches of the train; not allocated: none. Which of them move equally on the branch that is followed.
+      type(equal_branches_type), allocatable :: sets(:)
+      type(fixed_space_type) :: fixed
       !> Prescribes the unknown that changes fastest instead of the arclength, equation (11).
       logical :: local_control = .false.
       !> First Newton step over predictor step [1] and number of Newton steps, at the latest solution.
@@ -47,8 +55,11 @@ module geartrain_continuation_corrector
       !> Evaluations of the balance so far: unchanged while the corrector is at one solution point.
       integer :: evaluations = 0
       real(dp), allocatable, private :: step(:, :)
+      !> Signs of the difference modes at the latest Newton step.
+      integer, private :: differences = 0
    contains
       procedure :: setup
+      procedure :: keep_equal
       procedure :: solve_at
       procedure :: solve_beside
       procedure :: correct
@@ -72,6 +83,16 @@ contains
       if (allocated(self%step)) deallocate (self%step)
       allocate (self%step(self%balance%block, self%balance%unknowns))
    end subroutine setup
+
+   !> Keeps to motions in which those equal branches move equally that do so on a branch.
+   subroutine keep_equal(self, solution)
+      class(corrector_type), intent(inout) :: self
+      !> Solution point of the branch, with its tangent.
+      type(solution_point_type), intent(in) :: solution
+
+      if (.not. allocated(self%sets)) return
+      if (size(self%sets) > 0) call self%fixed%find(self%balance%system, self%sets, solution%u, solution%tangent)
+   end subroutine keep_equal
 
    !> Solves at constant Lambda.
    subroutine solve_at(self, solution, success)
@@ -100,6 +121,7 @@ contains
       call self%matrix%linearize(self%balance)
       self%matrix%row = 0
       self%matrix%corner = 1
+      if (.not. self%fixed%is_whole()) self%differences = self%matrix%difference_signs(self%balance, self%fixed)
       call self%matrix%factor(self%balance, success)
       if (.not. success) return
       call self%orient(solution, 1)
@@ -203,6 +225,7 @@ contains
             call self%matrix%linearize(self%balance)
             self%matrix%row = row
             self%matrix%corner = row_frequency
+            if (.not. self%fixed%is_whole()) self%differences = self%matrix%difference_signs(self%balance, self%fixed)
             call self%matrix%factor(self%balance, regular)
             if (.not. regular) return
          end if
@@ -214,6 +237,7 @@ contains
          accuracy = max(accuracy, least_residual/max(defect, converged))
          defect_before = defect
          call self%matrix%solve(self%balance, self%step, y, accuracy)
+         call self%fixed%project(self%step)
          length = self%length_of(self%step, y)
          if (.not. length <= longest) return
          if (iteration == 1) self%correction = length/longest
@@ -241,11 +265,16 @@ contains
       self%step = 0
       y = 1
       call self%matrix%solve(self%balance, self%step, y)
+      call self%fixed%project(self%step)
       length = self%length_of(self%step, y)
       if (inner(self%step, solution%tangent)/self%units%length**2 &
           + y*solution%tangent_frequency/self%units%frequency_ratio**2 < 0) length = -length
       solution%tangent = self%step/length
       solution%orientation = self%matrix%orientation
+      if (.not. self%fixed%is_whole()) then
+         solution%differences = self%differences
+         solution%orientation = self%fixed%restricted(self%matrix%orientation, self%differences)
+      end if
       if (length < 0) solution%orientation = -solution%orientation
       solution%tangent_frequency = y/length
    end subroutine find_tangent
@@ -273,6 +302,7 @@ contains
       solution%u = u
       solution%tangent = tangent
       solution%orientation = 0
+      solution%differences = -1
    end subroutine refit
 
    !> Length of a change in the metric [units_type].

@@ -18,15 +18,17 @@ module geartrain_continuation_critical_point
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: find_critical, find_meeting, harmonics_at
+   public :: find_critical, find_meeting, harmonics_at, patterns_of
 
    !> First step of the search along the branch, at most [units_type].
    real(dp), parameter :: first_step = 0.01_dp
+   !> Relative distance in Lambda of bifurcation points that are one.
+   real(dp), parameter :: together = 1e-6_dp
 
 contains
 
    !> Finds the bifurcation point of the balance nearest to a special point of a branch.
-   subroutine find_critical(train, settings, branch, special, solution, success, harmonics, taken, again)
+   subroutine find_critical(train, settings, branch, special, solution, success, harmonics, taken, again, pattern, equal)
       !> The train as described.
       type(train_type), intent(in) :: train
       !> Settings that `branch` was traced with.
@@ -47,15 +49,22 @@ contains
       type(solution_point_type), intent(in), optional :: taken(:)
       !> The search came to one of `taken`.
       logical, intent(out), optional :: again
+      !> Where equal branches begin to move differently, the pattern of their differences (fixed_space_type); 1 unless it is given.
+      integer, intent(in), optional :: pattern
+      !> Number of equal branches that begin to move differently; 0: none.
+      integer, intent(out), optional :: equal
       type(system_type), target :: own(2)
-      type(singular_type) :: matrix
+      type(singular_type), allocatable :: matrix
+      type(solution_point_type) :: one
       type(system_type), target :: systems(2)
       type(tracer_type) :: tracer
       type(solution_point_type) :: from
       real(dp) :: h
-      integer :: highest
+      integer :: g, group, groups, highest
+      logical :: found
 
       if (present(again)) again = .false.
+      if (present(equal)) equal = 0
       call begin_trace(train, settings, systems, tracer, branch)
       highest = settings%harmonics
       if (highest == 0) then
@@ -67,9 +76,47 @@ contains
       tracer%corrector%local_control = .false.
       call solve_next_to(tracer, branch, special, from, h, success)
       if (.not. success) return
-      call matrix%setup(tracer%corrector, own, branch%special_points(special)%kind == 'period doubling')
-      call find_nearest(matrix, from, h, solution, success, taken, again)
+      groups = 0
+      if (.not. tracer%corrector%fixed%is_whole()) groups = size(tracer%corrector%fixed%group)
+      ! The critical direction may have any symmetry: the point that is nearest to the special point has the right one.
+      success = .false.
+      group = 0
+      associate (at => branch%special_points(special)%frequency_ratio, kind => branch%special_points(special)%kind)
+         do g = 0, groups
+            if (allocated(matrix)) deallocate (matrix)
+            allocate (matrix)
+            call matrix%setup(tracer%corrector, own, kind == 'period doubling', g)
+            call find_nearest(matrix, from, h, one, found, taken, again)
+            if (.not. found) cycle
+            if (success) then
+               if (abs(one%frequency_ratio - at) > abs(solution%frequency_ratio - at) - together*abs(at)) cycle
+            end if
+            solution = one
+            group = g
+            success = .true.
+         end do
+      end associate
+      if (.not. success .or. group == 0) return
+      associate (fixed => tracer%corrector%fixed)
+         g = 1
+         if (present(pattern)) g = pattern
+         solution%tangent = fixed%direction(group, g, solution%tangent)
+         solution%tangent = solution%tangent/tracer%corrector%length_of(solution%tangent)
+         solution%tangent_frequency = 0
+         if (present(equal)) equal = size(fixed%group(group)%unknown, 2)
+      end associate
    end subroutine find_critical
+
+   !> Number of patterns in which equal branches begin to move differently, up to their renumbering.
+   pure integer function patterns_of(equal, doubles)
+      !> Number of the branches; 0: none begin to move differently, and there is one pattern.
+      integer, intent(in) :: equal
+      !> At a period doubling.
+      logical, intent(in) :: doubles
+
+      patterns_of = max(1, equal/2)
+      if (doubles) patterns_of = patterns_of + max(0, (equal - 1)/2)
+   end function patterns_of
 
    !> Finds the period doubling at which a period-doubled branch ends, if it ends at one.
    subroutine find_meeting(train, settings, branch, solution, met)
@@ -177,6 +224,7 @@ contains
       h = min(first_step, chord/4)
       success = chord > 0
       if (.not. success) return
+      call tracer%corrector%keep_equal(solution)
       share = 0
       if (abs(after%frequency_ratio - solution%frequency_ratio) > 0) &
          share = (branch%special_points(special)%frequency_ratio - solution%frequency_ratio)/(after%frequency_ratio &

@@ -112,6 +112,8 @@ contains
       call carry(fields, row('after_point', '', '1', 'the point of the branch before it', least=0, &
                              most=branch%points), special%point)
       call carry(fields, row('rms', 'mesh', '1', about_rms), special%rms)
+      call carry(fields, row('multiplicity', '', '1', 'multipliers, or pairs, that pass the unit circle together: N - 1 where &
+                             &N equal branches begin to move differently', optional=.true., least=1), special%multiplicity)
    end subroutine visit_special_point
 
    !> Visits the state of a trace, see trace_state_type.
@@ -169,6 +171,7 @@ contains
       call carry(fields, row('frequency'), solution%frequency_ratio)
       call carry(fields, row('tangent_frequency'), solution%tangent_frequency)
       call carry(fields, row('orientation'), solution%orientation)
+      call carry(fields, row('differences'), solution%differences)
       call fields%check((allocated(branch%parameter) .or. solution%frequency_ratio > 0) .and. terms == 1 + 2*harmonics .and. &
                         unknowns <= branch%meshes, 'term')
    end subroutine visit_solution

@@ -7,6 +7,9 @@
 !> of equal stages may be orthogonal to every vector that is alike in all meshes. For a period doubling b and c are the eigenvectors
 !> of the smallest eigenvalues at a solution point nearby, which separate several directions. For a branch point, whose bordered
 !> matrix has no useful eigenvectors (border and Lambda may differ in symmetry), b is any vector and c = A^-1 b nearby.
+!>
+!> Of N equal branches that move equally N - 1 directions become critical at once. b and c are then differences of the first two
+!> branches, which A exchanges with differences, so that the test function sees one direction; or they are equal in all branches.
 module geartrain_continuation_singular
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
@@ -28,6 +31,8 @@ module geartrain_continuation_singular
       type(corrector_type) :: single, double
       !> The matrix is singular at period doublings, else at branch points.
       logical :: doubles = .false.
+      !> Number of the group of equal branches that begin to move differently; 0: those that move equally go on to do so.
+      integer :: group = 0
       !> Vectors b and c: coefficients [1], (block, unknown, mode), and Lambda part [1], (mode).
       real(dp), allocatable, private :: b(:, :, :), b_frequency(:), c(:, :, :), c_frequency(:)
    contains
@@ -39,12 +44,13 @@ module geartrain_continuation_singular
       procedure :: solution
       procedure, private :: solve
       procedure, private :: factor_at
+      procedure, private :: restrict
    end type singular_type
 
 contains
 
    !> Plans the balances and correctors of the search.
-   subroutine setup(self, corrector, systems, doubles)
+   subroutine setup(self, corrector, systems, doubles, group)
       class(singular_type), intent(inout) :: self
       !> Corrector of the branch.
       type(corrector_type), intent(in) :: corrector
@@ -52,8 +58,12 @@ contains
       type(system_type), pointer, intent(in) :: systems(:)
       !> Searches for period doublings, else for branch points.
       logical, intent(in) :: doubles
+      !> Number of the group of equal branches that begin to move differently; 0 unless it is given.
+      integer, intent(in), optional :: group
 
       self%doubles = doubles
+      if (present(group)) self%group = group
+      self%single%fixed = corrector%fixed
       associate (balance => corrector%balance)
          call plan(self%single, systems(1), 1, balance%repeats)
          if (.not. doubles) return
@@ -166,6 +176,36 @@ contains
       end if
    end subroutine solve
 
+   !> Restricts coefficients to differences within the group, or to those in which equal branches move equally.
+   subroutine restrict(self, x)
+      class(singular_type), intent(in) :: self
+      real(dp), intent(inout) :: x(:, :)
+
+      if (self%group > 0) then
+         call self%single%fixed%keep_difference(self%group, x)
+      else
+         call self%single%fixed%project(x)
+      end if
+   end subroutine restrict
+
+   !> Number of unknowns that are free in the restricted coefficients.
+   integer function free_unknowns(self)
+      class(singular_type), intent(in) :: self
+      real(dp) :: x(1, self%single%balance%unknowns)
+      integer :: i, k
+
+      free_unknowns = self%single%balance%unknowns
+      if (self%single%fixed%is_whole()) return
+      free_unknowns = 0
+      do i = 1, size(x, 2)
+         x = 0
+         x(1, i) = 1
+         call self%restrict(x)
+         k = findloc(abs(x(1, :)) > 0, .true., 1)
+         if (k == i) free_unknowns = free_unknowns + 1
+      end do
+   end function free_unknowns
+
    !> Chooses the vectors b and c.
    subroutine find_modes(self, solution)
       class(singular_type), intent(inout) :: self
@@ -182,14 +222,17 @@ contains
       do j = 1, most_modes
          call generic_vector(j, self%b(:, :, j), self%b_frequency(j))
          if (self%doubles) call keep_odd(self%double%balance%harmonic/self%double%balance%repeats, self%b(:, :, j))
-         if (self%doubles) self%b_frequency(j) = 0
+         call self%restrict(self%b(:, :, j))
+         if (self%doubles .or. self%group > 0) self%b_frequency(j) = 0
       end do
       if (self%doubles) call find_eigenvectors(self)
       self%c = self%b
       self%c_frequency = self%b_frequency
       if (self%doubles) return
       do i = 1, most_modes
+         call self%single%fixed%as_right_side(self%c(:, :, i))
          call self%solve(self%c(:, :, i), self%c_frequency(i))
+         call self%restrict(self%c(:, :, i))
          self%c_frequency(i) = self%c_frequency(i)/self%single%units%frequency_ratio
          call normalize(self%c(:, :, i), self%c_frequency(i))
       end do
@@ -212,11 +255,13 @@ contains
       integer :: i, j, l, found, n
 
       ! A single mesh with one harmonic has no more than two odd coefficients.
-      n = min(most_modes, (size(self%b, 1)/2)*size(self%b, 2))
+      n = min(most_modes, (size(self%b, 1)/2)*free_unknowns(self))
       do i = 0, iterations
          do j = 1, n
             y = 0
             if (i > 0) call self%solve(self%b(:, :, j), y)
+            ! Rounding must not grow towards other directions that are critical nearby.
+            if (i > 0) call self%restrict(self%b(:, :, j))
             do l = 1, j - 1
                self%b(:, :, j) = self%b(:, :, j) - sum(self%b(:, :, l)*self%b(:, :, j))*self%b(:, :, l)
             end do
@@ -227,6 +272,7 @@ contains
       do j = 1, n
          y = 0
          call self%solve(solved(:, :, j), y)
+         call self%restrict(solved(:, :, j))
          do i = 1, n
             reduced(i, j) = sum(self%b(:, :, i)*solved(:, :, j))
          end do
@@ -320,7 +366,9 @@ contains
 
       x = self%b(:, :, mode)
       y = self%b_frequency(mode)
+      if (.not. self%doubles) call self%single%fixed%as_right_side(x)
       call self%solve(x, y)
+      call self%restrict(x)
    end subroutine solution
 
 end module geartrain_continuation_singular

@@ -25,13 +25,15 @@ module geartrain_continuation_singular_search
 contains
 
    !> Finds the branch point near a point of a branch.
-   subroutine find_crossing(corrector, here, h, frequency_ratio, success)
+   subroutine find_crossing(corrector, here, h, group, frequency_ratio, success)
       !> Corrector of the branch.
       type(corrector_type), intent(in) :: corrector
       !> Point of the branch from which to search.
       type(solution_point_type), intent(in) :: here
       !> Length of the step from `here` in which the determinant changes sign, in the metric of the branch [1].
       real(dp), intent(in) :: h
+      !> Number of the group of equal branches that begin to move differently there; 0: none.
+      integer, intent(in) :: group
       !> Lambda of the branch point [1], where there is success.
       real(dp), intent(out) :: frequency_ratio
       !> A branch point was found.
@@ -40,7 +42,7 @@ contains
       type(singular_type) :: matrix
       type(solution_point_type) :: solution
 
-      call matrix%setup(corrector, systems, .false.)
+      call matrix%setup(corrector, systems, .false., group)
       call find_nearest(matrix, here, h, solution, success)
       if (success) frequency_ratio = solution%frequency_ratio
    end subroutine find_crossing

@@ -146,7 +146,7 @@ contains
    end function rms_of
 
    !> Lists a special point of a branch, in the order along the branch.
-   subroutine add_special_point(branch, kind, frequency_ratio, point, rms)
+   subroutine add_special_point(branch, kind, frequency_ratio, point, rms, multiplicity)
       !> Branch whose `special_points` grow.
       type(branch_type), intent(inout) :: branch
       !> Kind as in special_point_type.
@@ -155,6 +155,8 @@ contains
       real(dp), intent(in) :: frequency_ratio, rms(:)
       !> Number of the point of the branch before the special point; of a fold, which is a point, its own number.
       integer, intent(in) :: point
+      !> Number of multipliers, or of pairs, that pass the unit circle together; 1 unless it is given.
+      integer, intent(in), optional :: multiplicity
       type(special_point_type) :: special
       integer :: n
 
@@ -162,6 +164,7 @@ contains
       special%frequency_ratio = frequency_ratio
       special%point = point
       special%rms = rms
+      if (present(multiplicity)) special%multiplicity = multiplicity
       n = count(branch%special_points%point <= point)
       branch%special_points = [branch%special_points(:n), special, branch%special_points(n + 1:)]
    end subroutine add_special_point

@@ -30,6 +30,8 @@ module geartrain_continuation_stability_changes
    !> Width of the bracket of a change, as a share of the step, at which it is located where chords are not exact.
    real(dp), parameter :: located = 1e-9_dp
    integer, parameter :: most_steps = 60
+   !> Difference of multipliers that are equal by the symmetry of the train.
+   real(dp), parameter :: equal = 1e-7_dp
 
    !> A piece of a branch between two solution points with tangents, and its length in the metric of the branch.
    type :: piece_type
@@ -98,17 +100,17 @@ contains
       complex(dp) :: middle(size(first))
       type(solution_point_type) :: solution
       real(dp) :: s
-      integer :: change(3), kind, i
+      integer :: change(3), kind
       logical :: success
 
       change = outside(last) - outside(first)
       if (change(doubling) == 0 .and. change(neimark_sacker) == 0) return
       if (all(mod(change([doubling, above_one]), 2) == 0) .and. stays(first, last)) return
-      if (abs(change(doubling)) == 1 .and. change(neimark_sacker) == 0 .or. &
-          abs(change(neimark_sacker)) == 1 .and. change(doubling) == 0 .and. change(above_one) == 0) then
-         kind = merge(doubling, neimark_sacker, change(neimark_sacker) == 0)
+      kind = merge(doubling, neimark_sacker, change(neimark_sacker) == 0)
+      if (change(doubling)*change(neimark_sacker) == 0 .and. (kind == doubling .or. change(above_one) == 0) .and. &
+          pass_together(first, last, kind)) then
          call locate(corrector, monodromy, piece, a, b, first, last, kind, solution)
-         call add_special_point(branch, trim(names(kind)), solution%frequency_ratio, after - 1, rms_of(corrector, solution))
+         call list(abs(change(kind)))
          return
       end if
       s = (a + b)/2
@@ -122,11 +124,45 @@ contains
       if (change(doubling)*change(neimark_sacker) < 0) change = [mod(change(doubling), 2), 0, 0]
       if (change(above_one)*change(neimark_sacker) < 0) change(neimark_sacker) = 0
       do kind = doubling, neimark_sacker
-         do i = 1, abs(change(kind))
-            call add_special_point(branch, trim(names(kind)), solution%frequency_ratio, after - 1, rms_of(corrector, solution))
-         end do
+         call list(abs(change(kind)))
       end do
+
+   contains
+
+      !> Lists so many changes at `solution`: as one special point where they are the differences of equal branches.
+      subroutine list(changes)
+         integer, intent(in) :: changes
+         integer :: k, multiplicity
+
+         multiplicity = 1
+         if (corrector%fixed%has_differences(changes)) multiplicity = changes
+         do k = 1, changes/max(1, multiplicity)
+            call add_special_point(branch, trim(names(kind)), solution%frequency_ratio, after - 1, rms_of(corrector, solution), &
+                                   multiplicity)
+         end do
+      end subroutine list
    end subroutine separate
+
+   !> Whether the multipliers of a kind that pass the circle are equal at both ends, as the differences of equal branches have them.
+   pure logical function pass_together(first, last, kind)
+      complex(dp), intent(in) :: first(:), last(:)
+      integer, intent(in) :: kind
+      integer :: counts(3, 2), number(2)
+
+      counts(:, 1) = outside(first)
+      counts(:, 2) = outside(last)
+      number = [minval(counts(kind, :)) + 1, maxval(counts(kind, :))]
+      pass_together = are_equal(first) .and. are_equal(last)
+
+   contains
+
+      pure logical function are_equal(multipliers)
+         complex(dp), intent(in) :: multipliers(:)
+
+         are_equal = abs(excess(multipliers, kind, number(1)) - excess(multipliers, kind, number(2))) <= equal
+      end function are_equal
+
+   end function pass_together
 
    !> Whether no multiplier crosses the circle: as many are outside at both ends of a piece, and the multipliers next to the circle
    !> are farther from it than they move. Then pairs only become real, or complex, on their side of the circle.

@@ -14,6 +14,7 @@ module geartrain_continuation_start
    use geartrain_continuation_variables, only: settings_for
    use geartrain_model_units, only: largest_unit, length_unit_of, units_of
    use geartrain_model_frequency_unit, only: lambda_per
+   use geartrain_model_equal_branches, only: equal_branches_type, find_equal_branches, same_branches
    use geartrain_model_modes, only: natural_frequency_ranges
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
@@ -79,6 +80,7 @@ contains
             units%frequency_ratio = balance%path%length
          end if
       end associate
+      call find_sets()
       call choose_repeats()
       if (settings%amplitude_limit > 0) then
          tracer%amplitude_limit = settings%amplitude_limit
@@ -99,6 +101,24 @@ contains
       end if
 
    contains
+
+      !> Finds the equal branches. Along a path they are those that are equal at both ends and amid the path.
+      subroutine find_sets()
+         type(equal_branches_type), allocatable :: other(:)
+         integer :: k
+
+         associate (balance => tracer%corrector%balance)
+            call find_equal_branches(tracer%system, tracer%corrector%sets)
+            if (.not. allocated(balance%path)) return
+            do k = 1, 2
+               if (size(tracer%corrector%sets) == 0) return
+               call balance%path%system_at(merge(balance%path%low, balance%path%high, k == 1), at_end)
+               call find_equal_branches(at_end, other)
+               if (.not. same_branches(tracer%corrector%sets, other)) deallocate (tracer%corrector%sets)
+               if (.not. allocated(tracer%corrector%sets)) allocate (tracer%corrector%sets(0))
+            end do
+         end associate
+      end subroutine find_sets
 
       subroutine choose_repeats()
          associate (repeats => tracer%settings%repeats, system => tracer%system)

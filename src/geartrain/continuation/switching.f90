@@ -111,6 +111,8 @@ contains
             return
          end if
       end associate
+      ! Branches that move equally along the critical vector go on to do so.
+      call tracer%corrector%keep_equal(critical)
       call step_off(tracer, critical, 1, solution, success)
       if (success .and. .not. doubles) call step_off(tracer, critical, -1, other, success)
       if (.not. success) then
@@ -126,7 +128,8 @@ contains
          call trace_through(tracer, solution, tracer%settings%stop, switched, outcome, switched%ended, observer, began)
          switched%complete = followed_out(outcome)
       else
-         call trace_both_ways(tracer, solution, other, switched, 'the branch point', observer, between=critical%frequency_ratio)
+         call trace_both_ways(tracer, solution, other, switched, 'the branch point', observer, between=critical%frequency_ratio, &
+                              multiplicity=branch%special_points(special)%multiplicity)
       end if
       call tracer%tell_missed(switched)
       call drop_step(tracer, switched)

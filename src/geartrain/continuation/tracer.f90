@@ -28,8 +28,18 @@ module geartrain_continuation_tracer
    real(dp), parameter :: first_step = 0.01_dp, smallest_step = 1e-9_dp
    !> Largest change of Lambda in a step with sets of harmonics, over the range [1].
    real(dp), parameter :: widest = 0.01_dp
+   !> Relative distance in Lambda of branch points that are one.
+   real(dp), parameter :: together = 1e-6_dp
    !> Length of a step that is as good as the fold in it.
    real(dp), parameter :: fold_itself = 1e-6_dp
+
+   !> A branch point in a step.
+   type :: crossing_type
+      !> Lambda [1].
+      real(dp) :: frequency_ratio = 0
+      !> Number of multipliers that pass +1 together.
+      integer :: multiplicity = 1
+   end type crossing_type
 
    type, extends(adaptive_corrector_type) :: tracer_type
       !> Largest rms of a mesh over characteristic length [1].
@@ -47,7 +57,7 @@ module geartrain_continuation_tracer
       integer :: missed = 0
    contains
       procedure :: record, trace, tell_missed, note_state, restore_state
-      procedure, private :: shown_step, take_step, find_end, stop_at, add_fold, add_changes
+      procedure, private :: shown_step, take_step, find_end, stop_at, add_fold, add_changes, keep_equal, find_crossings
    end type tracer_type
 
 contains
@@ -87,9 +97,10 @@ contains
       !> Number of the point of the branch that `here` is: the latest point unless it is given.
       integer, intent(in), optional :: point
       type(solution_point_type) :: next, origin, fold
-      real(dp) :: h, way, longer, gap, fold_at, crossing
-      integer :: steps, before, sense
-      logical :: success, keep_going, meets, crosses, located, at_bound, closing
+      real(dp) :: h, way, longer, gap, fold_at
+      integer :: steps, before, sense, i
+      logical :: success, keep_going, meets, crosses, at_bound, closing
+      type(crossing_type), allocatable :: crossings(:)
 
       before = branch%points
       if (present(point)) before = point
@@ -107,6 +118,9 @@ contains
          h = branch%trace%step
          steps = branch%trace%steps
          sense = branch%trace%sense
+         call self%corrector%keep_equal(origin)
+      else
+         call self%keep_equal(here, origin)
       end if
       do
          ! After an interrupt `drop_step` cuts the branch back to `kept`: an interrupted first step takes the first point with it.
@@ -115,7 +129,6 @@ contains
          way = h
          at_bound = success .and. .not. closing .and. .not. (next%frequency_ratio > low .and. next%frequency_ratio < high)
          crosses = .false.
-         located = .false.
          if (at_bound) then
             call self%stop_at(merge(high, low, next%frequency_ratio > low), here, next, h, success)
             way = way_to(here, next, self%corrector%units)
@@ -125,8 +138,8 @@ contains
             longer = self%shown_step(longer, next, low, high)
             self%curvature = (next%tangent_frequency - here%tangent_frequency)/h
             crosses = crosses_branch(here, next)
-            if (crosses) call find_crossing(self%corrector, here, h, crossing, located)
          end if
+         call self%find_crossings(here, next, way, crosses, success, crossings)
          if (success) call self%adapt(next, success, here, origin, fixed=at_bound .or. closing)
          if (closing .and. .not. success) exit
          if (.not. success) then
@@ -156,7 +169,9 @@ contains
          if (sense_of(next, self%corrector%units) /= 0) sense = sense_of(next, self%corrector%units)
          call self%record(next, branch)
          steps = steps + 1
-         if (crosses .and. located .and. .not. meets) call add_branch_point(branch, crossing)
+         do i = 1, size(crossings)
+            if (.not. meets) call add_branch_point(branch, crossings(i)%frequency_ratio, crossings(i)%multiplicity)
+         end do
          call self%add_changes(here, next, way, fold, fold_at, before, branch)
 
          if (closing) exit
@@ -195,6 +210,58 @@ contains
       outcome = closed_loop
       reason = 'closed where it began, at Lambda = '//text(origin%frequency_ratio)
    end subroutine trace
+
+   !> Keeps to motions in which equal branches move equally as they do at the beginning of the branch, and solves `here` there.
+   subroutine keep_equal(self, here, origin)
+      class(tracer_type), intent(inout) :: self
+      type(solution_point_type), intent(inout) :: here
+      type(solution_point_type), intent(in) :: origin
+      type(solution_point_type) :: before
+      logical :: success
+
+      call self%corrector%keep_equal(origin)
+      if (self%corrector%fixed%is_whole()) return
+      before = here
+      call self%corrector%correct(here, success)
+      if (success) return
+      here = before
+      here%orientation = 0
+   end subroutine keep_equal
+
+   !> Finds the branch points in a step of length h from `here` to `next`, and those at which equal branches begin to move differently.
+   !> Where motions of unequal branches cross one of equal branches both are there: they count as one.
+   subroutine find_crossings(self, here, next, h, crosses, success, found)
+      class(tracer_type), intent(inout) :: self
+      type(solution_point_type), intent(in) :: here, next
+      real(dp), intent(in) :: h
+      !> The bordered determinant changes sign; the step succeeded, else nothing is sought.
+      logical, intent(in) :: crosses, success
+      type(crossing_type), allocatable, intent(out) :: found(:)
+      type(crossing_type) :: one
+      logical :: located, same
+      integer :: g, changed
+
+      allocate (found(0))
+      if (.not. success) return
+      changed = 0
+      if (min(here%differences, next%differences) >= 0) changed = ieor(here%differences, next%differences)
+      do g = 0, bit_size(changed) - 1
+         if (g == 0 .and. .not. crosses) cycle
+         if (g > 0) then
+            if (.not. btest(changed, g - 1)) cycle
+            one%multiplicity = size(self%corrector%fixed%group(g)%unknown, 2) - 1
+         end if
+         call find_crossing(self%corrector, here, h, g, one%frequency_ratio, located)
+         if (.not. located) cycle
+         same = .false.
+         if (size(found) > 0) same = abs(found(1)%frequency_ratio - one%frequency_ratio) < together*abs(one%frequency_ratio)
+         if (same) then
+            found(1)%multiplicity = found(1)%multiplicity + one%multiplicity
+         else
+            found = [found, one]
+         end if
+      end do
+   end subroutine find_crossings
 
    !> Length of a step [1], shortened where a curve of rms drawn over it would miss dips: with sets of harmonics long steps follow a
    !> branch that is nearly straight in its coefficients.
@@ -384,9 +451,11 @@ contains
 
    !> Lists a branch point between the latest two points, unless it is listed already: the sign of the determinant, found by the
    !> lowest harmonics alone, may change repeatedly near a branch point.
-   subroutine add_branch_point(branch, frequency_ratio)
+   subroutine add_branch_point(branch, frequency_ratio, multiplicity)
       type(branch_type), intent(inout), target :: branch
       real(dp), intent(in) :: frequency_ratio
+      !> Number of multipliers that pass +1 together.
+      integer, intent(in) :: multiplicity
       integer, parameter :: nearby = 50
       real(dp) :: share
 
@@ -395,7 +464,7 @@ contains
                  .and. abs(special%frequency_ratio - frequency_ratio) < 1e-8_dp*abs(frequency_ratio))) return
          share = (frequency_ratio - branch%frequency_ratio(n - 1))/(branch%frequency_ratio(n) - branch%frequency_ratio(n - 1))
          call add_special_point(branch, 'branch point', frequency_ratio, n - 1, &
-                                (1 - share)*branch%rms(:, n - 1) + share*branch%rms(:, n))
+                                (1 - share)*branch%rms(:, n - 1) + share*branch%rms(:, n), multiplicity)
       end associate
    end subroutine add_branch_point
 

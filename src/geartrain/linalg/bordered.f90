@@ -4,7 +4,7 @@
 module geartrain_linalg_bordered
    use geartrain_base_interrupt, only: interrupt_type
    use geartrain_base_kinds, only: dp
-   use geartrain_linalg_elimination, only: factor_matrix, solve_factored
+   use geartrain_linalg_elimination, only: determinant_sign, factor_matrix, solve_factored
    use geartrain_linalg_graph, only: graph_type
    use geartrain_linalg_lapack, only: dgemm, dgemv
    implicit none (type, external)
@@ -106,18 +106,6 @@ contains
       call factor_matrix(n + 1, self%last, self%last_pivot, info)
       self%orientation = self%orientation*determinant_sign(self%last, self%last_pivot)
    end subroutine factor
-
-   !> Sign of the determinant of a matrix factored by `factor_matrix`.
-   pure integer function determinant_sign(a, pivot)
-      real(dp), intent(in) :: a(:, :)
-      integer, intent(in) :: pivot(:)
-      integer :: i
-
-      determinant_sign = 1
-      do i = 1, size(pivot)
-         if ((pivot(i) /= i) .neqv. (a(i, i) < 0)) determinant_sign = -determinant_sign
-      end do
-   end function determinant_sign
 
    !> Solves in place, after `factor`.
    subroutine solve(self, x, y)

@@ -5,7 +5,7 @@ module geartrain_linalg_elimination
    use geartrain_linalg_lapack, only: dgetrf, dgetrs
    implicit none (type, external)
    private
-   public :: factor_matrix, solve_factored
+   public :: determinant_sign, factor_matrix, solve_factored
 
    !> Most rows of a matrix that plain loops eliminate; most columns that are solved for at a time.
    integer, parameter :: most_rows = 32, most_columns = 32
@@ -62,6 +62,19 @@ contains
          end do
       end do
    end subroutine factor_matrix
+
+   !> Sign of the determinant of a matrix factored by `factor_matrix`.
+   pure integer function determinant_sign(a, pivot)
+      !> Its factors, and the exchanges of rows, (row).
+      real(dp), intent(in) :: a(:, :)
+      integer, intent(in) :: pivot(:)
+      integer :: i
+
+      determinant_sign = 1
+      do i = 1, size(pivot)
+         if ((pivot(i) /= i) .neqv. (a(i, i) < 0)) determinant_sign = -determinant_sign
+      end do
+   end function determinant_sign
 
    !> Solves in place with the factors of `factor_matrix`.
    pure subroutine solve_factored(n, columns, a, pivot, b)

@@ -1,0 +1,314 @@
+!> Motions in which equal branches move equally: the space that their permutations leave as it is, and the differences within it.
+!>
+!> On such a motion the Jacobian J of the balance leaves this space as it is, and maps differences onto differences: of N branches
+!> that move equally there are N - 1 difference modes with the same part D of J, so that det J = det(J in the space) det(D)**(N - 1).
+!> Critical directions of both kinds are simple in their own part, though multipliers come N - 1 at a time.
+!>
+!> The equations of the mean are those of a tree and its loops, whose rows the permutations do not exchange. With the rows that the
+!> train has where every mesh has its mean stiffness as divisor they do.
+module geartrain_balance_fixed_space
+   use geartrain_base_kinds, only: dp
+   use geartrain_linalg_bordered, only: bordered_type
+   use geartrain_linalg_elimination, only: determinant_sign, factor_matrix, solve_factored
+   use geartrain_model_equal_branches, only: equal_branches_type
+   use geartrain_model_system, only: system_type
+   implicit none (type, external)
+   private
+   public :: fixed_space_type, group_type, most_groups
+
+   !> Largest difference of two branches that move equally, over the largest coefficient.
+   real(dp), parameter :: same = 1e-7_dp
+   !> Groups whose difference modes are watched: their signs are the bits of an integer.
+   integer, parameter :: most_groups = 30
+
+   !> Equal branches that move equally.
+   type :: group_type
+      !> Unknown number i of each branch, (unknown of a branch, branch).
+      integer, allocatable :: unknown(:, :)
+   end type group_type
+
+   type :: fixed_space_type
+      !> The groups; none: every branch moves by itself.
+      type(group_type), allocatable :: group(:)
+      !> Unknowns with the same number move equally, (unknown).
+      integer, allocatable :: orbit(:)
+      !> Equations of the mean where every mesh has its mean stiffness, (equation, unknown), and their inverse.
+      real(dp), allocatable, private :: mean(:, :), inverse(:, :)
+   contains
+      procedure :: find
+      procedure :: is_whole
+      procedure :: has_differences
+      procedure :: project
+      procedure :: keep_difference
+      procedure :: as_right_side
+      procedure :: direction
+      procedure :: signs
+      procedure :: restricted
+   end type fixed_space_type
+
+contains
+
+   !> Finds which equal branches move equally.
+   subroutine find(self, system, sets, u, tangent)
+      class(fixed_space_type), intent(inout) :: self
+      !> The train.
+      type(system_type), intent(in) :: system
+      !> Its equal branches.
+      type(equal_branches_type), intent(in) :: sets(:)
+      !> A motion, and a direction in which it is to be followed: coefficients of the unknown meshes [1], (block, unknown).
+      real(dp), intent(in) :: u(:, :), tangent(:, :)
+      integer :: first, i, j
+      logical, allocatable :: left(:)
+      logical :: equally(maxval([0, (size(sets(i)%unknown, 2), i=1, size(sets))]))
+      type(group_type) :: one
+
+      if (allocated(self%group)) deallocate (self%group, self%orbit)
+      allocate (self%group(0))
+      self%orbit = [(i, i=1, size(u, 2))]
+      do i = 1, size(sets)
+         associate (unknown => sets(i)%unknown)
+            left = [(.true., j=1, size(unknown, 2))]
+            do while (any(left))
+               first = findloc(left, .true., 1)
+               do j = 1, size(left)
+                  associate (a => unknown(:, first), b => unknown(:, j))
+                     equally(j) = left(j) .and. maxval(abs(u(:, a) - u(:, b))) <= same*maxval(abs(u)) .and. &
+                                  maxval(abs(tangent(:, a) - tangent(:, b))) <= same*maxval(abs(tangent))
+                  end associate
+               end do
+               left = left .and. .not. equally(:size(left))
+               if (count(equally(:size(left))) == 1 .or. size(self%group) == most_groups) cycle
+               one%unknown = unknown(:, pack([(j, j=1, size(left))], equally(:size(left))))
+               self%group = [self%group, one]
+               call join(self%orbit, one%unknown)
+            end do
+         end associate
+      end do
+      if (size(self%group) > 0) call find_mean(self, system)
+   end subroutine find
+
+   !> Lets the unknowns of each row move equally.
+   pure subroutine join(orbit, unknown)
+      integer, intent(inout) :: orbit(:)
+      integer, intent(in) :: unknown(:, :)
+      integer :: i, j, first, other
+
+      do i = 1, size(unknown, 1)
+         do j = 2, size(unknown, 2)
+            first = orbit(unknown(i, 1))
+            other = orbit(unknown(i, j))
+            where (orbit == other) orbit = first
+         end do
+      end do
+   end subroutine join
+
+   !> Sets the equations of the mean where every mesh has its mean stiffness.
+   subroutine find_mean(self, system)
+      class(fixed_space_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      real(dp) :: factors(size(self%orbit), size(self%orbit))
+      integer :: pivot(size(self%orbit)), i, info, n
+
+      n = size(self%orbit)
+      if (allocated(self%mean)) deallocate (self%mean, self%inverse)
+      allocate (self%mean(n, n), self%inverse(n, n), source=0.0_dp)
+      associate (graph => system%cut%graph)
+         do i = 1, n
+            self%inverse(i, i) = 1
+            associate (columns => graph%column(graph%row(i):graph%row(i + 1) - 1), &
+                       entries => graph%entry(graph%row(i):graph%row(i + 1) - 1))
+               self%mean(i, columns) = system%mean%force(entries) + system%mean%displacement(entries)
+            end associate
+         end do
+      end associate
+      factors = self%mean
+      call factor_matrix(n, factors, pivot, info)
+      if (info /= 0) then
+         ! No train has such equations; without groups everything is as in a train without equal branches.
+         deallocate (self%group)
+         allocate (self%group(0))
+         self%orbit = [(i, i=1, n)]
+         return
+      end if
+      call solve_factored(n, n, factors, pivot, self%inverse)
+   end subroutine find_mean
+
+   !> Whether the space is the space of all motions.
+   pure logical function is_whole(self)
+      class(fixed_space_type), intent(in) :: self
+
+      is_whole = .true.
+      if (allocated(self%group)) is_whole = size(self%group) == 0
+   end function is_whole
+
+   !> Whether a group has so many difference modes.
+   pure logical function has_differences(self, modes)
+      class(fixed_space_type), intent(in) :: self
+      !> Number of modes.
+      integer, intent(in) :: modes
+      integer :: g
+
+      has_differences = .false.
+      if (self%is_whole()) return
+      has_differences = any([(size(self%group(g)%unknown, 2) - 1 == modes, g=1, size(self%group))])
+   end function has_differences
+
+   !> Takes the part of coefficients that is in the space.
+   pure subroutine project(self, x)
+      class(fixed_space_type), intent(in) :: self
+      !> Coefficients [1], (block, unknown).
+      real(dp), intent(inout) :: x(:, :)
+      integer :: i, j, l
+      integer, allocatable :: member(:)
+
+      if (self%is_whole()) return
+      do i = 1, size(x, 2)
+         member = pack([(j, j=1, size(x, 2))], self%orbit == i)
+         if (size(member) < 2) cycle
+         do l = 1, size(x, 1)
+            x(l, member) = sum(x(l, member))/size(member)
+         end do
+      end do
+   end subroutine project
+
+   !> Takes the part of coefficients that is a difference of the first two branches of a group; the other branches get 0.
+   pure subroutine keep_difference(self, number, x)
+      class(fixed_space_type), intent(in) :: self
+      !> Number of the group.
+      integer, intent(in) :: number
+      !> Coefficients [1], (block, unknown).
+      real(dp), intent(inout) :: x(:, :)
+      real(dp) :: half(size(x, 1), size(self%group(number)%unknown, 1)), other(size(x, 1), size(x, 2))
+      integer :: i, j
+      integer, allocatable :: member(:)
+
+      associate (unknown => self%group(number)%unknown)
+         other = x
+         x = 0
+         do i = 1, size(unknown, 1)
+            member = pack([(j, j=1, size(unknown, 1))], self%orbit(unknown(:, 1)) == self%orbit(unknown(i, 1)))
+            half(:, i) = sum(other(:, unknown(member, 1)) - other(:, unknown(member, 2)), 2)/(2*size(member))
+         end do
+         x(:, unknown(:, 1)) = half
+         x(:, unknown(:, 2)) = -half
+      end associate
+   end subroutine keep_difference
+
+   !> Makes coefficients a right side of the linearised balance that the permutations exchange as they exchange coefficients.
+   pure subroutine as_right_side(self, x)
+      class(fixed_space_type), intent(in) :: self
+      !> Coefficients [1], (block, unknown); then the right side.
+      real(dp), intent(inout) :: x(:, :)
+
+      if (self%is_whole()) return
+      x(1, :) = matmul(self%mean, x(1, :))
+   end subroutine as_right_side
+
+   !> Turns a critical difference of the first two branches of a group into a direction along which branches leave. Pattern k: the
+   !> first k of n branches against all the others; after n/2 of these, at a period doubling, some branches against as many others,
+   !> which move likewise half a period later.
+   pure function direction(self, number, pattern, x) result(turned)
+      class(fixed_space_type), intent(in) :: self
+      !> Number of the group and of the pattern.
+      integer, intent(in) :: number, pattern
+      !> A difference of the first two branches [1], (block, unknown).
+      real(dp), intent(in) :: x(:, :)
+      real(dp) :: turned(size(x, 1), size(x, 2))
+      integer :: share(size(self%group(number)%unknown, 2)), j, k, n
+
+      n = size(share)
+      k = pattern
+      share = -k
+      share(:min(k, n)) = n - k
+      if (k > n/2) then
+         k = k - n/2
+         share = 0
+         share(:k) = 1
+         share(k + 1:2*k) = -1
+      end if
+      turned = 0
+      associate (unknown => self%group(number)%unknown)
+         do j = 1, n
+            turned(:, unknown(:, j)) = share(j)*x(:, unknown(:, 1))
+         end do
+      end associate
+   end function direction
+
+   !> Signs of the determinants of the difference modes, as bits: bit g - 1 is 1 where that of group g is negative.
+   integer function signs(self, matrix)
+      class(fixed_space_type), intent(in) :: self
+      !> Jacobian of the balance, not factored, of a motion in this space.
+      type(bordered_type), intent(in) :: matrix
+      integer :: g
+
+      signs = 0
+      do g = 1, size(self%group)
+         if (sign_of(self, matrix, g) < 0) signs = ibset(signs, g - 1)
+      end do
+   end function signs
+
+   !> Sign of the determinant of the difference mode of a group.
+   integer function sign_of(self, matrix, number)
+      class(fixed_space_type), intent(in) :: self
+      type(bordered_type), intent(in) :: matrix
+      integer, intent(in) :: number
+      real(dp), allocatable :: mode(:, :)
+      integer, allocatable :: first(:), pivot(:)
+      integer :: i, info, j, k, n
+
+      associate (unknown => self%group(number)%unknown, block => matrix%block)
+         ! Of unknowns of a branch that move equally one stands for all.
+         first = pack([(i, i=1, size(unknown, 1))], &
+                      [(findloc(self%orbit(unknown(:, 1)), self%orbit(unknown(i, 1)), 1) == i, i=1, size(unknown, 1))])
+         n = block*size(first)
+         allocate (mode(n, n), source=0.0_dp)
+         allocate (pivot(n))
+         do j = 1, size(first)
+            do k = 1, size(unknown, 1)
+               if (self%orbit(unknown(k, 1)) /= self%orbit(unknown(first(j), 1))) cycle
+               do i = 1, size(first)
+                  associate (part => mode((i - 1)*block + 1:i*block, (j - 1)*block + 1:j*block))
+                     call add(part, unknown(first(i), 1), unknown(k, 1), 1)
+                     call add(part, unknown(first(i), 1), unknown(k, 2), -1)
+                  end associate
+               end do
+            end do
+         end do
+      end associate
+      call factor_matrix(n, mode, pivot, info)
+      sign_of = 1
+      if (info == 0) sign_of = determinant_sign(mode, pivot)
+
+   contains
+
+      !> Adds the block of a row and a column.
+      subroutine add(part, row, column, sense)
+         real(dp), intent(inout) :: part(:, :)
+         integer, intent(in) :: row, column, sense
+         integer :: entry, l
+
+         entry = matrix%graph%entry_of(row, column)
+         if (entry > 0) part(2:, :) = part(2:, :) + sense*matrix%entry(2:, :, entry)
+         do l = 1, size(self%orbit)
+            if (.not. abs(self%inverse(row, l)) > 0) cycle
+            entry = matrix%graph%entry_of(l, column)
+            if (entry > 0) part(1, :) = part(1, :) + sense*self%inverse(row, l)*matrix%entry(1, :, entry)
+         end do
+      end subroutine add
+
+   end function sign_of
+
+   !> Sign of the determinant in the space, from that of the whole matrix and the signs of the difference modes.
+   pure integer function restricted(self, orientation, signs)
+      class(fixed_space_type), intent(in) :: self
+      !> Sign of the determinant of the whole matrix; signs of the difference modes as `signs` gives them.
+      integer, intent(in) :: orientation, signs
+      integer :: g
+
+      restricted = orientation
+      do g = 1, size(self%group)
+         if (btest(signs, g - 1) .and. mod(size(self%group(g)%unknown, 2), 2) == 0) restricted = -restricted
+      end do
+   end function restricted
+
+end module geartrain_balance_fixed_space
