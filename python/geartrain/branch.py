@@ -381,6 +381,7 @@ class Branch(Curves):
                 "parameter": np.array([special.parameter for special in specials], float) if self.parameter_name else None,
                 "after_point": [special.point + 1 for special in specials],
                 "rms": np.stack([special.rms for special in specials]),
+                "multiplicity": [special.multiplicity for special in specials],
                 "correction": None if specials[0].correction is None else [special.correction for special in specials],
             }
             box.put(f"{path}/special_points", {}, columns, like="/response/special_points")
@@ -415,10 +416,10 @@ class Branch(Curves):
             SpecialPoint(
                 kind, frequency := float(lambdas[0] if over else value), int(point) - 1, rms, bool(undecided),
                 speed_of(train, frequency), hertz_of(train, frequency), parameter=float(value) if over else None,
-                correction=None if correction is False else float(correction),
+                correction=None if correction is False else float(correction), multiplicity=int(multiplicity or 1),
             )
-            for kind, value, point, undecided, rms, correction in
-            rows.rows("kind", "parameter" if over else "frequency", "after_point", "undecided", "rms", "correction")
+            for kind, value, point, undecided, rms, correction, multiplicity in
+            rows.rows("kind", "parameter" if over else "frequency", "after_point", "undecided", "rms", "correction", "multiplicity")
         ), length_unit(train))
         known = {item.name for item in fields(cls)}
         # Axes, and what follows from other fields or the train, are no fields of their own; an attribute may have an array's name.

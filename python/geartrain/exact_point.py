@@ -52,6 +52,8 @@ class ExactPoint:
         gap, and the multipliers change there like a square root.
     speed, fundamental_frequency : float or None
         In rpm, where every mesh has teeth; in Hz.
+    multiplicity : int
+        As of the special point. Above 1 the place is that of the mean of the multipliers that pass together.
     """
 
     kind: str
@@ -64,6 +66,7 @@ class ExactPoint:
     slowest_event: float | None = None
     speed: float | None = None
     fundamental_frequency: float | None = None
+    multiplicity: int = 1
 
     @property
     def multipliers(self) -> NDArray[np.complex128]:
@@ -97,6 +100,7 @@ def exact_point(box: Box, train: Description, number: int, onset: bool) -> Exact
                 criticality=str(found["criticality"]).strip(),
                 slowest_event=float(found["slowest_event"]) if found["slowest_event"] < _NO_EVENT else None,
                 speed=speed_of(train, float(found["frequency"])), fundamental_frequency=hertz_of(train, float(found["frequency"])),
+                multiplicity=int(found["multiplicity"]),
             )
 
     return watched(work, "exact", in_parts=False)

@@ -143,4 +143,5 @@ class SpecialPoints(Rows[SpecialPoint]):
             **speeds(self),
             f"rms{self.length}": [special.rms for special in self],
             "undecided": [special.undecided or None for special in self],
+            "multiplicity": [special.multiplicity if special.multiplicity > 1 else None for special in self],
         }

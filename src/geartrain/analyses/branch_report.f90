@@ -4,6 +4,7 @@ module geartrain_analyses_branch_report
    use geartrain_analyses_frequency_text, only: frequency_text_type, in_width, length_unit, text_for
    use geartrain_analyses_load_report, only: beyond, column_length, name_meshes, report_loads
    use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: text
    use geartrain_base_sorting, only: ascending
    use geartrain_continuation_branch, only: branch_type, carried_by, gap_along, has_sets, response_settings_type
    use geartrain_continuation_contact_ranges, only: back_collision_ranges, separation_ranges
@@ -187,6 +188,8 @@ contains
          associate (special => branch%special_points(i))
             if (special%kind /= 'branch point') cycle
             call told%with_unit(told%number(special%frequency_ratio), words)
+            if (special%multiplicity > 1) words = words//', '//text(special%multiplicity)// &
+                                                  ' multipliers together: equal branches begin to move differently'
             write (unit, '(2a)') '    branch point at ', words
          end associate
       end do

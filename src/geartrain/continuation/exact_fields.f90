@@ -48,6 +48,7 @@ contains
       if (.not. fields%enter('/exact', 'a special point of the exact motion', .true.)) return
       call carry(fields, row('kind', '', '', 'as of a special point'), exact%kind)
       call carry(fields, row('mesh', '', '1', 'of a contact onset the mesh, else 0'), exact%mesh)
+      call carry(fields, row('multiplicity', '', '1', 'as of a special point'), exact%multiplicity)
       call carry(fields, row('frequency', '', '1', 'Lambda'), exact%frequency_ratio)
       call carry(fields, row('before', '', '1', 'multipliers outside the unit circle before it, -1: not known'), exact%before)
       call carry(fields, row('after', '', '1', 'multipliers outside the unit circle after it, -1: not known'), exact%after)

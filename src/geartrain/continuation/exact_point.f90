@@ -39,6 +39,8 @@ module geartrain_continuation_exact_point
       !> Kind as in special_point_type; number of the mesh of a contact onset, else 0.
       character(16) :: kind = ''
       integer :: mesh = 0
+      !> Number of multipliers, or of pairs, that pass the unit circle there together, as of a special point.
+      integer :: multiplicity = 1
       !> Lambda [1].
       real(dp) :: frequency_ratio = 0
       !> The motion with its state, multipliers and figures.
@@ -112,6 +114,7 @@ contains
       end if
       exact%kind = special%kind
       exact%mesh = special%mesh
+      exact%multiplicity = special%multiplicity
       call take_orbit(system, corrector, orbit, exact, found)
       if (.not. found) call none_found()
 
@@ -226,7 +229,9 @@ contains
          motion%period = corrector%period
          motion%state = orbit%states(:, 1)
          motion%multipliers = orbit%multipliers
-         call polish(corrector, exact, polished)
+         ! The augmented system is singular where several multipliers pass together: the zero of the search stands.
+         polished = exact%multiplicity > 1
+         if (.not. polished) call polish(corrector, exact, polished)
          multipliers = motion%multipliers
          motion%multipliers = power(multipliers, corrector%times)
          found = polished .or. exact%kind /= 'branch point'
@@ -254,7 +259,9 @@ contains
 
       crossing = 0
       if (exact%kind == 'fold' .or. exact%kind == 'period doubling') crossing = 1
+      if (exact%kind == 'branch point' .and. exact%multiplicity > 1) crossing = 1
       if (exact%kind == 'neimark-sacker') crossing = 2
+      crossing = crossing*exact%multiplicity
       do k = 0, most_tenths
          counted = -1
          do i = 1, 2

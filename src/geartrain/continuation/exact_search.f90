@@ -40,8 +40,8 @@ contains
       corrector%watches_back = special%kind == back_contact
       if (found) call corrector%correct(start, found)
       if (.not. found) return
-      call search(corrector, start, special%kind, sense_of(branch, special, change), exact, found)
-      if (found .or. special%kind /= 'branch point') return
+      call search(corrector, start, special%kind, special%multiplicity, sense_of(branch, special, change), exact, found)
+      if (found .or. special%kind /= 'branch point' .or. special%multiplicity > 1) return
       ! On a branch that begins and ends there, as its own mirror image, Lambda turns and no test function tells it from a fold: the
       ! branch point is solved for from beside it.
       exact = start
@@ -147,7 +147,7 @@ contains
             if (here < min(before, after)) sense = 1
          end associate
       case ('period doubling')
-         sense = -change
+         sense = merge(-change, 0, special%multiplicity == 1)
       case ('neimark-sacker')
          sense = max(-1, min(1, change))
       case default
@@ -156,10 +156,12 @@ contains
    end function sense_of
 
    !> Finds the special point of a kind on the exact branch that is nearest to `start`.
-   subroutine search(corrector, start, kind, sense, exact, found)
+   subroutine search(corrector, start, kind, multiplicity, sense, exact, found)
       type(orbit_corrector_type), intent(inout) :: corrector
       type(orbit_type), intent(in) :: start
       character(*), intent(in) :: kind
+      !> Number of multipliers that pass the unit circle together.
+      integer, intent(in) :: multiplicity
       !> Sign of the change of the test function, see `sense_of`; 0: any.
       integer, intent(in) :: sense
       type(orbit_type), intent(inout) :: exact
@@ -190,7 +192,7 @@ contains
             open_end(k) = step(k) > 1e-7_dp
             cycle
          end if
-         call choose_test(kind, corrector%units%frequency_ratio, side(k), next, test)
+         call choose_test(kind, multiplicity, corrector%units%frequency_ratio, side(k), next, test)
          if (allocated(test)) then
             rise = test%value(next)
             ! On the way back the change has the opposite sign; for a fold the test function has the opposite sign as well.

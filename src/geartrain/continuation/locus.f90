@@ -12,7 +12,7 @@ module geartrain_continuation_locus
    use geartrain_continuation_locus_result, only: locus_type
    use geartrain_continuation_locus_side, only: side_type, trace_side
    use geartrain_flow_multiple_shooting, only: most_parts, section_states
-   use geartrain_floquet_multipliers, only: power
+   use geartrain_floquet_multipliers, only: multipliers_of, power
    use geartrain_flow_sections, only: sections_type
    use geartrain_flow_start_state, only: state_of
    use geartrain_model_check, only: check_train
@@ -25,6 +25,9 @@ module geartrain_continuation_locus
 
    !> Distance of the parameter from an end of its range that is rounding, over the length of the range.
    real(dp), parameter :: rounding = 1e-13_dp
+
+   !> Distance of multipliers from +1, or -1, up to which they pass together [1].
+   real(dp), parameter :: on_circle = 1e-5_dp
 
 contains
 
@@ -81,6 +84,12 @@ contains
       call section_states(system, guess, sections, first%states)
       first%frequency_ratio = motion%frequency_ratio
       call augmented%find_borders(first, info)
+      if (info == 0 .and. count_critical() > 1) then
+         call fatal(error, 'locus: several multipliers pass the unit circle together at Lambda = '//text(motion%frequency_ratio)// &
+                    ', as where equal branches begin to move differently: curves of such points are not followed', &
+                    status_ended_early)
+         return
+      end if
       if (info == 0 .and. kind == 'branch point' .and. .not. augmented%is_symmetric) then
          call fatal(error, 'locus: the motions at Lambda = '//text(motion%frequency_ratio)//' are symmetric neither at every &
                     &instant nor with a shift by half a period: curves of their branch points are not followed', status_ended_early)
@@ -126,6 +135,16 @@ contains
       locus%complete = locus%closed .or. side(1)%at_end .and. side(2)%at_end
       locus%ended = trim(side(1)%ended)
       if (side(1)%ended /= side(2)%ended) locus%ended = locus%ended//'; '//trim(side(2)%ended)
+
+   contains
+
+      !> Number of multipliers at +1, of a branch point, or at -1, of a period doubling.
+      integer function count_critical()
+         count_critical = 0
+         if (kind == 'branch point') count_critical = count(abs(multipliers_of(augmented%moving%monodromy) - 1) < on_circle)
+         if (kind == 'period doubling') count_critical = count(abs(multipliers_of(augmented%moving%monodromy) + 1) < on_circle)
+      end function count_critical
+
    end subroutine trace_locus
 
    !> The path of the train over the parameter, on which the train itself lies.

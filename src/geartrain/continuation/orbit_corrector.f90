@@ -20,6 +20,8 @@ module geartrain_continuation_orbit_corrector
    !> Orbits closer than this in the metric are equal: about ten times the error of shooting [units_type].
    real(dp), parameter :: resolution = 1e-10_dp
    integer, parameter :: max_steps = 60
+   !> Half of the distance of the orbits around a blurred zero [units_type].
+   real(dp), parameter :: around = 1e-4_dp
    !> Least Lambda at the end of a step, over Lambda at its beginning [1].
    real(dp), parameter :: slowest = 0.5_dp
 
@@ -70,6 +72,8 @@ module geartrain_continuation_orbit_corrector
    type, abstract :: orbit_test_type
       !> Two branches cross at its zero, next to which shooting fails: the chord of the step leads there.
       logical :: singular = .false.
+      !> Several branches cross at its zero, next to which shooting is blurred by rounding: the orbit is taken from those around it.
+      logical :: blurred = .false.
    contains
       procedure(value_interface), deferred :: value
    end type orbit_test_type
@@ -270,12 +274,81 @@ contains
       do i = 1, max_steps
          s = between(a, b, fa, fb)
          call self%advance(here, s, orbit, success)
+         ! Next to a blurred zero shooting may fail.
+         if (test%blurred .and. .not. success) exit
          if (.not. success) return
          f = test%value(orbit)
          if (abs(f) <= tiny(f)) return
          call shrink(a, b, fa, fb, s, f, kept)
-         if (b - a < resolution) return
+         if (b - a < merge(around, resolution, test%blurred)) exit
       end do
+      if (test%blurred) call interpolate_zero(self, test, here, s, orbit, success)
    end subroutine find_zero
+
+   !> The zero of a test function near the distance `s` from an orbit, by a cubic through four orbits around it.
+   subroutine interpolate_zero(self, test, here, s, orbit, success)
+      class(orbit_corrector_type), intent(inout) :: self
+      class(orbit_test_type), intent(in) :: test
+      type(orbit_type), intent(in) :: here
+      real(dp), intent(in) :: s
+      type(orbit_type), intent(inout) :: orbit
+      logical, intent(out) :: success
+      real(dp), parameter :: place(4) = [-3, -1, 1, 3]
+      type(orbit_type) :: near(4)
+      real(dp) :: f(4), share(4), x, x_before, y, y_before, step
+      integer :: i
+
+      do i = 1, size(place)
+         call self%advance(here, s + around*place(i), near(i), success)
+         if (.not. success) return
+         f(i) = test%value(near(i))
+      end do
+      ! The secant method on the cubic.
+      x_before = place(1)
+      y_before = f(1)
+      x = 0
+      do i = 1, max_steps
+         share = shares(x)
+         y = sum(share*f)
+         if (.not. abs(y - y_before) > 0) exit
+         step = y*(x - x_before)/(y - y_before)
+         x_before = x
+         y_before = y
+         x = x - step
+         if (abs(step) < 1e-10_dp) exit
+      end do
+      success = abs(x) < maxval(place)
+      if (.not. success) return
+      share = shares(x)
+      orbit = here
+      orbit%states = 0
+      orbit%tangent = 0
+      do i = 1, size(place)
+         orbit%states = orbit%states + share(i)*near(i)%states
+         orbit%tangent = orbit%tangent + share(i)*near(i)%tangent
+      end do
+      orbit%frequency_ratio = sum(share*near%frequency_ratio)
+      orbit%tangent_frequency = sum(share*near%tangent_frequency)
+      call self%moving%fly(orbit%frequency_ratio, orbit%states)
+      success = .not. self%moving%interrupted()
+      if (success) call self%find_multipliers(self%moving, orbit)
+
+   contains
+
+      !> Share of each orbit in the cubic at x.
+      pure function shares(x)
+         real(dp), intent(in) :: x
+         real(dp) :: shares(size(place))
+         integer :: j, k
+
+         shares = 1
+         do j = 1, size(place)
+            do k = 1, size(place)
+               if (k /= j) shares(j) = shares(j)*(x - place(k))/(place(j) - place(k))
+            end do
+         end do
+      end function shares
+
+   end subroutine interpolate_zero
 
 end module geartrain_continuation_orbit_corrector

@@ -31,6 +31,18 @@ module geartrain_continuation_orbit_tests
       procedure :: value => value_of_branching
    end type branching_test_type
 
+   !> Test function: mean of the real multipliers that pass +1, or -1, together, less 1. They belong to differences of equal
+   !> branches. Next to the special point rounding moves the orbit along these differences, which parts the multipliers but leaves
+   !> their mean, to first order.
+   type, extends(orbit_test_type) :: multiple_test_type
+      !> 1: the multipliers pass +1; -1: they pass -1.
+      integer :: side = 1
+      !> The multipliers by descending distance beyond it: first and last.
+      integer :: first = 1, last = 1
+   contains
+      procedure :: value => value_of_multiple
+   end type multiple_test_type
+
    !> Test function: magnitude of a complex pair of multipliers, less 1.
    type, extends(orbit_test_type) :: neimark_sacker_test_type
       !> Number of the pair, by descending magnitude.
@@ -74,6 +86,32 @@ contains
       end associate
    end function value_of_branching
 
+   pure real(dp) function value_of_multiple(self, orbit) result(value)
+      class(multiple_test_type), intent(in) :: self
+      type(orbit_type), intent(in) :: orbit
+      real(dp) :: beyond(size(orbit%multipliers))
+      integer :: i
+
+      beyond = beyond_one(orbit%multipliers, self%side)
+      value = 0
+      do i = 1, self%last
+         associate (largest => maxloc(beyond, 1))
+            if (i >= self%first) value = value + beyond(largest)/(self%last - self%first + 1)
+            beyond(largest) = -1
+         end associate
+      end do
+   end function value_of_multiple
+
+   !> Distance of each multiplier beyond +1, or beyond -1; -1 of a complex one. Two that are equal may come as a pair.
+   elemental real(dp) function beyond_one(multiplier, side)
+      complex(dp), intent(in) :: multiplier
+      !> 1: beyond +1; -1: beyond -1.
+      integer, intent(in) :: side
+      real(dp), parameter :: real_enough = 1e-6_dp
+
+      beyond_one = merge(side*multiplier%re - 1, -1.0_dp, abs(multiplier%im) <= real_enough*abs(multiplier))
+   end function beyond_one
+
    pure real(dp) function value_of_neimark_sacker(self, orbit) result(value)
       class(neimark_sacker_test_type), intent(in) :: self
       type(orbit_type), intent(in) :: orbit
@@ -105,36 +143,46 @@ contains
    end function is_onset
 
    !> Allocates the test function of the kind if it changes sign between two orbits.
-   subroutine choose_test(kind, frequency_unit, first, last, test)
+   subroutine choose_test(kind, multiplicity, frequency_unit, first, last, test)
       !> Kind of the special point.
       character(*), intent(in) :: kind
+      !> Number of multipliers that pass the unit circle together.
+      integer, intent(in) :: multiplicity
       !> Unit of Lambda in the metric [1].
       real(dp), intent(in) :: frequency_unit
       !> Two orbits of a step.
       type(orbit_type), intent(in) :: first, last
       !> The test function; not allocated where it does not change sign.
       class(orbit_test_type), allocatable, intent(out) :: test
-      integer :: pairs(2)
+      integer :: pairs(2), side
       logical :: changes
 
       changes = .true.
-      select case (kind)
-      case ('fold')
-         allocate (fold_test_type :: test)
-         ! On a vertical curve the sign of the part of Lambda is rounding.
-         changes = min(abs(first%tangent_frequency), abs(last%tangent_frequency)) > level*frequency_unit
-      case ('period doubling')
-         allocate (doubling_test_type :: test)
-      case ('neimark-sacker')
-         pairs = [pairs_outside(first%multipliers), pairs_outside(last%multipliers)]
-         allocate (test, source=neimark_sacker_test_type(pair=maxval(pairs)))
-         changes = pairs(1) /= pairs(2)
-      case (separation, back_contact)
-         allocate (onset_test_type :: test)
-      case default
-         allocate (test, source=branching_test_type(singular=.true.))
-         changes = first%tangent_frequency*last%tangent_frequency > 0
-      end select
+      if (multiplicity > 1 .and. (kind == 'branch point' .or. kind == 'period doubling')) then
+         side = merge(1, -1, kind == 'branch point')
+         pairs = [count(beyond_one(first%multipliers, side) > 0), count(beyond_one(last%multipliers, side) > 0)]
+         allocate (test, source=multiple_test_type(blurred=kind == 'branch point', side=side, &
+                  first=maxval(pairs) - multiplicity + 1, last=maxval(pairs)))
+         changes = abs(pairs(1) - pairs(2)) == multiplicity
+      else
+         select case (kind)
+         case ('fold')
+            allocate (fold_test_type :: test)
+            ! On a vertical curve the sign of the part of Lambda is rounding.
+            changes = min(abs(first%tangent_frequency), abs(last%tangent_frequency)) > level*frequency_unit
+         case ('period doubling')
+            allocate (doubling_test_type :: test)
+         case ('neimark-sacker')
+            pairs = [pairs_outside(first%multipliers), pairs_outside(last%multipliers)]
+            allocate (test, source=neimark_sacker_test_type(pair=maxval(pairs)))
+            changes = pairs(1) /= pairs(2)
+         case (separation, back_contact)
+            allocate (onset_test_type :: test)
+         case default
+            allocate (test, source=branching_test_type(singular=.true.))
+            changes = first%tangent_frequency*last%tangent_frequency > 0
+         end select
+      end if
       if (changes) changes = test%value(first)*test%value(last) < 0
       if (.not. changes) deallocate (test)
    end subroutine choose_test

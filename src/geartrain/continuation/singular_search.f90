@@ -4,7 +4,7 @@ module geartrain_continuation_singular_search
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
    use geartrain_continuation_same_solution, only: same_solution
    use geartrain_continuation_singular, only: singular_type
-   use geartrain_continuation_special_points, only: go_along
+   use geartrain_continuation_special_points, only: go_along, rms_of
    use geartrain_continuation_step_geometry, only: cosine, odd_share
    use geartrain_linalg_bracket, only: between, shrink
    use geartrain_model_system, only: system_type
@@ -25,7 +25,7 @@ module geartrain_continuation_singular_search
 contains
 
    !> Finds the branch point near a point of a branch.
-   subroutine find_crossing(corrector, here, h, group, frequency_ratio, success)
+   subroutine find_crossing(corrector, here, h, group, frequency_ratio, rms, success)
       !> Corrector of the branch.
       type(corrector_type), intent(in) :: corrector
       !> Point of the branch from which to search.
@@ -36,6 +36,8 @@ contains
       integer, intent(in) :: group
       !> Lambda of the branch point [1], where there is success.
       real(dp), intent(out) :: frequency_ratio
+      !> Its rms over characteristic length [1], (mesh).
+      real(dp), allocatable, intent(out) :: rms(:)
       !> A branch point was found.
       logical, intent(out) :: success
       type(system_type), target :: systems(2)
@@ -44,7 +46,9 @@ contains
 
       call matrix%setup(corrector, systems, .false., group)
       call find_nearest(matrix, here, h, solution, success)
-      if (success) frequency_ratio = solution%frequency_ratio
+      if (.not. success) return
+      frequency_ratio = solution%frequency_ratio
+      rms = rms_of(matrix%single, solution)
    end subroutine find_crossing
 
    !> Finds the nearest critical point of a branch, searching both ways.

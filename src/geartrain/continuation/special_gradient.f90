@@ -8,6 +8,7 @@ module geartrain_continuation_special_gradient
    use geartrain_balance_force_rates, only: along_frequency, force_rates, tangent_rates
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: text
    use geartrain_continuation_branch, only: branch_type, response_settings_type
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
    use geartrain_continuation_critical_point, only: find_critical, harmonics_at
@@ -53,6 +54,11 @@ contains
       if (allocated(error)) return
       call begin_gradient(gradient, 1, size(names))
       associate (point => branch%special_points(special))
+         if (point%multiplicity > 1) then
+            call fatal(error, 'gradient: '//text(point%multiplicity)//' multipliers pass the unit circle together at this '// &
+                       trim(point%kind)//', as equal branches begin to move differently: it has no derivatives', status_ended_early)
+            return
+         end if
          select case (point%kind)
          case ('fold')
             call prepare(corrector, given%system, motion_of(branch, point%point))

@@ -39,6 +39,8 @@ module geartrain_continuation_tracer
       real(dp) :: frequency_ratio = 0
       !> Number of multipliers that pass +1 together.
       integer :: multiplicity = 1
+      !> Rms over characteristic length [1], (mesh).
+      real(dp), allocatable :: rms(:)
    end type crossing_type
 
    type, extends(adaptive_corrector_type) :: tracer_type
@@ -170,7 +172,7 @@ contains
          call self%record(next, branch)
          steps = steps + 1
          do i = 1, size(crossings)
-            if (.not. meets) call add_branch_point(branch, crossings(i)%frequency_ratio, crossings(i)%multiplicity)
+            if (.not. meets) call add_branch_point(branch, crossings(i))
          end do
          call self%add_changes(here, next, way, fold, fold_at, before, branch)
 
@@ -251,7 +253,7 @@ contains
             if (.not. btest(changed, g - 1)) cycle
             one%multiplicity = size(self%corrector%fixed%group(g)%unknown, 2) - 1
          end if
-         call find_crossing(self%corrector, here, h, g, one%frequency_ratio, located)
+         call find_crossing(self%corrector, here, h, g, one%frequency_ratio, one%rms, located)
          if (.not. located) cycle
          same = .false.
          if (size(found) > 0) same = abs(found(1)%frequency_ratio - one%frequency_ratio) < together*abs(one%frequency_ratio)
@@ -451,20 +453,15 @@ contains
 
    !> Lists a branch point between the latest two points, unless it is listed already: the sign of the determinant, found by the
    !> lowest harmonics alone, may change repeatedly near a branch point.
-   subroutine add_branch_point(branch, frequency_ratio, multiplicity)
+   subroutine add_branch_point(branch, crossing)
       type(branch_type), intent(inout), target :: branch
-      real(dp), intent(in) :: frequency_ratio
-      !> Number of multipliers that pass +1 together.
-      integer, intent(in) :: multiplicity
+      type(crossing_type), intent(in) :: crossing
       integer, parameter :: nearby = 50
-      real(dp) :: share
 
-      associate (special => branch%special_points, n => branch%points)
+      associate (special => branch%special_points, n => branch%points, frequency_ratio => crossing%frequency_ratio)
          if (any(special%kind == 'branch point' .and. special%point > n - nearby &
                  .and. abs(special%frequency_ratio - frequency_ratio) < 1e-8_dp*abs(frequency_ratio))) return
-         share = (frequency_ratio - branch%frequency_ratio(n - 1))/(branch%frequency_ratio(n) - branch%frequency_ratio(n - 1))
-         call add_special_point(branch, 'branch point', frequency_ratio, n - 1, &
-                                (1 - share)*branch%rms(:, n - 1) + share*branch%rms(:, n), multiplicity)
+         call add_special_point(branch, 'branch point', frequency_ratio, n - 1, crossing%rms, crossing%multiplicity)
       end associate
    end subroutine add_branch_point
 
