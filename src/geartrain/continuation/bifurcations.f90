@@ -8,7 +8,7 @@ module geartrain_continuation_bifurcations
    use geartrain_continuation_branch, only: branch_type, response_settings_type
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_critical_point, only: find_critical, find_meeting, patterns_of
-   use geartrain_continuation_same_solution, only: same_solution
+   use geartrain_continuation_same_solution, only: put_in_order, same_solution
    use geartrain_continuation_start, only: begin_trace, doubled_settings
    use geartrain_continuation_switching, only: trace_switched
    use geartrain_continuation_tracer, only: tracer_type
@@ -34,6 +34,8 @@ module geartrain_continuation_bifurcations
       integer :: branch = 0
       !> Pattern in which equal branches begin to move differently; 0: any.
       integer :: pattern = 0
+      !> Number of the special point of the branch on which the point was found; 0: at the end of a branch.
+      integer :: special = 0
    end type meeting_type
 
 contains
@@ -96,7 +98,7 @@ contains
       type(meeting_type), allocatable, intent(inout) :: meetings(:)
       type(branch_type), intent(in) :: known(:)
       class(observer_type), intent(inout), optional :: observer
-      type(solution_point_type), allocatable :: taken(:)
+      type(solution_point_type), allocatable :: before(:), taken(:)
       type(solution_point_type) :: solution
       type(meeting_type) :: here
       type(system_type), target :: systems(2)
@@ -119,14 +121,15 @@ contains
             call find_critical(train, settings, parent, i, solution, found, taken=taken, again=again, equal=equal)
             ! A branch may pass a branch point twice, the second time shifted by some periods of the fundamental.
             if (again .and. .not. (found .or. doubles)) cycle
+            before = taken
+            if (found) taken = [taken, solution]
             do pattern = 1, patterns_of(equal, doubles)
-               if (pattern > 1) call find_critical(train, settings, parent, i, solution, found, taken=taken, pattern=pattern)
+               if (pattern > 1) call find_critical(train, settings, parent, i, solution, found, taken=before, pattern=pattern)
                call follow_one()
                if (size(branches) > 0) then
                   if (branches(size(branches))%cancelled) return
                end if
             end do
-            if (found) taken = [taken, solution]
          end associate
       end do
 
@@ -139,7 +142,8 @@ contains
 
          associate (special => parent%special_points(i))
             if (found) then
-               here = meeting_type(solution, period(doubles), .not. doubles, number, merge(pattern, 0, equal > 0))
+               here = meeting_type(solution, period(doubles), .not. doubles, number, merge(pattern, 0, equal > 0), i)
+               call put_in_order(tracer%corrector%sets, here%solution)
                met = is_known(train, settings, parent, i, here, meetings, tracer)
                ! At a branch point all patterns are followed from here: another branch that comes to it has none left.
                here%pattern = 0
@@ -164,10 +168,11 @@ contains
          if (doubles) then
             call find_meeting(train, doubled, branches(n), solution, met)
             here = meeting_type(solution, period(doubles), .false., n)
+            if (met) call put_in_order(tracer%corrector%sets, here%solution)
             ! From a variable: gfortran 12 never frees a structure constructor within an array constructor.
             if (met) meetings = [meetings, here]
          else
-            call note_crossings(train, settings, branches(n), n, period(doubles), merge(pattern, 0, equal > 0), meetings)
+            call note_crossings(train, settings, branches(n), n, period(doubles), merge(pattern, 0, equal > 0), tracer, meetings)
          end if
       end subroutine follow_one
 
@@ -180,13 +185,15 @@ contains
    end subroutine follow
 
    !> Adds to `meetings` the branch points of `branch`, which was just traced from a branch point.
-   subroutine note_crossings(train, settings, branch, number, period, pattern, meetings)
+   subroutine note_crossings(train, settings, branch, number, period, pattern, tracer, meetings)
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
       type(branch_type), intent(in) :: branch
       !> Number of the branch; period of whose frequency the harmonics are multiples [periods of the excitation]; pattern in which
       !> equal branches move differently on it.
       integer, intent(in) :: number, period, pattern
+      !> Of the branch from which it was traced.
+      type(tracer_type), intent(in) :: tracer
       type(meeting_type), allocatable, intent(inout) :: meetings(:)
       type(solution_point_type) :: solution
       type(meeting_type) :: here
@@ -198,6 +205,7 @@ contains
          if (branch%special_points(i)%kind /= 'branch point') cycle
          call find_critical(train, settings, branch, i, solution, found)
          here = meeting_type(solution, period, .true., number, pattern)
+         if (found) call put_in_order(tracer%corrector%sets, here%solution)
          if (found) meetings = [meetings, here]
       end do
    end subroutine note_crossings
@@ -224,6 +232,8 @@ contains
             if (other%period /= here%period .or. (other%crossing .neqv. here%crossing)) cycle
             if (here%crossing .and. other%branch == here%branch) cycle
             if (min(here%pattern, other%pattern) > 0 .and. here%pattern /= other%pattern) cycle
+            ! Patterns of one special point are as many branches.
+            if (here%branch == other%branch .and. here%special == other%special) cycle
             is_known = same_solution(here%solution, other%solution, here%period, units, .not. here%crossing)
             if (is_known) return
             if (size(here%solution%u, 1) == size(other%solution%u, 1)) cycle
@@ -231,6 +241,7 @@ contains
             call find_critical(train, settings, parent, special, again, found, &
                                harmonics=tracer%settings%repeats*((size(other%solution%u, 1) - 1)/(2*times)), &
                                pattern=max(1, here%pattern))
+            if (found) call put_in_order(tracer%corrector%sets, again)
             if (found) is_known = same_solution(again, other%solution, here%period, units, .not. here%crossing)
             if (is_known) return
          end associate

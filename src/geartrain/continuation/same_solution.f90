@@ -2,10 +2,12 @@
 module geartrain_continuation_same_solution
    use geartrain_base_kinds, only: dp, pi
    use geartrain_continuation_corrector, only: solution_point_type
+   use geartrain_base_sorting, only: ascending
+   use geartrain_model_equal_branches, only: equal_branches_type
    use geartrain_model_units, only: units_type
    implicit none (type, external)
    private
-   public :: same_solution
+   public :: put_in_order, same_solution
 
    !> Solution points closer than this in the metric of the branch are equal [units_type]. Two searches that end at one point agree
    !> to some 1e-6 only, so the tolerance of geartrain_balance_same_motion would be too small.
@@ -14,6 +16,47 @@ module geartrain_continuation_same_solution
    real(dp), parameter :: parallel = 0.7_dp
 
 contains
+
+   !> Renumbers equal branches by the sizes of their harmonics, which a shift in time leaves as they are: bifurcation points that are
+   !> equal but for the numbers of equal branches become equal.
+   subroutine put_in_order(sets, solution)
+      !> Equal branches of the train, those of a branch after the set of this branch.
+      type(equal_branches_type), intent(in) :: sets(:)
+      !> Bifurcation point with the critical vector as tangent.
+      type(solution_point_type), intent(inout) :: solution
+      integer, allocatable :: order(:)
+      real(dp), allocatable :: key(:)
+      integer :: i, j
+
+      do i = size(sets), 1, -1
+         associate (unknown => sets(i)%unknown)
+            key = [(key_of(unknown(:, j)), j=1, size(unknown, 2))]
+            order = ascending(key)
+            solution%u(:, reshape(unknown, [size(unknown)])) = solution%u(:, reshape(unknown(:, order), [size(unknown)]))
+            solution%tangent(:, reshape(unknown, [size(unknown)])) = &
+               solution%tangent(:, reshape(unknown(:, order), [size(unknown)]))
+         end associate
+      end do
+
+   contains
+
+      !> A number of a branch that grows with the sizes of its harmonics.
+      real(dp) function key_of(unknown)
+         integer, intent(in) :: unknown(:)
+         integer :: k, l
+
+         key_of = 0
+         do l = 1, size(unknown)
+            associate (u => solution%u(:, unknown(l)), t => solution%tangent(:, unknown(l)))
+               key_of = key_of + (u(1) + 0.1_dp*abs(t(1)))/l
+               do k = 2, size(u) - 1, 2
+                  key_of = key_of + (hypot(u(k), u(k + 1)) + 0.1_dp*hypot(t(k), t(k + 1)))/(k*l)
+               end do
+            end associate
+         end do
+      end function key_of
+
+   end subroutine put_in_order
 
    !> Whether `one`, shifted by some number of periods of the fundamental, is `other`. Their harmonics may differ.
    pure logical function same_solution(one, other, period, units, by_direction)

@@ -19,6 +19,8 @@ module geartrain_continuation_singular_search
    integer, parameter :: most_leaps = 3
    !> Length of a piece of a branch on which the cubic through the ends is as exact as the points.
    real(dp), parameter :: cubic = 2e-4_dp
+   !> Value of a test function, of a matrix of the size of 1, that tells a regular matrix from a singular one.
+   real(dp), parameter :: regular = 1e-9_dp
    !> Share of a motion below which odd harmonics are 0 within the accuracy of a critical point [1].
    real(dp), parameter :: half_period = 1e-5_dp
 
@@ -45,14 +47,18 @@ contains
       type(solution_point_type) :: solution
 
       call matrix%setup(corrector, systems, .false., group)
-      call find_nearest(matrix, here, h, solution, success)
+      if (group > 0) then
+         call find_nearest(matrix, here, h, solution, success, within=h)
+      else
+         call find_nearest(matrix, here, h, solution, success)
+      end if
       if (.not. success) return
       frequency_ratio = solution%frequency_ratio
       rms = rms_of(matrix%single, solution)
    end subroutine find_crossing
 
    !> Finds the nearest critical point of a branch, searching both ways.
-   subroutine find_nearest(matrix, from, h, solution, success, taken, again)
+   subroutine find_nearest(matrix, from, h, solution, success, taken, again, within)
       !> Matrix after `setup`, for period doublings or branch points.
       type(singular_type), intent(inout) :: matrix
       !> Solution point of the branch from which to search, with its tangent.
@@ -67,9 +73,11 @@ contains
       type(solution_point_type), intent(in), optional :: taken(:)
       !> Becomes true where a critical point was passed over.
       logical, intent(inout), optional :: again
+      !> Length of branch that is searched on each side, in the metric of the branch; `farthest` unless it is given.
+      real(dp), intent(in), optional :: within
       type(solution_point_type) :: side(2), next
       real(dp), allocatable :: f(:, :), f_next(:)
-      real(dp) :: step(2), way(2)
+      real(dp) :: step(2), way(2), longest
       logical :: open_end(2)
       integer :: i, j, k, l
 
@@ -82,6 +90,8 @@ contains
       step = h
       way = 0
       open_end = .true.
+      longest = farthest
+      if (present(within)) longest = within
       ! On both sides in turn, so that the nearest zero is found first.
       do i = 1, max_steps
          k = minloc(way, 1, open_end)
@@ -101,6 +111,8 @@ contains
          call matrix%test(next, f_next)
          do j = 1, size(f_next)
             if (f_next(j)*f(j, k) > 0) cycle
+            ! Along a vertical branch the matrix may stay singular, and signs are rounding.
+            if (max(abs(f_next(j)), abs(f(j, k))) < regular) cycle
             call find_zero(matrix, j, side(k), next, step(k), f(j, k), f_next(j), solution, success)
             if (matrix%doubles) solution%harmonic = matrix%double%balance%harmonic
             ! A branch of even period crosses the branch of half its period where it begins and ends.
@@ -117,7 +129,7 @@ contains
             if (success) return
          end do
          way(k) = way(k) + step(k)
-         open_end(k) = way(k) < farthest
+         open_end(k) = way(k) < longest
          step(k) = 1.5_dp*step(k)
          side(k) = next
          f(:, k) = f_next
