@@ -1,0 +1,133 @@
+"""Equal branches in phase: the planets of a star gear and parallel meshes, which begin to move differently."""
+
+import re
+
+import numpy as np
+import pytest
+
+import geartrain as gt
+from geartrain import Body, Mesh, SolverError, Train
+
+#: Lambda at which the star of three planets has the multiplier +1 twice: orbit by SciPy's DOP853 with contact events (relative
+#: tolerance 3e-14) of sun, ring and one planet, and the multipliers of one difference mode, (k1 + k2) and (c1 + c2) on a planet.
+DOUBLE = 5.189127180121
+#: Base radii of 18, 21 and 60 teeth of 4 mm and 20 degrees [m].
+SUN, PLANET, RING = (0.002 * teeth * np.cos(np.pi / 9) for teeth in (18, 21, 60))
+
+
+def star(planets: int, split: int = 1, other: float = 1.0, torque: float = 600.0) -> Train:
+    """A star gear; each mesh with the ring as ``split`` parallel ones; ``other`` is a factor of the last
+    planet's inertia."""
+    bodies = [Body(name="sun", inertia=8.2e-4, torque=torque)]
+    meshes = []
+    for i in range(planets):
+        bodies.append(Body(name=f"planet {i}", inertia=2.2e-3 * (other if i == planets - 1 else 1)))
+        meshes.append(Mesh(between=("sun", f"planet {i}"), driving_radius=SUN, driven_radius=PLANET, stiffness=1e9,
+                           damping=1308.1774628606531, half_backlash=40e-6, stiffness_cos=[0.30, -0.06]))
+        meshes += split * [Mesh(between=(f"planet {i}", "ring"), driving_radius=PLANET, driven_radius=RING,
+                                stiffness=1.2e9 / split, damping=2303.7397824345276 / split, half_backlash=50e-6,
+                                stiffness_cos=[0.20, 0.05])]
+    bodies.append(Body(name="ring", inertia=0.12, balances=True))
+    return Train(characteristic_length=40e-6, characteristic_frequency=2000 * np.pi, bodies=bodies, meshes=meshes)
+
+
+def branch_points(branch):
+    return [special for special in branch.special_points if special.kind == "branch point"]
+
+
+def test_a_double_multiplier_is_a_branch_point_that_is_followed():
+    train = star(3)
+    response = train.response(start=5.1, stop=5.25, harmonics=8, branch_points=True)
+    found, = branch_points(response)
+    assert found.multiplicity == 2
+    assert abs(found.frequency - DOUBLE) < 2e-4
+    exact = found.exact()
+    assert abs(exact.frequency - DOUBLE) < 1e-10
+    assert (exact.crossing, exact.multiplicity, len(exact.critical)) == (2, 2, 2)
+    # On the branch one planet moves by itself and two move equally.
+    branch = next(branch for branch in response.branches if "1 of 3 equal branches against 2" in branch.origin)
+    one, two, three = (branch.rms[:, mesh] for mesh in (0, 2, 4))
+    assert np.abs(two - three).max() < 1e-12 < 1e-3 < np.abs(one - two).max()
+    with pytest.raises(SolverError, match="several multipliers"):
+        train.locus(exact, parameter="sun torque", start=550.0, stop=650.0)
+    with pytest.raises(SolverError, match="no derivatives"):
+        found.gradient(["sun torque"])
+
+
+@pytest.mark.full
+def test_integration_settles_on_a_branch_that_is_followed():
+    """A random start reaches, at 5.6, a motion whose planets differ; the branch from the double point has it."""
+    train = star(3)
+    response = train.response(start=5.1, stop=5.85, harmonics=12, branch_points=True)
+    settled = [motion for motion in train.attractors(frequency=5.6, starts=8)
+               if motion.period == 1 and np.ptp(motion.rms[::2]) > 1e-3]
+    assert settled
+    points = [point for branch in response.branches for point in branch.at(5.6)]
+    for motion in settled:
+        assert min(np.abs(np.sort(point.rms) - np.sort(motion.rms)).max() for point in points) < 1e-3
+
+
+@pytest.mark.parametrize("planets", [2, 3, 4, 5, 6, 7])
+def test_any_number_of_planets(planets):
+    response = star(planets).response(start=4.0, stop=6.5, harmonics=6)
+    found = branch_points(response)
+    assert found
+    assert all(special.multiplicity == planets - 1 for special in found)
+    # The multipliers on both sides, which the balance does not know, have N - 1 more outside on one of them.
+    for special in found:
+        outside = [(abs(response.multipliers[point]) > 1).sum() for point in (special.point, special.point + 1)]
+        assert abs(outside[1] - outside[0]) == planets - 1
+
+
+@pytest.mark.full
+def test_patterns_of_five_planets():
+    response = star(5).response(start=4.9, stop=5.4, harmonics=6, branch_points=True)
+    origins = [branch.origin for branch in response.branches if "of the response" in branch.origin]
+    assert [re.findall(r"(\d) of 5 equal branches against (\d)", origin) for origin in origins] == [[("1", "4")], [("2", "3")]]
+    for branch, some in zip(response.branches, (1, 2)):
+        suns = branch.rms[:, ::2]
+        assert len(branch) > 5
+        assert np.ptp(suns[:, :some], axis=1).max() < 1e-12
+        assert np.ptp(suns[:, some:], axis=1).max() < 1e-12
+        assert np.abs(suns[:, 0] - suns[:, -1]).max() > 1e-3
+
+
+def test_meshes_split_into_parallel_ones():
+    """Each planet has two equal meshes with the ring: the planets are equal as before, at the same Lambda."""
+    whole, = branch_points(star(3).response(start=5.1, stop=5.25, harmonics=6))
+    split, = branch_points(star(3, split=2).response(start=5.1, stop=5.25, harmonics=6))
+    assert split.multiplicity == whole.multiplicity == 2
+    assert abs(split.frequency - whole.frequency) < 1e-8
+
+
+def test_unequal_planets_are_no_equal_branches():
+    """One planet that is 1 percent heavier leaves two equal ones: a multiplier at a time."""
+    response = star(3, other=1.01).response(start=5.0, stop=5.4, harmonics=6)
+    assert all(special.multiplicity == 1 for special in response.special_points)
+
+
+def test_a_double_doubling_is_one_special_point():
+    response = star(3).response(start=12.8, stop=13.6, harmonics=6, period_doublings=1)
+    found, = (special for special in response.special_points if special.kind == "period doubling")
+    assert found.multiplicity == 2
+    exact = found.exact()
+    assert exact.crossing == 2
+    assert np.abs(exact.critical + 1).max() < 1e-8
+    branch = response.branches[0]
+    assert "1 of 3 equal branches against 2" in branch.origin
+    assert branch.subharmonic == 2 and len(branch) > 5
+    assert np.abs(branch.rms[:, 2] - branch.rms[:, 4]).max() < 1e-12 < 1e-2 < np.abs(branch.rms[:, 0] - branch.rms[:, 2]).max()
+
+
+def test_files_keep_the_multiplicity(tmp_path):
+    train = star(3, torque=0.0)
+    # A results file of a train without elastic shafts is another matter.
+    train = gt.Train(characteristic_length=40e-6, characteristic_frequency=2000 * np.pi,
+                     bodies=[Body(name="motor", inertia=8e-2, torque=600.0), *train.bodies], meshes=train.meshes,
+                     shafts=[gt.Shaft(between=("motor", "sun"), stiffness=1e4, damping_ratio=0.03)])
+    response = train.response(start=5.1, stop=5.25, harmonics=6)
+    assert branch_points(response)[0].multiplicity == 2
+    response.write(tmp_path / "star.h5")
+    again = gt.read_results(tmp_path / "star.h5").response
+    assert [special.multiplicity for special in again.special_points] == [special.multiplicity for special in response.special_points]
+    assert "multiplicity" in str(again.special_points)
