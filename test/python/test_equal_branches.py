@@ -129,5 +129,5 @@ def test_files_keep_the_multiplicity(tmp_path):
     assert branch_points(response)[0].multiplicity == 2
     response.write(tmp_path / "star.h5")
     again = gt.read_results(tmp_path / "star.h5").response
-    assert [special.multiplicity for special in again.special_points] == [special.multiplicity for special in response.special_points]
+    assert [point.multiplicity for point in again.special_points] == [point.multiplicity for point in response.special_points]
     assert "multiplicity" in str(again.special_points)

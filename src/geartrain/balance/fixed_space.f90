@@ -1,7 +1,7 @@
 !> Motions in which equal branches move equally: the space that their permutations leave as it is, and the differences within it.
 !>
 !> On such a motion the Jacobian J of the balance leaves this space as it is, and maps differences onto differences: of N branches
-!> that move equally there are N - 1 difference modes with the same part D of J, so that det J = det(J in the space) det(D)**(N - 1).
+!> that move equally there are N - 1 difference modes with one part D of J, so that det J = det(J in the space) det(D)**(N - 1).
 !> Critical directions of both kinds are simple in their own part, though multipliers come N - 1 at a time.
 !>
 !> The equations of the mean are those of a tree and its loops, whose rows the permutations do not exchange. With the rows that the
@@ -14,7 +14,7 @@ module geartrain_balance_fixed_space
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: fixed_space_type, group_type, most_groups
+   public :: fixed_space_type
 
    !> Largest difference of two branches that move equally, over the largest coefficient.
    real(dp), parameter :: same = 1e-7_dp

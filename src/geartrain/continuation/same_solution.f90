@@ -17,8 +17,8 @@ module geartrain_continuation_same_solution
 
 contains
 
-   !> Renumbers equal branches by the sizes of their harmonics, which a shift in time leaves as they are: bifurcation points that are
-   !> equal but for the numbers of equal branches become equal.
+   !> Renumbers equal branches by the sizes of their harmonics, which a shift in time leaves as they are: bifurcation points that
+   !> are equal but for the numbers of equal branches become equal.
    subroutine put_in_order(sets, solution)
       !> Equal branches of the train, those of a branch after the set of this branch.
       type(equal_branches_type), intent(in) :: sets(:)

@@ -7,8 +7,8 @@ module geartrain_continuation_tracer
    use geartrain_continuation_adaptive_corrector, only: adaptive_corrector_type
    use geartrain_continuation_branch, only: branch_type, trace_state_type
    use geartrain_continuation_corrector, only: solution_point_type
+   use geartrain_continuation_crossings, only: add_branch_point, crossing_type, find_crossings
    use geartrain_continuation_recorder, only: recorder_type
-   use geartrain_continuation_singular_search, only: find_crossing
    use geartrain_continuation_special_points, only: add_special_point, locate_fold
    use geartrain_continuation_stability_changes, only: add_stability_changes
    use geartrain_continuation_step_geometry, only: closes, cosine, cosine_limit, hides_folds, passes_half_period, sense_of, way_to
@@ -28,20 +28,8 @@ module geartrain_continuation_tracer
    real(dp), parameter :: first_step = 0.01_dp, smallest_step = 1e-9_dp
    !> Largest change of Lambda in a step with sets of harmonics, over the range [1].
    real(dp), parameter :: widest = 0.01_dp
-   !> Relative distance in Lambda of branch points that are one.
-   real(dp), parameter :: together = 1e-6_dp
    !> Length of a step that is as good as the fold in it.
    real(dp), parameter :: fold_itself = 1e-6_dp
-
-   !> A branch point in a step.
-   type :: crossing_type
-      !> Lambda [1].
-      real(dp) :: frequency_ratio = 0
-      !> Number of multipliers that pass +1 together.
-      integer :: multiplicity = 1
-      !> Rms over characteristic length [1], (mesh).
-      real(dp), allocatable :: rms(:)
-   end type crossing_type
 
    type, extends(adaptive_corrector_type) :: tracer_type
       !> Largest rms of a mesh over characteristic length [1].
@@ -59,7 +47,7 @@ module geartrain_continuation_tracer
       integer :: missed = 0
    contains
       procedure :: record, trace, tell_missed, note_state, restore_state
-      procedure, private :: shown_step, take_step, find_end, stop_at, add_fold, add_changes, keep_equal, find_crossings
+      procedure, private :: shown_step, take_step, find_end, stop_at, add_fold, add_changes, keep_equal
    end type tracer_type
 
 contains
@@ -141,7 +129,7 @@ contains
             self%curvature = (next%tangent_frequency - here%tangent_frequency)/h
             crosses = crosses_branch(here, next)
          end if
-         call self%find_crossings(here, next, way, crosses, success, crossings)
+         call find_crossings(self%corrector, here, next, way, crosses, success, crossings)
          if (success) call self%adapt(next, success, here, origin, fixed=at_bound .or. closing)
          if (closing .and. .not. success) exit
          if (.not. success) then
@@ -229,41 +217,6 @@ contains
       here = before
       here%orientation = 0
    end subroutine keep_equal
-
-   !> Finds the branch points in a step of length h from `here` to `next`, and those at which equal branches begin to move differently.
-   !> Where motions of unequal branches cross one of equal branches both are there: they count as one.
-   subroutine find_crossings(self, here, next, h, crosses, success, found)
-      class(tracer_type), intent(inout) :: self
-      type(solution_point_type), intent(in) :: here, next
-      real(dp), intent(in) :: h
-      !> The bordered determinant changes sign; the step succeeded, else nothing is sought.
-      logical, intent(in) :: crosses, success
-      type(crossing_type), allocatable, intent(out) :: found(:)
-      type(crossing_type) :: one
-      logical :: located, same
-      integer :: g, changed
-
-      allocate (found(0))
-      if (.not. success) return
-      changed = 0
-      if (min(here%differences, next%differences) >= 0) changed = ieor(here%differences, next%differences)
-      do g = 0, bit_size(changed) - 1
-         if (g == 0 .and. .not. crosses) cycle
-         if (g > 0) then
-            if (.not. btest(changed, g - 1)) cycle
-            one%multiplicity = size(self%corrector%fixed%group(g)%unknown, 2) - 1
-         end if
-         call find_crossing(self%corrector, here, h, g, one%frequency_ratio, one%rms, located)
-         if (.not. located) cycle
-         same = .false.
-         if (size(found) > 0) same = abs(found(1)%frequency_ratio - one%frequency_ratio) < together*abs(one%frequency_ratio)
-         if (same) then
-            found(1)%multiplicity = found(1)%multiplicity + one%multiplicity
-         else
-            found = [found, one]
-         end if
-      end do
-   end subroutine find_crossings
 
    !> Length of a step [1], shortened where a curve of rms drawn over it would miss dips: with sets of harmonics long steps follow a
    !> branch that is nearly straight in its coefficients.
@@ -450,20 +403,6 @@ contains
       branch%points = kept(1)
       branch%special_points = branch%special_points(:kept(2))
    end subroutine add_fold
-
-   !> Lists a branch point between the latest two points, unless it is listed already: the sign of the determinant, found by the
-   !> lowest harmonics alone, may change repeatedly near a branch point.
-   subroutine add_branch_point(branch, crossing)
-      type(branch_type), intent(inout), target :: branch
-      type(crossing_type), intent(in) :: crossing
-      integer, parameter :: nearby = 50
-
-      associate (special => branch%special_points, n => branch%points, frequency_ratio => crossing%frequency_ratio)
-         if (any(special%kind == 'branch point' .and. special%point > n - nearby &
-                 .and. abs(special%frequency_ratio - frequency_ratio) < 1e-8_dp*abs(frequency_ratio))) return
-         call add_special_point(branch, 'branch point', frequency_ratio, n - 1, crossing%rms, crossing%multiplicity)
-      end associate
-   end subroutine add_branch_point
 
    !> Lists the changes of stability in the latest step, of length h from `here` to `next`: before and after its fold, if any.
    subroutine add_changes(self, here, next, h, fold, fold_at, before, branch)

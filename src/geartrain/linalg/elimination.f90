@@ -65,8 +65,9 @@ contains
 
    !> Sign of the determinant of a matrix factored by `factor_matrix`.
    pure integer function determinant_sign(a, pivot)
-      !> Its factors, and the exchanges of rows, (row).
+      !> Its factors.
       real(dp), intent(in) :: a(:, :)
+      !> Exchanges of rows, (row).
       integer, intent(in) :: pivot(:)
       integer :: i
 
