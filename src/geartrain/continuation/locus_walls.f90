@@ -1,11 +1,12 @@
 !> Motions of the curve of a special point and the walls of the gaps: how near they come to one, and whether they reach any.
 module geartrain_continuation_locus_walls
    use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: text
    use geartrain_continuation_augmented_point, only: augmented_point_type
    use geartrain_continuation_augmented_system, only: augmented_system_type
    implicit none (type, external)
    private
-   public :: floats, from_wall, touches
+   public :: floats, from_wall, grazing_mesh, touches
 
    !> Distance of an extreme of the displacement from a wall that counts as touching, over the size of the motion.
    real(dp), parameter :: touching = 1e-3_dp
@@ -38,19 +39,36 @@ contains
       call look(augmented, point, from_wall, size)
    end function from_wall
 
+   !> The mesh of which an extreme is nearest to a wall of its gap, in words: 'mesh 2'.
+   function grazing_mesh(augmented, point) result(words)
+      !> The system.
+      type(augmented_system_type), intent(inout) :: augmented
+      !> A special point.
+      type(augmented_point_type), intent(in) :: point
+      character(:), allocatable :: words
+      real(dp) :: nearest, size
+      integer :: mesh
+
+      call look(augmented, point, nearest, size, mesh)
+      words = 'mesh '//text(mesh)
+   end function grazing_mesh
+
    !> Distance from the walls. The size of a motion is half the backlash where it is larger than the gap, else half its own range: a
    !> motion beside one flank knows no gap.
-   subroutine look(augmented, point, nearest, size)
+   subroutine look(augmented, point, nearest, size, mesh)
       type(augmented_system_type), intent(inout) :: augmented
       type(augmented_point_type), intent(in) :: point
       !> Least distance of an extreme of any mesh from a wall, over the size of its motion; largest such size.
       real(dp), intent(out) :: nearest, size
+      !> Mesh of the least distance.
+      integer, intent(out), optional :: mesh
       real(dp) :: smallest, largest, distance, range
       integer :: j
 
       ! The latest solution may have failed far away.
       call augmented%stand_at(point%parameter, .true.)
       nearest = huge(1.0_dp)
+      if (present(mesh)) mesh = 1
       size = 0
       do j = 1, augmented%system%meshes
          associate (b => augmented%system%half_backlash(j))
@@ -59,6 +77,7 @@ contains
             range = max((largest - smallest)/2, tiny(1.0_dp))
             ! A smooth minimum, as places are extrapolated to by this distance.
             range = range*b/(range + b)
+            if (present(mesh) .and. distance/range < nearest) mesh = j
             nearest = min(nearest, distance/range)
             size = max(size, range)
          end associate
