@@ -12,7 +12,7 @@ module geartrain_continuation_locus_side
    use geartrain_continuation_locus_location, only: locate_grazing, locate_half, located, most_steps, nearest_half
    use geartrain_continuation_locus_result, only: double_point_type
    use geartrain_continuation_locus_tests, only: find_tests, grazing_name, most_tests, name_of, tests_type
-   use geartrain_continuation_locus_walls, only: grazing_mesh, touches
+   use geartrain_continuation_locus_walls, only: find_grazing_mesh, touches
    use geartrain_linalg_bracket, only: between, shrink
    implicit none (type, external)
    private
@@ -124,7 +124,8 @@ contains
             if (.not. success .and. at_wall .and. augmented%mesh == 0) then
                call put(grazing_name(augmented%kind), here)
                side%end_kind = 'corner'
-               side%ended = 'a corner: '//grazing_mesh(augmented, here)//' grazes a wall of its gap at Lambda = '// &
+               call find_grazing_mesh(augmented, here, k)
+               side%ended = 'a corner: mesh '//text(k)//' grazes a wall of its gap at Lambda = '// &
                             text(here%frequency_ratio)//', parameter = '//text(augmented%origin + augmented%scale*here%parameter)
                return
             end if

@@ -1,12 +1,11 @@
 !> Motions of the curve of a special point and the walls of the gaps: how near they come to one, and whether they reach any.
 module geartrain_continuation_locus_walls
    use geartrain_base_kinds, only: dp
-   use geartrain_base_numbers, only: text
    use geartrain_continuation_augmented_point, only: augmented_point_type
    use geartrain_continuation_augmented_system, only: augmented_system_type
    implicit none (type, external)
    private
-   public :: floats, from_wall, grazing_mesh, touches
+   public :: find_grazing_mesh, floats, from_wall, touches
 
    !> Distance of an extreme of the displacement from a wall that counts as touching, over the size of the motion.
    real(dp), parameter :: touching = 1e-3_dp
@@ -39,19 +38,18 @@ contains
       call look(augmented, point, from_wall, size)
    end function from_wall
 
-   !> The mesh of which an extreme is nearest to a wall of its gap, in words: 'mesh 2'.
-   function grazing_mesh(augmented, point) result(words)
+   !> Finds the mesh of which an extreme is nearest to a wall of its gap.
+   subroutine find_grazing_mesh(augmented, point, mesh)
       !> The system.
       type(augmented_system_type), intent(inout) :: augmented
       !> A special point.
       type(augmented_point_type), intent(in) :: point
-      character(:), allocatable :: words
+      !> Number of the mesh.
+      integer, intent(out) :: mesh
       real(dp) :: nearest, size
-      integer :: mesh
 
       call look(augmented, point, nearest, size, mesh)
-      words = 'mesh '//text(mesh)
-   end function grazing_mesh
+   end subroutine find_grazing_mesh
 
    !> Distance from the walls. The size of a motion is half the backlash where it is larger than the gap, else half its own range: a
    !> motion beside one flank knows no gap.
