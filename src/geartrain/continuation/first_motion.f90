@@ -92,7 +92,8 @@ contains
             call tracer%corrector%solve_at(solution, success)
          end do
          if (success .or. round == 2) exit
-         call follow_variation(train, tracer%settings, frequency_ratio, motion, success)
+         ! Where an exact motion needs more harmonics than asked for, their number is worth more than another motion.
+         if (enough == 0) call follow_variation(train, tracer%settings, frequency_ratio, motion, success)
          if (success) then
             solution = solution_of(tracer, motion)
             call tracer%corrector%solve_at(solution, success)
@@ -257,6 +258,7 @@ contains
       associate (own => largest_variation(plain%meshes))
          if (.not. own > 0) return
          over_variation = only_motions(settings)
+         over_variation%max_points = most_points
          over_variation%parameter = variation
          over_variation%frequency = frequency_ratio
          over_variation%start = hardly*own
@@ -278,7 +280,7 @@ contains
 
       plain = settings
       plain%stability = .false.
-      plain%max_points = most_points
+      plain%max_points = min(most_points, settings%max_points)
    end function only_motions
 
    !> Follows a branch from a solution at one end to the other end, for its last motion only.
