@@ -189,8 +189,8 @@ contains
       character(*), intent(in) :: what
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
-      !> Some bodies bear no torque: the torque of a shaft to them is a sum that cancels, whose error is that of its terms, and so of
-      !> the largest mean torque of any shaft.
+      !> Some bodies bear no torque: the torque of a shaft to them is a sum that cancels, whose error is that of its terms, the
+      !> torques of other bodies.
       logical, intent(in), optional :: cancels
       type(response_settings_type) :: plain
       type(branch_type) :: branch
@@ -254,7 +254,7 @@ contains
                   if (f >= 5 .and. f <= 6 .and. .not. abs(value(i, f)) > 0) cycle
                   size_of = max(maxval(abs(share(i, f, :)))/max(abs(parameter%value), 1e3_dp*h), tiny(h))
                   if (present(cancels) .and. f >= 7) &
-                     size_of = max(size_of, maxval(abs(share(:, 7, :)))/max(abs(parameter%value), 1e3_dp*h))
+                     size_of = max(size_of, maxval(abs(train%bodies%torque))/max(abs(parameter%value), 1e3_dp*h))
                   apart = max(abs(middle(i, f) - coarse(i, f)), abs(finest(i, f) - middle(i, f)))
                   off = abs(g - middle(i, f))/(exact*size_of + apart)
                   worst = max(worst, off)
