@@ -94,6 +94,20 @@ contains
       call plain_mesh(mesh, plain)
       call tests%is_close(maxval(abs(plain%stiffness_cos - [0.424_dp, 0.0_dp, -0.141_dp, 0.0_dp, 0.085_dp])), 0.0_dp, 1e-3_dp, &
                           'contact ratio 1.5')
+      ! Above 2 the time with the extra pair is centred at half the cycle, above 3 at its beginning again.
+      do i = 2, 3
+         mesh%contact_ratio = i + 0.4_dp
+         mesh%stiffness_harmonics = 3
+         call plain_mesh(mesh, plain)
+         sums = 0
+         do h = 1, cells
+            theta = 2*pi*(h - 0.5_dp)/cells
+            wave = i
+            if (merge(-1, 1, i == 2)*cos(theta) > cos(0.4_dp*pi)) wave = i + 1
+            sums = sums + 2*wave*[cos(theta), cos(2*theta), cos(3*theta)]/(mesh%contact_ratio*cells)
+         end do
+         call tests%is_close(maxval(abs(plain%stiffness_cos - sums)), 0.0_dp, 1e-5_dp, 'extra pair of a larger contact ratio')
+      end do
    end subroutine contact_ratio
 
    !> All meshes with one phase move later; a phase of one alone is that of its kappa and its error.

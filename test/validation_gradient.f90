@@ -1,8 +1,9 @@
 !> Derivatives of the figures of motions by the implicit function theorem beside differences of whole solutions.
 module validation_gradient
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-   use fixtures, only: long_train, paper_train, random_train, settings_of
-   use geartrain, only: branch_type, dp, error_type, gradient_type, motion_gradient, motion_type, response, &
+   use, intrinsic :: iso_fortran_env, only: int64
+   use fixtures, only: body, long_train, paper_train, random_train, settings_of, uniform
+   use geartrain, only: branch_type, dp, error_type, gradient_type, mesh_type, motion_gradient, motion_type, response, &
       response_settings_type, shaft_type, train_type
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_figure_rates, only: figure_names
@@ -34,6 +35,8 @@ contains
       if (tests%runs('figure_3')) call figure_3(tests)
       if (tests%runs('random_chains', full)) call random_chains(tests)
       if (tests%runs('random_networks', full)) call random_networks(tests)
+      if (tests%runs('rigid_shafts_of_damped_bodies')) call rigid_shafts_of_damped_bodies(tests)
+      if (tests%runs('random_rigid_shafts', full)) call random_rigid_shafts(tests)
       if (tests%runs('hunting')) call hunting(tests)
       if (tests%runs('drawing')) call drawing(tests)
    end subroutine gradient_tests
@@ -120,12 +123,75 @@ contains
       end do
    end subroutine random_networks
 
+   !> A rigid shaft bears what damping to ground takes from the vibration of two nodes: of the mesh's pinion and of its wheel.
+   subroutine rigid_shafts_of_damped_bodies(tests)
+      class(tests_type), intent(inout) :: tests
+      type(train_type) :: train
+
+      train%characteristic_frequency = 1e4_dp
+      train%bodies = [body('motor', 0.002_dp, 100.0_dp), body('pinion', 0.001_dp), body('wheel', 0.02_dp), body('fan', 0.03_dp), &
+                      body('load', 0.05_dp, balances=.true.)]
+      train%bodies([1, 3])%damping_to_ground = [1.0_dp, 2.0_dp]
+      train%shafts = [shaft_type(between=[character(64) :: 'motor', 'pinion'], stiffness=2e4_dp, damping_ratio=0.02_dp), &
+                      shaft_type(between=[character(64) :: 'wheel', 'fan'], rigid=.true.), &
+                      shaft_type(between=[character(64) :: 'fan', 'load'], stiffness=1e5_dp)]
+      train%meshes = [mesh_type(between=[character(64) :: 'pinion', 'wheel'], driving_radius=0.04_dp, driven_radius=0.08_dp, &
+                                stiffness=2e8_dp, damping_ratio=0.05_dp, half_backlash=30e-6_dp, stiffness_cos=[0.2_dp])]
+      train%characteristic_length = 30e-6_dp
+      call compare(tests, 'two damped nodes', train, settings_of(0.51_dp, 0.52_dp, 40))
+      ! The damping of two equal bodies on a rigid shaft does not load it: its gain is 0, the derivative of the gain is not.
+      train%bodies(4) = train%bodies(3)
+      train%bodies(4)%name = 'fan'
+      call compare(tests, 'two equal bodies', train, settings_of(0.51_dp, 0.52_dp, 12))
+   end subroutine rigid_shafts_of_damped_bodies
+
+   !> Discs on rigid shafts at two bodies of a random network, one of them on a shaft of two parts, nearly all bodies damped.
+   subroutine random_rigid_shafts(tests)
+      class(tests_type), intent(inout) :: tests
+      type(train_type) :: train
+      integer(int64) :: generator
+      integer :: i, j, n
+
+      do i = 1, tests%times(40)
+         n = 3 + mod(i, 5)
+         call random_network(n, mod(i, 2), i + 1000*tests%seed, train)
+         if (mod(i, 3) == 0) call draw_laws(i + 1000*tests%seed, train)
+         generator = 31*i + 1000*tests%seed
+         ! Without idle gears, which may float in their gaps.
+         do j = 2, n - 1
+            train%bodies(j)%torque = -2.0_dp*j
+         end do
+         do j = 1, 3
+            train%bodies = [train%bodies, body('disc '//integer_text(j), uniform(generator, 1e-3_dp, 5e-3_dp))]
+         end do
+         train%shafts = [train%shafts, rigid(train%bodies(2)%name, 'disc 1'), rigid('disc 2', train%bodies(n - 1)%name), &
+                         rigid('disc 2', 'disc 3')]
+         do j = 1, size(train%bodies)
+            if (uniform(generator, 0.0_dp, 1.0_dp) < 0.8_dp) train%bodies(j)%damping_to_ground = uniform(generator, 0.1_dp, 2.0_dp)
+         end do
+         call compare(tests, 'discs '//integer_text(i), train, settings_of(0.8_dp, 0.81_dp, 10), cancels=.true.)
+      end do
+
+   contains
+
+      pure type(shaft_type) function rigid(first, second)
+         character(*), intent(in) :: first, second
+
+         rigid%between = [character(64) :: first, second]
+         rigid%rigid = .true.
+      end function rigid
+
+   end subroutine random_rigid_shafts
+
    !> All figures by all parameters at the first point of a response.
-   subroutine compare(tests, what, train, settings)
+   subroutine compare(tests, what, train, settings, cancels)
       class(tests_type), intent(inout) :: tests
       character(*), intent(in) :: what
       type(train_type), intent(in) :: train
       type(response_settings_type), intent(in) :: settings
+      !> Some bodies bear no torque: the torque of a shaft to them is a sum that cancels, whose error is that of its terms, the
+      !> torques of other bodies.
+      logical, intent(in), optional :: cancels
       type(response_settings_type) :: plain
       type(branch_type) :: branch
       type(error_type), allocatable :: error
@@ -187,6 +253,8 @@ contains
                   ! Without a static force either direction counts.
                   if (f >= 5 .and. f <= 6 .and. .not. abs(value(i, f)) > 0) cycle
                   size_of = max(maxval(abs(share(i, f, :)))/max(abs(parameter%value), 1e3_dp*h), tiny(h))
+                  if (present(cancels) .and. f >= 7) &
+                     size_of = max(size_of, maxval(abs(train%bodies%torque))/max(abs(parameter%value), 1e3_dp*h))
                   apart = max(abs(middle(i, f) - coarse(i, f)), abs(finest(i, f) - middle(i, f)))
                   off = abs(g - middle(i, f))/(exact*size_of + apart)
                   worst = max(worst, off)

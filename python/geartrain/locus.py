@@ -88,6 +88,10 @@ class Locus(Table):
         Lambda of the special point with which it began, at the train's own value.
     ended : str
         Why it ended on either side, in words.
+    ends : tuple of str
+        Why it ended at its first and at its last point: ``'range'`` (the end of the range of the parameter), ``'closed'``,
+        ``'corner'`` (the motion grazes a wall of a gap, and the curve was not found beyond), ``'double point'``, ``'limit'``,
+        ``'symmetry'``, ``'cancelled'`` or ``'failed'``. Empty in files written before.
     complete, closed : bool
         Whether it got to the ends of the range, or closed; whether it came back to where it began.
     train : Train or None
@@ -107,6 +111,7 @@ class Locus(Table):
     ended: str
     complete: bool
     closed: bool
+    ends: tuple[str, ...] = ()
     special_points: list[LocusPoint] = field(default_factory=list)
     train: Description | None = None
 

@@ -193,7 +193,7 @@ def test_a_seed_is_as_a_start(train):
 
 
 def test_bad_input(train):
-    with pytest.raises(gt.InputError, match=r"&run_up: duration = 1\.0e-5: must be >= .* s: a run-up takes one mean period"):
+    with pytest.raises(gt.InputError, match=r"&run_up: duration = 1\.0e-5: must be >= .* s: a run-up takes one mean cycle"):
         train.run_up(start=0.4, stop=0.8, duration=1e-5)
     with pytest.raises(gt.InputError, match="unit = 'knots': must be 'Lambda', 'rpm' or 'Hz'"):
         train.run_up(**RAMP, unit="knots")

@@ -21,7 +21,7 @@ module geartrain_analyses_attractors
    use geartrain_flow_floating, only: note_of
    use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_flow_section_map, only: section_map_type
-   use geartrain_flow_settling, only: settle
+   use geartrain_flow_settling, only: need_to_settle, settle
    use geartrain_flow_start_state, only: resting_state
    use geartrain_model_check, only: check_train
    use geartrain_model_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
@@ -213,6 +213,8 @@ contains
       integration%stability = settings%stability
       found%frequency_ratio = settings%frequency*lambda_per(train, settings%unit)
       found%random_seed = settings%random_seed
+      call need_to_settle(system, settings%harmonics, error)
+      if (allocated(error)) return
       if (.not. allocated(found%motions)) allocate (found%motions(0))
       hits = nint(found%motions%share*found%starts)
       call map%setup(system, found%frequency_ratio)

@@ -1,7 +1,7 @@
 !> The analysis &bifurcation_diagram: what the flow does in the long run over frequency: sections of the attractor, its period, its
 !> Lyapunov exponents and its rotation number, each frequency begun with the last state of the frequency before.
 module geartrain_analyses_bifurcation_diagram
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
    use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
    use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_balance_motion, only: motion_type
@@ -15,12 +15,8 @@ module geartrain_analyses_bifurcation_diagram
    use geartrain_base_numbers, only: integer_text, text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: row => variable_type, visitor_type
-   use geartrain_flow_bound, only: bound_type
    use geartrain_flow_fields, only: about_frequency, about_mesh
-   use geartrain_flow_lyapunov, only: kind_of
-   use geartrain_flow_section_map, only: section_map_type
-   use geartrain_flow_settling, only: is_leaving
-   use geartrain_flow_spectrum, only: lyapunov_spectrum, rotation_number
+   use geartrain_flow_long_run, only: find_long_run
    use geartrain_flow_start_state, only: resting_state, state_of
    use geartrain_model_check, only: check_train
    use geartrain_model_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
@@ -36,9 +32,8 @@ module geartrain_analyses_bifurcation_diagram
       'Asks for a bifurcation diagram: sections of the attractors over frequency, with their Lyapunov exponents.', set_aside=.true.)
 
    real(dp), parameter :: zero = 0, one = 1
-   !> Relative difference of sections that repeat themselves; of sections that differ, and do not turn about an orbit as they settle
-   !> on it; most sections of one frequency.
-   real(dp), parameter :: repeated_to = 1e-6_dp, clearly_different = 1e-4_dp, most_sections = 1e5_dp
+   !> Most sections of one frequency.
+   real(dp), parameter :: most_sections = 1e5_dp
 
    !> The variables of &bifurcation_diagram.
    type :: bifurcation_diagram_settings_type
@@ -300,36 +295,13 @@ contains
       !> The row.
       integer, intent(in) :: i
       type(bifurcation_diagram_type), intent(inout) :: found
-      type(section_map_type) :: map
-      type(bound_type) :: bound
-      real(dp) :: sections(size(state), settings%sections), limit, turns
-      character(14) :: kind
-      integer :: j, k
-      logical :: lost
+      real(dp) :: sections(size(state), settings%sections)
+      integer :: j
 
-      call map%setup(system, found%frequency_ratio(i))
-      call bound%setup(system, found%frequency_ratio(i))
-      limit = bound%limit(state)
-      lost = .false.
-      do k = 1, settings%transient
-         call map%pass_period(state, lost)
-         lost = lost .or. system%interrupt%raised() .or. .not. bound%holds(state, limit)
-         if (lost) exit
-      end do
-      if (.not. lost) call lyapunov_spectrum(system, map, state, settings%sections, found%exponents(:, i), found%errors(:, i), &
-                                             lost, sections)
+      call find_long_run(system, found%frequency_ratio(i), settings%transient, state, sections, found%exponents(:, i), &
+                         found%errors(:, i), found%period(i), found%kind(i), found%rotation(i))
       found%state(:, i) = state
-      if (lost) then
-         found%exponents(:, i) = found%rotation(i)
-         found%errors(:, i) = found%rotation(i)
-         found%kind(i) = 'undecided'
-         if (.not. bound%holds(state, limit)) then
-            found%kind(i) = 'unbounded'
-            found%state(:, i) = huge(one)
-            state = huge(one)
-         end if
-         return
-      end if
+      if (ieee_is_nan(sections(1, 1))) return
       do j = 1, system%meshes
          associate (n => system%mesh_element(j), d => system%displacements)
             if (n > system%coordinates) cycle
@@ -337,39 +309,7 @@ contains
             found%velocity(j, :, i) = sections(d + n, :)
          end associate
       end do
-      found%period(i) = period_of(sections)
-      kind = 'periodic'
-      if (found%period(i) == 0) kind = kind_of(found%frequency_ratio(i), found%exponents(1, i), found%errors(1, i))
-      if (kind == 'chaotic') then
-         if (is_leaving(system, found%frequency_ratio(i), state, found%exponents(1, i))) kind = 'still settling'
-      end if
-      if (kind == 'quasi-periodic') then
-         turns = rotation_number(system, sections)
-         if (turns >= 0) found%rotation(i) = turns
-      end if
-      found%kind(i) = kind
    end subroutine settle_row
-
-   !> Shortest period after which the last half of the sections repeats itself; 0: none, or it is not sure which.
-   pure integer function period_of(sections) result(period)
-      real(dp), intent(in) :: sections(:, :)
-      integer :: n, half
-      real(dp) :: size_, difference, smallest
-
-      n = size(sections, 2)
-      half = n/2
-      size_ = maxval(abs(sections))
-      smallest = huge(one)
-      do period = 1, half
-         difference = maxval(abs(sections(:, n - half + 1:) - sections(:, n - half + 1 - period:n - period)))
-         if (difference <= repeated_to*size_) then
-            if (smallest < clearly_different*size_) exit
-            return
-         end if
-         smallest = min(smallest, difference)
-      end do
-      period = 0
-   end function period_of
 
    subroutine visit_fields(self, train, fields, summary)
       class(bifurcation_diagram_analysis_type), intent(inout) :: self

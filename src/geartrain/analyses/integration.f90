@@ -21,7 +21,7 @@ module geartrain_analyses_integration
    use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_flow_lyapunov, only: find_exponent, kind_of
    use geartrain_flow_orbit, only: stored_harmonics
-   use geartrain_flow_settling, only: is_leaving, settle
+   use geartrain_flow_settling, only: is_leaving, need_to_settle, settle
    use geartrain_flow_start_state, only: resting_state, state_of
    use geartrain_model_check, only: check_train
    use geartrain_model_frequency_unit, only: check_unit, lambda_per, visit_unit
@@ -191,6 +191,8 @@ contains
       call check_integration(train, settings, error)
       if (allocated(error)) return
       call build_system(train, system)
+      call need_to_settle(system, settings%harmonics, error)
+      if (allocated(error)) return
       allocate (state(system%states))
       state = resting_state(system)
       low = min(settings%start, settings%stop)*lambda_per(train, settings%unit)
@@ -270,6 +272,8 @@ contains
       call check_single(train, settings, frequency_ratio, error)
       if (allocated(error)) return
       call build_system(train, system)
+      call need_to_settle(system, settings%harmonics, error)
+      if (allocated(error)) return
       allocate (state(system%states))
       state = resting_state(system)
       if (present(start)) then

@@ -1,6 +1,7 @@
 !> The analysis &locus: the curve of a special point or contact onset over Lambda and a parameter of the train.
 module geartrain_analyses_locus
    use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
+   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_carry, only: carry, carry_text
    use geartrain_base_checker, only: checker_type
@@ -153,6 +154,8 @@ contains
       class(observer_type), intent(inout) :: observer
       type(motion_type), intent(in), optional :: start
       type(motion_type) :: motion
+      type(frequency_text_type) :: told
+      character(:), allocatable :: ended
       character(16) :: kind
 
       if (allocated(self%result%ended)) return
@@ -167,7 +170,11 @@ contains
       associate (settings => self%settings)
          call trace_locus(train, motion, kind, settings%mesh, settings%parameter, settings%start, settings%stop, self%result, &
                           error, observer)
+         if (.not. allocated(self%result%ended)) return
+         told = frequency_text(train, settings%unit, maxval(self%result%frequency_ratio))
       end associate
+      call told%of_words(self%result%ended, ended)
+      self%result%ended = ended
    end subroutine run
 
    !> Finds the special point of the exact motion near that of the response that is nearest to `near`.
@@ -229,7 +236,12 @@ contains
          if (.not. fields%enter('/locus', 'curve of a special point of the exact motion over frequency and a number of the train', &
                                 .true.)) return
          if (allocated(locus%frequency_ratio)) call fields%describe('coordinates', 'frequency parameter')
+         n = 2
+         call fields%index_axis('side', n, 'end of the curve: 1 its first point, 2 its last one')
          call carry_text(fields, field('ended', '', '', 'why it ended on either side, in words'), locus%ended, 'not yet')
+         call carry(fields, field('ends', 'side', '', "why it ended at its first and at its last point: range (end of the range of &
+                                  &the parameter), closed, corner (the motion grazes a wall of a gap), double point, limit, &
+                                  &symmetry, cancelled, failed", optional=.true.), locus%ends)
          call carry(fields, field('complete', '', '', '1: it got to the ends of the range, or closed'), locus%complete)
          call carry(fields, field('closed', '', '', '1: it came back to where it began'), locus%closed)
          call carry(fields, field('kind', '', '', 'kind of the special point'), locus%kind)
@@ -293,16 +305,19 @@ contains
       type(train_type), intent(in) :: train
       integer, intent(in) :: unit
       real(dp), intent(in) :: seconds
+      type(frequency_text_type) :: told
+      character(:), allocatable :: words
       integer :: i
 
       associate (locus => self%result)
          if (.not. allocated(locus%ended)) return
-         write (unit, '(5a, i0, 3a)') 'Locus: ', trim(locus%kind), ' at Lambda = ', text(locus%start_frequency), ', ', &
-            size(locus%frequency_ratio), ' points in ', fixed(seconds, 2), ' s'
+         told = frequency_text(train, self%settings%unit, maxval(locus%frequency_ratio))
+         call told%of_words(trim(locus%kind)//' at Lambda = '//text(locus%start_frequency), words)
+         write (unit, '(3a, i0, 3a)') 'Locus: ', words, ', ', size(locus%frequency_ratio), ' points in ', fixed(seconds, 2), ' s'
          do i = 1, size(locus%special_points)
             associate (special => locus%special_points(i))
-               write (unit, '(6a)') '    ', trim(special%kind), ' at Lambda = ', text(special%frequency_ratio), &
-                  ', '//locus%name//' = ', text(special%parameter)
+               call told%of_words(trim(special%kind)//' at Lambda = '//text(special%frequency_ratio), words)
+               write (unit, '(4a)') '    ', words, ', '//locus%name//' = ', text(special%parameter)
             end associate
          end do
          write (unit, '(2a)') '    ended: ', locus%ended

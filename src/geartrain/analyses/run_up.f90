@@ -17,7 +17,7 @@ module geartrain_analyses_run_up
    use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_flow_ramp, only: make_ramp, ramp_type
    use geartrain_flow_run_up, only: automatic_samples, follow_ramp, make_room, most_samples, run_up_type
-   use geartrain_flow_settling, only: settle
+   use geartrain_flow_settling, only: need_to_settle, settle
    use geartrain_flow_start_state, only: resting_state, state_of
    use geartrain_model_check, only: check_train
    use geartrain_model_drawing, only: plain_train
@@ -114,13 +114,13 @@ contains
          call check_frequency(train, 'from', settings%start, checker, settings%unit)
          call check_frequency(train, 'to', settings%stop, checker, settings%unit)
          if (checker%problems%in_group('run_up')) return
-         ! A mean period of the fundamental [s].
+         ! A mean period of the fundamental [s], which may be minutes long, and its windows.
          period = 2*pi/((start + stop)/2*plain%characteristic_frequency)
-         if (.not. settings%duration >= period*(1 - 1e-9_dp)) &
-            call checker%complain('duration', real_text(settings%duration), 'must be >= '//real_text(period)// &
-                                  ' s: a run-up takes one mean period of the fundamental at least')
          windows = 1
          if (allocated(plain%meshes)) windows = max(1, minval([most_samples, plain%meshes%order]))
+         if (.not. settings%duration >= period/windows*(1 - 1e-9_dp)) &
+            call checker%complain('duration', real_text(settings%duration), 'must be >= '//real_text(period/windows)// &
+                                  ' s: a run-up takes one mean cycle of the slowest mesh at least')
          samples = settings%samples*settings%duration/period*2*max(start, stop)/(start + stop)
          if (.not. windows*settings%duration/period <= most_samples) then
             call checker%complain('duration', real_text(settings%duration), 'must be shorter: the run-up has '// &
@@ -263,6 +263,10 @@ contains
       end if
       if (settings%max_periods > 0) then
          settling%max_periods = settings%max_periods
+         ! The state is all that is used of the motion.
+         settling%harmonics = 1
+         call need_to_settle(system, settling%harmonics, error)
+         if (allocated(error)) return
          call settle(system, frequency_ratio, settling, state, motion, observer, stopped)
          if (stopped) return
          if (.not. allocated(motion%coefficients)) then

@@ -13,7 +13,7 @@ module geartrain_analyses_stability_grid
    use geartrain_model_check, only: check_train
    use geartrain_model_drawing, only: plain_train
    use geartrain_model_frequency_unit, only: check_unit, unit_length, visit_unit
-   use geartrain_model_limits, only: check_frequency, check_harmonics
+   use geartrain_model_limits, only: check_common_period, check_frequency, check_harmonics
    use geartrain_model_parameter, only: largest_variation
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -147,6 +147,7 @@ contains
       !> Collects the problems; nothing is checked if it has a problem of this group.
       class(checker_type), intent(inout) :: checker
       type(train_type) :: plain
+      logical :: within
 
       if (checker%problems%in_group('stability_map')) return
       call checker%enter('stability_map', 1)
@@ -161,7 +162,8 @@ contains
       call check_unit(train, settings%unit, checker)
       call check_frequency(train, 'from', settings%start, checker, settings%unit)
       call check_frequency(train, 'to', settings%stop, checker, settings%unit)
-      if (.not. settings%linear) call check_harmonics(train, settings%harmonics, 1, 0, checker)
+      call check_common_period(train, 'stability_map', checker, within)
+      if (within .and. .not. settings%linear) call check_harmonics(train, settings%harmonics, 1, 0, checker)
       if (settings%linear .and. (settings%parameter == 'input_torque' .or. settings%parameter == 'half_backlash')) &
          call checker%complain('parameter', "'"//trim(settings%parameter)//"'", &
                                'has no influence on the stability of the linear train: leave out linear = .true.')

@@ -268,11 +268,13 @@ contains
                      end associate
                   end do
                   deallocate (difference)
-                  if (system%coordinates > system%displacements) then
-                     associate (node => system%network%elements(system%coordinates)%from)
-                        if (cut%home(node) == l) d_p(system%coordinates, k) = masses(cut%mass(node))
+                  ! The vibration of every node with damping to ground, those that close loops too.
+                  do n = system%displacements + 1, system%elements
+                     associate (element => system%network%elements(n))
+                        if (.not. element%grounded) cycle
+                        if (cut%home(element%from) == l) d_p(n, k) = masses(cut%mass(element%from))
                      end associate
-                  end if
+                  end do
                end associate
             end do
          end do

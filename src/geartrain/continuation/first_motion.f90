@@ -1,6 +1,7 @@
 !> The motion at which the trace of a response begins.
 module geartrain_continuation_first_motion
    use geartrain_balance_motion, only: motion_type
+   use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_continuation_branch, only: branch_type, coefficients_of, response_settings_type
@@ -11,6 +12,9 @@ module geartrain_continuation_first_motion
    use geartrain_flow_orbit_search, only: orbit_search_type
    use geartrain_flow_settling, only: settle
    use geartrain_flow_start_state, only: resting_state
+   use geartrain_model_drawing, only: plain_train
+   use geartrain_model_parameter, only: largest_variation, variation
+   use geartrain_model_parameter_path, only: parameter_path_type
    use geartrain_model_system, only: system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -19,6 +23,14 @@ module geartrain_continuation_first_motion
 
    !> Largest number of harmonics that an exact motion is solved with, over the number asked for.
    integer, parameter :: most_times = 8
+   !> Most sections of the flow from which an orbit is looked for, at the Lambda of the start, fewer for trains of more than 10
+   !> states; and at each of some others. A section of a train of n states takes 15 flights of n tangents.
+   integer, parameter :: sections_here = 128, sections_elsewhere = 8
+   !> Most points of a branch that leads to the start.
+   integer, parameter :: most_points = 2000
+   !> Stiffness variation at which a branch over it begins, over that of the train [1]: a resonance is then too weak for a second
+   !> motion, so that the branch cannot come back.
+   real(dp), parameter :: hardly = 1.0_dp/64
 
 contains
 
@@ -26,6 +38,7 @@ contains
    !> - Newton's method from rest under the mean load;
    !> - the motion that time integration from rest settles on;
    !> - the branch of a solution from rest at another Lambda, outside the range that ends at `other` or within;
+   !> - the branch over the stiffness variation, from a train whose stiffness hardly varies;
    !> - an orbit, stable or not, near the flow from rest;
    !> - the branch of such an orbit at another Lambda.
    recursive subroutine find_start(train, tracer, frequency_ratio, other, solution, success, enough, stopped, observer)
@@ -78,8 +91,16 @@ contains
             solution = solution_of(tracer, motion)
             call tracer%corrector%solve_at(solution, success)
          end do
-         if (.not. success .and. round == 1) &
-            call solve_near_flow(tracer, frequency_ratio, solution, success, enough, stopped, observer)
+         if (success .or. round == 2) exit
+         ! Where an exact motion needs more harmonics than asked for, their number is worth more than another motion.
+         if (enough == 0) call follow_variation(train, tracer%settings, frequency_ratio, motion, success)
+         if (success) then
+            solution = solution_of(tracer, motion)
+            call tracer%corrector%solve_at(solution, success)
+         end if
+         if (.not. success) &
+            call solve_near_flow(tracer, frequency_ratio, min(sections_here, 10*sections_here/tracer%system%states), solution, &
+                                 success, enough, stopped, observer)
       end do
    end subroutine find_start
 
@@ -118,9 +139,11 @@ contains
    end subroutine find_start_at
 
    !> A solution near an orbit that the flow from rest passes.
-   subroutine solve_near_flow(tracer, frequency_ratio, solution, success, enough, stopped, observer)
+   subroutine solve_near_flow(tracer, frequency_ratio, most_sections, solution, success, enough, stopped, observer)
       type(tracer_type), intent(inout) :: tracer
       real(dp), intent(in) :: frequency_ratio
+      !> Most sections of the flow from which an orbit is looked for.
+      integer, intent(in) :: most_sections
       type(solution_point_type), intent(inout) :: solution
       logical, intent(out) :: success
       integer, intent(inout) :: enough
@@ -131,7 +154,8 @@ contains
       logical :: found
 
       success = .false.
-      call orbits%begin(tracer%system, frequency_ratio, tracer%settings%subharmonic, exact_harmonics(tracer))
+      call orbits%begin(tracer%system, frequency_ratio, tracer%settings%subharmonic, exact_harmonics(tracer), &
+                        most_sections)
       do while (.not. success)
          call orbits%next(motion, found, stopped, observer)
          if (.not. found) return
@@ -193,27 +217,84 @@ contains
       !> A motion at `to` was found; the observer or an interrupt ended the flow from rest.
       logical, intent(out) :: success, stopped
       class(observer_type), intent(inout), optional :: observer
-      type(response_settings_type) :: without_stability
       type(system_type), target :: systems(2)
       type(tracer_type) :: tracer
-      type(branch_type), target :: way
       type(solution_point_type) :: solution
-      character(:), allocatable :: reason
-      integer :: outcome, enough
+      integer :: enough
 
-      without_stability = settings
-      without_stability%stability = .false.
-      without_stability%max_points = min(2000, settings%max_points)
       stopped = .false.
-      call begin_trace(train, without_stability, systems, tracer)
+      call begin_trace(train, only_motions(settings), systems, tracer)
       if (from_rest) then
          solution = resting(tracer, from)
          call tracer%corrector%solve_at(solution, success)
       else
          enough = 0
-         call solve_near_flow(tracer, from, solution, success, enough, stopped, observer)
+         call solve_near_flow(tracer, from, sections_elsewhere, solution, success, enough, stopped, observer)
       end if
       if (.not. success) return
+      call follow(tracer, solution, from, to, motion, success)
+   end subroutine follow_branch
+
+   !> Follows the branch over the stiffness variation at constant Lambda, from a train whose stiffness hardly varies to the train as
+   !> it is. Where both have one motion or any odd number, the branch goes through, however many folds it has on its way.
+   subroutine follow_variation(train, settings, frequency_ratio, motion, success)
+      type(train_type), intent(in) :: train
+      !> Settings in Lambda.
+      type(response_settings_type), intent(in) :: settings
+      real(dp), intent(in) :: frequency_ratio
+      !> The motion of the train, where `success`.
+      type(motion_type), intent(out) :: motion
+      logical, intent(out) :: success
+      type(response_settings_type) :: over_variation
+      type(parameter_path_type) :: path
+      type(system_type), target :: systems(2)
+      type(train_type) :: plain
+      type(tracer_type) :: tracer
+      type(solution_point_type) :: solution
+      type(error_type), allocatable :: none
+
+      success = .false.
+      call plain_train(train, plain)
+      associate (own => largest_variation(plain%meshes))
+         if (.not. own > 0) return
+         over_variation = only_motions(settings)
+         over_variation%max_points = most_points
+         over_variation%parameter = variation
+         over_variation%frequency = frequency_ratio
+         over_variation%start = hardly*own
+         over_variation%stop = own
+      end associate
+      call path%setup(train, variation, frequency_ratio, over_variation%start, over_variation%stop, none)
+      if (allocated(none)) return
+      call begin_trace(train, over_variation, systems, tracer)
+      solution = resting(tracer, over_variation%start)
+      call tracer%corrector%solve_at(solution, success)
+      if (.not. success) return
+      call follow(tracer, solution, over_variation%start, over_variation%stop, motion, success)
+      motion%frequency_ratio = frequency_ratio
+   end subroutine follow_variation
+
+   !> Settings for a branch of which motions alone are wanted.
+   pure type(response_settings_type) function only_motions(settings) result(plain)
+      type(response_settings_type), intent(in) :: settings
+
+      plain = settings
+      plain%stability = .false.
+      plain%max_points = min(most_points, settings%max_points)
+   end function only_motions
+
+   !> Follows a branch from a solution at one end to the other end, for its last motion only.
+   subroutine follow(tracer, solution, from, to, motion, success)
+      type(tracer_type), intent(inout) :: tracer
+      type(solution_point_type), intent(inout) :: solution
+      !> Lambda or parameter at the beginning and at the end.
+      real(dp), intent(in) :: from, to
+      type(motion_type), intent(out) :: motion
+      logical, intent(out) :: success
+      type(branch_type), target :: way
+      character(:), allocatable :: reason
+      integer :: outcome
+
       ! The number of harmonics stays constant along the way.
       tracer%settings%harmonics = tracer%corrector%balance%highest
       call tracer%corrector%orient(solution, merge(1, -1, to > from))
@@ -222,8 +303,8 @@ contains
       call tracer%trace(solution, min(from, to), max(from, to), to, way, outcome, reason)
       success = outcome == reached_end
       motion%frequency_ratio = to
-      motion%period = settings%subharmonic
+      motion%period = tracer%settings%subharmonic
       motion%coefficients = coefficients_of(way, way%points)
-   end subroutine follow_branch
+   end subroutine follow
 
 end module geartrain_continuation_first_motion

@@ -25,6 +25,8 @@ module geartrain_continuation_locus
 
    !> Distance of the parameter from an end of its range that is rounding, over the length of the range.
    real(dp), parameter :: rounding = 1e-13_dp
+   !> Most cycles of the fastest mesh in a motion: the time of a curve grows as their square, see docs/numerics.md.
+   integer, parameter :: most_cycles = 32
 
    !> Distance of multipliers from +1, or -1, up to which they pass together [1].
    real(dp), parameter :: on_circle = 1e-5_dp
@@ -71,6 +73,8 @@ contains
       call build_system(train, system)
       guess = motion
       path%repeats = repetitions_of(system, motion)
+      call check_cycles(system, motion%period, path%repeats, kind, error)
+      if (allocated(error)) return
       if (path%repeats > 1) then
          allocate (state(system%states))
          call state_of(system, motion, state)
@@ -123,6 +127,7 @@ contains
          side(3 - k)%specials = 0
          side(3 - k)%closed = .false.
          side(3 - k)%ended = side(k)%ended
+         side(3 - k)%end_kind = side(k)%end_kind
       end do
       call gather(augmented, first, [min(start, stop), max(start, stop)], side, path%repeats, system%displacements, locus)
       locus%kind = kind
@@ -133,6 +138,7 @@ contains
       locus%start_frequency = first%frequency_ratio
       locus%closed = any(side%closed)
       locus%complete = locus%closed .or. side(1)%at_end .and. side(2)%at_end
+      locus%ends = side%end_kind
       locus%ended = trim(side(1)%ended)
       if (side(1)%ended /= side(2)%ended) locus%ended = locus%ended//'; '//trim(side(2)%ended)
 
@@ -146,6 +152,25 @@ contains
       end function count_critical
 
    end subroutine trace_locus
+
+   !> Refuses motions of too many cycles of a mesh.
+   subroutine check_cycles(system, period, repeats, kind, error)
+      type(system_type), intent(in) :: system
+      !> Period of the motions [periods of the fundamental]; how often they go through their waveform in it.
+      integer, intent(in) :: period, repeats
+      !> Kind of the special point.
+      character(*), intent(in) :: kind
+      type(error_type), allocatable, intent(inout) :: error
+      integer :: cycles
+
+      cycles = period*maxval(system%law%order)/repeats
+      if (cycles <= most_cycles) return
+      call fatal(error, 'locus: the motion repeats itself after '//text(cycles)//' cycles of mesh '// &
+                 text(maxloc(system%law%order, 1))//', and the curve may have a corner wherever one of these cycles grazes a &
+                 &wall of the gap: it would take minutes, and is followed for motions of up to '//text(most_cycles)//' cycles &
+                 &only. Make the response at three values of the parameter instead, and take the '//trim(kind)//' from its &
+                 &special points or jumps; or take numbers of teeth with common divisors')
+   end subroutine check_cycles
 
    !> The path of the train over the parameter, on which the train itself lies.
    subroutine find_path(train, name, frequency_ratio, start, stop, path, error)

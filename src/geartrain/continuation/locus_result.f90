@@ -28,6 +28,9 @@ module geartrain_continuation_locus_result
       real(dp), allocatable :: frequency_ratio(:), parameter(:), state(:, :)
       complex(dp), allocatable :: multipliers(:, :)
       type(double_point_type), allocatable :: special_points(:)
+      !> Why it ended at its first and at its last point: 'range', 'closed', 'corner' where the motion grazes a wall of a gap,
+      !> 'double point', 'limit' of what is followed, 'symmetry' which the parameter breaks, 'cancelled', 'failed', (side).
+      character(16), allocatable :: ends(:)
       !> Why it ended on either side, in words; whether it got to the ends of the range, or closed; whether it closed.
       character(:), allocatable :: ended
       logical :: complete = .false., closed = .false.

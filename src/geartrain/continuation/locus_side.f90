@@ -12,7 +12,7 @@ module geartrain_continuation_locus_side
    use geartrain_continuation_locus_location, only: locate_grazing, locate_half, located, most_steps, nearest_half
    use geartrain_continuation_locus_result, only: double_point_type
    use geartrain_continuation_locus_tests, only: find_tests, grazing_name, most_tests, name_of, tests_type
-   use geartrain_continuation_locus_walls, only: touches
+   use geartrain_continuation_locus_walls, only: find_grazing_mesh, touches
    use geartrain_linalg_bracket, only: between, shrink
    implicit none (type, external)
    private
@@ -38,7 +38,9 @@ module geartrain_continuation_locus_side
       type(augmented_point_type), allocatable :: point(:)
       type(double_point_type), allocatable :: special(:)
       integer :: points = 0, specials = 0
-      character(80) :: ended = ''
+      !> Why it ended, in words and as one of the kinds of `locus_type%ends`.
+      character(160) :: ended = ''
+      character(16) :: end_kind = ''
       logical :: at_end = .false., closed = .false.
    end type side_type
 
@@ -81,6 +83,7 @@ contains
       do while (side%points < most_points)
          if (here%parameter <= ends(1) .and. here%tangent_parameter < 0 .or. here%parameter >= ends(2) &
              .and. here%tangent_parameter > 0) then
+            side%end_kind = 'range'
             side%ended = 'the end of the range of the parameter'
             side%at_end = .true.
             return
@@ -90,10 +93,12 @@ contains
          go = keep_going
          ! A long step may lead to what is no orbit although the parameter keeps the symmetry.
          if (augmented%open .and. h < crawling) then
+            side%end_kind = 'symmetry'
             side%ended = 'the parameter breaks the symmetry, at Lambda = '//text(here%frequency_ratio)
             return
          end if
          if (augmented%moving%interrupted() .or. .not. go) then
+            side%end_kind = 'cancelled'
             side%ended = 'cancelled'
             return
          end if
@@ -108,6 +113,7 @@ contains
             at_wall = touches(augmented, here)
             if (at_wall .and. augmented%kind == 'fold' .and. is_of_half(augmented, here)) then
                call put(grazing_name('period doubling'), here)
+               side%end_kind = 'corner'
                side%ended = 'meets a grazing doubling of motions of half the period at Lambda = '//text(here%frequency_ratio)
                return
             end if
@@ -117,11 +123,15 @@ contains
             ! On the curve of an onset every motion touches a wall.
             if (.not. success .and. at_wall .and. augmented%mesh == 0) then
                call put(grazing_name(augmented%kind), here)
-               side%ended = 'a grazing at Lambda = '//text(here%frequency_ratio)
+               side%end_kind = 'corner'
+               call find_grazing_mesh(augmented, here, k)
+               side%ended = 'a corner: mesh '//text(k)//' grazes a wall of its gap at Lambda = '// &
+                            text(here%frequency_ratio)//', parameter = '//text(augmented%origin + augmented%scale*here%parameter)
                return
             end if
             if (.not. success .and. h > shortest) cycle
             if (.not. success) then
+               side%end_kind = 'failed'
                side%ended = 'Newton''s method does not converge at Lambda = '//text(here%frequency_ratio)
                return
             end if
@@ -132,6 +142,7 @@ contains
             if (.not. success) then
                h = h/3
                if (h > shortest) cycle
+               side%end_kind = 'failed'
                side%ended = 'Newton''s method does not converge at the end of the range'
                return
             end if
@@ -146,12 +157,14 @@ contains
             if (ends_here) call locate_half(augmented, here, place, success)
             if (ends_here .and. success) then
                call put('generalized doubling', place)
+               side%end_kind = 'double point'
                side%ended = 'a generalized doubling'
                return
             end if
             h = h/3
             if (h > nearest_half) cycle
             if (ends_here) then
+               side%end_kind = 'double point'
                side%ended = 'meets the doubling of motions of half the period near Lambda = '//text(here%frequency_ratio)
                return
             end if
@@ -163,6 +176,7 @@ contains
             if (.not. success) then
                h = h/3
                if (h > shortest) cycle
+               side%end_kind = 'failed'
                side%ended = 'Newton''s method does not converge at Lambda = '//text(here%frequency_ratio)
                return
             end if
@@ -189,6 +203,7 @@ contains
          keep_going = go
          !$omp end critical (geartrain_locus)
          if (side%points > 3 .and. passes(augmented, here, next, first)) then
+            side%end_kind = 'closed'
             side%ended = 'closed'
             side%closed = .true.
             return
@@ -197,6 +212,7 @@ contains
          if (side%ended /= '') then
             ! A curve over the torque from 0 on is whole where the motion vanishes.
             side%at_end = limits%vanishes(augmented) .and. minval(abs(next%parameter - ends)) < near_end
+            side%end_kind = merge('range', 'limit', side%at_end)
             return
          end if
          if (cosine > least_cosine) call augmented%metric%find_bend(here, next)
@@ -204,6 +220,7 @@ contains
          before = after
          if (cosine > wanted_cosine) h = min(longest, 1.5_dp*h)
       end do
+      side%end_kind = 'limit'
       side%ended = 'has the most points'
 
    contains
@@ -261,8 +278,11 @@ contains
          end if
          ! Between motions with contact events and those without is a grazing.
          if (next%events > 0) call put(grazing_name(augmented%kind), next)
+         side%end_kind = 'limit'
          side%ended = trim(why)//' near Lambda = '//text(next%frequency_ratio)
-         if (augmented%moving%interrupted()) side%ended = 'cancelled'
+         if (.not. augmented%moving%interrupted()) return
+         side%end_kind = 'cancelled'
+         side%ended = 'cancelled'
       end subroutine approach
 
       !> Makes `next` the point at an end of the range.
@@ -315,8 +335,10 @@ contains
          if (ends_here .and. success) then
             side%points = side%points + 1
             side%point(side%points) = middle
+            side%end_kind = 'double point'
             side%ended = 'a '//trim(name_of(augmented%kind, k))
          else if (ends_here) then
+            side%end_kind = 'double point'
             side%ended = 'the pair of multipliers becomes real at Lambda = '//text(next%frequency_ratio)
          end if
       end subroutine locate

@@ -5,7 +5,7 @@ module geartrain_continuation_locus_walls
    use geartrain_continuation_augmented_system, only: augmented_system_type
    implicit none (type, external)
    private
-   public :: floats, from_wall, touches
+   public :: find_grazing_mesh, floats, from_wall, touches
 
    !> Distance of an extreme of the displacement from a wall that counts as touching, over the size of the motion.
    real(dp), parameter :: touching = 1e-3_dp
@@ -38,19 +38,35 @@ contains
       call look(augmented, point, from_wall, size)
    end function from_wall
 
+   !> Finds the mesh of which an extreme is nearest to a wall of its gap.
+   subroutine find_grazing_mesh(augmented, point, mesh)
+      !> The system.
+      type(augmented_system_type), intent(inout) :: augmented
+      !> A special point.
+      type(augmented_point_type), intent(in) :: point
+      !> Number of the mesh.
+      integer, intent(out) :: mesh
+      real(dp) :: nearest, size
+
+      call look(augmented, point, nearest, size, mesh)
+   end subroutine find_grazing_mesh
+
    !> Distance from the walls. The size of a motion is half the backlash where it is larger than the gap, else half its own range: a
    !> motion beside one flank knows no gap.
-   subroutine look(augmented, point, nearest, size)
+   subroutine look(augmented, point, nearest, size, mesh)
       type(augmented_system_type), intent(inout) :: augmented
       type(augmented_point_type), intent(in) :: point
       !> Least distance of an extreme of any mesh from a wall, over the size of its motion; largest such size.
       real(dp), intent(out) :: nearest, size
+      !> Mesh of the least distance.
+      integer, intent(out), optional :: mesh
       real(dp) :: smallest, largest, distance, range
       integer :: j
 
       ! The latest solution may have failed far away.
       call augmented%stand_at(point%parameter, .true.)
       nearest = huge(1.0_dp)
+      if (present(mesh)) mesh = 1
       size = 0
       do j = 1, augmented%system%meshes
          associate (b => augmented%system%half_backlash(j))
@@ -59,6 +75,7 @@ contains
             range = max((largest - smallest)/2, tiny(1.0_dp))
             ! A smooth minimum, as places are extrapolated to by this distance.
             range = range*b/(range + b)
+            if (present(mesh) .and. distance/range < nearest) mesh = j
             nearest = min(nearest, distance/range)
             size = max(size, range)
          end associate

@@ -163,6 +163,8 @@ contains
          end if
          if (.not. success) then
             reason = 'no motion of period '//text(tracer%settings%subharmonic)//' found to start from'
+            if (enough == 0) reason = reason//', neither from rest, by integration, nor by branches from other frequencies or from &
+                                      &a smaller stiffness variation'
             if (enough > 0) reason = reason//' with '//text(tracer%corrector%balance%highest)//' harmonics: there is one with ' &
                                      //text(enough)
             reason = reason//note_of(can_float(tracer%system))

@@ -8,7 +8,7 @@ module geartrain_continuation_variables
    use geartrain_continuation_branch, only: response_settings_type
    use geartrain_model_check, only: check_train
    use geartrain_model_frequency_unit, only: check_unit, lambda_per, visit_unit
-   use geartrain_model_limits, only: check_frequency, check_harmonics
+   use geartrain_model_limits, only: check_common_period, check_frequency, check_harmonics
    use geartrain_model_parameter_path, only: parameter_path_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -111,6 +111,7 @@ contains
       logical, intent(in) :: seeded
       !> Collects the problems; only the signs are checked if it has a problem of this group.
       class(checker_type), intent(inout) :: checker
+      logical :: within
 
       call checker%enter('response', 1)
       ! A range of frequencies has positive ends; the ends of a path in a parameter are in the parameter's own range.
@@ -136,8 +137,9 @@ contains
          call check_path()
       end if
       ! Where the orders are high the program carries sets of harmonics, however high, but for longer periods.
-      call check_harmonics(train, settings%harmonics, settings%subharmonic, &
-                           merge(highest_of_sets, most_harmonics, settings%harmonics == 0 .and. settings%subharmonic == 1), checker)
+      call check_common_period(train, 'response', checker, within)
+      if (within) call check_harmonics(train, settings%harmonics, settings%subharmonic, merge(highest_of_sets, most_harmonics, &
+                                       settings%harmonics == 0 .and. settings%subharmonic == 1), checker)
       if (settings%samples > 0) then
          if (settings%harmonics == 0) then
             call checker%complain('samples', integer_text(settings%samples), 'must be 0 where harmonics = 0: with the harmonics &

@@ -12,7 +12,7 @@ module geartrain_flow_orbit
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: begin_tangents, measure, stored_harmonics, sample_orbit, propagate, flow_order, flow_tolerance
+   public :: begin_tangents, measure, memory_to_measure, stored_harmonics, sample_orbit, propagate, flow_order, flow_tolerance
 
    !> Order of the Taylor series and relative error of a step, for states and shooting.
    integer, parameter :: flow_order = 28
@@ -22,6 +22,9 @@ module geartrain_flow_orbit
    integer, parameter :: samples_per_period = 1024, samples_per_tooth = 256, samples_per_harmonic = 4
    !> Harmonics that are stored by default: of the frequency of the fastest mesh, and of the highest excited harmonic.
    integer, parameter :: harmonics_per_tooth = 16, harmonics_per_source = 2
+   !> Where a period of the fundamental has a great many periods of the fastest mesh: samples and stored harmonics of a period of
+   !> the fundamental up to which those above are taken; fewest samples and harmonics of a period of the fastest mesh beyond.
+   integer, parameter :: many_samples = 4000000, many_harmonics = 200000, fewest_samples = 32, fewest_harmonics = 2
 
 contains
 
@@ -177,8 +180,41 @@ contains
       !> The train.
       type(system_type), intent(in) :: system
 
-      stored_harmonics = maxval([harmonics_per_tooth*reach_of_sources(system), harmonics_per_source*excited_harmonics(system)])
+      associate (reach => reach_of_sources(system))
+         stored_harmonics = maxval([harmonics_per_tooth*reach, &
+                                    harmonics_per_source*min(many_harmonics, excited_harmonics(system))])
+         stored_harmonics = min(stored_harmonics, max(many_harmonics, fewest_harmonics*reach))
+      end associate
    end function stored_harmonics
+
+   !> Number of samples of a period of the fundamental from which the figures of a motion are computed.
+   pure integer function measured_samples(system, harmonics) result(samples)
+      !> The train.
+      type(system_type), intent(in) :: system
+      !> Harmonics of Lambda that are stored.
+      integer, intent(in) :: harmonics
+      integer :: per_tooth
+
+      associate (reach => reach_of_sources(system))
+         per_tooth = max(fewest_samples, min(samples_per_tooth, many_samples/reach))
+         samples = transform_length(max(samples_per_period, per_tooth*reach, samples_per_harmonic*harmonics))
+      end associate
+   end function measured_samples
+
+   !> Memory that `measure` takes beside its result [bytes].
+   pure real(dp) function memory_to_measure(system, periods, harmonics) result(bytes)
+      !> The train.
+      type(system_type), intent(in) :: system
+      !> Periods of the fundamental; harmonics of Lambda that are stored, 0: `stored_harmonics`.
+      integer, intent(in) :: periods, harmonics
+      integer :: stored
+
+      stored = harmonics
+      if (stored == 0) stored = stored_harmonics(system)
+      ! Displacements, velocities and forces of meshes, forces of all elements, torques; the transform and its spectrum.
+      bytes = 8.0_dp*periods*measured_samples(system, stored) &
+              *(3*system%meshes + system%elements + system%torque_paths%shafts + 2)
+   end function memory_to_measure
 
    !> Computes the figures of a motion from its frequency, period and state.
    subroutine measure(system, wanted, motion)
@@ -195,8 +231,7 @@ contains
 
       harmonics = wanted
       if (wanted == 0) harmonics = stored_harmonics(system)
-      q = motion%period*transform_length(max(samples_per_period, samples_per_tooth*reach_of_sources(system), &
-                                             samples_per_harmonic*harmonics))
+      q = motion%period*measured_samples(system, harmonics)
       allocate (p(q, system%meshes), force(q, system%meshes), torque(q, system%torque_paths%shafts))
       call sample_orbit(system, motion%frequency_ratio, motion%period, motion%state, p, force, share, largest, torque)
       motion%shaft_torque_mean = sum(torque, 1)/q

@@ -5,9 +5,9 @@ module geartrain_flow_orbit_search
    use geartrain_balance_same_motion, only: is_same_motion
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
+   use geartrain_flow_attractor_search, only: most_states
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_orbit, only: flow_order, flow_tolerance, measure
-   use geartrain_flow_settling, only: most_states
    use geartrain_flow_shooting, only: find_orbit
    use geartrain_flow_start_state, only: resting_state
    use geartrain_model_system, only: system_type
@@ -15,14 +15,16 @@ module geartrain_flow_orbit_search
    private
    public :: orbit_search_type
 
-   !> Most sections from which Newton's method is tried; most Newton steps of a try.
-   integer, parameter :: most_sections = 128, most_steps = 15
+   !> Most Newton steps of a try.
+   integer, parameter :: most_steps = 15
 
    type :: orbit_search_type
       !> Lambda [1].
       real(dp), private :: frequency_ratio = 1
       !> Longest period [periods of the fundamental]; harmonics of Lambda in the coefficients of an orbit.
       integer, private :: longest = 1, harmonics = 1
+      !> Most sections from which Newton's method is tried.
+      integer, private :: most_sections = 0
       !> Mesh periods so far; number of the next try from the present section: tries 2*n - 1 and 2*n are for period n.
       integer, private :: periods = 0, trial = 1
       !> The latest sections [1], the newest first, (state, 0:longest).
@@ -38,7 +40,7 @@ module geartrain_flow_orbit_search
 contains
 
    !> Begins a search from rest.
-   subroutine begin(self, system, frequency_ratio, longest, harmonics)
+   subroutine begin(self, system, frequency_ratio, longest, harmonics, most_sections)
       class(orbit_search_type), intent(inout) :: self
       !> The train.
       type(system_type), pointer, intent(in) :: system
@@ -46,10 +48,13 @@ contains
       real(dp), intent(in) :: frequency_ratio
       !> Periods [periods of the fundamental] of the orbits are divisors of `longest`; harmonics of Lambda in their coefficients.
       integer, intent(in) :: longest, harmonics
+      !> Most sections from which Newton's method is tried: of a train of eight meshes 128 take two seconds.
+      integer, intent(in) :: most_sections
 
       self%frequency_ratio = frequency_ratio
       self%longest = longest
       self%harmonics = harmonics
+      self%most_sections = most_sections
       self%periods = 0
       self%trial = 2*longest + 1
       call self%flow%setup(system, 1, flow_order, flow_tolerance)
@@ -81,7 +86,7 @@ contains
       if (size(state) > most_states) return
       do
          if (self%trial > 2*self%longest) then
-            if (self%periods == most_sections) return
+            if (self%periods == self%most_sections) return
             self%periods = self%periods + 1
             self%trial = 1
             call self%flow%pass_period(self%frequency_ratio)

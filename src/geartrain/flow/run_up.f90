@@ -62,7 +62,8 @@ contains
       integer :: j
 
       vibration = sqrt(maxval([(system%own(system%mesh_element(j))*system%law(j)%stiffest(), j=1, system%meshes)]))
-      samples = max(samples_per_tooth*reach_of_sources(system), samples_per_harmonic*maxval([1, excited_harmonics(system)]), &
+      samples = max(samples_per_tooth*reach_of_sources(system), &
+                    samples_per_harmonic*min(most_samples, maxval([1, excited_harmonics(system)])), &
                     ceiling(min(1e8_dp, samples_per_vibration*vibration/max(ramp%start, ramp%stop))))
    end function automatic_samples
 

@@ -13,22 +13,16 @@ contains
       !> System with at least its excitation, see `put_excitation`.
       type(system_type), intent(in) :: system
       integer, allocatable :: harmonic(:)
-      logical, allocatable :: excited(:)
-      integer :: j, r
+      integer :: j
 
-      r = maxval([0, (highest_harmonic(system%torque(j)), j=1, size(system%torque))])
-      do j = 1, system%meshes
-         r = max(r, highest_harmonic(system%law(j)%variation()), highest_harmonic(system%transmission_error(j)))
-      end do
-      allocate (excited(r), source=.false.)
+      allocate (harmonic(0))
       do j = 1, size(system%torque)
-         call mark(system%torque(j), excited)
+         call merge_excited(system%torque(j), harmonic)
       end do
       do j = 1, system%meshes
-         call mark(system%law(j)%variation(), excited)
-         call mark(system%transmission_error(j), excited)
+         call merge_excited(system%law(j)%variation(), harmonic)
+         call merge_excited(system%transmission_error(j), harmonic)
       end do
-      harmonic = pack([(r, r=1, size(excited))], excited)
    end function excited_harmonics
 
    !> Least number of harmonics of Lambda that includes the lowest harmonic of every source of excitation: torques, mesh
@@ -57,21 +51,35 @@ contains
       end do
    end function lowest_harmonic
 
-   !> Highest harmonic of Lambda in a series; 0 for an empty series.
-   pure integer function highest_harmonic(series) result(highest)
+   !> Takes the excited harmonics of a series into an ascending list. The work grows with the lists and not with the orders, which
+   !> may be a million.
+   pure subroutine merge_excited(series, list)
       type(series_type), intent(in) :: series
+      integer, allocatable, intent(inout) :: list(:)
+      integer, allocatable :: added(:)
+      integer :: merged(size(list) + size(series%harmonic)), i, j, n
 
-      highest = maxval([0, series%harmonic])
-   end function highest_harmonic
-
-   pure subroutine mark(series, excited)
-      type(series_type), intent(in) :: series
-      logical, intent(inout) :: excited(:)
-      integer :: h
-
-      do h = 1, size(series%amplitude)
-         if (abs(series%amplitude(h)) > 0) excited(series%harmonic(h)) = .true.
+      added = pack(series%harmonic, abs(series%amplitude) > 0)
+      i = 1
+      j = 1
+      n = 0
+      do while (i <= size(list) .or. j <= size(added))
+         n = n + 1
+         if (j > size(added)) then
+            merged(n) = list(i)
+         else if (i > size(list)) then
+            merged(n) = added(j)
+         else
+            merged(n) = min(list(i), added(j))
+         end if
+         if (i <= size(list)) then
+            if (list(i) == merged(n)) i = i + 1
+         end if
+         if (j <= size(added)) then
+            if (added(j) == merged(n)) j = j + 1
+         end if
       end do
-   end subroutine mark
+      list = merged(:n)
+   end subroutine merge_excited
 
 end module geartrain_model_excitation

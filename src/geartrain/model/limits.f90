@@ -14,11 +14,13 @@ module geartrain_model_limits
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: check_frequency, check_harmonics, check_stiffest, in_order, own_frequency
+   public :: check_common_period, check_frequency, check_harmonics, check_stiffest, in_order, own_frequency
 
    !> Smallest mesh frequency over the frequency of the slowest mesh [1]: below this limit a period of the fundamental takes more
    !> than about 1e5 steps of the flow.
    real(dp), parameter :: slowest = 1e-4_dp
+   !> Most cycles of a mesh in a period of the fundamental that a harmonic balance or a monodromy matrix is made for.
+   integer, parameter :: most_cycles = 10000
    !> Largest mesh frequency over the frequency of the slowest mesh [1]: beyond this limit only the mean of a motion is left.
    real(dp), parameter :: fastest = 1e6_dp
    !> Largest ratio of the frequencies of two elements [1]: the fastest element determines the time step and the cost of the
@@ -57,6 +59,34 @@ contains
       if (.not. value <= fastest*own) call checker%complain(name, real_text(value), 'must be <= '//real_text(fastest*own)// &
          ': the train does not follow a faster frequency')
    end subroutine check_frequency
+
+   !> Adds a problem where the period of the fundamental has more cycles of a mesh than an analysis of whole periods can take. Time
+   !> integration needs no such limit. Nothing for a train not `in_order`.
+   subroutine check_common_period(given, group, checker, within)
+      !> The train.
+      type(train_type), intent(in) :: given
+      !> Group of the analysis, for the message.
+      character(*), intent(in) :: group
+      !> Gets the problem.
+      class(checker_type), intent(inout) :: checker
+      !> Whether the period can be taken.
+      logical, intent(out), optional :: within
+      type(train_type) :: train
+      integer :: fastest_mesh
+
+      if (present(within)) within = .true.
+      call plain_train(given, train)
+      if (.not. in_order(train, checker)) return
+      fastest_mesh = maxloc(train%meshes%order, 1)
+      associate (order => train%meshes(fastest_mesh)%order)
+         if (order <= most_cycles) return
+         if (present(within)) within = .false.
+         call checker%problems%add('all meshes together repeat themselves after '//integer_text(order)//' cycles of mesh '// &
+            integer_text(fastest_mesh)//', and a periodic motion of more than '//integer_text(most_cycles)//' cycles is not &
+            &computed: integrate in time (integration, run_up, bifurcation_diagram), or take numbers of teeth with common &
+            &divisors', group, 1)
+      end associate
+   end subroutine check_common_period
 
    !> Adds a problem where all harmonics of a source of excitation are higher than the harmonics of a motion; nothing for a train
    !> not `in_order`.

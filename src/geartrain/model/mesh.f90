@@ -10,7 +10,7 @@ module geartrain_model_mesh
    public :: mesh_type, has_table, is_given, most_order, plain_mesh, put_law
 
    !> Highest mesh frequency over the fundamental [1].
-   integer, parameter :: most_order = 10000
+   integer, parameter :: most_order = 1000000
 
    type :: mesh_type
       !> Names of the bodies of the driving and the driven gear; blank in a chain.

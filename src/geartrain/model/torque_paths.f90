@@ -84,6 +84,8 @@ contains
       real(dp), intent(in) :: weight(:)
       type(torque_paths_type), intent(inout) :: paths
       real(dp) :: gain(size(network%elements))
+      !> Whether an element is a path. One whose gain is 0 by the numbers of the train is: its gain has a derivative.
+      logical :: acts(size(gain))
       integer :: k
 
       do k = 1, size(gain)
@@ -92,15 +94,18 @@ contains
                ! The damping of a node is that of its bodies.
                gain(k) = -element%radius(1)*sum(weight*train%bodies%damping_to_ground, network%node == element%from) &
                          /network%damping(element%from)
+               acts(k) = any(network%node == element%from .and. abs(weight) > 0)
+               cycle
             else if (element%mesh > 0) then
                gain(k) = dot_product([-1, 1]*element%radius, weight(mesh_ends(:, element%mesh)))
             else
                gain(k) = dot_product([-1, 1]*element%radius, weight(shaft_ends(:, element%shaft)))
             end if
+            acts(k) = abs(gain(k)) > 0
          end associate
       end do
-      paths%element = [paths%element, pack([(k, k=1, size(gain))], abs(gain) > 0)]
-      paths%gain = [paths%gain, pack(gain, abs(gain) > 0)]
+      paths%element = [paths%element, pack([(k, k=1, size(gain))], acts)]
+      paths%gain = [paths%gain, pack(gain, acts)]
       do k = 1, size(torque_body)
          if (.not. abs(weight(torque_body(k))) > 0) cycle
          paths%torque = [paths%torque, k]

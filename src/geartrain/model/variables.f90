@@ -197,7 +197,9 @@ contains
                          &cycle'), mesh%back_phase)
       rectangular = mesh%contact_ratio > 0
       call v%on_real(row('contact_ratio', '', 'gives kappa as the rectangular wave of as many tooth pairs in contact, instead of &
-                         &stiffness_cos and stiffness_sin', above=one, most=10*one), mesh%contact_ratio, rectangular)
+                         &stiffness_cos and stiffness_sin. At phase = 0 the time with the extra pair is centred at the beginning &
+                         &of the cycle for ratios of 1 to 2, 3 to 4, ..., at half the cycle for 2 to 3, 4 to 5, ...', above=one, &
+                         most=10*one), mesh%contact_ratio, rectangular)
       call v%on_integer(row('stiffness_harmonics', '', 'harmonics of the rectangular wave that are taken', least=one, &
                             most=1000*one), mesh%stiffness_harmonics)
       call v%on_real(row('phase', 'rad', 'by which kappa and the transmission error lag, in the mesh cycle'), mesh%phase)

@@ -1,0 +1,46 @@
+"""Where the response of a train of many loaded meshes begins, though neither rest nor integration leads to a periodic motion."""
+
+import numpy as np
+import pytest
+
+import geartrain as gt
+
+
+def loaded_train(seed):
+    """A tree of seven to nine bodies, all joined by meshes and all loaded, with little damping and much variation of stiffness."""
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(6, 9))
+    turns, ends = [1.0], []
+    for body in range(1, count + 1):
+        to = int(rng.integers(max(0, body - 2), body))
+        turns.append(turns[to] * rng.uniform(0.6, 1.4))
+        ends.append((to, body))
+    torque = rng.uniform(60, 240)
+    bodies = []
+    for body, speed in enumerate(turns):
+        more = {}
+        if body == 0:
+            more["torque"] = torque
+        elif body == count:
+            more["balances"] = True
+        else:
+            more["torque"] = -rng.uniform(0.05, 0.12) * torque / speed
+        bodies.append(gt.Body(name=f"b{body + 1}", inertia=rng.uniform(0.8, 4) * (0.05 / speed) ** 2, **more))
+    meshes = []
+    for one, other in ends:
+        radius = rng.uniform(0.03, 0.08)
+        meshes.append(gt.Mesh(
+            between=(f"b{one + 1}", f"b{other + 1}"), driving_radius=radius, driven_radius=radius * turns[one] / turns[other],
+            stiffness=10 ** rng.uniform(8, 8.7), damping_ratio=0.012, half_backlash=rng.uniform(10e-6, 60e-6),
+            stiffness_cos=[rng.uniform(0.1, 0.7)], phase=rng.uniform(0, 6)))
+    frequency = np.random.default_rng(seed + 1000).uniform(0.5, 1.3)
+    return gt.Train(characteristic_length=30e-6, characteristic_frequency=1e4, bodies=bodies, meshes=meshes), frequency
+
+
+# Of seed 0 and 3 the search ended without a motion after a quarter of a minute.
+@pytest.mark.parametrize("seed", [3, pytest.param(0, marks=pytest.mark.full), pytest.param(5, marks=pytest.mark.full)])
+def test_a_response_begins(seed):
+    train, frequency = loaded_train(seed)
+    branch = train.response(start=frequency, stop=frequency + 0.01, harmonics=6, stability=False, max_points=3)
+    assert len(branch) > 0
+    assert np.isfinite(branch.rms).all()

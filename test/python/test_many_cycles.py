@@ -1,0 +1,60 @@
+"""Drawings whose teeth make the common period of all meshes very long: what computes with whole periods refuses them, time
+integration does not."""
+
+import numpy as np
+import pytest
+
+import geartrain as gt
+
+
+def stages(*teeth, **more):
+    """Stages in a row by their teeth, from a motor to a load."""
+    mesh = dict(normal_module=2e-3, face_width=0.03, backlash=6e-5, damping_ratio=0.05, stiffness_harmonics=1, **more)
+    bodies, shafts, meshes = [gt.Body(name="motor", inertia=0.003, torque=40.0)], [], []
+    for number, pair in enumerate(teeth, 1):
+        pinion, wheel = f"pinion {number}", f"wheel {number}"
+        bodies += [gt.Body(name=pinion), gt.Body(name=wheel)]
+        shafts.append(gt.Shaft(between=(bodies[-3].name, pinion), stiffness=3e4 * 3**number, damping_ratio=0.05))
+        meshes.append(gt.Mesh(between=(pinion, wheel), teeth=pair, **mesh))
+    bodies.append(gt.Body(name="load", inertia=0.5, balances=True))
+    shafts.append(gt.Shaft(between=(bodies[-2].name, "load"), stiffness=1e6, damping_ratio=0.05))
+    return gt.Train(bodies=bodies, shafts=shafts, meshes=meshes)
+
+
+@pytest.fixture(scope="module")
+def train():
+    """The first mesh goes through 101 times 107 cycles before all repeat."""
+    return stages((23, 101), (19, 107), (17, 61))
+
+
+def test_the_drawing_is_read(train):
+    told = train.explain()
+    assert [told[f"mesh {number}"]["order"] for number in (1, 2, 3)] == [101 * 107, 19 * 107, 19 * 17]
+    assert (np.array(train.natural_frequencies(unit="rpm")) > 0).all()
+
+
+def test_what_needs_the_common_period_says_so(train):
+    words = "repeat themselves after 10807 cycles of mesh 1, .* more than 10000 .* integrate in time"
+    with pytest.raises(gt.InputError, match=words):
+        train.response(start=1000.0, stop=1100.0, unit="rpm", harmonics=0)
+    with pytest.raises(gt.InputError, match=words):
+        train.stability_map(start=1000.0, stop=1100.0, unit="rpm", parameter="mesh_damping_ratio", parameter_start=0.01,
+                            parameter_stop=0.05)
+
+
+def test_a_run_up_of_a_part_of_the_period(train):
+    """It begins at rest, and lasts for less than the common period of twenty seconds."""
+    found = train.run_up(start=1000.0, stop=1400.0, unit="rpm", duration=0.1, max_periods=0)
+    assert found.complete and found.speed[-1] == pytest.approx(1400.0, rel=1e-3)
+    force = found.mesh_force_maximum.max(axis=0)
+    assert np.isfinite(force).all() and (force > 0).all()
+
+
+@pytest.mark.nightly
+def test_the_motion_repeats_after_the_common_period(train):
+    found = train.integrate(1000.0, max_periods=20)
+    assert found.period == 1 and found.kind == "periodic"
+    # Flown on from the state found, at constant speed, for a tenth of the period: the forces stay within those of the motion.
+    share = train.run_up(start=1000.0, stop=1000.0, duration=0.1 / found.fundamental_frequency, seed=found, max_periods=0)
+    reached = share.mesh_force_maximum.max(axis=0) / found.mesh_force_maximum
+    assert (reached < 1 + 1e-6).all() and (reached > 0.9).all()
