@@ -2,8 +2,7 @@
 module geartrain_balance_force_rates
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_products, only: add_coefficients, toeplitz
-   use geartrain_base_kinds, only: dp, pi
-   use geartrain_linalg_trigonometric, only: evaluate
+   use geartrain_base_kinds, only: dp
    use geartrain_mesh_law_law, only: law_type
    use geartrain_mesh_law_spectra, only: find_spectra, spectra_type
    use geartrain_model_system_rate, only: system_rate_type

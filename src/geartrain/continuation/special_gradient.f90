@@ -4,7 +4,7 @@
 !> On a branch of the balance a fold is where Lambda turns: with the border (t, 0), t the tangent, the solution of
 !> [dS/du, dS/dLambda; t] (du, dLambda) = (-dS, 0) has dLambda of the fold, whatever the border. A period doubling and a
 !> Neimark-Sacker point are where a multiplier of the balanced motion crosses the unit circle, f = 0. With (du, dLambda) as above,
-!> f changes by f_q along (du, dLambda, dq) and by f_t along the tangent, so that dLambda - t_Lambda f_q/f_t belongs to the crossing.
+!> f changes by f_q along (du, dLambda, dq) and by f_t along the tangent: dLambda - t_Lambda f_q/f_t belongs to the crossing.
 !> f_q and f_t are differences. A refined branch lists special points of the exact motion (exact_gradient.f90).
 module geartrain_continuation_special_gradient
    use geartrain_balance_balance_rate, only: balance_rate_type

@@ -94,8 +94,9 @@ contains
       type(corrector_type), intent(inout) :: corrector
       !> Monodromy matrix set up for the system; work space.
       type(monodromy_type), intent(inout) :: monodromy
-      !> The step; distances of the ends of a part of it from its beginning [1].
+      !> The step.
       type(piece_type), intent(in) :: piece
+      !> Distances of the ends of a part of the step from its beginning [1].
       real(dp), intent(in) :: a, b
       !> Multipliers at the ends of the part.
       complex(dp), intent(in) :: first(:), last(:)
@@ -225,8 +226,9 @@ contains
       type(monodromy_type), intent(inout) :: monodromy
       !> The step.
       type(piece_type), intent(in) :: piece
-      !> Distances along the step [1].
+      !> Distances along the step between which another place is tried [1].
       real(dp), intent(in) :: a, b
+      !> Distance of the place from the beginning of the step [1].
       real(dp), intent(inout) :: s
       !> The point.
       type(solution_point_type), intent(inout) :: solution
