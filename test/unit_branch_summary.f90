@@ -22,6 +22,7 @@ contains
       if (tests%runs('without_stability')) call without_stability(tests)
       if (tests%runs('jumps_of_a_resonance')) call jumps_of_a_resonance(tests)
       if (tests%runs('jump_among_three')) call jump_among_three(tests)
+      if (tests%runs('jump_beside_a_fold')) call jump_beside_a_fold(tests)
       if (tests%runs('ranges_of_contact')) call ranges_of_contact(tests)
       if (tests%runs('closed_island')) call closed_island(tests)
       if (tests%runs('field_of_a_later_version')) call field_of_a_later_version(tests)
@@ -164,6 +165,34 @@ contains
       call tests%is_text(trim(found(2)%cause), 'period doubling', 'by a doubling')
       call tests%is_true(all(found(2)%after < 0), 'and rms after it is not known')
    end subroutine jump_among_three
+
+   !> The stable motion above the fold at 1.0 ends at 1.0005: whether it is there at 1.0 is a matter of errors of 0.001, and not of
+   !> 0.00001.
+   subroutine jump_beside_a_fold(tests)
+      class(tests_type), intent(inout) :: tests
+      type(branch_type) :: branch
+      type(jump_type), allocatable :: found(:)
+
+      branch = branch_of([0.60_dp, 0.90_dp, 1.0_dp, 0.90_dp, 0.50_dp, 0.80_dp, 1.0005_dp, 0.70_dp], &
+                         [0.10_dp, 0.20_dp, 0.4_dp, 0.60_dp, 0.70_dp, 0.80_dp, 0.9_dp, 1.0_dp], [1, 1, 1, 0, 0, 1, 1, 0])
+      branch%special_points = [special_point_type('fold', 1.0_dp, 3), special_point_type('fold', 0.5_dp, 5), &
+                               special_point_type('fold', 1.0005_dp, 7)]
+      call put_rms(branch, [0.4_dp, 0.7_dp, 0.9_dp])
+      allocate (branch%error_estimate(8), source=1e-3_dp)
+      found = jumps(branch)
+      call tests%is_true(size(found) == 3, 'from each fold')
+      if (size(found) /= 3) return
+      call tests%is_text(trim(found(2)%kind), 'jump up', 'to the motion above')
+      call tests%is_true(found(2)%undecided, 'which may have ended')
+      branch%error_estimate = 1e-5_dp
+      found = jumps(branch)
+      call tests%is_true(.not. found(2)%undecided, 'which is there')
+      ! Made exact, the fold lies before the point where the balance turns; its own points pass its Lambda once more.
+      branch%special_points(1)%frequency_ratio = 0.98_dp
+      branch%special_points(1)%correction = 0.02_dp
+      found = jumps(branch)
+      call tests%is_true(found(2)%candidates == 1 .and. found(2)%after(1) > 0.8_dp, 'no jump to the motion that ends')
+   end subroutine jump_beside_a_fold
 
    !> b = 1: separation between edges at 0.75 and 1.3 with one level stable only up to 1.1; back collision where p < -1.
    subroutine ranges_of_contact(tests)

@@ -1,7 +1,7 @@
 !> Jumps of a slow sweep in speed: the stable motion that the sweep follows ends, and another stable motion takes over.
 module geartrain_continuation_jumps
    use geartrain_base_kinds, only: dp
-   use geartrain_continuation_branch, only: branch_type
+   use geartrain_continuation_branch, only: branch_type, special_point_type
    use geartrain_continuation_decided, only: is_undecided, joined, nearest_decided, reach
    use geartrain_continuation_summary, only: change
    implicit none (type, external)
@@ -124,18 +124,19 @@ contains
       real(dp), allocatable, intent(out) :: nearest(:)
       !> Number of motions.
       integer, intent(out) :: candidates
-      !> Stability of the nearest motion is undecided.
+      !> Stability of the nearest motion is undecided, or which motions there are is.
       logical, intent(out) :: undecided
       real(dp) :: rms(branch%meshes), share
-      integer :: i
+      integer :: i, own(2)
 
       candidates = 0
       undecided = .false.
       allocate (nearest(branch%meshes), source=-1.0_dp)
       if (branch%special_points(s)%kind /= 'fold') return
-      associate (f => branch%special_points(s)%frequency_ratio, point => branch%special_points(s)%point)
+      own = own_points(branch, s)
+      associate (f => branch%special_points(s)%frequency_ratio)
          do i = 1, branch%points - 1
-            if (i == point - 1 .or. i == point .or. .not. joined(branch, i)) cycle
+            if (i >= own(1) .and. i < own(2) .or. .not. joined(branch, i)) cycle
             associate (a => branch%frequency_ratio(i), b => branch%frequency_ratio(i + 1))
                if ((a - f)*(b - f) > 0 .or. abs(b - a) <= 0) cycle
                if (.not. any(branch%stable(i:i + 1))) cycle
@@ -152,7 +153,61 @@ contains
             undecided = is_undecided(branch, i) .and. is_undecided(branch, i + 1)
          end do
       end associate
+      do i = 1, size(branch%special_points)
+         if (i /= s .and. .not. undecided) undecided = ends_near(branch, s, i)
+      end do
    end subroutine find_destination
+
+   !> First and last of the points next to fold s whose chords pass its Lambda: the exact fold lies off the point where the balance
+   !> turns, and the points between the two are beyond the exact fold.
+   pure function own_points(branch, s) result(own)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: s
+      integer :: own(2)
+      integer :: side
+
+      associate (special => branch%special_points(s))
+         own = special%point
+         do side = 1, 2
+            associate (i => own(side), step => 2*side - 3)
+               do
+                  if (i + step < 1 .or. i + step > branch%points) exit
+                  if (.not. joined(branch, min(i, i + step))) exit
+                  i = i + step
+                  ! On the side of the exact fold on which its motions are.
+                  if ((branch%frequency_ratio(i) - special%frequency_ratio) &
+                      *(branch%frequency_ratio(i) - branch%frequency_ratio(special%point)) > 0) exit
+               end do
+            end associate
+         end do
+      end associate
+   end function own_points
+
+   !> Whether a stable motion ends at fold i so near to the Lambda of fold s that the errors of the two decide whether it is there.
+   pure logical function ends_near(branch, s, i)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: s, i
+
+      ends_near = .false.
+      associate (fold => branch%special_points(s), other => branch%special_points(i))
+         if (other%kind /= 'fold') return
+         if (abs(other%frequency_ratio - fold%frequency_ratio) >= error_of(branch, fold) + error_of(branch, other)) return
+         if (turns_at(branch, other%point, fold%frequency_ratio)) return
+         ends_near = stable_side(branch, i) /= 0
+      end associate
+   end function ends_near
+
+   !> Estimated error of the Lambda of a special point: none where it was made exact.
+   pure real(dp) function error_of(branch, special) result(error)
+      type(branch_type), intent(in) :: branch
+      type(special_point_type), intent(in) :: special
+
+      error = 0
+      if (special%correction >= 0) return
+      if (allocated(branch%error_estimate)) error = branch%error_estimate(special%point)
+      if (allocated(branch%correction)) error = max(error, branch%correction(special%point))
+      error = error*special%frequency_ratio
+   end function error_of
 
    !> Whether point i or i + 1 is a fold at this Lambda, up to rounding, as the mirror image of a fold of a train with equal stages:
    !> the stable motion ends there as well.

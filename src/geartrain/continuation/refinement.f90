@@ -6,6 +6,7 @@ module geartrain_continuation_refinement
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_continuation_branch, only: branch_type, coefficients_of
+   use geartrain_continuation_fold_sides, only: sides_of
    use geartrain_continuation_points, only: repeats_of
    use geartrain_continuation_waveform_error, only: harmonics_told, waveform_error
    use geartrain_flow_shooting, only: refine
@@ -29,7 +30,7 @@ contains
    !> Replaces every point by the orbit near it, accurate to about 1e-11, and sets branch%correction to the change of each waveform.
    !> Lambda and the special points stay as they are; `refine_special_points` replaces the latter. A point near which shooting finds
    !> no orbit stays as it is, with a negative correction; this happens next to a fold, because the fold of the exact branch lies
-   !> elsewhere.
+   !> elsewhere. Where there is one, it is on the point's side of the fold.
    subroutine refine_branch(train, branch, error, observer)
       !> The train as described.
       type(train_type), intent(in) :: train
@@ -40,6 +41,7 @@ contains
       class(observer_type), intent(inout), optional :: observer
       type(motion_type) :: motion
       integer :: i, done, repeats
+      integer, allocatable :: side(:)
       logical :: keep_going, go
       type(parameter_path_type) :: path
       type(system_type) :: system
@@ -54,6 +56,7 @@ contains
       if (allocated(error)) return
       call build_system(train, system)
       repeats = repeats_of(branch, system)
+      side = sides_of(branch)
       if (.not. allocated(branch%correction)) allocate (branch%correction(branch%points), source=untried)
       done = count(branch%correction > untried)
       keep_going = .true.
@@ -62,7 +65,7 @@ contains
          !$omp atomic read
          go = keep_going
          if (.not. go .or. branch%correction(i) > untried) cycle
-         call refine_point(train, path, branch, i, repeats, motion, correction)
+         call refine_point(train, path, branch, i, repeats, side(i), motion, correction)
          if (train%interrupt%raised()) then
             !$omp atomic write
             keep_going = .false.
@@ -120,13 +123,13 @@ contains
       end do
    end subroutine refine_motions
 
-   !> Finds the orbit near point i; a negative correction means that there is none.
-   subroutine refine_point(given, path, branch, i, repeats, motion, correction)
+   !> Finds the orbit near point i, on its side of the folds; a negative correction means that there is none.
+   subroutine refine_point(given, path, branch, i, repeats, side, motion, correction)
       type(train_type), intent(in) :: given
       !> Trains of a branch over a parameter.
       type(parameter_path_type), intent(in) :: path
       type(branch_type), intent(in) :: branch
-      integer, intent(in) :: i, repeats
+      integer, intent(in) :: i, repeats, side
       type(motion_type), intent(out) :: motion
       real(dp), intent(out) :: correction
       type(error_type), allocatable :: error
@@ -150,7 +153,7 @@ contains
          motion%coefficients = coefficients_of(branch, i)
          if (allocated(motion%state)) deallocate (motion%state)
          call refine(train, motion, error, attempt == 2, &
-                     harmonics_told(coefficients_of(branch, i), branch%subharmonic), repeats)
+                     harmonics_told(coefficients_of(branch, i), branch%subharmonic), repeats, side)
          if (allocated(error)) cycle
          correction = waveform_error(coefficients_of(branch, i), motion%coefficients)
          if (correction <= max(another*branch%error_estimate(i), rounding)) return

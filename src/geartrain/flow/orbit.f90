@@ -33,23 +33,27 @@ contains
       real(dp), intent(in) :: frequency_ratio, state(:)
       !> Number of periods of the fundamental.
       integer, intent(in) :: period
-      !> State after the period [1], (state); monodromy matrix [1], (state, state).
-      real(dp), intent(out) :: final(:), monodromy(:, :)
+      !> State after the period [1], (state).
+      real(dp), intent(out) :: final(:)
+      !> Monodromy matrix [1], (state, state).
+      real(dp), intent(out), optional :: monodromy(:, :)
       !> Smallest |dp/dtau| at a contact event [1]: near 0 is grazing; huge: no event.
       real(dp), intent(out), optional :: slowest_event
       type(flow_type) :: flow
       integer :: i, n
 
-      n = size(state)
+      n = 0
+      if (present(monodromy)) n = size(state)
       call flow%setup(system, n + 1, flow_order, flow_tolerance)
-      call begin_tangents(flow, state)
+      flow%x(1, :) = state
+      if (n > 0) call begin_tangents(flow, state)
       if (present(slowest_event)) slowest_event = huge(1.0_dp)
       do i = 1, period
          call flow%pass_period(frequency_ratio)
          if (present(slowest_event)) slowest_event = min(slowest_event, flow%slowest_event)
       end do
       final = flow%x(1, :)
-      monodromy = transpose(flow%x(2:, :))
+      if (n > 0) monodromy = transpose(flow%x(2:, :))
    end subroutine propagate
 
    !> Sets the columns of a flow: the state, then the columns of the identity as tangents.

@@ -10,6 +10,7 @@ module geartrain_flow_shooting
    use geartrain_floquet_multipliers, only: eigenvalues, is_neutral, is_stable
    use geartrain_flow_multiple_shooting, only: find_orbit_in_sections, has_converged, max_iterations, most_parts, &
       section_states
+   use geartrain_flow_fold_sides, only: look_beyond_fold
    use geartrain_flow_orbit, only: measure, propagate, stored_harmonics
    use geartrain_flow_sections, only: sections_type
    use geartrain_flow_start_state, only: state_of
@@ -25,9 +26,9 @@ module geartrain_flow_shooting
 
 contains
 
-   !> Refines a motion to a relative error of about 1e-11, with multipliers and the state at time 0. On failure the motion is
-   !> unchanged and the error says why.
-   subroutine refine(train, motion, error, in_sections, harmonics, repeats)
+   !> Refines a motion to a relative error of about 1e-11, with multipliers and the state at time 0. Beside a fold the motion stays
+   !> on its side. On failure the motion is unchanged and the error says why.
+   subroutine refine(train, motion, error, in_sections, harmonics, repeats, side)
       !> The train.
       type(train_type), intent(in) :: train
       !> A motion with a period and a state or coefficients, then the refined motion.
@@ -40,13 +41,16 @@ contains
       integer, intent(in), optional :: harmonics
       !> How often the motion goes through its waveform within its period; absent: as its coefficients tell.
       integer, intent(in), optional :: repeats
+      !> Side of a fold on which the orbit is to be: 1 with an odd number of real multipliers above 1, 0 with an even number. Absent
+      !> or negative: the side on which the motion is.
+      integer, intent(in), optional :: side
       type(system_type), target :: system
       type(sections_type) :: sections
       type(motion_type) :: guess, refined
-      real(dp), allocatable :: state(:), states(:, :), monodromy(:, :)
-      real(dp) :: frequency_ratio, length
-      integer :: n, times, kept
-      logical :: found, pieces(2)
+      real(dp), allocatable :: state(:), begun(:), other(:), monodromy(:, :)
+      real(dp) :: length
+      integer :: attempt, n, times, kept
+      logical :: found, beyond, pieces(2)
 
       call check_train(train, error)
       if (allocated(error)) return
@@ -79,20 +83,16 @@ contains
       ! Which ways are tried: in one piece, in sections.
       pieces = .true.
       if (present(in_sections)) pieces = [.not. in_sections, in_sections]
-      found = .false.
-      frequency_ratio = guess%frequency_ratio
-      if (pieces(1)) then
-         allocate (state(n), monodromy(n, n))
-         call state_of(system, guess, state)
-         call find_orbit(system, frequency_ratio, motion%period, max_iterations, state, monodromy, length, found)
-      end if
-      if (pieces(2) .and. .not. (found .or. system%interrupt%raised())) then
-         call sections%setup(system, motion%period, most_parts(system, motion%period), moves=.false.)
-         call section_states(system, guess, sections, states)
-         call find_orbit_in_sections(sections, frequency_ratio, states, length, found)
-         state = states(:, 1)
-         monodromy = sections%monodromy
-      end if
+      allocate (state(n), begun(n), other(n), monodromy(n, n))
+      call state_of(system, guess, begun)
+      do attempt = 1, 2
+         call solve()
+         if (.not. found) exit
+         call look_beyond_fold(system, guess%frequency_ratio, motion%period, begun, state, monodromy, other, beyond, side)
+         if (.not. beyond) exit
+         guess%state = other
+      end do
+      if (found .and. present(side)) found = .not. beyond
       if (system%interrupt%raised()) then
          call fatal(error, 'refine: interrupted', status_ended_early)
       else if (found) then
@@ -103,6 +103,25 @@ contains
       end if
 
    contains
+
+      subroutine solve()
+         real(dp), allocatable :: states(:, :)
+         real(dp) :: frequency_ratio
+
+         found = .false.
+         frequency_ratio = guess%frequency_ratio
+         if (pieces(1)) then
+            call state_of(system, guess, state)
+            call find_orbit(system, frequency_ratio, motion%period, max_iterations, state, monodromy, length, found)
+         end if
+         if (pieces(2) .and. .not. (found .or. system%interrupt%raised())) then
+            call sections%setup(system, motion%period, most_parts(system, motion%period), moves=.false.)
+            call section_states(system, guess, sections, states)
+            call find_orbit_in_sections(sections, frequency_ratio, states, length, found)
+            state = states(:, 1)
+            monodromy = sections%monodromy
+         end if
+      end subroutine solve
 
       subroutine finish()
          refined%frequency_ratio = guess%frequency_ratio
