@@ -150,7 +150,7 @@ contains
       case ('/frequency')
          call frequency_gradient(box%case%train, names, box%gradient, error)
       case ('/special')
-         call special_gradient(box%case%train, box%case%response, box%results%response, number, names, box%gradient, error)
+         call special_gradient(box%case%train, box%results%response, number, names, box%gradient, error)
       case default
          motion%period = number
          motion%frequency_ratio = frequency

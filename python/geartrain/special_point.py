@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ._gradient import gradient_of
 from ._text_table import Rows
+from .errors import SolverError
 from .exact_point import ExactPoint, exact_point
 from .summary import speeds
 
@@ -64,12 +65,15 @@ class SpecialPoint:
     multiplicity: int = 1
 
     def gradient(self, parameters: Sequence[str]) -> Array:
-        """Derivatives of Lambda of a fold or a period doubling with respect to parameters of the train.
+        """Derivatives of ``frequency`` with respect to parameters of the train.
+
+        The derivative is that of the ``frequency`` that the branch lists: what the response of a train with a slightly other
+        parameter and as many harmonics lists less what this one lists. Of a fold it is that of the fold of the harmonic balance.
+        Of a period doubling or a Neimark-Sacker point it is that of the crossing of a multiplier of the balanced motion. On a
+        refined branch it is that of the exact special point, of every kind. With few harmonics the ``frequency`` itself has an
+        error, and so has its derivative: `correction` of a refined branch is that error.
 
         Lambda is ``frequency``: where ``characteristic_frequency`` is left out, as on a drawing, it is the speed in rpm.
-
-        They are those of the harmonic balance: of its fold, R = 0 and dR/dp singular, or of its own period doubling, which with
-        few harmonics is not quite where the multipliers have it.
 
         Parameters
         ----------
@@ -80,13 +84,14 @@ class SpecialPoint:
         -------
         ndarray, (parameters,)
             Of Lambda [1, or rpm as above] over the unit of the parameter, which is that of the case (angles of the drawing in
-            degrees, phases in rad); NaN where there is no derivative.
+            degrees, phases in rad); NaN where there is no derivative, with a `NotDifferentiableWarning` that says why: the
+            motion grazes the edge of a gap, or Newton's method finds another special point than the listed one.
 
         Raises
         ------
         InputError
         SolverError
-            Of any other kind of special point.
+            Of a branch point that is not refined, and of a contact onset.
 
         Warns
         -----
@@ -98,10 +103,11 @@ class SpecialPoint:
         >>> fold.kind, fold.gradient(["mesh 1 damping_ratio", "stiffness_variation"]).round(4)
         ('fold', array([ 0.0067, -0.1799]))
         """
-        place, _ = self._place()
+        place, onset = self._place()
+        if onset:
+            raise SolverError(f"gradient: there are no derivatives of a contact onset ({self.kind})")
         found: Array = gradient_of(self.branch._box(), "/special", parameters, place)[0]
         return found
-
 
     def exact(self) -> ExactPoint:
         """The special point of the exact motion near it, by shooting: to about 1e-10 of Lambda, but for rounding.

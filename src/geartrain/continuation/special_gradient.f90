@@ -1,52 +1,58 @@
-!> Derivatives of Lambda of special points of a branch with respect to parameters of the train.
+!> Derivatives of Lambda of a special point of a branch with respect to parameters of the train: of the Lambda that the branch
+!> lists, by the conditions that the listed point fulfils.
 !>
-!> A fold: with the border (t, 0), t the tangent, the solution of [dS/du, dS/dLambda; t] (du, dLambda) = (-dS, 0) has dLambda of
-!> the fold, whatever the border. A period doubling: dS/du of the balance of twice the period is singular. With [J b; c 0] (v, g)
-!> = (0, 1) the fold of symmetry is at g = 0, and dg is the last entry of [J b; c 0]^-1 (-dJ v, 0); dLambda = -dg/(dg/dLambda).
+!> On a branch of the balance a fold is where Lambda turns: with the border (t, 0), t the tangent, the solution of
+!> [dS/du, dS/dLambda; t] (du, dLambda) = (-dS, 0) has dLambda of the fold, whatever the border. A period doubling and a
+!> Neimark-Sacker point are where a multiplier of the balanced motion crosses the unit circle, f = 0. With (du, dLambda) as above,
+!> f changes by f_q along (du, dLambda, dq) and by f_t along the tangent: dLambda - t_Lambda f_q/f_t belongs to the crossing.
+!> f_q and f_t are differences. A refined branch lists special points of the exact motion (exact_gradient.f90).
 module geartrain_continuation_special_gradient
    use geartrain_balance_balance_rate, only: balance_rate_type
-   use geartrain_balance_force_rates, only: along_frequency, force_rates, tangent_rates
+   use geartrain_balance_force_rates, only: force_rates
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
-   use geartrain_continuation_branch, only: branch_type, response_settings_type
-   use geartrain_continuation_corrector, only: corrector_type, solution_point_type
-   use geartrain_continuation_critical_point, only: find_critical, harmonics_at
-   use geartrain_continuation_linearized_motion, only: add_tangent, factor, grazes, prepare, solution_on
-   use geartrain_continuation_points, only: motion_of
-   use geartrain_continuation_special_points, only: generic_vector
-   use geartrain_continuation_start, only: doubled_settings
-   use geartrain_model_units, only: units_of
-   use geartrain_model_gradient, only: begin_gradient, gradient_type, parameters_type
+   use geartrain_continuation_branch, only: branch_type
+   use geartrain_continuation_crossing_multiplier, only: crossing_multiplier_type
+   use geartrain_continuation_exact_gradient, only: exact_gradient
+   use geartrain_continuation_linearized_motion, only: factor, grazes
+   use geartrain_continuation_listed_point, only: listed_point_type
+   use geartrain_linalg_differences, only: differences_type
+   use geartrain_model_gradient, only: begin_gradient, gradient_type, parameters_type, reason_length
+   use geartrain_model_system, only: system_type
    use geartrain_model_system_rate, only: system_rate_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
    public :: special_gradient
 
+   !> Longest step of a difference: as a share of the step of the branch and at most [units_type], and relative to the parameter.
+   real(dp), parameter :: share = 0.1_dp, longest = 1e-3_dp, relative = 1e-2_dp
+   !> Share of the longest step at which differences are given up where the multipliers are not known.
+   real(dp), parameter :: least = 1e-4_dp
+   character(*), parameter :: abrupt = 'the multipliers change too abruptly next to the special point'
+   !> Error of a derivative, relative to its two parts, above which there is none.
+   real(dp), parameter :: unsettled = 1e-5_dp
+
 contains
 
-   !> Finds dLambda of a special point of a branch: a fold, or the period doubling of the balance that is nearest to it.
-   subroutine special_gradient(train, settings, branch, special, names, gradient, error)
+   !> Finds dLambda of a special point of a branch.
+   subroutine special_gradient(train, branch, special, names, gradient, error)
       !> The train.
       type(train_type), intent(in) :: train
-      !> Settings that the branch was traced with.
-      type(response_settings_type), intent(in) :: settings
       !> The branch.
       type(branch_type), intent(in) :: branch
       !> Number of the special point.
       integer, intent(in) :: special
       !> Names of the parameters, (parameter).
       character(*), intent(in) :: names(:)
-      !> The derivatives, (1, parameter).
+      !> The derivatives, (1, parameter), and Lambda of the point at which they hold.
       type(gradient_type), intent(out) :: gradient
       type(error_type), allocatable, intent(out) :: error
       type(parameters_type), target :: given
-      type(corrector_type) :: corrector
-      type(solution_point_type) :: solution
-      type(response_settings_type) :: doubled
-      integer :: highest
-      logical :: success
+      type(listed_point_type) :: listed
+      character(reason_length) :: reason
+      logical :: found
 
       call given%setup(train, names, error)
       if (.not. allocated(error) .and. allocated(branch%parameter)) &
@@ -59,49 +65,53 @@ contains
                        trim(point%kind)//', as equal branches begin to move differently: it has no derivatives', status_ended_early)
             return
          end if
-         select case (point%kind)
-         case ('fold')
-            call prepare(corrector, given%system, motion_of(branch, point%point))
-            call find_fold(corrector, branch, point%point, solution, success)
-            if (success) call fold_rates()
-         case ('period doubling')
-            call find_critical(train, settings, branch, special, solution, success)
-            if (success) then
-               highest = merge(settings%harmonics, harmonics_at(branch, special), settings%harmonics > 0)
-               corrector%units = units_of(given%system)
-               doubled = doubled_settings(train, settings, branch)
-               call corrector%balance%setup(given%system, highest*(doubled%subharmonic/branch%subharmonic), doubled%subharmonic, &
-                                            0, repeats=max(1, doubled%repeats))
-               call corrector%setup()
-               call doubling_rates()
-            end if
-         case default
-            call fatal(error, 'gradient: there are no derivatives of a special point of kind "'//trim(point%kind)// &
-                       '", only of folds and period doublings', status_ended_early)
+         if (.not. point%correction < 0) then
+            call exact_gradient(train, branch, special, given, gradient, error)
             return
-         end select
+         end if
+         if (point%kind == 'branch point') then
+            call fatal(error, 'gradient: there are no derivatives of a branch point but of a refined branch', status_ended_early)
+            return
+         end if
+         call listed%find(given%system, branch, special, found, reason)
+         gradient%frequency_ratio = listed%solution%frequency_ratio
+         gradient%reason = reason
+         if (found .and. reason == '') call find_rates(given, listed, point%kind == 'fold', point%kind == 'period doubling', &
+                                                       gradient)
       end associate
-      gradient%frequency_ratio = solution%frequency_ratio
-      if (.not. success) gradient%reason = 'the balance has no such point near the special point'
+   end subroutine special_gradient
 
-   contains
+   !> Finds the derivatives of a point of the balance.
+   subroutine find_rates(given, listed, folds, doubles, gradient)
+      type(parameters_type), target, intent(inout) :: given
+      type(listed_point_type), intent(inout) :: listed
+      !> The point is a fold; it is a period doubling.
+      logical, intent(in) :: folds, doubles
+      type(gradient_type), intent(inout) :: gradient
+      real(dp), dimension(listed%corrector%balance%block, listed%corrector%balance%unknowns) :: row, s, force
+      type(balance_rate_type) :: parts
+      type(system_rate_type) :: rate
+      type(differences_type) :: along, across
+      real(dp) :: corner, y
+      integer :: n
+      logical :: success, known(2)
 
-      subroutine fold_rates()
-         real(dp), dimension(corrector%balance%block, corrector%balance%unknowns) :: row, s, force
-         type(balance_rate_type) :: parts
-         type(system_rate_type) :: rate
-         real(dp) :: corner, y
-         integer :: n
-
+      associate (corrector => listed%corrector, solution => listed%solution)
          call corrector%across(solution, row, corner)
          call factor(corrector, solution, row, corner, success)
+         if (.not. success) gradient%reason = 'the balance is singular there'
          if (.not. success) return
          if (grazes(corrector%balance, solution%u)) then
             gradient%reason = 'the motion grazes the edge of a gap'
             return
          end if
+         if (.not. folds) then
+            call go_along_tangent()
+            if (.not. along%error < unsettled*abs(along%value)) gradient%reason = abrupt
+            if (.not. along%error < unsettled*abs(along%value)) return
+         end if
          call parts%setup(corrector%balance, corrector%balance%force, excited=.true.)
-         do n = 1, size(names)
+         do n = 1, size(gradient%reason)
             call given%rate_of(n, rate, gradient%reason(n))
             if (gradient%reason(n) /= '') cycle
             call force_rates(corrector%balance, rate, solution%u, force)
@@ -109,102 +119,90 @@ contains
             s = -s
             y = 0
             call corrector%matrix%solve(corrector%balance, s, y)
-            gradient%values(1, n) = y
+            if (folds) gradient%values(1, n) = y
+            if (.not. folds) call go_along_parameter()
          end do
-      end subroutine fold_rates
+      end associate
 
-      subroutine doubling_rates()
-         real(dp), dimension(corrector%balance%block, corrector%balance%unknowns) :: b, v, s, x, force, forced
-         type(balance_rate_type) :: parts, critical
-         type(system_rate_type) :: rate
-         real(dp) :: g, g_frequency, y
-         integer :: i, k, n
+   contains
 
-         call generic_vector(1, b, y)
-         b(1, :) = 0
-         do k = 2, size(corrector%balance%harmonic), 2
-            b(2*k:2*k + 1, :) = 0
+      !> Derivative of the crossing multiplier along the branch.
+      subroutine go_along_tangent()
+         real(dp) :: f(2)
+
+         associate (u => listed%solution%u, t => listed%solution%tangent, frequency_ratio => listed%solution%frequency_ratio, &
+                    t_frequency => listed%solution%tangent_frequency)
+            call along%begin(min(share*listed%length, longest), one_sided=.false.)
+            do while (.not. along%done)
+               associate (h => along%step)
+                  call listed%crossing%value_at(u + h*t, frequency_ratio + h*t_frequency, listed%multiplier, f(1), known(1))
+                  call listed%crossing%value_at(u - h*t, frequency_ratio - h*t_frequency, listed%multiplier, f(2), known(2))
+                  if (all(known)) then
+                     call along%add((f(1) - f(2))/(2*h))
+                  else
+                     call along%begin(h/2, one_sided=.false.)
+                     if (h < least*listed%length) return
+                  end if
+               end associate
+            end do
+         end associate
+      end subroutine go_along_tangent
+
+      !> Derivative of the crossing multiplier with the parameter, and of Lambda at which it crosses. At an end of the range of the
+      !> parameter the differences are one-sided.
+      subroutine go_along_parameter()
+         real(dp) :: f(2), begun, h, ratio, off
+         integer :: side
+         logical :: allowed(2)
+
+         begun = min(share*listed%length, longest)/max(listed%corrector%length_of(s, y), 1e-100_dp)
+         begun = min(begun, merge(relative*given%value_of(n), 1.0_dp, given%value_of(n) > 0))
+         call value_at(-begun, f(1), allowed(1), known(1))
+         call value_at(begun, f(2), allowed(2), known(2))
+         side = 0
+         if (.not. allowed(1)) side = 1
+         if (.not. allowed(2)) side = -1
+         call across%begin(begun, one_sided=side /= 0)
+         do while (.not. across%done)
+            h = across%step
+            f = 0
+            known = .true.
+            if (side <= 0) call value_at(-h, f(1), allowed(1), known(1))
+            if (side >= 0) call value_at(h, f(2), allowed(2), known(2))
+            if (all(known)) then
+               call across%add((f(2) - f(1))/(h*merge(2, 1, side == 0)))
+            else
+               call across%begin(h/2, one_sided=side /= 0)
+               if (h < least*begun) exit
+            end if
          end do
-         ! Newton's method on g, the motion corrected along; then all at the critical point.
-         do i = 1, 4
-            call factor(corrector, solution, solution%tangent, 0.0_dp, success, b)
-            if (.not. success) return
-            v = 0
-            g = 1
-            call corrector%matrix%solve(corrector%balance, v, g)
-            forced = 0
-            call add_tangent(corrector%balance, v, forced)
-            x = -corrector%balance%d_frequency
-            y = 0
-            call corrector%matrix%solve(corrector%balance, x, y)
-            call along_frequency(corrector%balance, solution%u, x, v, forced, s)
-            s = -s
-            g_frequency = 0
-            call corrector%matrix%solve(corrector%balance, s, g_frequency)
-            if (i == 4) exit
-            s = -corrector%balance%residual
-            y = 0
-            call corrector%matrix%solve(corrector%balance, s, y)
-            solution%u = solution%u + s - g/g_frequency*x
-            solution%frequency_ratio = solution%frequency_ratio - g/g_frequency
-         end do
-         if (grazes(corrector%balance, solution%u)) then
-            gradient%reason = 'the motion grazes the edge of a gap'
-            return
+         ratio = listed%solution%tangent_frequency/along%value
+         off = abs(ratio)*(across%error + abs(across%value/along%value)*along%error)
+         if (off <= unsettled*(abs(y) + abs(ratio*across%value))) then
+            gradient%values(1, n) = y - ratio*across%value
+         else
+            gradient%reason(n) = abrupt
          end if
-         call parts%setup(corrector%balance, corrector%balance%force, excited=.true.)
-         call critical%setup(corrector%balance, forced, excited=.false.)
-         do n = 1, size(names)
-            call given%rate_of(n, rate, gradient%reason(n))
-            if (gradient%reason(n) /= '') cycle
-            call force_rates(corrector%balance, rate, solution%u, force)
-            call parts%residual(corrector%balance, rate, solution%u, force, x)
-            x = -x
-            y = 0
-            call corrector%matrix%solve(corrector%balance, x, y)
-            call force_rates(corrector%balance, rate, v, force, linear=.true.)
-            call tangent_rates(corrector%balance, solution%u, x, v, force, rate)
-            call critical%residual(corrector%balance, rate, v, force, s)
-            s = -s
-            y = 0
-            call corrector%matrix%solve(corrector%balance, s, y)
-            gradient%values(1, n) = -y/g_frequency
-         end do
-      end subroutine doubling_rates
+      end subroutine go_along_parameter
 
-   end subroutine special_gradient
+      !> What is 0 at the crossing, of the train with another value of the parameter.
+      subroutine value_at(change, f, allowed, known)
+         real(dp), intent(in) :: change
+         real(dp), intent(out) :: f
+         !> Whether the value is in the range of the parameter; whether the multiplier is known.
+         logical, intent(out) :: allowed, known
+         type(system_type), target :: system
+         type(crossing_multiplier_type) :: crossing
 
-   !> Finds the point at which Lambda turns: the zero of its part of the tangent, from the point of the branch.
-   subroutine find_fold(corrector, branch, point, solution, success)
-      type(corrector_type), intent(inout) :: corrector
-      type(branch_type), intent(in) :: branch
-      integer, intent(in) :: point
-      type(solution_point_type), intent(out) :: solution
-      logical, intent(out) :: success
-      type(solution_point_type) :: next
-      real(dp), parameter :: step = 1e-4_dp
-      real(dp) :: slope
-      integer :: i
+         f = 0
+         call given%changed_system(n, change, system, allowed)
+         known = allowed
+         if (.not. allowed) return
+         call crossing%setup(system, listed%plan, doubles)
+         call crossing%value_at(listed%solution%u + change*s, listed%solution%frequency_ratio + change*y, listed%multiplier, &
+                                f, known)
+      end subroutine value_at
 
-      solution = solution_on(corrector%balance, motion_of(branch, point))
-      next = solution_on(corrector%balance, motion_of(branch, merge(point - 1, point + 1, point == branch%points)))
-      solution%tangent = next%u - solution%u
-      solution%tangent_frequency = next%frequency_ratio - solution%frequency_ratio
-      solution%tangent = solution%tangent/corrector%length_of(solution%tangent, solution%tangent_frequency)
-      call corrector%correct(solution, success)
-      do i = 1, 5
-         if (.not. success) return
-         call corrector%advance(solution, step, next, success)
-         if (.not. success) return
-         slope = (next%tangent_frequency - solution%tangent_frequency)/step
-         slope = -solution%tangent_frequency/slope
-         success = abs(slope) < 0.1_dp
-         if (.not. success) return
-         solution%u = solution%u + slope*solution%tangent
-         solution%frequency_ratio = solution%frequency_ratio + slope*solution%tangent_frequency
-         call corrector%correct(solution, success)
-         if (abs(slope) < 1e-8_dp) return
-      end do
-   end subroutine find_fold
+   end subroutine find_rates
 
 end module geartrain_continuation_special_gradient

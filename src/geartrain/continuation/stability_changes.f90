@@ -14,8 +14,9 @@ module geartrain_continuation_stability_changes
    use geartrain_linalg_bracket, only: between, shrink
    implicit none (type, external)
    private
-   public :: add_stability_changes
+   public :: add_stability_changes, find_multipliers, largest_multiplier, outside, piece_type, separate
 
+   public :: doubling, neimark_sacker
    !> Kinds of multipliers outside the circle: real below -1, complex pairs, real above +1.
    integer, parameter :: doubling = 1, neimark_sacker = 2, above_one = 3
    character(*), parameter :: names(*) = [character(15) :: 'period doubling', 'neimark-sacker']
@@ -25,7 +26,7 @@ module geartrain_continuation_stability_changes
    !> Imaginary part over magnitude up to which a pair is two real multipliers, as of equal stages that are nearly decoupled.
    real(dp), parameter :: real_enough = 1e-6_dp
    !> Distance of changes, as a share of the step, below which changes are simultaneous; distance of a multiplier from the unit
-   !> circle up to which a chord through the latest two steps is exact enough.
+   !> circle, at the latest two places, up to which the chord through them is exact enough.
    real(dp), parameter :: together = 1e-6_dp, nearly = 1e-5_dp
    !> Width of the bracket of a change, as a share of the step, at which it is located where chords are not exact.
    real(dp), parameter :: located = 1e-9_dp
@@ -71,6 +72,7 @@ contains
 
    !> Number of multipliers outside the unit circle, of each kind.
    pure function outside(multipliers)
+      !> Multipliers, largest magnitude first.
       complex(dp), intent(in) :: multipliers(:)
       integer :: outside(3)
 
@@ -90,12 +92,19 @@ contains
 
    !> Halves the piece from a to b until each change is alone, or all remaining changes are simultaneous.
    recursive subroutine separate(corrector, monodromy, piece, a, b, first, last, after, branch)
+      !> Corrector of the branch.
       type(corrector_type), intent(inout) :: corrector
+      !> Monodromy matrix set up for the system; work space.
       type(monodromy_type), intent(inout) :: monodromy
+      !> The step.
       type(piece_type), intent(in) :: piece
+      !> Distances of the ends of a part of the step from its beginning [1].
       real(dp), intent(in) :: a, b
+      !> Multipliers at the ends of the part.
       complex(dp), intent(in) :: first(:), last(:)
+      !> The special points are listed after point `after` - 1.
       integer, intent(in) :: after
+      !> Its `special_points` grow.
       type(branch_type), intent(inout), target :: branch
       complex(dp) :: middle(size(first))
       type(solution_point_type) :: solution
@@ -197,6 +206,7 @@ contains
       critical = max(outside(first), outside(last))
       number = critical(kind)
       kept = 0
+      f_before = 1
       a = from
       b = to
       fa = excess(first, kind, number)
@@ -209,7 +219,7 @@ contains
          if (.not. success) return
          f = excess(multipliers, kind, number)
          ! An excess of 0 to rounding, from below, may belong to a multiplier that stays on the circle.
-         if (i > 1 .and. abs(f) < nearly .and. (f > 0 .or. f < -10*neutral)) then
+         if (i > 1 .and. abs(f) < nearly .and. abs(f*f_before) < nearly**2 .and. (f > 0 .or. f < -10*neutral)) then
             if (abs(f - f_before) > 0) solution%frequency_ratio = solution%frequency_ratio - solution%tangent_frequency* &
                  f*(s - s_before)/(f - f_before)
             return
@@ -246,13 +256,21 @@ contains
    !> next to a resonance without damping, s becomes another distance between a and b; where it fails at all of them, `solution` is
    !> a point of the cubic.
    subroutine find_multipliers(corrector, monodromy, piece, a, b, s, solution, multipliers, success)
+      !> Corrector of the branch.
       type(corrector_type), intent(inout) :: corrector
+      !> Monodromy matrix set up for the system; work space.
       type(monodromy_type), intent(inout) :: monodromy
+      !> The step.
       type(piece_type), intent(in) :: piece
+      !> Distances along the step between which another place is tried [1].
       real(dp), intent(in) :: a, b
+      !> Distance of the place from the beginning of the step [1].
       real(dp), intent(inout) :: s
+      !> The point.
       type(solution_point_type), intent(inout) :: solution
+      !> Its multipliers.
       complex(dp), intent(out) :: multipliers(:)
+      !> Newton's method has converged.
       logical, intent(out) :: success
       real(dp), parameter :: share(*) = [0.37_dp, 0.67_dp, 0.21_dp, 0.83_dp]
       integer :: attempt

@@ -8,6 +8,7 @@ module geartrain_continuation_tracer
    use geartrain_continuation_branch, only: branch_type, trace_state_type
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_crossings, only: add_branch_point, crossing_type, find_crossings
+   use geartrain_continuation_hidden_changes, only: add_hidden_changes
    use geartrain_continuation_recorder, only: recorder_type
    use geartrain_continuation_special_points, only: add_special_point, locate_fold
    use geartrain_continuation_stability_changes, only: add_stability_changes
@@ -166,6 +167,9 @@ contains
 
          if (closing) exit
          call self%find_end(at_bound, meets, target, before, branch, outcome, reason)
+         if (outcome /= under_way .and. self%recorder%stability .and. .not. self%vanishes()) &
+            call add_hidden_changes(self%corrector, self%recorder%monodromy, branch%points - 1, branch%points - 1, branch, &
+                                    self%kept(2))
          if (outcome == left_by_amplitude) then
             here = next
             if (present(began)) began = origin
@@ -416,6 +420,8 @@ contains
       ! A train at rest at a wall of its gaps has no multipliers.
       if (.not. self%recorder%stability .or. self%vanishes()) return
       associate (corrector => self%corrector, monodromy => self%recorder%monodromy, n => branch%points)
+         ! Of the steps that now have a point after them.
+         call add_hidden_changes(corrector, monodromy, max(before, n - 2) - 1, n - 2, branch, self%kept(2))
          if (fold_at > 0) then
             call add_stability_changes(corrector, monodromy, here, fold, fold_at, before, n - 1, branch)
             call add_stability_changes(corrector, monodromy, fold, next, h - fold_at, n - 1, n, branch)

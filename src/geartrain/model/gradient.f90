@@ -6,7 +6,7 @@ module geartrain_model_gradient
    use geartrain_model_check, only: check_train
    use geartrain_model_drawing, only: plain_train, reduce_light_loads
    use geartrain_model_mode_rates, only: mode_shapes_type
-   use geartrain_model_parameter, only: find_parameters
+   use geartrain_model_parameter, only: find_parameters, variation
    use geartrain_model_parameter_table, only: add_to_parameter, parameter_type, table_type
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_system_rate, only: find_system_rate, system_rate_type
@@ -45,6 +45,9 @@ module geartrain_model_gradient
    contains
       procedure :: setup
       procedure :: rate_of
+      procedure :: changed_system
+      procedure :: allows
+      procedure :: value_of
       procedure, private :: clear
    end type parameters_type
 
@@ -171,6 +174,78 @@ contains
       end if
       call self%clear(n)
    end subroutine rate_of
+
+   !> The system of the train with a changed value of a parameter, in the same units and with the same unknowns.
+   subroutine changed_system(self, n, change, system, allowed)
+      class(parameters_type), intent(in) :: self
+      !> Number of a parameter for which `rate_of` has no reason against derivatives.
+      integer, intent(in) :: n
+      !> What is added to the value [unit of the parameter].
+      real(dp), intent(in) :: change
+      !> The system, where the change is allowed.
+      type(system_type), intent(out) :: system
+      !> Whether the changed value is in the range of its variable.
+      logical, intent(out) :: allowed
+      type(train_type) :: described, train
+      logical :: derives
+      integer :: i, j
+
+      allowed = .true.
+      described = self%train
+      derives = .false.
+      associate (parameters => self%named(n)%parameter)
+         do i = 1, size(parameters)
+            if (parameters(i)%direct .or. parameters(i)%variable == variation) cycle
+            derives = .true.
+            call add_to_parameter(described, parameters(i), change, allowed)
+            if (.not. allowed) return
+         end do
+         if (derives) then
+            call plain_train(described, train)
+            call reduce_light_loads(train)
+         else
+            train = self%plain
+         end if
+         do i = 1, size(parameters)
+            if (parameters(i)%variable == variation) then
+               do j = 1, size(train%meshes)
+                  associate (mesh => train%meshes(j), factor => 1 + change/parameters(i)%value)
+                     if (allocated(mesh%stiffness_cos)) mesh%stiffness_cos = factor*mesh%stiffness_cos
+                     if (allocated(mesh%stiffness_sin)) mesh%stiffness_sin = factor*mesh%stiffness_sin
+                  end associate
+               end do
+            else if (parameters(i)%direct) then
+               call add_to_parameter(train, parameters(i), change, allowed)
+               if (.not. allowed) return
+            end if
+         end do
+      end associate
+      train%characteristic_length = self%plain%characteristic_length
+      train%characteristic_frequency = self%plain%characteristic_frequency
+      call build_system(train, system, unknown=self%system%network%elements(self%system%mesh_element)%unknown)
+      allowed = system%states == self%system%states
+   end subroutine changed_system
+
+   !> Whether a changed value of a parameter is in the range of its variable.
+   logical function allows(self, n, change)
+      class(parameters_type), intent(in) :: self
+      !> Number of a parameter for which `rate_of` has no reason against derivatives.
+      integer, intent(in) :: n
+      !> What is added to the value [unit of the parameter].
+      real(dp), intent(in) :: change
+      type(system_type) :: system
+
+      call self%changed_system(n, change, system, allows)
+   end function allows
+
+   !> Value of a parameter, the largest where it stands for several [unit of the parameter].
+   pure real(dp) function value_of(self, n)
+      class(parameters_type), intent(in) :: self
+      !> Number of the parameter.
+      integer, intent(in) :: n
+
+      value_of = maxval(abs(self%named(n)%parameter%value))
+   end function value_of
 
    !> Sets the derivatives of the numbers of the train to 0 again. A copy of the whole would cost as much as the derivatives.
    subroutine clear(self, n)

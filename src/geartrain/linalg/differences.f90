@@ -1,0 +1,75 @@
+!> Derivative of a function by differences over steps that shrink, extrapolated to a step of 0 (C. J. F. Ridders, Advances in
+!> Engineering Software 4 (1982) 75-76), with an estimate of its error.
+module geartrain_linalg_differences
+   use geartrain_base_kinds, only: dp
+   implicit none (type, external)
+   private
+   public :: differences_type
+
+   !> Most steps, and the factor by which a step is shorter than the step before.
+   integer, parameter :: most = 7
+   real(dp), parameter :: shorter = 2
+   !> Relative error at which no further steps are needed.
+   real(dp), parameter :: enough = 1e-10_dp
+
+   type :: differences_type
+      !> Next step to take the difference over.
+      real(dp) :: step = 0
+      !> The derivative; its estimated error.
+      real(dp) :: value = 0, error = huge(1.0_dp)
+      !> No further difference is needed.
+      logical :: done = .false.
+      !> Differences so far; order of their error in the step; extrapolations, (order of extrapolation, difference).
+      integer, private :: taken = 0, order = 2
+      real(dp), private :: table(most, most) = 0
+   contains
+      procedure :: begin
+      procedure :: add
+   end type differences_type
+
+contains
+
+   !> Begins with the longest step.
+   pure subroutine begin(self, step, one_sided)
+      class(differences_type), intent(inout) :: self
+      !> Longest step.
+      real(dp), intent(in) :: step
+      !> Differences are taken to one side: their error is of first order in the step, else of second order.
+      logical, intent(in) :: one_sided
+      type(differences_type) :: fresh
+
+      self%step = step
+      self%value = fresh%value
+      self%error = fresh%error
+      self%done = .false.
+      self%taken = 0
+      self%order = merge(1, 2, one_sided)
+   end subroutine begin
+
+   !> Adds the difference over `step`, and chooses the next step.
+   pure subroutine add(self, slope)
+      class(differences_type), intent(inout) :: self
+      !> Difference of the function over `step`, or over both steps, divided by the distance of the two places.
+      real(dp), intent(in) :: slope
+      real(dp) :: factor, error
+      integer :: j
+
+      self%taken = self%taken + 1
+      associate (n => self%taken, t => self%table)
+         t(1, n) = slope
+         if (n == 1) self%value = slope
+         factor = 1
+         do j = 2, n
+            factor = factor*shorter**self%order
+            t(j, n) = (factor*t(j - 1, n) - t(j - 1, n - 1))/(factor - 1)
+            error = max(abs(t(j, n) - t(j - 1, n)), abs(t(j, n) - t(j - 1, n - 1)))
+            if (error > self%error) cycle
+            self%error = error
+            self%value = t(j, n)
+         end do
+         self%done = n == most .or. self%error <= enough*abs(self%value)
+      end associate
+      self%step = self%step/shorter
+   end subroutine add
+
+end module geartrain_linalg_differences
