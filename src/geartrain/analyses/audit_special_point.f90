@@ -7,7 +7,7 @@ module geartrain_analyses_audit_special_point
    use geartrain_base_numbers, only: text
    use geartrain_continuation_branch, only: branch_type, multipliers_at
    use geartrain_continuation_decided, only: nearest_decided
-   use geartrain_continuation_exact_search, only: ends_of, find_exact
+   use geartrain_continuation_exact_search, only: change_at, ends_of, find_exact
    use geartrain_continuation_orbit_corrector, only: orbit_corrector_type, orbit_type
    use geartrain_continuation_orbit_tests, only: critical, outside
    implicit none (type, external)
@@ -32,7 +32,7 @@ contains
       !> The special point of the exact branch; without states where none was found.
       type(orbit_type), intent(out) :: exact
       type(orbit_type) :: first, last
-      integer :: ends(2), sides(2), change
+      integer :: ends(2), sides(2)
       logical :: found
 
       row%kind = branch%special_points(special)%kind
@@ -47,17 +47,17 @@ contains
          row%exact_verdict = ''
       end if
       ends = ends_of(branch, branch%special_points(special))
-      change = 0
       sides = 0
       if (allocated(branch%stable)) then
          sides = [nearest_decided(branch, special, -1), nearest_decided(branch, special, 1)]
          associate (before => multipliers_at(branch, merge(sides(1), ends(1), sides(1) > 0)), &
                     after => multipliers_at(branch, merge(sides(2), ends(2), sides(2) > 0)))
-            change = critical(row%kind, after) - critical(row%kind, before)
             row%verdict = counts(before, after)
          end associate
       end if
-      call find_exact(corrector, branch, branch%special_points(special), change, exact, found)
+      associate (listed => branch%special_points(special))
+         call find_exact(corrector, branch, listed, change_at(branch, special, listed), exact, found)
+      end associate
       if (found) then
          row%exact_frequency = exact%frequency_ratio/corrector%times
          call corrector%advance(exact, -beside, first, found)

@@ -7,12 +7,12 @@ module geartrain_continuation_exact_point
    use geartrain_base_observer, only: observer_type
    use geartrain_continuation_augmented_point, only: augmented_point_type, trains_type
    use geartrain_continuation_augmented_system, only: augmented_system_type
-   use geartrain_continuation_branch, only: branch_type, multipliers_at, special_point_type
-   use geartrain_continuation_decided, only: joined, nearest_decided
-   use geartrain_continuation_exact_search, only: ends_of, find_exact
+   use geartrain_continuation_branch, only: branch_type, special_point_type
+   use geartrain_continuation_decided, only: joined
+   use geartrain_continuation_exact_search, only: change_at, find_exact
    use geartrain_continuation_normal_form, only: degenerate, doubling_coefficient, neimark_sacker_coefficient
    use geartrain_continuation_orbit_corrector, only: orbit_corrector_type, orbit_type
-   use geartrain_continuation_orbit_tests, only: back_contact, critical, is_onset, outside, separation
+   use geartrain_continuation_orbit_tests, only: back_contact, is_onset, outside, separation
    use geartrain_continuation_points, only: repeats_of
    use geartrain_continuation_refinement, only: cancel_refinement
    use geartrain_floquet_multipliers, only: is_stable, power
@@ -196,21 +196,6 @@ contains
          return
       end do
    end subroutine place_between
-
-   !> Change of the number that `critical` counts at a special point of a branch; 0: not known.
-   integer function change_at(branch, number, special) result(change)
-      type(branch_type), intent(in) :: branch
-      integer, intent(in) :: number
-      type(special_point_type), intent(in) :: special
-      integer :: sides(2), ends(2)
-
-      change = 0
-      if (is_onset(special%kind) .or. .not. allocated(branch%stable)) return
-      ends = ends_of(branch, special)
-      sides = [nearest_decided(branch, number, -1), nearest_decided(branch, number, 1)]
-      sides = merge(sides, ends, sides > 0)
-      change = critical(special%kind, multipliers_at(branch, sides(2))) - critical(special%kind, multipliers_at(branch, sides(1)))
-   end function change_at
 
    !> Takes the motion from the orbit at a special point, solved for both conditions at once, and counts multipliers beside it.
    subroutine take_orbit(system, corrector, orbit, exact, found)

@@ -3,12 +3,13 @@
 module geartrain_continuation_exact_search
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp
-   use geartrain_continuation_branch, only: branch_type, coefficients_of, special_point_type
+   use geartrain_continuation_branch, only: branch_type, coefficients_of, multipliers_at, special_point_type
+   use geartrain_continuation_decided, only: nearest_decided
    use geartrain_continuation_orbit_corrector, only: orbit_corrector_type, orbit_test_type, orbit_type
-   use geartrain_continuation_orbit_tests, only: back_contact, choose_test, is_onset
+   use geartrain_continuation_orbit_tests, only: back_contact, choose_test, critical, is_onset
    implicit none (type, external)
    private
-   public :: ends_of, find_exact, guess_from_point, neighbours
+   public :: change_at, ends_of, find_exact, guess_from_point, neighbours
 
    !> First step and longest way along the exact branch, in the units of units_type.
    real(dp), parameter :: first_step = 2e-4_dp, longest_way = 0.25_dp
@@ -59,6 +60,32 @@ contains
       ends = [special%point, min(special%point + 1, branch%points)]
       if (special%kind == 'fold') ends = neighbours(branch, special%point)
    end function ends_of
+
+   !> Change of the number that `critical` counts at a special point of a branch; 0: not known.
+   integer function change_at(branch, number, special) result(change)
+      !> The branch.
+      type(branch_type), intent(in) :: branch
+      !> Number of the special point; 0: a contact onset.
+      integer, intent(in) :: number
+      !> The special point or the contact onset.
+      type(special_point_type), intent(in) :: special
+      integer :: sides(2), ends(2), first
+      logical :: pair(size(branch%special_points))
+
+      change = 0
+      if (is_onset(special%kind) .or. .not. allocated(branch%stable)) return
+      ends = ends_of(branch, special)
+      sides = [nearest_decided(branch, number, -1), nearest_decided(branch, number, 1)]
+      sides = merge(sides, ends, sides > 0)
+      first = critical(special%kind, multipliers_at(branch, sides(1)))
+      change = critical(special%kind, multipliers_at(branch, sides(2))) - first
+      ! Both ends of a step with a pair of changes count the same: the first of the two begins with what there is before.
+      associate (listed => branch%special_points)
+         pair = listed%point == special%point .and. listed%kind == special%kind .and. special%kind /= 'fold'
+         if (change == 0 .and. count(pair) > 1 .and. (special%kind == 'period doubling' .or. first == 0)) &
+            change = merge(1, -1, first == 0)*merge(1, -1, mod(count(pair(:number - 1)), 2) == 0)
+      end associate
+   end function change_at
 
    !> First guess of an orbit from a point of the branch.
    subroutine guess_from_point(corrector, branch, i, orbit)

@@ -163,7 +163,7 @@ contains
       type(error_type), allocatable, intent(inout) :: error
       integer :: cycles
 
-      cycles = period*maxval(system%law%order)/repeats
+      cycles = nint(period*maxval(system%law%order)/repeats)
       if (cycles <= most_cycles) return
       call fatal(error, 'locus: the motion repeats itself after '//text(cycles)//' cycles of mesh '// &
                  text(maxloc(system%law%order, 1))//', and the curve may have a corner wherever one of these cycles grazes a &

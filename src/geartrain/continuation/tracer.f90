@@ -141,7 +141,6 @@ contains
             reason = 'step below '//text(smallest_step)//' at Lambda = '//text(here%frequency_ratio)//': '//reason
             return
          end if
-
          fold_at = 0
          ! A branch that meets the branch of half its period goes on as its own mirror image: Lambda only seems to turn there.
          meets = passes_half_period(here, next, self%corrector%balance%waves())
@@ -217,9 +216,8 @@ contains
       if (self%corrector%fixed%is_whole()) return
       before = here
       call self%corrector%correct(here, success)
-      if (success) return
-      here = before
-      here%orientation = 0
+      if (.not. success) here = before
+      if (.not. success) here%orientation = 0
    end subroutine keep_equal
 
    !> Length of a step [1], shortened where a curve of rms drawn over it would miss dips: with sets of harmonics long steps follow a

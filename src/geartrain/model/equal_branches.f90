@@ -7,6 +7,7 @@
 module geartrain_model_equal_branches
    use geartrain_base_kinds, only: dp
    use geartrain_base_series, only: series_type
+   use geartrain_base_sorting, only: ascending
    use geartrain_mesh_law_law, only: law_type
    use geartrain_model_system, only: system_type
    implicit none (type, external)
@@ -73,12 +74,10 @@ contains
       function members(number) result(list)
          integer, intent(in) :: number
          integer, allocatable :: list(:)
-         integer :: k, l
+         integer :: k
 
-         allocate (list(0))
-         do k = 1, maxval(kind)
-            list = [list, pack([(l, l=1, size(kind))], piece == number .and. kind == k)]
-         end do
+         list = pack([(k, k=1, size(kind))], piece == number)
+         list = list(ascending(real(kind(list), dp)))
       end function members
 
    end subroutine find_equal_branches
@@ -126,7 +125,7 @@ contains
       do
          done = .true.
          do n = 1, system%elements
-            ends = [system%network%elements(n)%from, system%network%elements(n)%to]
+            ends = ends_of(system, n)
             do i = 1, 2
                if (fixed(ends(i))) cycle
                least = min(piece(nodes + n), piece(ends(i)))
@@ -230,24 +229,45 @@ contains
 
    end subroutine find_kinds
 
-   !> Kinds of what touches each node and element, (neighbour, node or element): of a node how many elements of each kind begin and
-   !> end there, of an element the kinds of its two nodes.
+   !> Kinds of what touches each node and element, (neighbour, node or element): of a node the kinds of the elements that begin and
+   !> end there, ascending, of an element the kinds of its two nodes.
    pure subroutine look_around(system, kind, around)
       type(system_type), intent(in) :: system
       integer, intent(in) :: kind(:)
       integer, allocatable, intent(out) :: around(:, :)
-      integer :: n, nodes
+      integer :: touching(size(kind)), ends(2), i, k, n, nodes
 
       nodes = size(system%network%inertia)
-      allocate (around(2*maxval(kind), size(kind)), source=0)
+      touching = 2
+      touching(:nodes) = 0
       do n = 1, system%elements
-         associate (from => system%network%elements(n)%from, to => system%network%elements(n)%to, own => kind(nodes + n))
-            around(2*own - 1, from) = around(2*own - 1, from) + 1
-            around(2*own, to) = around(2*own, to) + 1
-            around(1:2, nodes + n) = [kind(from), kind(to)]
-         end associate
+         ends = ends_of(system, n)
+         touching(ends) = touching(ends) + 1
+      end do
+      allocate (around(maxval(touching), size(kind)), source=0)
+      touching = 0
+      do n = 1, system%elements
+         ends = ends_of(system, n)
+         around(:2, nodes + n) = kind(ends)
+         do i = 1, 2
+            associate (list => around(:, ends(i)), last => touching(ends(i)), own => 2*kind(nodes + n) + i)
+               k = count(list(:last) <= own)
+               list(k + 2:last + 1) = list(k + 1:last)
+               list(k + 1) = own
+               last = last + 1
+            end associate
+         end do
       end do
    end subroutine look_around
+
+   !> The two nodes of an element.
+   pure function ends_of(system, n) result(ends)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: n
+      integer :: ends(2)
+
+      ends = [system%network%elements(n)%from, system%network%elements(n)%to]
+   end function ends_of
 
    !> Whether two nodes have the same reduced mass, torques and damping, and neither balances the torques.
    pure logical function same_nodes(system, a, b)
@@ -261,7 +281,7 @@ contains
             same_nodes = equal(network%inertia([a, b])/r**2) .and. equal(network%damping([a, b])/r**2) .and. &
                          abs(network%torque(a)/r(1) - network%torque(b)/r(2)) <= &
                          rounding*maxval(abs(network%magnitude/network%radius))
-            same_nodes = same_nodes .and. same_torques(r)
+            if (same_nodes) same_nodes = same_torques(r)
          end associate
       end associate
 
@@ -273,10 +293,13 @@ contains
          complex(dp), allocatable :: amplitude(:, :)
          integer :: i, k, highest
 
+         same_torques = .true.
          highest = 0
          do i = 1, size(system%torque)
+            if (all(system%network%node(system%torque_body(i)) /= [a, b])) cycle
             if (size(system%torque(i)%harmonic) > 0) highest = max(highest, maxval(system%torque(i)%harmonic))
          end do
+         if (highest == 0) return
          allocate (amplitude(highest, 2), source=(0.0_dp, 0.0_dp))
          do i = 1, size(system%torque)
             do k = 1, 2
@@ -286,8 +309,7 @@ contains
                end associate
             end do
          end do
-         same_torques = .true.
-         if (highest > 0) same_torques = all(equal_amplitudes(amplitude(:, 1), amplitude(:, 2)))
+         same_torques = all(equal_amplitudes(amplitude(:, 1), amplitude(:, 2)))
       end function same_torques
 
    end function same_nodes
