@@ -71,7 +71,7 @@ class SpecialPoint:
         parameter and as many harmonics lists less what this one lists. Of a fold it is that of the fold of the harmonic balance.
         Of a period doubling or a Neimark-Sacker point it is that of the crossing of a multiplier of the balanced motion. On a
         refined branch it is that of the exact special point, of every kind. With few harmonics the ``frequency`` itself has an
-        error, and so has its derivative: `correction` of a refined branch is that error.
+        error, and so has its derivative: ``correction`` of a refined branch is that error.
 
         Lambda is ``frequency``: where ``characteristic_frequency`` is left out, as on a drawing, it is the speed in rpm.
 

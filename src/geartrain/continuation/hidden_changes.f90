@@ -22,7 +22,7 @@ module geartrain_continuation_hidden_changes
    !> Distance from the circle of a multiplier at both ends of a step beyond which it does not cross within the step.
    real(dp), parameter :: far = 0.3_dp
    !> Uncertainty of the estimate, as a share of the variation of the function at the four points.
-   real(dp), parameter :: uncertain = 0.5_dp
+   real(dp), parameter :: uncertain = 0.25_dp
    !> Most multipliers that are computed within a step for each kind and sense; places at which a parabola is looked at.
    integer, parameter :: most_places = 4, places = 16
    !> Least distance of a place from the ends, as a share of the interval.
