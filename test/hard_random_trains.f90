@@ -73,7 +73,7 @@ contains
       type(motion_type) :: motion
       type(error_type), allocatable :: error
       real(dp) :: off
-      integer :: i, before, below, below_before, listed
+      integer :: i, before, below, below_balance, below_before, listed
 
       before = 0
       below_before = 0
@@ -96,9 +96,16 @@ contains
          end if
          ! Beyond that the smaller multipliers are rounding.
          if (abs(motion%multipliers(1)) > 1e6_dp) cycle
-         below = beyond_minus_one(motion%multipliers)
+         ! Where a motion repeats itself within its period, what is doubled is a repetition.
+         if (allocated(branch%repetition_multipliers)) then
+            below = beyond_minus_one(motion%repetition_multipliers)
+            below_balance = beyond_minus_one(branch%repetition_multipliers(:, i))
+         else
+            below = beyond_minus_one(motion%multipliers)
+            below_balance = beyond_minus_one(branch%multipliers(:, i))
+         end if
          ! Where the balance counts others, its error moves the doubling past this point.
-         if (below /= beyond_minus_one(branch%multipliers(:, i))) then
+         if (below /= below_balance) then
             before = 0
             cycle
          end if
