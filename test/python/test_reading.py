@@ -211,3 +211,16 @@ def test_a_branch_pickles_without_what_it_keeps(branch):
     branch.at(0.9)
     again = pickle.loads(pickle.dumps(branch))
     assert same(again.at(0.9), branch.at(0.9))
+
+
+def test_a_train_without_shafts_is_read(tmp_path):
+    """Its lists of shafts have length 0."""
+    bodies = [gt.Body(name="motor", inertia=1e-3, torque=10.0), gt.Body(name="load", inertia=1e-2, balances=True)]
+    mesh = gt.Mesh(between=("motor", "load"), driving_radius=0.03, driven_radius=0.05, stiffness=2e8, damping_ratio=0.05,
+                   half_backlash=30e-6, stiffness_cos=[0.2])
+    train = gt.Train(bodies=bodies, meshes=[mesh], characteristic_length=30e-6, characteristic_frequency=1e4)
+    branch = train.response(start=0.5, stop=0.6)
+    branch.write(tmp_path / "pair.h5")
+    found = gt.read_results(tmp_path / "pair.h5").response
+    np.testing.assert_array_equal(found.rms, branch.rms)
+    assert found.shaft_torque_mean is None or found.shaft_torque_mean.shape[1] == 0

@@ -279,8 +279,8 @@ contains
       if (values > huge(extents) .or. any(lengths(:dimensions) < 0 .or. lengths(:dimensions) > huge(extents))) then
          call self%refuse(path, 'has '//trim(words_of(int(lengths(:dimensions), int64)))//': must be '//text(huge(extents))// &
                           ' at most')
-      else if (status < 0 .or. total /= values) then
-         ! As the space of an attribute that has none.
+      else if ((status < 0 .or. total /= values) .and. values > 0) then
+         ! As the space of an attribute that has none; of a list of length 0 the library does not tell the number of values.
          call self%refuse(path, 'has no value: must have '//text(values))
       else if (.not. attribute .and. values > 0) then
          call h5dget_create_plist_f(id, creation, status)
