@@ -53,7 +53,7 @@ class ExactPoint:
     speed, fundamental_frequency : float or None
         In rpm, where every mesh has teeth; in Hz.
     multiplicity : int
-        As of the special point. Above 1 the place is that of the mean of the multipliers that pass together.
+        Number of multipliers, or pairs, that pass the unit circle together. Above 1 the frequency is where their mean passes it.
     """
 
     kind: str

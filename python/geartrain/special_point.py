@@ -67,10 +67,10 @@ class SpecialPoint:
     def gradient(self, parameters: Sequence[str]) -> Array:
         """Derivatives of ``frequency`` with respect to parameters of the train.
 
-        The derivative is that of the ``frequency`` that the branch lists: what the response of a train with a slightly other
-        parameter and as many harmonics lists less what this one lists. Of a fold it is that of the fold of the harmonic balance.
-        Of a period doubling or a Neimark-Sacker point it is that of the crossing of a multiplier of the balanced motion. On a
-        refined branch it is that of the exact special point, of every kind. With few harmonics the ``frequency`` itself has an
+        The listed ``frequency`` is differentiated: the change of the frequency that a response with as many harmonics lists when
+        the parameter changes slightly. A fold is the fold of the harmonic balance. A period doubling or a Neimark-Sacker point is
+        the crossing of a multiplier of the balanced motion. On a refined branch every special point is the exact one. With few
+        harmonics the ``frequency`` itself has an
         error, and so has its derivative: ``correction`` of a refined branch is that error.
 
         Lambda is ``frequency``: where ``characteristic_frequency`` is left out, as on a drawing, it is the speed in rpm.

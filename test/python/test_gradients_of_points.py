@@ -114,3 +114,17 @@ def test_what_has_none(branch):
     point = next(point for point in crossing.special_points if point.kind == "branch point")
     with pytest.raises(gt.SolverError, match="refined"):
         point.gradient(["stiffness_variation"])
+
+
+def test_a_parameter_of_zero():
+    """Transmission errors are micrometres: a step in metres would lead to another train."""
+    def fold(error):
+        meshes = [gt.Mesh(driving_radius=0.05, driven_radius=0.10, driving_inertia=driving, driven_inertia=driven, damping_ratio=0.05,
+                          stiffness=stiffness, half_backlash=30e-6, stiffness_cos=[0.3], error_cos=[error])
+                  for driving, driven, stiffness in ((0.0023, 0.037, 2.5e8), (0.0046, 0.074, 5e8))]
+        branch = paper_train(meshes=meshes).response(start=1.5, stop=1.7, refine=True)
+        return next(point for point in branch.special_points if point.kind == "fold")
+
+    found = fold(0.0).gradient(["mesh 1 error_cos", "mesh 2 error_cos"])
+    wide, narrow = ((fold(step).frequency - fold(-step).frequency) / (2 * step) for step in (2e-9, 1e-9))
+    np.testing.assert_allclose(found.sum(), (4 * narrow - wide) / 3, rtol=1e-6, atol=abs(wide - narrow))

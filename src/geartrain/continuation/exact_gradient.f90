@@ -23,8 +23,10 @@ module geartrain_continuation_exact_gradient
 
    !> Change of Lambda between the listed point and the one that the search finds again up to which they are the same [units_type].
    real(dp), parameter :: same_frequency = 1e-7_dp
-   !> Longest step of a difference, relative to the parameter; the same where it is 0 [unit of the parameter].
-   real(dp), parameter :: relative = 1e-3_dp
+   !> Longest step of a difference: relative to the parameter, or 1 unit of a parameter that is 0; and shorter where Lambda of the
+   !> special point changes by more than `largest_change` [units_type], in so many tenths at most.
+   real(dp), parameter :: relative = 1e-3_dp, largest_change = 1e-2_dp
+   integer, parameter :: most_tenths = 12
    !> Error of a derivative above which there is none: relative, and of the change of Lambda over the longest step [units_type].
    real(dp), parameter :: unsettled = 1e-5_dp, rounding = 1e-9_dp
 
@@ -49,7 +51,7 @@ contains
       type(system_rate_type) :: rate
       type(differences_type) :: across
       real(dp) :: h, change(2)
-      integer :: n, side, times
+      integer :: n, side, tenths, times
       logical :: found(2)
 
       call find_exact_point(train, branch, special, branch%special_points(special), exact, error)
@@ -64,7 +66,13 @@ contains
       do n = 1, size(gradient%reason)
          call given%rate_of(n, rate, gradient%reason(n))
          if (gradient%reason(n) /= '') cycle
-         h = relative*merge(given%value_of(n), 1.0_dp, given%value_of(n) > 0)
+         h = merge(relative*given%value_of(n), 1.0_dp, given%value_of(n) > 0)
+         do tenths = 1, most_tenths
+            call change_at(h, change(1), found(1))
+            if (.not. found(1)) call change_at(-h, change(1), found(1))
+            if (found(1) .and. abs(change(1)) <= largest_change*unit_of()) exit
+            h = h/10
+         end do
          side = 0
          if (.not. given%allows(n, -h)) side = 1
          if (.not. given%allows(n, h)) side = -1

@@ -5,14 +5,14 @@ module geartrain_continuation_fold_sides
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type, multipliers_at
    use geartrain_continuation_decided, only: joined
-   use geartrain_floquet_multipliers, only: are_numbers
+   use geartrain_floquet_multipliers, only: are_numbers, side_of_fold
    implicit none (type, external)
    private
    public :: sides_of
 
 contains
 
-   !> 0: an even number of real multipliers above 1; 1: an odd number; -1: not known, as without stability, (point).
+   !> The side of each point as `side_of_fold` counts it; -1: not known, as without stability, (point).
    pure function sides_of(branch) result(side)
       !> The branch.
       type(branch_type), intent(in) :: branch
@@ -59,7 +59,7 @@ contains
          distance = minval([1.0_dp, pack(abs(multipliers%re - 1), abs(multipliers%im) <= 0)])
          if (distance <= farthest) cycle
          farthest = distance
-         side = mod(count(abs(multipliers%im) <= 0 .and. multipliers%re > 1), 2)
+         side = side_of_fold(multipliers)
       end do
    end function side_between
 

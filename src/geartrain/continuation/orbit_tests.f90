@@ -2,6 +2,7 @@
 module geartrain_continuation_orbit_tests
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_orbit_corrector, only: orbit_test_type, orbit_type
+   use geartrain_floquet_multipliers, only: side_of_fold
    implicit none (type, external)
    private
    public :: back_contact, choose_test, critical, fold_test_type, is_onset, outside, separation
@@ -202,7 +203,7 @@ contains
       case ('period doubling')
          critical = mod(count(is_real(multipliers) .and. multipliers%re < -1), 2)
       case default
-         critical = mod(count(is_real(multipliers) .and. multipliers%re > 1), 2)
+         critical = side_of_fold(multipliers)
       end select
    end function critical
 

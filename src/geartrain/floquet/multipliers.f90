@@ -6,7 +6,7 @@ module geartrain_floquet_multipliers
    use geartrain_linalg_eigenvalues, only: find_eigenvalues
    implicit none (type, external)
    private
-   public :: are_numbers, eigenvalues, is_neutral, is_stable, multipliers_of, neutral, power
+   public :: are_numbers, eigenvalues, is_neutral, is_stable, multipliers_of, neutral, power, side_of_fold
 
    !> A multiplier as near as this to the unit circle counts as neutral, which is not stable.
    real(dp), parameter :: neutral = 1e-9_dp
@@ -57,6 +57,15 @@ contains
       is_stable = are_numbers(multipliers)
       if (is_stable) is_stable = all(abs(multipliers) < 1 - neutral)
    end function is_stable
+
+   !> 1 where an odd number of real multipliers is above +1, else 0: the two sides of a fold differ in it. Complex pairs that become
+   !> real leave it as it is.
+   pure integer function side_of_fold(multipliers)
+      !> Multipliers of a motion, (state).
+      complex(dp), intent(in) :: multipliers(:)
+
+      side_of_fold = mod(count(abs(multipliers%im) <= 0 .and. multipliers%re > 1), 2)
+   end function side_of_fold
 
    !> Whether the multipliers were found: those of an interrupted flight, or of a matrix that does not converge, are NaN, on
    !> which any comparison is an invalid operation.

@@ -8,9 +8,9 @@ module geartrain_flow_shooting
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_floquet_multipliers, only: eigenvalues, is_neutral, is_stable
+   use geartrain_flow_across_fold, only: look_beyond_fold
    use geartrain_flow_multiple_shooting, only: find_orbit_in_sections, has_converged, max_iterations, most_parts, &
       section_states
-   use geartrain_flow_fold_sides, only: look_beyond_fold
    use geartrain_flow_orbit, only: measure, propagate, stored_harmonics
    use geartrain_flow_sections, only: sections_type
    use geartrain_flow_start_state, only: state_of
@@ -41,8 +41,7 @@ contains
       integer, intent(in), optional :: harmonics
       !> How often the motion goes through its waveform within its period; absent: as its coefficients tell.
       integer, intent(in), optional :: repeats
-      !> Side of a fold on which the orbit is to be: 1 with an odd number of real multipliers above 1, 0 with an even number. Absent
-      !> or negative: the side on which the motion is.
+      !> Side of a fold on which the orbit is to be, as `side_of_fold` counts it. Absent or negative: the side of the motion.
       integer, intent(in), optional :: side
       type(system_type), target :: system
       type(sections_type) :: sections

@@ -174,7 +174,7 @@ contains
       end do
    end function are_equal
 
-   !> Numbers the kinds of the nodes and elements.
+   !> Numbers the kinds of the nodes and elements: first by their own numbers, then by the kinds of their neighbours too.
    subroutine find_kinds(system, kind)
       type(system_type), intent(in) :: system
       integer, intent(out) :: kind(:)
@@ -182,27 +182,20 @@ contains
       integer :: before(size(kind)), i, j, kinds, last, nodes
 
       nodes = size(system%network%inertia)
+      kind = 1
+      kind(nodes + 1:) = 2
       kinds = 0
-      do i = 1, size(kind)
-         kind(i) = 0
-         do j = 1, i - 1
-            if (alike(i, j)) kind(i) = kind(j)
-            if (kind(i) > 0) exit
-         end do
-         if (kind(i) > 0) cycle
-         kinds = kinds + 1
-         kind(i) = kinds
-      end do
       do
          last = kinds
          before = kind
-         call look_around(system, before, around)
+         if (last > 0) call look_around(system, before, around)
          kinds = 0
          do i = 1, size(kind)
             kind(i) = 0
             do j = 1, i - 1
-               if (before(i) /= before(j)) cycle
-               if (all(around(:, i) == around(:, j))) kind(i) = kind(j)
+               if (before(i) == before(j)) then
+                  if (alike(i, j)) kind(i) = kind(j)
+               end if
                if (kind(i) > 0) exit
             end do
             if (kind(i) > 0) cycle
@@ -214,13 +207,13 @@ contains
 
    contains
 
-      !> Whether two nodes, or two elements, have the same numbers.
+      !> Whether two nodes, or two elements, that were of one kind are of one kind still.
       logical function alike(one, other)
          integer, intent(in) :: one, other
 
-         alike = (one > nodes) .eqv. (other > nodes)
-         if (.not. alike) return
-         if (one > nodes) then
+         if (last > 0) then
+            alike = all(around(:, one) == around(:, other))
+         else if (one > nodes) then
             alike = same_elements(system, one - nodes, other - nodes)
          else
             alike = same_nodes(system, one, other)

@@ -6,9 +6,9 @@
 !> at c = -d/q: so q, the curvature of the fold, need not be known. From there a secant in c leads to the other orbit: for a given
 !> c the state and g with P(x + y) - x - y + g w = 0, w y = c, are found by Newton's method, whose matrix is regular; g/c is 0
 !> there.
-module geartrain_flow_fold_sides
+module geartrain_flow_across_fold
    use geartrain_base_kinds, only: dp
-   use geartrain_floquet_multipliers, only: multipliers_of
+   use geartrain_floquet_multipliers, only: multipliers_of, side_of_fold
    use geartrain_flow_orbit, only: propagate
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
    use geartrain_model_system, only: system_type
@@ -43,7 +43,7 @@ contains
       real(dp), intent(out) :: other(:)
       !> The other orbit is meant.
       logical, intent(out) :: beyond
-      !> 1: the side with an odd number of real multipliers above 1; 0: with an even number. Absent or negative: that of the guess.
+      !> The side as `side_of_fold` counts it. Absent or negative: the side of the guess.
       integer, intent(in), optional :: side
       real(dp) :: right(size(state)), left(size(state)), final(size(state)), d, c, share
       integer :: wanted
@@ -53,7 +53,7 @@ contains
       wanted = -1
       if (present(side)) wanted = side
       beyond = .false.
-      if (wanted >= 0) beyond = side_of(monodromy) /= wanted
+      if (wanted >= 0) beyond = side_of_fold(multipliers_of(monodromy)) /= wanted
       call find_vectors(monodromy, right, left, d, single)
       if (.not. single) return
       c = dot_product(left, guess - state)
@@ -129,15 +129,6 @@ contains
 
    end subroutine go_beyond
 
-   !> 1: an odd number of real multipliers is above 1; 0: an even number.
-   integer function side_of(monodromy)
-      real(dp), intent(in) :: monodromy(:, :)
-      complex(dp) :: multipliers(size(monodromy, 1))
-
-      multipliers = multipliers_of(monodromy)
-      side_of = mod(count(abs(multipliers%im) <= 0 .and. multipliers%re > 1), 2)
-   end function side_of
-
    !> Finds the vectors of the multiplier nearest to 1 by inverse iteration.
    pure subroutine find_vectors(monodromy, right, left, d, single)
       real(dp), intent(in) :: monodromy(:, :)
@@ -179,4 +170,4 @@ contains
       if (single) left = left/dot_product(left, right)
    end subroutine find_vectors
 
-end module geartrain_flow_fold_sides
+end module geartrain_flow_across_fold
