@@ -119,8 +119,8 @@ def test_what_has_none(branch):
 def test_a_parameter_of_zero():
     """Transmission errors are micrometres: a step in metres would lead to another train."""
     def fold(error):
-        meshes = [gt.Mesh(driving_radius=0.05, driven_radius=0.10, driving_inertia=driving, driven_inertia=driven, damping_ratio=0.05,
-                          stiffness=stiffness, half_backlash=30e-6, stiffness_cos=[0.3], error_cos=[error])
+        meshes = [gt.Mesh(driving_radius=0.05, driven_radius=0.10, driving_inertia=driving, driven_inertia=driven,
+                          stiffness=stiffness, half_backlash=30e-6, damping_ratio=0.05, stiffness_cos=[0.3], error_cos=[error])
                   for driving, driven, stiffness in ((0.0023, 0.037, 2.5e8), (0.0046, 0.074, 5e8))]
         branch = paper_train(meshes=meshes).response(start=1.5, stop=1.7, refine=True)
         return next(point for point in branch.special_points if point.kind == "fold")
