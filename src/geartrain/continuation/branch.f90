@@ -6,9 +6,9 @@ module geartrain_continuation_branch
    use geartrain_base_fields, only: arranging, fields_type, listing, reading, writing
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_corrector, only: solution_point_type
-   use geartrain_flow_fields, only: about_coefficients, about_frequency, about_maximum, about_mean, about_mesh, about_minimum, &
-      about_multipliers, about_rms, about_shaft, about_stable, about_true_ac_rms, about_undecided, carry_loads, carry_torques, &
-      coefficient_axis, on_stability
+   use geartrain_flow_fields, only: about_coefficients, about_frequency, about_growth_rate, about_maximum, about_mean, about_mesh, &
+      about_minimum, about_multipliers, about_rms, about_shaft, about_stable, about_true_ac_rms, about_undecided, carry_loads, &
+      carry_torques, coefficient_axis, on_stability
    use geartrain_model_frequency_unit, only: unit_length
    implicit none (type, external)
    private
@@ -33,8 +33,8 @@ module geartrain_continuation_branch
       integer :: repeats = 0
       !> Whether the torque of every shaft is computed at each point.
       logical :: shaft_torque = .true.
-      !> Whether Floquet multipliers are computed at each point.
-      logical :: stability = .true.
+      !> Whether stability is computed at each point; whether by multipliers even where the period is long.
+      logical :: stability = .true., multipliers = .false.
       !> Largest rms over characteristic length; negative: 12 with backlash, none for a linear train.
       real(dp) :: amplitude_limit = -1
       !> 'exact' or 'sampled' (the paper's DFT, with `samples` points a period; 0: chosen).
@@ -139,13 +139,15 @@ module geartrain_continuation_branch
       character(:), allocatable :: parameter, parameter_unit
       real(dp) :: constant_frequency = 0
       real(dp), allocatable :: half_backlash_at(:, :)
-      !> Floquet multipliers, (state, point); not allocated: stability was not asked for.
+      !> Floquet multipliers, (state, point); not allocated: stability was not asked for. Where the period is long: no states.
       complex(dp), allocatable :: multipliers(:, :)
       !> Floquet multipliers over one repetition of the waveform, (state, point), of which `multipliers` are powers; allocated where
       !> the motions repeat themselves within the period and stability was asked for.
       complex(dp), allocatable :: repetition_multipliers(:, :)
-      !> Whether all multipliers are inside the unit circle, (point); not allocated: stability was not asked for.
+      !> Whether all perturbations die out, (point); not allocated: stability was not asked for.
       logical, allocatable :: stable(:)
+      !> Rate of the slowest of them, the real part of the largest Floquet exponent [1/s], (point).
+      real(dp), allocatable :: growth_rate(:)
       !> Whether `stable` is a guess, because the largest multiplier is as near to the unit circle as it is uncertain, (point), see
       !> geartrain_continuation_stability_assessment.
       logical, allocatable :: undecided(:)
@@ -429,14 +431,17 @@ contains
       call fields%index_axis('state', branch%states, 'number of the multiplier, in no order that holds between points')
       call carry(fields, row('stable', 'point', '1', about_stable, on_stability), branch%stable)
       call carry(fields, row('undecided', 'point', '1', about_undecided, on_stability), branch%undecided)
+      call carry(fields, row('growth_rate', 'point', '1/s', about_growth_rate, on_stability), branch%growth_rate)
       call carry(fields, row('count_undecided', 'point', '1', '1 = how many multipliers are outside the unit circle is a guess: &
                              &one is as near to it as it is uncertain', on_stability), branch%count_undecided)
       call carry(fields, row('second_estimate', 'point', '1', 'second estimate of the largest magnitude of a multiplier: of the &
                              &motion corrected by its estimated error; NaN where it was not needed: no contact event, none that &
                              &can move it across the unit circle, or undecided anyway', on_stability, none_is_negative=.true.), &
                  branch%second_estimate)
-      call carry(fields, row('multipliers', 'point state complex', '1', about_multipliers//'; of a train of 160 states &
-                             &(41 flexible shafts) or more the 16 of largest magnitude', on_stability), branch%multipliers)
+      if (fields%has('multipliers', branch%states > 0)) &
+         call carry(fields, row('multipliers', 'point state complex', '1', about_multipliers//'; of a train of 160 states &
+                                &(41 flexible shafts) or more the 16 of largest magnitude', on_stability//', where a period has &
+                                &at most 500 cycles of any mesh, or with `multipliers`'), branch%multipliers)
       if (fields%has('repetition_multipliers', allocated(branch%repetition_multipliers))) &
          call carry(fields, row('repetition_multipliers', 'point state complex', '1', 'Floquet multipliers over one repetition of &
                                 &the waveform, of which `multipliers` are powers', on_stability//', where all orders have a &

@@ -73,7 +73,7 @@ contains
       logical :: pair(size(branch%special_points))
 
       change = 0
-      if (is_onset(special%kind) .or. .not. allocated(branch%stable)) return
+      if (is_onset(special%kind) .or. .not. allocated(branch%stable) .or. branch%states == 0) return
       ends = ends_of(branch, special)
       sides = [nearest_decided(branch, number, -1), nearest_decided(branch, number, 1)]
       sides = merge(sides, ends, sides > 0)

@@ -49,7 +49,8 @@ contains
          if (.not. allocated(branch%parameter)) call fatal(error, 'at: frequency = '//text(frequency_ratio)//': must be > 0')
          return
       end if
-      call tracer%recorder%setup(tracer%corrector%balance, settings%stability, found, settings%shaft_torque)
+      call tracer%recorder%setup(tracer%corrector%balance, settings%stability, found, settings%shaft_torque, &
+                                      settings%multipliers)
       call record_crossings(tracer, branch, frequency_ratio, found)
       call gather(found, settings, motions)
    end subroutine solutions_at

@@ -10,8 +10,8 @@ module geartrain_flow_fields
    implicit none (type, external)
    private
    public :: carry_loads, coefficient_axis, visit_motions
-   public :: about_coefficients, about_frequency, about_maximum, about_mean, about_mesh, about_minimum, about_multipliers, &
-      about_rms, about_shaft, about_stable, about_true_ac_rms, about_undecided, carry_torques, on_stability
+   public :: about_coefficients, about_frequency, about_growth_rate, about_maximum, about_mean, about_mesh, about_minimum, &
+      about_multipliers, about_rms, about_shaft, about_stable, about_true_ac_rms, about_undecided, carry_torques, on_stability
 
    !> Descriptions that several groups of fields share.
    character(*), parameter :: about_frequency = 'Lambda: fundamental frequency [rad/s] / characteristic_frequency'
@@ -26,9 +26,12 @@ module geartrain_flow_fields
    character(*), parameter :: about_coefficients = 'Fourier coefficients of mesh displacement / characteristic_length: &
       &mean, cos 1, sin 1, cos 2, ... of the fundamental frequency Lambda/period'
    character(*), parameter :: about_multipliers = 'Floquet multipliers over one period of the motion'
-   character(*), parameter :: about_stable = '1 = stable: every Floquet multiplier lies inside the unit circle; 0 = not'
+   character(*), parameter :: about_stable = '1 = stable: all Floquet multipliers lie inside the unit circle, every &
+      &perturbation dies out; 0 = not'
    character(*), parameter :: about_undecided = '1 = undecided, `stable` is a guess: the largest multiplier is as near to the unit &
       &circle as it is uncertain, the error of the motion is itself doubtful, or nothing confirms the multipliers; 0 = not'
+   character(*), parameter :: about_growth_rate = 'growth rate of the slowest perturbation, the largest real part of a Floquet &
+      &exponent: negative where the motion is stable'
    character(*), parameter :: on_stability = 'with `stability`'
 
    type(row), parameter :: loads(4) = [ &
