@@ -2,7 +2,7 @@
 module geartrain_continuation_recorder
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_error_estimate, only: error_estimate_type
-   use geartrain_balance_mesh_load, only: force_reader_type
+   use geartrain_balance_mesh_load, only: force_reader_type, load_resolution
    use geartrain_balance_shaft_torque, only: find_shaft_torques
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: arrange_points, branch_type, widen
@@ -107,7 +107,7 @@ contains
       end if
       call balance%full_coefficients(solution%u, coefficients)
       n = branch%points + 1
-      call self%transform%plan(fine_samples(balance%highest))
+      call self%transform%plan(fine_samples(resolution_of(balance, coefficients)))
       if (balance%varies) self%reader = fresh
       call self%reader%setup(balance%system, balance%eta, self%transform%samples)
       branch%frequency_ratio(n) = solution%frequency_ratio
@@ -171,6 +171,22 @@ contains
       end if
       branch%points = n
    end subroutine add
+
+   !> The harmonic whose `fine_samples` show the extremes of all meshes.
+   pure integer function resolution_of(balance, coefficients)
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: coefficients(:, :)
+      real(dp) :: force(balance%system%meshes)
+      integer :: j
+
+      resolution_of = balance%highest
+      if (.not. balance%chosen) return
+      ! A linear mesh has the force of its displacement.
+      force = norm2(coefficients(2:, :), 1)
+      force(balance%mesh) = norm2(balance%force(2:, :), 1)
+      resolution_of = maxval([(load_resolution(balance%system%law(j), balance%eta, balance%frequency_ratio, coefficients(:, j), &
+                                               balance%harmonic, force(j)), j=1, balance%system%meshes)])
+   end function resolution_of
 
    !> Shrinks the arrays to the number of points.
    subroutine finish(self, branch)
