@@ -119,6 +119,59 @@ def test_a_double_doubling_is_one_special_point():
     assert np.abs(branch.rms[:, 2] - branch.rms[:, 4]).max() < 1e-12 < 1e-2 < np.abs(branch.rms[:, 0] - branch.rms[:, 2]).max()
 
 
+def half_a_period_later(coefficients):
+    """Coefficients of motions, (mesh, coefficient), half a period later: odd harmonics change their sign."""
+    sign = np.ones(coefficients.shape[1])
+    sign[1::4] = sign[2::4] = -1
+    return coefficients * sign
+
+
+@pytest.mark.parametrize("harmonics", [6, 20])
+def test_two_planets_double_against_one_another(harmonics):
+    """One planet moves half a period later as another does, while the third one has half the period."""
+    response = star(3).response(start=12.8, stop=13.6, harmonics=harmonics, period_doublings=1)
+    branch = response.branches[1]
+    assert "1 of 3 equal branches against 1" in branch.origin
+    assert branch.subharmonic == 2 and len(branch) > 5
+    for coefficients in branch.coefficients:
+        np.testing.assert_allclose(coefficients[[2, 3, 0, 1, 4, 5]], half_a_period_later(coefficients), atol=1e-10)
+    assert np.abs(branch.rms[:, 0] - branch.rms[:, 4]).max() > 1e-2
+    # Shooting knows no symmetry and finds the same motions, stable ones among them.
+    refined = branch.refine()
+    assert branch.stable.any()
+    np.testing.assert_allclose(refined.rms[branch.stable], branch.rms[branch.stable], atol=2e-4)
+    # Where this symmetry ends the multiplier +1 is simple. Nothing else is listed where the branch is vertical.
+    special, = branch.special_points
+    assert (special.kind, special.multiplicity) == ("branch point", 1)
+    assert abs(special.frequency - 12.890832) < 2e-6
+
+
+def test_four_planets_double_against_one_another():
+    """One against one, while the two others move equally and have half the period; two against two without any others."""
+    response = star(4).response(start=12.8, stop=13.2, harmonics=6, period_doublings=1)
+    found = {re.search(r"(\d) of 4 equal branches against (\d)", branch.origin).groups(): branch for branch in response.branches}
+    for pair, order in (("1", "1"), [2, 3, 0, 1, 4, 5, 6, 7]), (("2", "2"), [4, 5, 6, 7, 0, 1, 2, 3]):
+        branch = found[pair]
+        assert len(branch) > 5
+        for coefficients in branch.coefficients:
+            np.testing.assert_allclose(coefficients[order], half_a_period_later(coefficients), atol=1e-10)
+    branch = found["1", "1"]
+    assert np.abs(branch.rms[:, 4] - branch.rms[:, 6]).max() < 1e-12 < 1e-2 < np.abs(branch.rms[:, 0] - branch.rms[:, 4]).max()
+
+
+@pytest.mark.full
+def test_integration_settles_on_planets_that_double_against_one_another():
+    """At 13.14 random starts reach this motion, in its three numberings, and no other."""
+    train = star(3)
+    response = train.response(start=13.0, stop=13.3, harmonics=12, period_doublings=1)
+    motion, = response.branches[1].at(13.14)
+    settled = train.attractors(frequency=13.14, starts=6)
+    assert settled
+    for other in settled:
+        assert other.period == 2
+        assert np.abs(np.sort(other.rms) - np.sort(motion.rms)).max() < 1e-4
+
+
 def test_files_keep_the_multiplicity(tmp_path):
     train = star(3, torque=0.0)
     # A results file of a train without elastic shafts is another matter.
