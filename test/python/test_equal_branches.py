@@ -172,6 +172,18 @@ def test_integration_settles_on_planets_that_double_against_one_another():
         assert np.abs(np.sort(other.rms) - np.sort(motion.rms)).max() < 1e-4
 
 
+@pytest.mark.full
+def test_branches_of_renumbered_planets_are_one_branch():
+    """At 5.6 random starts reach one motion of unequal planets in several numberings: its branch is followed once."""
+    train = star(3)
+    response = train.response(start=5.1, stop=5.85, harmonics=12)
+    found = train.attractors(frequency=5.6, starts=12, follow=response)
+    unequal = [np.sort(motion.rms) for motion in found if motion.period == 1]
+    assert len(unequal) > 2
+    assert all(np.abs(rms - unequal[0]).max() < 1e-6 for rms in unequal)
+    assert len([branch for branch in found.branches if branch.subharmonic == 1]) == 1
+
+
 def test_files_keep_the_multiplicity(tmp_path):
     train = star(3, torque=0.0)
     # A results file of a train without elastic shafts is another matter.
