@@ -100,6 +100,19 @@ def test_meshes_split_into_parallel_ones():
     assert abs(split.frequency - whole.frequency) < 1e-8
 
 
+@pytest.mark.parametrize("ends", [(5.1, 5.25), (5.5, 5.85)])
+def test_a_branch_point_is_exact_from_either_branch(ends):
+    """Where unequal motions cross equal ones the unequal branch leads to the same exact point."""
+    response = star(3).response(start=ends[0], stop=ends[1], harmonics=8, branch_points=True)
+    special, = branch_points(response)
+    exact = special.exact()
+    crossing, = (point for point in branch_points(response.branches[0]) if point.multiplicity == 2)
+    other = crossing.exact()
+    assert abs(other.frequency - exact.frequency) < 1e-9
+    assert (other.crossing, other.multiplicity) == (exact.crossing, exact.multiplicity) == (2, 2)
+    np.testing.assert_allclose(other.motion.rms, exact.motion.rms, rtol=1e-7)
+
+
 def test_unequal_planets_are_no_equal_branches():
     """One planet that is 1 percent heavier leaves two equal ones: a multiplier at a time."""
     response = star(3, other=1.01).response(start=5.0, stop=5.4, harmonics=6)
