@@ -22,8 +22,8 @@ module geartrain_balance_fixed_space
 
    !> Largest difference of two branches that move equally, over the largest coefficient.
    real(dp), parameter :: same = 1e-7_dp
-   !> Solution for a right side of the size of 1 beyond which a matrix of the size of 1 is singular to rounding, as along a branch that
-   !> leaves vertically, where every combination of critical directions is a motion. Pivots do not show it.
+   !> Solution for a right side of the size of 1 beyond which a matrix of the size of 1 is singular to rounding, as along a branch
+   !> that leaves vertically, where every combination of critical directions is a motion.
    real(dp), parameter :: singular = 1e10_dp
    !> Groups whose difference modes are watched: their signs are the bits of an integer.
    integer, parameter :: most_groups = 29
@@ -214,8 +214,8 @@ contains
       end do
    end subroutine project_at_once
 
-   !> Takes a part of coefficients: a difference of the first two branches of a group, where the other branches get 0; or what changes
-   !> its sign half a period later.
+   !> Takes a part of coefficients: a difference of the first two branches of a group, where the other branches get 0; or what
+   !> changes its sign half a period later.
    pure subroutine keep_difference(self, number, x)
       class(fixed_space_type), intent(in) :: self
       !> Number of the part.

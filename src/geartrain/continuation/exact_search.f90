@@ -18,8 +18,8 @@ module geartrain_continuation_exact_search
    !> Least Lambda on the way over Lambda at its beginning: towards 0 the integration takes ever longer.
    real(dp), parameter :: slowest = 0.5_dp
    integer, parameter :: max_steps = 100
-   !> Distance in Lambda of a branch point of the balance from that of the exact motion, in the unit of Lambda, up to which the two are
-   !> one.
+   !> Distance in Lambda of a branch point of the balance from that of the exact motion, in the unit of Lambda, up to which the two
+   !> are one.
    real(dp), parameter :: near = 0.01_dp
 
 contains
@@ -56,8 +56,8 @@ contains
       found = .true.
    end subroutine find_exact
 
-   !> Finds the branch point at which a branch of unequal motions crosses one on which equal branches move equally. On this one alone
-   !> do as many multipliers pass +1 together as the branch point has; its tangent is that of the orbit.
+   !> Finds the branch point at which a branch of unequal motions crosses one on which equal branches move equally. Only on the
+   !> latter do as many multipliers pass +1 together as the branch point has; the orbit gets the tangent of the latter.
    subroutine search_equal(corrector, branch, special, exact, found)
       type(orbit_corrector_type), intent(inout) :: corrector
       type(branch_type), intent(in) :: branch

@@ -6,8 +6,8 @@
 !> comes within the step. Where the circle is within reach of the estimate and its uncertainty, the multipliers are computed at the
 !> place of the estimate, a few times at most. The uncertainty is a share of what the function varies by at the four points.
 !>
-!> Where the multipliers have crossed, the branch gets a point between the two changes: what is stable there, or unstable, would be on
-!> no point of the branch else.
+!> Where the multipliers have crossed, the branch gets a point between the two changes: else no point would show what is stable
+!> there, or unstable.
 module geartrain_continuation_hidden_changes
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type, multipliers_at, special_point_type
@@ -54,7 +54,7 @@ contains
       integer, intent(in) :: first, last
       !> Branch with multipliers; its points and `special_points` grow.
       type(branch_type), intent(inout), target :: branch
-      !> Numbers of points and of special points that an interrupt of the next steps leaves; they grow with what is added among them.
+      !> Numbers of points and of special points that an interrupt of the next steps leaves; they grow with what is added to these.
       integer, intent(inout) :: kept(2)
       !> Number of a point, which grows where a point is added before it.
       integer, intent(inout) :: before

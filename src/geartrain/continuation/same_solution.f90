@@ -1,5 +1,5 @@
-!> Whether two bifurcation points are equal, up to a shift by some periods of the fundamental, and the order of equal branches in which
-!> points and motions are compared.
+!> Whether two bifurcation points are equal, up to a shift by some periods of the fundamental, and the order of equal branches in
+!> which points and motions are compared.
 module geartrain_continuation_same_solution
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp, pi

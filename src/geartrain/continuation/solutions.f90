@@ -200,8 +200,8 @@ contains
       end do
    end subroutine gather
 
-   !> Whether a motion, shifted by any number of periods of the fundamental and up to the numbers of equal branches, lies on a branch.
-   !> The motion is solved by a balance of as many harmonics as the branch has, so that equal motions agree exactly.
+   !> Whether a motion, shifted by any number of periods of the fundamental and up to the numbers of equal branches, lies on a
+   !> branch. The motion is solved by a balance of as many harmonics as the branch has, so that equal motions agree exactly.
    logical function lies_on(train, settings, branch, motion)
       !> Train of the branch.
       type(train_type), intent(in) :: train
