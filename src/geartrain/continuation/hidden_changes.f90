@@ -5,15 +5,18 @@
 !> two points and at the points before and after them. Parabolas through three of the four points estimate how near to the circle it
 !> comes within the step. Where the circle is within reach of the estimate and its uncertainty, the multipliers are computed at the
 !> place of the estimate, a few times at most. The uncertainty is a share of what the function varies by at the four points.
+!>
+!> Where the multipliers have crossed, the branch gets a point between the two changes: else no point would show what is stable
+!> there, or unstable.
 module geartrain_continuation_hidden_changes
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type, multipliers_at, special_point_type
-   use geartrain_continuation_corrector, only: corrector_type, solution_point_type
+   use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_linearized_motion, only: solution_on
-   use geartrain_continuation_points, only: motion_of
+   use geartrain_continuation_points, only: motion_of, put_latest_after
+   use geartrain_continuation_recording_corrector, only: recording_corrector_type
    use geartrain_continuation_stability_changes, only: doubling, find_multipliers, largest_multiplier, neimark_sacker, outside, &
       piece_type, separate
-   use geartrain_floquet_monodromy, only: monodromy_type
    use geartrain_floquet_multipliers, only: are_numbers
    implicit none (type, external)
    private
@@ -42,38 +45,42 @@ module geartrain_continuation_hidden_changes
 
 contains
 
-   !> Lists the pairs of changes of stability in some steps of a branch. An interrupt drops them: the run that goes on finds them.
-   subroutine add_hidden_changes(corrector, monodromy, first, last, branch, kept)
-      !> Corrector of the branch.
-      type(corrector_type), intent(inout) :: corrector
-      !> Monodromy matrix set up for the system; work space.
-      type(monodromy_type), intent(inout) :: monodromy
+   !> Lists the pairs of changes of stability in some steps of a branch, and adds a point between the two changes of a pair. An
+   !> interrupt drops those of the step under way: the run that goes on finds them.
+   subroutine add_hidden_changes(tracer, first, last, branch, kept, before)
+      !> Set up for the branch.
+      class(recording_corrector_type), intent(inout) :: tracer
       !> Numbers of the points before the first and the last step.
       integer, intent(in) :: first, last
-      !> Branch with multipliers; its `special_points` grow.
+      !> Branch with multipliers; its points and `special_points` grow.
       type(branch_type), intent(inout), target :: branch
-      !> Number of special points that an interrupt of the next steps leaves; grows likewise.
-      integer, intent(inout) :: kept
-      type(special_point_type), allocatable :: listed(:)
-      integer :: i
+      !> Numbers of points and of special points that an interrupt of the next steps leaves; they grow with what is added to these.
+      integer, intent(inout) :: kept(2)
+      !> Number of a point, which grows where a point is added before it.
+      integer, intent(inout) :: before
+      integer :: i, listed, points, to
 
-      listed = branch%special_points
-      do i = max(1, first), min(last, branch%points - 1)
-         call add_in_step(corrector, monodromy, i, branch)
+      i = max(1, first)
+      to = min(last, branch%points - 1)
+      do while (i <= to)
+         points = branch%points
+         listed = size(branch%special_points)
+         call add_in_step(tracer, i, branch)
+         points = branch%points - points
+         if (i < kept(1)) kept = kept + [points, size(branch%special_points) - listed]
+         if (i < before) before = before + points
+         to = to + points
+         i = i + points + 1
       end do
-      if (corrector%balance%system%interrupt%raised()) branch%special_points = listed
-      kept = kept + size(branch%special_points) - size(listed)
    end subroutine add_hidden_changes
 
    !> Lists the pairs of changes of stability between point i and point i + 1 of a branch.
-   subroutine add_in_step(corrector, monodromy, i, branch)
-      !> Corrector of the branch.
-      type(corrector_type), intent(inout) :: corrector
-      !> Monodromy matrix set up for the system; work space.
-      type(monodromy_type), intent(inout) :: monodromy
+   subroutine add_in_step(tracer, i, branch)
+      !> Set up for the branch.
+      class(recording_corrector_type), intent(inout) :: tracer
       !> Number of the point before the step.
       integer, intent(in) :: i
-      !> Branch with multipliers; its `special_points` grow.
+      !> Branch with multipliers; its points and `special_points` grow.
       type(branch_type), intent(inout), target :: branch
       complex(dp) :: multipliers(branch%states, -1:2)
       real(dp) :: f(-1:2)
@@ -126,11 +133,11 @@ contains
          integer :: j
 
          do j = -1, 2
-            if (known(j)) points(j) = solution_on(corrector%balance, motion_of(branch, i + j))
+            if (known(j)) points(j) = solution_on(tracer%corrector%balance, motion_of(branch, i + j))
          end do
          apart = 0
          do j = -1, 1
-            if (known(j) .and. known(j + 1)) apart(j) = corrector%length_of(points(j + 1)%u - points(j)%u, &
+            if (known(j) .and. known(j + 1)) apart(j) = tracer%corrector%length_of(points(j + 1)%u - points(j)%u, &
                points(j + 1)%frequency_ratio - points(j)%frequency_ratio)
          end do
          samples%taken = 0
@@ -171,14 +178,14 @@ contains
          call orient(piece%next)
          do n = 1, most_places
             call samples%highest(piece%length, s, peak)
-            call find_multipliers(corrector, monodromy, piece, 0.0_dp, piece%length, s, solution, between, success)
+            call find_multipliers(tracer%corrector, tracer%recorder%monodromy, piece, 0.0_dp, piece%length, s, solution, between, &
+                                  success)
             if (.not. success) return
             if (.not. are_numbers(between)) return
             counts = outside(between)
             found = counts(kind) /= counted(kind)
             if (found) then
-               call separate(corrector, monodromy, piece, 0.0_dp, s, multipliers(:, 0), between, i + 1, branch)
-               call separate(corrector, monodromy, piece, s, piece%length, between, multipliers(:, 1), i + 1, branch)
+               call add_pair(s, solution, between)
                return
             end if
             value = sense*distance_of(between, kind, number)
@@ -187,6 +194,54 @@ contains
             if (.not. is_within_reach(samples)) return
          end do
       end subroutine look
+
+      !> Lists the changes on both sides of a place in the step, and makes the place a point of the branch.
+      subroutine add_pair(s, solution, between)
+         real(dp), intent(in) :: s
+         type(solution_point_type), intent(inout) :: solution
+         complex(dp), intent(in) :: between(:)
+         real(dp) :: curvature
+         integer :: k, listed, missed, points
+         logical :: success
+
+         points = branch%points
+         listed = size(branch%special_points)
+         missed = tracer%missed
+         call separate(tracer%corrector, tracer%recorder%monodromy, piece, 0.0_dp, s, multipliers(:, 0), between, i + 1, branch)
+         call separate(tracer%corrector, tracer%recorder%monodromy, piece, s, piece%length, between, multipliers(:, 1), i + 2, &
+                       branch)
+         call tracer%corrector%correct(solution, success)
+         if (success) then
+            curvature = tracer%curvature
+            tracer%curvature = (piece%next%tangent_frequency - piece%here%tangent_frequency)/piece%length
+            call tracer%record(solution, branch)
+            tracer%curvature = curvature
+         end if
+         if (tracer%system%interrupt%raised()) then
+            branch%points = points
+            branch%special_points = branch%special_points(:listed)
+            tracer%missed = missed
+         else if (.not. success) then
+            branch%special_points(listed + 1:)%point = i
+         else
+            branch%segment(branch%points) = branch%segment(i)
+            call put_latest_after(branch, i)
+            do k = 1, listed
+               associate (special => branch%special_points(k))
+                  if (special%point > i .or. is_beyond(special)) special%point = special%point + 1
+               end associate
+            end do
+         end if
+      end subroutine add_pair
+
+      !> Whether a special point of the step lies beyond the new point.
+      logical function is_beyond(special)
+         type(special_point_type), intent(in) :: special
+
+         is_beyond = special%point == i .and. special%kind /= 'fold'
+         if (is_beyond) is_beyond = (special%frequency_ratio - branch%frequency_ratio(i + 1)) &
+                                    *(branch%frequency_ratio(i + 2) - branch%frequency_ratio(i + 1)) > 0
+      end function is_beyond
 
       !> Solves an end of the step, for its tangent along the step. Where Newton's method fails the tangent is the chord.
       subroutine orient(point)
@@ -201,7 +256,7 @@ contains
          point%tangent = chord%tangent
          point%tangent_frequency = chord%tangent_frequency
          solved = point
-         call corrector%correct(solved, success)
+         call tracer%corrector%correct(solved, success)
          if (success) point = solved
       end subroutine orient
 

@@ -8,7 +8,7 @@ module geartrain_continuation_points
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: drop_first, is_same_point, motion_of, put_in_front, repeats_of
+   public :: drop_first, is_same_point, motion_of, put_in_front, put_latest_after, repeats_of
 
 contains
 
@@ -91,6 +91,19 @@ contains
       branch%special_points = pack(branch%special_points, branch%special_points%point > points)
       branch%special_points%point = branch%special_points%point - points
    end subroutine drop_first
+
+   !> Puts the latest point after point i. Special points keep their numbers.
+   subroutine put_latest_after(branch, i)
+      !> A branch.
+      type(branch_type), intent(inout), target :: branch
+      !> Number of the point, before the latest one.
+      integer, intent(in) :: i
+      integer :: k
+
+      associate (n => branch%points)
+         call take_points(branch, [(k, k=1, i), n, (k, k=i + 1, n - 1)])
+      end associate
+   end subroutine put_latest_after
 
    !> Whether two points have bitwise equal Lambda and equal motions. Motions of different numbers of harmonics may differ by three
    !> times their error estimates.

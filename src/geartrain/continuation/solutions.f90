@@ -9,6 +9,7 @@ module geartrain_continuation_solutions
    use geartrain_continuation_branch, only: branch_type, carried_by, coefficients_of, dense_coefficients, has_sets, &
       response_settings_type
    use geartrain_continuation_corrector, only: inner, solution_point_type
+   use geartrain_continuation_same_solution, only: put_figures_in_order
    use geartrain_continuation_start, only: begin_trace, solution_of
    use geartrain_continuation_tracer, only: tracer_type
    use geartrain_model_check, only: check_train
@@ -200,8 +201,8 @@ contains
       end do
    end subroutine gather
 
-   !> Whether a motion, shifted by any number of periods of the fundamental, lies on a branch. The motion is solved by a balance of
-   !> as many harmonics as the branch has, so that equal motions agree exactly.
+   !> Whether a motion, shifted by any number of periods of the fundamental and up to the numbers of equal branches, lies on a
+   !> branch. The motion is solved by a balance of as many harmonics as the branch has, so that equal motions agree exactly.
    logical function lies_on(train, settings, branch, motion)
       !> Train of the branch.
       type(train_type), intent(in) :: train
@@ -238,6 +239,12 @@ contains
       call tracer%record(solution, solved)
       call solutions_at(train, same_balance, branch, motion%frequency_ratio, motions, error)
       call gather(solved, same_balance, here)
+      associate (corrector => tracer%corrector)
+         call put_figures_in_order(corrector%sets, corrector%balance%mesh, here(1))
+         do i = 1, size(motions)
+            call put_figures_in_order(corrector%sets, corrector%balance%mesh, motions(i))
+         end do
+      end associate
       uncertainty = 0
       if (has_sets(branch)) uncertainty = 3*maxval([here%error_estimate, motions%error_estimate])
       lies_on = any([(is_same_motion(here(1), motions(i), uncertainty), i=1, size(motions))])

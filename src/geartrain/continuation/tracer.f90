@@ -4,13 +4,12 @@ module geartrain_continuation_tracer
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
-   use geartrain_continuation_adaptive_corrector, only: adaptive_corrector_type
    use geartrain_continuation_branch, only: branch_type, trace_state_type
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_crossings, only: add_branch_point, crossing_type, find_crossings
    use geartrain_continuation_growth_changes, only: add_growth_change
    use geartrain_continuation_hidden_changes, only: add_hidden_changes
-   use geartrain_continuation_recorder, only: recorder_type
+   use geartrain_continuation_recording_corrector, only: recording_corrector_type
    use geartrain_continuation_special_points, only: add_special_point, locate_fold
    use geartrain_continuation_stability_changes, only: add_stability_changes
    use geartrain_continuation_step_geometry, only: closes, cosine, cosine_limit, hides_folds, passes_half_period, sense_of, way_to
@@ -33,39 +32,21 @@ module geartrain_continuation_tracer
    !> Length of a step that is as good as the fold in it.
    real(dp), parameter :: fold_itself = 1e-6_dp
 
-   type, extends(adaptive_corrector_type) :: tracer_type
+   type, extends(recording_corrector_type) :: tracer_type
       !> Largest rms of a mesh over characteristic length [1].
       real(dp) :: amplitude_limit = huge(1.0_dp)
-      type(recorder_type) :: recorder
       !> Name of the analysis told to the observer: 'response', or 'branch' for a further branch.
       character(8) :: analysis = 'response'
-      !> Number of the segment of the branch that is traced.
-      integer :: segment = 1
       !> Points and special points of the branch before the step under way.
       integer :: kept(2) = 0
       !> The next trace goes on from branch%trace.
       logical :: resumes = .false.
-      !> Points that miss the tolerance, where harmonics = 0.
-      integer :: missed = 0
    contains
-      procedure :: record, trace, tell_missed, note_state, restore_state
+      procedure :: trace, tell_missed, note_state, restore_state
       procedure, private :: shown_step, take_step, find_end, stop_at, add_fold, add_changes, keep_equal
    end type tracer_type
 
 contains
-
-   !> Adds a solution point to the branch.
-   subroutine record(self, solution, branch)
-      class(tracer_type), intent(inout) :: self
-      !> Solution point that `corrector` worked on last.
-      type(solution_point_type), intent(in) :: solution
-      !> Branch that `recorder` was set up for.
-      type(branch_type), intent(inout), target :: branch
-
-      call self%estimate_error(solution)
-      if (self%settings%harmonics == 0 .and. self%estimate%limited > self%settings%tolerance) self%missed = self%missed + 1
-      call self%recorder%add(self%corrector%balance, solution, self%estimate, self%segment, branch)
-   end subroutine record
 
    !> Follows the branch within the bounds.
    subroutine trace(self, here, low, high, target, branch, outcome, reason, observer, began, point)
@@ -168,8 +149,7 @@ contains
          if (closing) exit
          call self%find_end(at_bound, meets, target, before, branch, outcome, reason)
          if (outcome /= under_way .and. self%recorder%stability .and. .not. self%vanishes()) &
-            call add_hidden_changes(self%corrector, self%recorder%monodromy, branch%points - 1, branch%points - 1, branch, &
-                                    self%kept(2))
+            call add_hidden_changes(self, branch%points - 1, branch%points - 1, branch, self%kept, before)
          if (outcome == left_by_amplitude) then
             here = next
             if (present(began)) began = origin
@@ -413,7 +393,7 @@ contains
       type(solution_point_type), intent(in) :: here, next, fold
       real(dp), intent(in) :: h, fold_at
       !> Number of the point of the branch that `here` is.
-      integer, intent(in) :: before
+      integer, intent(inout) :: before
       type(branch_type), intent(inout), target :: branch
 
       ! A train at rest at a wall of its gaps has no multipliers.
@@ -424,7 +404,7 @@ contains
             return
          end if
          ! Of the steps that now have a point after them.
-         call add_hidden_changes(corrector, monodromy, max(before, n - 2) - 1, n - 2, branch, self%kept(2))
+         call add_hidden_changes(self, max(before, n - 2) - 1, n - 2, branch, self%kept, before)
          if (fold_at > 0) then
             call add_stability_changes(corrector, monodromy, here, fold, fold_at, before, n - 1, branch)
             call add_stability_changes(corrector, monodromy, fold, next, h - fold_at, n - 1, n, branch)
