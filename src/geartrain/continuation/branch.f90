@@ -428,7 +428,6 @@ contains
       type(branch_type), intent(inout) :: branch
       class(fields_type), intent(inout) :: fields
 
-      call fields%index_axis('state', branch%states, 'number of the multiplier, in no order that holds between points')
       call carry(fields, row('stable', 'point', '1', about_stable, on_stability), branch%stable)
       call carry(fields, row('undecided', 'point', '1', about_undecided, on_stability), branch%undecided)
       call carry(fields, row('growth_rate', 'point', '1/s', about_growth_rate, on_stability), branch%growth_rate)
@@ -438,10 +437,12 @@ contains
                              &motion corrected by its estimated error; NaN where it was not needed: no contact event, none that &
                              &can move it across the unit circle, or undecided anyway', on_stability, none_is_negative=.true.), &
                  branch%second_estimate)
-      if (fields%has('multipliers', branch%states > 0)) &
+      if (fields%has('multipliers', branch%states > 0)) then
+         call fields%index_axis('state', branch%states, 'number of the multiplier, in no order that holds between points')
          call carry(fields, row('multipliers', 'point state complex', '1', about_multipliers//'; of a train of 160 states &
                                 &(41 flexible shafts) or more the 16 of largest magnitude', on_stability//', where a period has &
                                 &at most 500 cycles of any mesh, or with `multipliers`'), branch%multipliers)
+      end if
       if (fields%has('repetition_multipliers', allocated(branch%repetition_multipliers))) &
          call carry(fields, row('repetition_multipliers', 'point state complex', '1', 'Floquet multipliers over one repetition of &
                                 &the waveform, of which `multipliers` are powers', on_stability//', where all orders have a &
