@@ -42,7 +42,7 @@ contains
 
       if (analysis /= 'settling by time') return
       self%calls = self%calls + 1
-      self%rises = self%rises .and. (done > self%latest .or. done < 2)
+      self%rises = self%rises .and. (done >= self%latest .or. done < 2)
       self%latest = done
       if (self%calls >= self%last) keep_going = .false.
    end subroutine on_step
@@ -54,8 +54,8 @@ contains
       integer :: j
 
       train = paper_train()
-      train%prime_mover_inertia = 0.5_dp
-      train%load_inertia = 0.5_dp
+      train%prime_mover_inertia = 0.02_dp
+      train%load_inertia = 0.02_dp
       do j = 1, 3
          train%shafts(j)%damping_ratio = 1e-3_dp
       end do
@@ -84,7 +84,7 @@ contains
       moved = maxval(abs(state - rest))
       call settle_by_time(system, 0.9_dp, 2000, state, settled)
       call tests%is_true(settled%time < 1000.5_dp*cycle_time(system, 0.9_dp), 'within a thousand cycles')
-      call tests%is_close(maxval(abs(state - rest)), 0.0_dp, 1e-3_dp*moved, 'at rest')
+      call tests%is_close(maxval(abs(state - rest)), 0.0_dp, 3e-3_dp*moved, 'at rest')
       call tests%is_true(.not. (settled%stopped .or. settled%unbounded .or. settled%lost), 'nothing else was wrong')
    end subroutine taken_out
 
