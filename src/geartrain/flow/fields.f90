@@ -155,7 +155,8 @@ contains
       call carry_loads(fields, motion%mesh_load)
       if (torques_there) call carry_torques(fields, motion%shaft_torque_mean, motion%shaft_torque_minimum, &
                                                              motion%shaft_torque_maximum)
-      call carry_uncertainty(fields, motion%uncertainty, torques_there)
+      if (fields%has('rms_uncertainty', allocated(motion%uncertainty%rms))) &
+         call carry_uncertainty(fields, motion%uncertainty, torques_there)
       if (fields%has('ringing', motion%ringing >= 0)) &
          call carry(fields, row('ringing', '', '1', 'amplitude of free vibrations that take too long to die out, when last &
                                 &read, over the alternating displacement, the largest of all meshes; NaN: not known', in_window, &
