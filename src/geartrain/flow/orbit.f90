@@ -87,7 +87,7 @@ contains
       real(dp), intent(in) :: frequency_ratio, state(:)
       !> Period of the orbit [periods of the fundamental].
       integer, intent(in) :: period
-      !> Mesh displacements over characteristic length [1], (samples, mesh); 0 where an interrupt ended the flow.
+      !> Mesh displacements over characteristic length [1], (samples, mesh); 0, as all samples, where the flow was ended early.
       real(dp), intent(out) :: displacement(:, :)
       !> Mesh forces over k b_c [1], damping included, (samples, mesh).
       real(dp), intent(out), optional :: force(:, :)
@@ -169,11 +169,14 @@ contains
          end do
       end do
       if (present(stopped)) stopped = .not. keep_going
+      if (present(share)) share = spent/(stretches*stretch)
       if (system%interrupt%raised() .or. .not. keep_going) then
          displacement = 0
-         velocity = 0
+         if (present(rate)) rate = 0
+         if (present(force)) force = 0
+         if (present(torque)) torque = 0
+         return
       end if
-      if (present(share)) share = spent/(stretches*stretch)
       if (present(rate)) rate = velocity
       if (.not. present(force)) return
       do j = 1, system%meshes
@@ -252,7 +255,7 @@ contains
       integer, intent(in) :: wanted
       !> Given: frequency_ratio, period or window, state, ringing. Set: all figures.
       type(motion_type), intent(inout) :: motion
-      !> Told of the flow over a window; may end it, and the figures are then 0.
+      !> Told of the flow over a window; may end it, and there are then no figures.
       class(observer_type), intent(inout), optional :: observer
       !> Whether the observer ended the flow.
       logical, intent(out), optional :: stopped
@@ -261,6 +264,7 @@ contains
       real(dp) :: share(-1:1, system%meshes), largest(2, system%meshes)
       real(dp) :: periods
       integer :: harmonics, lines, j, k, q
+      logical :: ended
 
       harmonics = wanted
       if (wanted == 0) harmonics = stored_harmonics(system)
@@ -271,7 +275,10 @@ contains
       if (motion%window > 0) q = transform_length(q)
       allocate (p(q, system%meshes), force(q, system%meshes), torque(q, system%torque_paths%shafts))
       call sample_orbit(system, motion%frequency_ratio, motion%period, motion%state, p, force, share, largest, torque, &
-                        window=motion%window, observer=observer, stopped=stopped)
+                        window=motion%window, observer=observer, stopped=ended)
+      if (present(stopped)) stopped = ended
+      ! Figures of long windows take a second that nobody waits for any more.
+      if (motion%window > 0 .and. (ended .or. system%interrupt%raised())) return
       motion%shaft_torque_mean = sum(torque, 1)/q
       motion%shaft_torque_minimum = [(-peak(-torque(:, j), motion%window > 0), j=1, size(torque, 2))]
       motion%shaft_torque_maximum = [(peak(torque(:, j), motion%window > 0), j=1, size(torque, 2))]
