@@ -62,8 +62,9 @@ contains
    pure integer function load_resolution(law, eta, frequency_ratio, u, harmonic, force)
       !> Force law of the mesh.
       type(law_type), intent(in) :: law
-      !> Period of the motion [periods of the fundamental]; Lambda [1].
+      !> Period of the motion [periods of the fundamental].
       integer, intent(in) :: eta
+      !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
       !> Coefficients of the mesh displacement over b_c [1], (coefficient): mean, cos, sin, ... of each harmonic.
       real(dp), intent(in) :: u(:)

@@ -8,7 +8,7 @@ module geartrain_continuation_branch
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_flow_fields, only: about_coefficients, about_frequency, about_growth_rate, about_maximum, about_mean, about_mesh, &
       about_minimum, about_multipliers, about_rms, about_shaft, about_stable, about_true_ac_rms, about_undecided, carry_loads, &
-      carry_torques, coefficient_axis, on_stability
+      carry_torques, coefficient_axis, on_multipliers, on_stability
    use geartrain_model_frequency_unit, only: unit_length
    implicit none (type, external)
    private
@@ -144,9 +144,8 @@ module geartrain_continuation_branch
       !> Floquet multipliers over one repetition of the waveform, (state, point), of which `multipliers` are powers; allocated where
       !> the motions repeat themselves within the period and stability was asked for.
       complex(dp), allocatable :: repetition_multipliers(:, :)
-      !> Whether all perturbations die out, (point); not allocated: stability was not asked for.
+      !> Whether all perturbations die out, and the rate of the slowest [1/s], (point); not allocated: stability was not asked for.
       logical, allocatable :: stable(:)
-      !> Rate of the slowest of them, the real part of the largest Floquet exponent [1/s], (point).
       real(dp), allocatable :: growth_rate(:)
       !> Whether `stable` is a guess, because the largest multiplier is as near to the unit circle as it is uncertain, (point), see
       !> geartrain_continuation_stability_assessment.
@@ -440,8 +439,7 @@ contains
       if (fields%has('multipliers', branch%states > 0)) then
          call fields%index_axis('state', branch%states, 'number of the multiplier, in no order that holds between points')
          call carry(fields, row('multipliers', 'point state complex', '1', about_multipliers//'; of a train of 160 states &
-                                &(41 flexible shafts) or more the 16 of largest magnitude', on_stability//', where a period has &
-                                &at most 500 cycles of any mesh, or with `multipliers`'), branch%multipliers)
+                                &(41 flexible shafts) or more the 16 of largest magnitude', on_multipliers), branch%multipliers)
       end if
       if (fields%has('repetition_multipliers', allocated(branch%repetition_multipliers))) &
          call carry(fields, row('repetition_multipliers', 'point state complex', '1', 'Floquet multipliers over one repetition of &
