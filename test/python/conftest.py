@@ -130,7 +130,14 @@ def assert_equal_files(one, other):
 
 
 def pytest_addoption(parser):
+    parser.addoption("--seed", type=int, default=0, help="of what the tests with files from elsewhere draw")
     parser.addoption("--all-repetitions", action="store_true", help="repeat in full what is repeated a tenth as often by day")
+
+
+@pytest.fixture(scope="session")
+def seed(request):
+    """Of what a test draws; another one by night."""
+    return request.config.getoption("--seed")
 
 
 @pytest.fixture(scope="session")

@@ -48,10 +48,10 @@ def call(folder, directory, *arguments):
     )
 
 
-def test_every_flipped_bit_of_a_batch_is_found(folder, times):
+def test_every_flipped_bit_of_a_batch_is_found(folder, times, seed):
     path = Store(folder).paths()[0]
     text = path.read_bytes()
-    draw = np.random.default_rng(1)
+    draw = np.random.default_rng([seed, 1])
     bits = 8 * len(text)
     for bit in draw.choice(bits, min(bits, times(20000)), replace=False).tolist():
         flipped = bytearray(text)
@@ -64,10 +64,10 @@ def test_every_flipped_bit_of_a_batch_is_found(folder, times):
     assert "missing" in found.status.values
 
 
-def test_every_flipped_bit_of_a_plan_is_found(folder, times, capsys):
+def test_every_flipped_bit_of_a_plan_is_found(folder, times, seed, capsys):
     path, = (folder / "plans").iterdir()
     text = path.read_bytes()
-    draw = np.random.default_rng(2)
+    draw = np.random.default_rng([seed, 2])
     for bit in draw.choice(8 * len(text), times(20000)).tolist():
         flipped = bytearray(text)
         flipped[bit // 8] ^= 1 << bit % 8
