@@ -1,0 +1,66 @@
+"""Real gearboxes: ``python benchmarks/gearboxes.py [OTHER]``, with OTHER the executable of another commit.
+
+Processor time of one core for whole runs of the executable, alternated with the other one, the least of three; a run is given up
+after ten minutes. The cases are those of ``test/python/gearboxes.py`` and ``namelists/reducer.nml``.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import resource
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "test" / "python"))
+
+from gearboxes import TRUCK, WIND_TURBINE  # noqa: E402
+
+PATIENCE, REPEATS = 600, 3
+OWN = ROOT / "build" / "release" / "geartrain"
+REDUCER = re.sub(r"(?ms)^&(modes|response|integration|run_up).*?/$", "", (ROOT / "namelists/reducer.nml").read_text("utf-8"))
+TURBINE = WIND_TURBINE.format(torque="322.0e3")
+CASES = {
+    "wind turbine, response from 1100 to 1900 rpm, tolerance 1e-3, with verdicts":
+        TURBINE + "&response from = 1100.0, to = 1900.0, unit = 'rpm', harmonics = 0, tolerance = 1e-3 /\n",
+    "wind turbine, run-up from 1100 to 1900 rpm in 20 s":
+        TURBINE + "&run_up from = 1100.0, to = 1900.0, unit = 'rpm', duration = 20.0 /\n",
+    "two-stage reducer, response from 200 to 4000 rpm, tolerance 1e-3, with verdicts":
+        REDUCER + "&response from = 200.0, to = 4000.0, unit = 'rpm', harmonics = 0, tolerance = 1e-3 /\n",
+    "truck with idle gears, integration at three speeds":
+        TRUCK + "&integration from = 800.0, to = 1600.0, points = 3, unit = 'rpm' /\n",
+}
+
+
+def seconds(executable: Path, text: str) -> float:
+    """Processor time of a run [s]; infinite where it takes more than `PATIENCE`."""
+    with tempfile.TemporaryDirectory() as folder:
+        case = Path(folder) / "case.nml"
+        case.write_text(text + f"&output file = '{folder}/case.h5' /\n", encoding="utf-8")
+        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        try:
+            subprocess.run([executable, case], check=True, timeout=PATIENCE, capture_output=True,
+                           env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"})
+        except subprocess.TimeoutExpired:
+            return float("inf")
+        return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+
+
+def main() -> None:
+    """Print a row for each case."""
+    executables = [OWN, *map(Path, sys.argv[1:])]
+    for name, text in CASES.items():
+        least = [float("inf")] * len(executables)
+        for repeat in range(REPEATS):
+            for place, executable in enumerate(executables):
+                if repeat == 0 or least[place] < PATIENCE:
+                    least[place] = min(least[place], seconds(executable, text))
+        told = [f"{value:.2f} s" if value < PATIENCE else f"more than {PATIENCE} s" for value in least]
+        print(f"{name}: {', '.join(told)}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
