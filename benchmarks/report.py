@@ -274,6 +274,18 @@ plain loop; efficiency is the plain loop's time over processes times wall time.
 {found["read"]} points are read back in {found["seconds"]:.1f} s, a Dataset of {found["size"]:.0f} MB."""
 
 
+def gearboxes_section(found):
+    rows = [(row["case"], spread(row["seconds"])) for row in found["rows"]]
+    return f"""## Real gearboxes
+
+Whole runs of the executable, processor time. The wind turbine of 750 kW has three stages (120/21, 82/23, 88/22; its common period is
+328 turns of the generator, 7216 cycles of its fastest mesh), the truck two countershafts and four idle meshes that rattle
+(`test/python/gearboxes.py`), the reducer two stages (`namelists/reducer.nml`). Beside another commit: `python
+benchmarks/real_gearboxes.py EXECUTABLE`.
+
+{table(("case", "processor time"), rows)}"""
+
+
 def operations():
     """Floating-point operations of a point of figure 3 at R = 6: three solves, the monodromy matrix, its eigenvalues.
 
@@ -325,7 +337,7 @@ def write(found, path):
     sections = (
         machine_section(found["machine"]), WHERE, curve_section(found["curve"]), accuracy_section(found["accuracy"]),
         scale_section(found["scale"]), cores_section(found["cores"]), study_section(found["study"]),
-        locus_section(found["locus"]),
+        locus_section(found["locus"]), gearboxes_section(found["gearboxes"]),
         floor_section(found["machine"], found["curve"]),
     )  # fmt: skip
     intro = f"""# Speed against error

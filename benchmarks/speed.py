@@ -16,12 +16,14 @@ import cores
 import curve
 import locus
 import machine
+import real_gearboxes
 import report
 import scale
 import study
 from timing import one_core
 
-PARTS = {"machine": machine, "curve": curve, "accuracy": accuracy, "scale": scale, "cores": cores, "study": study, "locus": locus}
+PARTS = {"machine": machine, "curve": curve, "accuracy": accuracy, "scale": scale, "cores": cores, "study": study, "locus": locus,
+         "gearboxes": real_gearboxes}
 KEPT = Path("build/benchmarks")
 EXECUTABLE = Path("build/release/geartrain")
 

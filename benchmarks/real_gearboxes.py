@@ -1,4 +1,4 @@
-"""Real gearboxes: ``python benchmarks/gearboxes.py [OTHER]``, with OTHER the executable of another commit.
+"""Real gearboxes: ``python benchmarks/real_gearboxes.py [OTHER]``, with OTHER the executable of another commit.
 
 Processor time of one core for whole runs of the executable, alternated with the other one, the least of three; a run is given up
 after ten minutes. The cases are those of ``test/python/gearboxes.py`` and ``namelists/reducer.nml``.
@@ -12,7 +12,9 @@ import resource
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "test" / "python"))
@@ -47,6 +49,15 @@ def seconds(executable: Path, text: str) -> float:
         except subprocess.TimeoutExpired:
             return float("inf")
         return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+
+
+def measure(quick: bool, executable: Path, say: Callable[[str], None]) -> dict[str, list[dict[str, Any]]]:
+    """A row for each case."""
+    rows = []
+    for name, text in CASES.items():
+        say(name)
+        rows.append({"case": name, "seconds": [seconds(Path(executable).resolve(), text) for _ in range(1 if quick else REPEATS)]})
+    return {"rows": rows}
 
 
 def main() -> None:
