@@ -278,8 +278,8 @@ def gearboxes_section(found):
     rows = [(row["case"], spread(row["seconds"])) for row in found["rows"]]
     return f"""## Real gearboxes
 
-Whole runs of the executable, processor time. The wind turbine of 750 kW has three stages (120/21, 82/23, 88/22; its common period is
-328 turns of the generator, 7216 cycles of its fastest mesh), the truck two countershafts and four idle meshes that rattle
+Whole runs of the executable, processor time. The wind turbine of 750 kW has three stages (120/21, 82/23, 88/22; its common period
+is 328 turns of the generator, 7216 cycles of its fastest mesh), the truck two countershafts and four idle meshes that rattle
 (`test/python/gearboxes.py`), the reducer two stages (`namelists/reducer.nml`). Beside another commit: `python
 benchmarks/real_gearboxes.py EXECUTABLE`.
 
