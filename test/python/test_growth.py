@@ -44,6 +44,13 @@ def test_short_periods():
     assert (branch.stable == (branch.growth_rate < 0))[decided].all()
 
 
+def test_refined_points():
+    """Those of the multipliers by shooting."""
+    train = paper_train()
+    branch = train.response(start=0.6, stop=0.62, refine=True)
+    np.testing.assert_allclose(branch.growth_rate, of_multipliers(train, branch), rtol=1e-12)
+
+
 @pytest.mark.parametrize("damping", [0.05, 0.02])
 def test_teeth_that_separate(damping):
     own, whole = by_both(hunting_train(0.3, damping), 2.0, 2.05, 6)

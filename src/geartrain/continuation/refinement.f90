@@ -3,7 +3,7 @@
 module geartrain_continuation_refinement
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_error, only: error_type
-   use geartrain_base_kinds, only: dp
+   use geartrain_base_kinds, only: dp, pi
    use geartrain_base_observer, only: observer_type
    use geartrain_continuation_branch, only: branch_type, coefficients_of
    use geartrain_continuation_fold_sides, only: sides_of
@@ -75,7 +75,7 @@ contains
          ! The observer may read the branch: no other thread changes a point at this time.
          !$omp critical (geartrain_refinement)
          branch%correction(i) = correction
-         if (.not. correction < 0) call replace_point(motion, i, branch)
+         if (.not. correction < 0) call replace_point(motion, i, system%characteristic_frequency, branch)
          done = done + 1
          go = keep_going
          if (go .and. present(observer)) call observer%on_step('refinement', done, branch%frequency_ratio(i), go)
@@ -168,9 +168,11 @@ contains
    end subroutine refine_point
 
    !> Puts an orbit in the place of point i; rms, extremes and loads are those of the whole waveform of the orbit.
-   subroutine replace_point(motion, i, branch)
+   subroutine replace_point(motion, i, frequency, branch)
       type(motion_type), intent(in) :: motion
       integer, intent(in) :: i
+      !> Characteristic frequency [rad/s].
+      real(dp), intent(in) :: frequency
       type(branch_type), intent(inout), target :: branch
       integer :: k
 
@@ -193,10 +195,12 @@ contains
       branch%error_estimate(i) = motion%error_estimate
       branch%estimate_doubtful(i) = .false.
       if (.not. allocated(branch%stable)) return
+      branch%growth_rate(i) = log(max(abs(motion%multipliers(1)), tiny(frequency)))*frequency*motion%frequency_ratio &
+                              /(2*pi*motion%period)
       ! Multipliers are in descending order; of a train of many states a branch has the leading multipliers only.
-      branch%multipliers(:, i) = motion%multipliers(:size(branch%multipliers, 1))
+      if (branch%states > 0) branch%multipliers(:, i) = motion%multipliers(:branch%states)
       if (allocated(branch%repetition_multipliers)) &
-         branch%repetition_multipliers(:, i) = motion%repetition_multipliers(:size(branch%multipliers, 1))
+         branch%repetition_multipliers(:, i) = motion%repetition_multipliers(:branch%states)
       branch%stable(i) = motion%stable
       branch%undecided(i) = .false.
       branch%count_undecided(i) = .false.
