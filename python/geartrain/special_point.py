@@ -27,8 +27,8 @@ class SpecialPoint:
     Attributes
     ----------
     kind : str
-        ``'fold'``, ``'period doubling'``, ``'neimark-sacker'`` or ``'branch point'``; of a contact onset ``'separation'`` or
-        ``'back contact'``.
+        ``'fold'``, ``'period doubling'``, ``'neimark-sacker'``, ``'branch point'`` or, of motions of long period,
+        ``'stability change'``; of a contact onset ``'separation'`` or ``'back contact'``.
     frequency : float
         Lambda.
     point : int

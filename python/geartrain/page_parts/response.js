@@ -427,6 +427,7 @@ function drawKey(key, traces) {
     "period doubling": mark("M14 2L19 7L14 12L9 7Z"),
     "neimark-sacker": mark("M10 3H18V11H10Z"),
     "branch point": mark("M10 3L18 11M18 3L10 11", "none"),
+    "stability change": mark("M14 1l2 4 4 .5-3 3 .8 4.3-3.8-2-3.8 2 .8-4.3-3-3 4-.5z"),
   };
   for (const kind of kinds.has("specials") ? Object.keys(SPECIALS) : []) {
     if (main.series.some((s) => isOn(s.kind) && s.specials.some((special) => special.kind === kind)))

@@ -14,7 +14,8 @@ const KINDS = {
   integration: "time integration",
   attractors: "attractors",
 };
-const SPECIALS = { fold: "circle", "period doubling": "diamond", "neimark-sacker": "square", "branch point": "x" };
+const SPECIALS = { fold: "circle", "period doubling": "diamond", "neimark-sacker": "square", "branch point": "x",
+  "stability change": "star" };
 const LENGTHS = new Set(["rms", "true_ac_rms", "mean", "minimum", "maximum"]);
 const CONFIG = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
 const INK = "#1b1f24";
