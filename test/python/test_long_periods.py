@@ -227,3 +227,19 @@ def test_interrupted_at_once(call, wait):
     code = CHILD.format(call=call, wait=wait, folder=str(Path(__file__).parent))
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
     assert float(done.stdout.split()[0]) < 0.3 and "stopped by Ctrl-C" in done.stdout, done
+
+
+@pytest.mark.full
+def test_the_balance_agrees_with_windows(turbine, times):
+    """Two methods that share neither period nor harmonics: the response to 1e-3, and its verdicts, against settled motions."""
+    branch = turbine.response(start=1100, stop=1900, unit="rpm", harmonics=0, tolerance=1e-3)
+    within = []
+    for speed in np.random.default_rng(3).uniform(1105, 1895, times(40)):
+        [motion], window = branch.at(speed, unit="rpm"), turbine.integrate(speed, unit="rpm")
+        assert motion.stable and window.kind == "stationary"
+        for name in ("rms", "mesh_force_maximum"):
+            np.testing.assert_allclose(getattr(motion, name), getattr(window, name), rtol=1e-3)
+        # The extremes of the whole period are beyond those of a window.
+        within += [abs(getattr(motion, name) - getattr(window, name)) <= getattr(window, FIGURES[name])
+                   for name in ("minimum", "maximum")]
+    assert np.mean(within) >= 0.95
