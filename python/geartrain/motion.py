@@ -17,7 +17,7 @@ from ._motion_check import check_motion, check_states
 from ._motion_table import INTEGRATION, motions_dataset, motions_of, put_motions
 from ._units import hertz_of, speed_of
 from ._warn import warn
-from ._watch import watched
+from ._watch import quiet, watched
 from .description import Description
 from .errors import InputError, SolverError, shown
 from .motion_plot import Pictures
@@ -225,7 +225,7 @@ class Motion(Pictures):
 
     def _sample(self, samples: int, periods: int = 0, progress: Array | None = None) -> tuple[Array, ...]:
         """Time, displacement, mesh force, shaft torque and velocity, over a period or over periods of the fundamental."""
-        watch = np.zeros(3) if progress is None else progress
+        watch = quiet() if progress is None else progress
         with self._box() as box:
             time, displacement, velocity, force, torque = fortran.sample_waveform(
                 box.handle, periods, samples, len(self.rms), len(self.train.shafts) if self.train else 0, watch

@@ -98,7 +98,8 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Unit of the frequencies of the group: Lambda; rpm, the speed, of a train whose meshes all have teeth; Hz, of the fundamental; 'Lambda', 'rpm' or 'Hz'"),
         "harmonics": Variable("harmonics", "integer", "int", 6, False, "Harmonics R of Lambda/subharmonic; 0: as many as tolerance needs, the choice for trains with teeth; >= 1 and <= 1000, or 0"),
         "subharmonic": Variable("subharmonic", "integer", "int", 1, False, "Period of the motion in periods of the fundamental, eta; >= 1 and <= 1000"),
-        "stability": Variable("stability", "logical", "bool", True, False, "Floquet multipliers of every point"),
+        "stability": Variable("stability", "logical", "bool", True, False, "Whether every point is stable, by its Floquet multipliers or, where a period has more than 500 cycles of a mesh, its growth rate"),
+        "multipliers": Variable("multipliers", "logical", "bool", False, False, "Floquet multipliers of every point, however long the period is"),
         "shaft_torque": Variable("shaft_torque", "logical", "bool", True, False, "Mean and extremes of the torque of every shaft at every point"),
         "amplitude_limit": Variable("amplitude_limit", "real", "float", -1.0, False, "Rms over characteristic length beyond which the branch is followed but not recorded; -1: 12 with backlash, 10000 for a linear train, where it counts as infinite (both times the larger of half backlash and static deflection); > 0, or -1"),
         "coefficients": Variable("coefficients", "text", "Literal['exact', 'sampled']", "exact", False, "Fourier coefficients of the mesh force: exact from the contact events, or sampled (the discrete transform of the paper); 'exact' or 'sampled'"),
@@ -132,6 +133,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "max_periods": Variable("max_periods", "integer", "int", 2000, False, "Periods of the fundamental after which an unsettled start is given up; >= 1"),
         "tolerance": Variable("tolerance", "real", "float", 1.0e-9, False, "Relative change over a period of the motion at which it counts as settled; > 0 and <= 1"),
         "stability": Variable("stability", "logical", "bool", True, False, "Floquet multipliers of every motion"),
+        "long_period": Variable("long_period", "logical", "bool", False, False, "Computed even where a period has more than 500 cycles of a mesh, as with hunting teeth: minutes to days"),
     },
     "basins": {
         "frequency": Variable("frequency", "real", "float", None, True, "Lambda, or in `unit; > 0"),
@@ -146,6 +148,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "starts": Variable("starts", "integer", "int", 200, False, "Random starts that find the motions first, as of &attractors; >= 1 and <= 1.0e6"),
         "random_seed": Variable("random_seed", "integer", "int", 0, False, "The same seed gives the same random starts"),
         "max_periods": Variable("max_periods", "integer", "int", 500, False, "Periods of the fundamental after which a start that goes to no known motion is settled the long way, and given up after 64 more; >= 1"),
+        "long_period": Variable("long_period", "logical", "bool", False, False, "Computed even where a period has more than 500 cycles of a mesh, as with hunting teeth: minutes to days"),
     },
     "bifurcation_diagram": {
         "start": Variable("from", "real", "float", None, True, "One end of the range of Lambda; > 0"),
@@ -155,6 +158,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "direction": Variable("direction", "text", "Literal['up', 'down', 'both']", "both", False, "Order in which the frequencies are visited, each starting from the last state before; 'up', 'down' or 'both'"),
         "transient": Variable("transient", "integer", "int", 500, False, "Periods of the fundamental before the sections of a frequency; >= 0"),
         "sections": Variable("sections", "integer", "int", 200, False, "Sections of a frequency, one at phase 0 of each period of the fundamental; >= 10 and <= 100000"),
+        "long_period": Variable("long_period", "logical", "bool", False, False, "Computed even where a period has more than 500 cycles of a mesh, as with hunting teeth: minutes to days"),
     },
     "stability_map": {
         "start": Variable("from", "real", "float", None, True, "One end of the range of Lambda; > 0"),
@@ -167,6 +171,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "parameter_points": Variable("parameter_points", "integer", "int", 200, False, "Values of the parameter in the range, both ends included; >= 1 and <= 10000"),
         "linear": Variable("linear", "logical", "bool", False, False, "The train without backlash, all teeth in contact: where its parametric resonances are; else the motions on the branch of every row"),
         "harmonics": Variable("harmonics", "integer", "int", 6, False, "Harmonics R of Lambda of the motions; not used by a linear map; >= 1 and <= 1000"),
+        "long_period": Variable("long_period", "logical", "bool", False, False, "Computed even where a period has more than 500 cycles of a mesh, as with hunting teeth: minutes to days"),
     },
     "run_up": {
         "start": Variable("from", "real", "float", None, True, "Frequency at the beginning, in the `unit`; > 0"),
@@ -320,6 +325,7 @@ class ResponseKeywords(TypedDict, total=False):
     harmonics: int
     subharmonic: int
     stability: bool
+    multipliers: bool
     shaft_torque: bool
     amplitude_limit: float
     coefficients: Literal["exact", "sampled"]
@@ -357,6 +363,7 @@ class AttractorsKeywords(TypedDict, total=False):
     max_periods: int
     tolerance: float
     stability: bool
+    long_period: bool
 
 
 class BasinsKeywords(TypedDict, total=False):
@@ -370,6 +377,7 @@ class BasinsKeywords(TypedDict, total=False):
     starts: int
     random_seed: int
     max_periods: int
+    long_period: bool
 
 
 class BifurcationDiagramKeywords(TypedDict, total=False):
@@ -382,6 +390,7 @@ class BifurcationDiagramKeywords(TypedDict, total=False):
     direction: Literal["up", "down", "both"]
     transient: int
     sections: int
+    long_period: bool
 
 
 class StabilityMapKeywords(TypedDict, total=False):
@@ -397,6 +406,7 @@ class StabilityMapKeywords(TypedDict, total=False):
     parameter_points: int
     linear: bool
     harmonics: int
+    long_period: bool
 
 
 class RunUpKeywords(TypedDict, total=False):
