@@ -175,10 +175,8 @@ module geartrain_continuation_branch
       type(contact_edge_type), allocatable :: contact_edges(:)
       !> Why the trace ended, in words; not allocated: the trace is under way.
       character(:), allocatable :: ended
-      !> Whether the branch got to the other end of the range or closed; whether it closed.
-      logical :: complete = .false., closed = .false.
-      !> Whether the observer ended the trace.
-      logical :: cancelled = .false.
+      !> Whether the branch got to the other end of the range or closed; whether it closed; whether the observer ended the trace.
+      logical :: complete = .false., closed = .false., cancelled = .false.
       !> What the branch follows from, in words; not allocated for the response itself.
       character(:), allocatable :: origin
       !> State of the trace; allocated while the response is under way.
@@ -428,7 +426,8 @@ contains
       type(branch_type), intent(inout) :: branch
       class(fields_type), intent(inout) :: fields
 
-      call fields%index_axis('state', branch%states, 'number of the multiplier, in no order that holds between points')
+      if (fields%has('multipliers', branch%states > 0)) call fields%index_axis('state', branch%states, &
+         'number of the multiplier, in no order that holds between points')
       call carry(fields, row('stable', 'point', '1', about_stable, on_stability), branch%stable)
       call carry(fields, row('undecided', 'point', '1', about_undecided, on_stability), branch%undecided)
       call carry(fields, row('growth_rate', 'point', '1/s', about_growth_rate, on_stability), branch%growth_rate)
