@@ -56,7 +56,7 @@ class Motion(Pictures):
     coefficients : ndarray, (meshes, 1 + 2*harmonics)
         Mean, cos 1, sin 1, cos 2, ... of the frequency Lambda/period.
     stable : bool or None
-        None where no multipliers were asked for; ``refine`` finds them.
+        None where no multipliers were asked for; ``refine`` finds them. Known without multipliers on a branch of long period.
     undecided : bool
         ``stable`` is a guess: the largest multiplier is as near to the unit circle as it is uncertain.
     floating : bool

@@ -27,7 +27,8 @@ class SpecialPoint:
     Attributes
     ----------
     kind : str
-        ``'fold'``, ``'period doubling'``, ``'neimark-sacker'`` or ``'branch point'``; of a contact onset ``'separation'`` or
+        ``'fold'``, ``'period doubling'``, ``'neimark-sacker'`` or ``'branch point'``; on a branch of long period without
+        multipliers ``'stability change'``, where the growth rate passes 0; of a contact onset ``'separation'`` or
         ``'back contact'``.
     frequency : float
         Lambda.

@@ -1,5 +1,5 @@
-"""Trains whose period has more than 500 cycles of a mesh: what works over whole periods is refused before it begins, or insisted on,
-and branches without multipliers go through everything that takes a branch; how long a run takes is said."""
+"""Trains whose period has more than 500 cycles of a mesh: what works over whole periods is refused before it begins unless insisted on,
+branches without multipliers go through everything that takes a branch, and a long run says how long it takes."""
 
 import re
 import signal
@@ -101,7 +101,7 @@ def test_a_doubling_of_a_long_period_is_not_passed_over(train):
     """Of 260 cycles: the branch of twice the period has no multipliers, which would show its own doublings."""
     short = train.with_values({"mesh 1 order": 260})
     asked = {"start": 1.8 / 260, "stop": 2.2 / 260, "harmonics": 0, "tolerance": 1e-2}
-    with pytest.raises(gt.InputError, match="period_doublings = 2: .* the period is 520 mesh cycles"):
+    with pytest.raises(gt.InputError, match=r"period_doublings = 2: .* the period is 520 mesh cycles"):
         short.response(**asked, period_doublings=2)
     assert short.response(**asked, period_doublings=1).multipliers is not None
 
@@ -110,7 +110,7 @@ def test_a_stability_change_says_what_it_lacks(train, branch, whole):
     change = branch.special_points[0]
     assert change.kind == "stability change" and branch.multipliers is None
     for call in (change.exact, lambda: change.gradient(["mesh 1 damping_ratio"])):
-        with pytest.raises(gt.InputError, match="a stability change is where the growth rate passes 0 .* multipliers = True"):
+        with pytest.raises(gt.InputError, match=r"a stability change is where the growth rate passes 0 .* multipliers = True"):
             call()
     with pytest.raises(gt.InputError, match=f"locus: {TOLD}, .*followed for motions of up to 32 cycles only"):
         train.locus(change, parameter="input_torque", start=0.3, stop=0.5)
@@ -134,6 +134,15 @@ def test_motions_of_such_a_branch_know_their_stability(branch, whole):
         assert motion.stable is known.stable and motion.undecided is known.undecided
     assert replace(branch, others=branch.others).at(AT)[0].stable  # as a branch of one's own
     assert branch.train.response(**RANGE, seed=branch.at(AT)[0]).complete
+
+
+def test_growth_rates_of_refined_points_follow_their_multipliers():
+    """Of a short period, at a coarse balance, whose multipliers refinement moves."""
+    coarse = single_pair(0.4, 0.05, stiffness_cos=[0.3]).response(start=0.7, stop=0.9, harmonics=2)
+    found = coarse.refine()
+    rates = np.log(np.abs(found.multipliers).max(axis=1)) * found.frequency / (2 * np.pi)
+    done = ~np.isnan(found.correction)
+    assert done.any() and found.growth_rate[done] == pytest.approx(rates[done], rel=1e-9, abs=1e-12)
 
 
 def test_everything_that_takes_a_branch_takes_it(branch, whole, tmp_path):
@@ -231,8 +240,8 @@ def paper_case(folder, analyses):
 
 @pytest.mark.full
 @pytest.mark.parametrize(("analyses", "words"), [
-    (SLOW, r"response: about [\d.]+ (s|min) expected: (verdicts take \d+ % of the time: stability = \.false\. takes about .*|a point"
-           r" takes .*)"),
+    (SLOW, r"response: about [\d.]+ (s|min) expected: "
+           r"(verdicts take \d+ % of the time: stability = \.false\. takes about .*|a point takes .*)"),
     ("&integration from = 0.2, to = 2.6, points = 3000, direction = 'both' /\n",
      r"integration: about \d+ (s|min) expected: 6000 points of .*"),
     ("&attractors frequency = 0.6, starts = 100000 /\n", r"attractors: about \d+ (s|min) expected: 100000 points of .*"),

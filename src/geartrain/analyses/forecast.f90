@@ -9,7 +9,7 @@ module geartrain_analyses_forecast
    use geartrain_model_long_period, only: describe_period, long_period
    implicit none (type, external)
    private
-   public :: duration_text, forecast_length, forecast_type
+   public :: forecast_type
 
    !> Most characters of a forecast.
    integer, parameter :: forecast_length = 400
@@ -67,9 +67,11 @@ contains
    !> Takes notice of a step of an observer.
    subroutine look(self, analysis, done, value, case, results, sentence)
       class(forecast_type), intent(inout) :: self
-      !> Name of the analysis, steps done so far, and Lambda or parameter of the step, as an observer gets them.
+      !> Name of the analysis, as an observer gets it.
       character(*), intent(in) :: analysis
+      !> Steps done so far.
       integer, intent(in) :: done
+      !> Lambda or parameter of the step.
       real(dp), intent(in) :: value
       !> The case.
       type(case_type), intent(in) :: case

@@ -3,7 +3,7 @@
 module geartrain_continuation_refinement
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_error, only: error_type
-   use geartrain_base_kinds, only: dp
+   use geartrain_base_kinds, only: dp, pi
    use geartrain_base_observer, only: observer_type
    use geartrain_continuation_branch, only: branch_type, coefficients_of
    use geartrain_continuation_fold_sides, only: sides_of
@@ -75,7 +75,11 @@ contains
          ! The observer may read the branch: no other thread changes a point at this time.
          !$omp critical (geartrain_refinement)
          branch%correction(i) = correction
-         if (.not. correction < 0) call replace_point(motion, i, branch)
+         if (.not. correction < 0) then
+            call replace_point(motion, i, branch)
+            if (allocated(branch%stable)) &
+               branch%growth_rate(i) = growth_rate_of(motion, repeats)*system%characteristic_frequency
+         end if
          done = done + 1
          go = keep_going
          if (go .and. present(observer)) call observer%on_step('refinement', done, branch%frequency_ratio(i), go)
@@ -86,6 +90,19 @@ contains
       !$omp end parallel do
       if (.not. keep_going .or. train%interrupt%raised()) call cancel_refinement(branch)
    end subroutine refine_branch
+
+   !> Growth rate of the slowest perturbation of a refined motion, by its multipliers [1/dimensionless time].
+   pure real(dp) function growth_rate_of(motion, repeats) result(rate)
+      type(motion_type), intent(in) :: motion
+      !> How often the motion goes through its waveform in its period.
+      integer, intent(in) :: repeats
+      real(dp) :: largest
+
+      largest = abs(motion%multipliers(1))
+      if (allocated(motion%repetition_multipliers)) largest = abs(motion%repetition_multipliers(1))
+      rate = log(max(largest, tiny(largest)))*motion%frequency_ratio/(2*pi*motion%period)
+      if (allocated(motion%repetition_multipliers)) rate = repeats*rate
+   end function growth_rate_of
 
    !> Tells in a branch that its refinement was cancelled.
    subroutine cancel_refinement(branch)
