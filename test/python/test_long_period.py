@@ -1,5 +1,5 @@
-"""Trains whose period has more than 500 cycles of a mesh: what works over whole periods is refused before it begins unless insisted on,
-branches without multipliers go through everything that takes a branch, and a long run says how long it takes."""
+"""Trains whose period has more than 500 cycles of a mesh: what works over whole periods is refused before it begins unless insisted
+on, branches without multipliers go through everything that takes a branch, and a long run says how long it takes."""
 
 import re
 import signal

@@ -15,6 +15,8 @@ module geartrain_analyses_forecast
    integer, parameter :: forecast_length = 400
    !> Shortest duration that is forecast [s]; time of an analysis before which nothing is forecast [s].
    real(dp), parameter :: worth_telling = 10, patience = 3
+   !> Share of a curve that must be done, since its steps are small in the beginning, unless this has taken so long [s].
+   real(dp), parameter :: least_share = 0.03_dp, too_long = 8
    !> Steps of a response before which nothing is forecast.
    integer, parameter :: least_points = 3
    !> Analyses of which the first motion takes longer than the others.
@@ -113,6 +115,7 @@ contains
       elapsed = real(now - self%begin, dp)/real(rate, dp)
       if (.not. (elapsed > patience .and. self%share > self%share_before)) return
       if (analysis == 'response' .and. self%steps < least_points) return
+      if (any(analysis == curves) .and. elapsed < too_long .and. self%share - self%share_before < least_share) return
       rest = elapsed*(1 - self%share)/(self%share - self%share_before)
       whole = self%lead + elapsed + rest
       if (.not. (whole >= worth_telling .and. rest >= worth_telling/2)) return
