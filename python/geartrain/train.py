@@ -758,7 +758,8 @@ class Train(Description):
         """
         if not isinstance(special, (SpecialPoint, ExactPoint)):
             raise InputError(f"special = {shown(special)}: must be a special point, one of a branch's special_points or onsets")
-        self._refuse("locus")  # before the special point is made exact, which may take minutes
+        if isinstance(special, SpecialPoint):
+            self._refuse("locus")  # before the special point is made exact, which may take minutes
         exact = special.exact() if isinstance(special, SpecialPoint) else special
         settings = {"kind": exact.kind.replace(" ", "_"), "near": exact.frequency, "mesh": exact.mesh or 0,
                     "parameter": parameter, "start": start, "stop": stop}
